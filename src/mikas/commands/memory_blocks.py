@@ -1,0 +1,181 @@
+"""Several bytes of RAM, XRAM or CODE in one exchange (§3, rows 21–26; D7, D8)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from mikas.commands.base import (
+    Command,
+    MalformedRequest,
+    Safety,
+    SizeOf,
+    Write,
+    check_range,
+)
+from mikas.errors import WrongAddress, WrongContent
+from mikas.language import Text
+
+LARGEST_BLOCK = 0xFF  # the count is one byte
+
+
+def _check_block(space: str, address_bytes: int, address: int, count: int) -> None:
+    check_range(space, (1 << 8 * address_bytes) - 1, address, count)
+    if count > LARGEST_BLOCK:
+        raise ValueError(f"a block has at most {LARGEST_BLOCK} bytes")
+
+
+@dataclass(frozen=True, slots=True)
+class _ReadBlock(Command[bytes]):
+    """`count` bytes from `address` on."""
+
+    address: int
+    count: int
+
+    SPACE: ClassVar[str]
+    ADDRESS_BYTES: ClassVar[int]
+    COUNT_FORMS: ClassVar[tuple[bool, ...]]  # is the count repeated? the usual form first (D7)
+
+    def __post_init__(self) -> None:
+        _check_block(self.SPACE, self.ADDRESS_BYTES, self.address, self.count)
+
+    def body(self) -> bytes:
+        return bytes([self.code]) + self._address() + bytes([self.count])
+
+    def _address(self) -> bytes:
+        return self.address.to_bytes(self.ADDRESS_BYTES, "little")
+
+    def response_lengths(self) -> Sequence[int]:
+        return tuple(self.ADDRESS_BYTES + counted + self.count for counted in self.COUNT_FORMS)
+
+    def _read(self, body: bytes) -> bytes:
+        address, rest = body[: self.ADDRESS_BYTES], body[self.ADDRESS_BYTES :]
+        if address != self._address():
+            raise WrongAddress(
+                got=address[::-1].hex().upper(),
+                asked=self._address()[::-1].hex().upper(),
+                request=self.body(),
+                received=body,
+            )
+        if len(rest) > self.count:
+            if rest[0] != self.count:
+                raise WrongContent(
+                    problem=Text(
+                        f"it announces {rest[0]} bytes instead of {self.count}",
+                        f"объявлено байтов {rest[0]} вместо {self.count}",
+                    ),
+                    request=self.body(),
+                    received=body,
+                )
+            rest = rest[1:]
+        return rest
+
+    def respond(self, value: bytes, *, counted: bool | None = None) -> bytes:
+        """`counted`: whether to repeat the count; the source's form by default (D7)."""
+        repeated = self.COUNT_FORMS[0] if counted is None else counted
+        return self._address() + (bytes([self.count]) if repeated else b"") + value
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        if len(body) != 2 + cls.ADDRESS_BYTES:
+            raise MalformedRequest
+        return cls(int.from_bytes(body[1:-1], "little"), body[-1])
+
+
+@dataclass(frozen=True, slots=True)
+class _WriteBlock(Write):
+    """Writes `data` from `address` on. D8: the data bytes are missing in the source's rows 24,
+    26.
+    """
+
+    address: int
+    data: bytes
+
+    SPACE: ClassVar[str]
+    ADDRESS_BYTES: ClassVar[int]
+    SAFETY: ClassVar[Safety] = Safety.REVERSIBLE
+
+    def __post_init__(self) -> None:
+        _check_block(self.SPACE, self.ADDRESS_BYTES, self.address, len(self.data))
+
+    def body(self) -> bytes:
+        address = self.address.to_bytes(self.ADDRESS_BYTES, "little")
+        return bytes([self.code]) + address + bytes([len(self.data)]) + self.data
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        count_at = 1 + cls.ADDRESS_BYTES
+        if len(body) <= count_at or len(body) != count_at + 1 + body[count_at]:
+            raise MalformedRequest
+        return cls(int.from_bytes(body[1:count_at], "little"), body[count_at + 1 :])
+
+
+class ReadRamBlock(_ReadBlock):
+    """21 CREADDI: `21 A N` → `A N B1 … BN`."""
+
+    __slots__ = ()
+    CODES: ClassVar[tuple[int, ...]] = (0x21,)
+    SOURCE_NAME: ClassVar[str] = "CREADDI"
+    TITLE: ClassVar[Text] = Text("read RAM bytes", "чтение байтов RAM")
+    SPACE: ClassVar[str] = "ram"
+    ADDRESS_BYTES: ClassVar[int] = 1
+    COUNT_FORMS: ClassVar[tuple[bool, ...]] = (True,)
+
+
+class WriteRamBlock(_WriteBlock):
+    """22 CWRITDI: `22 A N B1 … BN` → `00` / `01`."""
+
+    __slots__ = ()
+    CODES: ClassVar[tuple[int, ...]] = (0x22,)
+    SOURCE_NAME: ClassVar[str] = "CWRITDI"
+    TITLE: ClassVar[Text] = Text("write RAM bytes", "запись байтов RAM")
+    SPACE: ClassVar[str] = "ram"
+    ADDRESS_BYTES: ClassVar[int] = 1
+
+
+class ReadXramBlock(_ReadBlock):
+    """23 CREADDX: `23 AL AH N` → `AL AH B1 … BN`, or with the count as in 21 (D7)."""
+
+    __slots__ = ()
+    CODES: ClassVar[tuple[int, ...]] = (0x23,)
+    SOURCE_NAME: ClassVar[str] = "CREADDX"
+    TITLE: ClassVar[Text] = Text("read XRAM bytes", "чтение байтов XRAM")
+    SPACE: ClassVar[str] = "xram"
+    ADDRESS_BYTES: ClassVar[int] = 2
+    COUNT_FORMS: ClassVar[tuple[bool, ...]] = (False, True)
+
+
+class WriteXramBlock(_WriteBlock):
+    """24 CWRITDX: `24 AL AH N B1 … BN` → `00` / `01` (D8)."""
+
+    __slots__ = ()
+    CODES: ClassVar[tuple[int, ...]] = (0x24,)
+    SOURCE_NAME: ClassVar[str] = "CWRITDX"
+    TITLE: ClassVar[Text] = Text("write XRAM bytes", "запись байтов XRAM")
+    SPACE: ClassVar[str] = "xram"
+    ADDRESS_BYTES: ClassVar[int] = 2
+
+
+class ReadCodeBlock(_ReadBlock):
+    """25 CREADDC: `25 AL AH N` → as 23 (D7)."""
+
+    __slots__ = ()
+    CODES: ClassVar[tuple[int, ...]] = (0x25,)
+    SOURCE_NAME: ClassVar[str] = "CREADDC"
+    TITLE: ClassVar[Text] = Text("read CODE bytes", "чтение байтов CODE")
+    SPACE: ClassVar[str] = "code"
+    ADDRESS_BYTES: ClassVar[int] = 2
+    COUNT_FORMS: ClassVar[tuple[bool, ...]] = (False, True)
+
+
+class WriteCodeBlock(_WriteBlock):
+    """26 CWRITDC: `26 AL AH N B1 … BN` → `00` / `01` (D8)."""
+
+    __slots__ = ()
+    CODES: ClassVar[tuple[int, ...]] = (0x26,)
+    SOURCE_NAME: ClassVar[str] = "CWRITDC"
+    TITLE: ClassVar[Text] = Text("write CODE bytes", "запись байтов CODE")
+    SAFETY: ClassVar[Safety] = Safety.DANGEROUS
+    SPACE: ClassVar[str] = "code"
+    ADDRESS_BYTES: ClassVar[int] = 2

@@ -1,0 +1,219 @@
+"""Parameters by code: count, read, write, list, stream (§3, rows 60–64, 71, 7F–83; D15).
+
+A datum's size is its parameter's, and a response is nothing but data one behind another, so whoever
+asks has to know the sizes: they come with the codes, from the catalog.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple, Self
+
+from mikas.commands.base import (
+    Command,
+    MalformedRequest,
+    Safety,
+    SizeOf,
+    Write,
+    check_byte,
+)
+from mikas.language import Text
+
+Data = tuple[bytes, ...]  # one datum a parameter, in the order asked
+
+
+class Datum(NamedTuple):
+    """A parameter as the wire knows it: its code and how many bytes it has."""
+
+    code: int
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
+class CountParameters(Command[int]):
+    """60 CNUMPAR: `60` → `B`, how many parameters the unit has."""
+
+    CODES: ClassVar[tuple[int, ...]] = (0x60,)
+    SOURCE_NAME: ClassVar[str] = "CNUMPAR"
+    TITLE: ClassVar[Text] = Text("number of parameters", "количество параметров")
+
+    def body(self) -> bytes:
+        return b"\x60"
+
+    def response_lengths(self) -> Sequence[int]:
+        return (1,)
+
+    def _read(self, body: bytes) -> int:
+        return body[0]
+
+    def respond(self, value: int) -> bytes:
+        return bytes([value])
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        if len(body) != 1:
+            raise MalformedRequest
+        return cls()
+
+
+@dataclass(frozen=True, slots=True)
+class _DataCommand(Command[Data]):
+    """Answered by the data of `parameters`, one behind another."""
+
+    parameters: tuple[Datum, ...]
+
+    def __post_init__(self) -> None:
+        if not self.parameters:
+            raise ValueError("at least one parameter")
+        for parameter in self.parameters:
+            check_byte("code", parameter.code)
+            if parameter.size < 1:
+                raise ValueError("a datum has at least one byte")
+
+    def body(self) -> bytes:
+        return bytes([self.code, *(p.code for p in self.parameters)])
+
+    def response_lengths(self) -> Sequence[int]:
+        return (sum(p.size for p in self.parameters),)
+
+    def _read(self, body: bytes) -> Data:
+        data, start = [], 0
+        for parameter in self.parameters:
+            data.append(body[start : start + parameter.size])
+            start += parameter.size
+        return tuple(data)
+
+    def respond(self, value: Data) -> bytes:
+        return b"".join(value)
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        return cls(_parse_codes(body[1:], size_of))
+
+
+def _parse_codes(codes: bytes, size_of: SizeOf) -> tuple[Datum, ...]:
+    if not codes:
+        raise MalformedRequest
+    data = []
+    for code in codes:
+        size = size_of(code)
+        if size is None:
+            raise MalformedRequest(f"no parameter {code:02X}")
+        data.append(Datum(code, size))
+    return tuple(data)
+
+
+class ReadParameters(_DataCommand):
+    """61 CREADP: `61 P1 … PN` → `D1 … DN`, one or several. Wire for TWAT: `61 1A 85 0D`."""
+
+    __slots__ = ()
+    CODES: ClassVar[tuple[int, ...]] = (0x61,)
+    SOURCE_NAME: ClassVar[str] = "CREADP"
+    TITLE: ClassVar[Text] = Text("read parameters", "чтение параметров")
+
+
+@dataclass(frozen=True, slots=True)
+class WriteParameter(Write):
+    """62 CWRITP: `62 P D…` → `00` / `01`; the datum has the parameter's size."""
+
+    parameter: int
+    data: bytes
+
+    CODES: ClassVar[tuple[int, ...]] = (0x62,)
+    SOURCE_NAME: ClassVar[str] = "CWRITP"
+    TITLE: ClassVar[Text] = Text("write a parameter", "запись параметра")
+    SAFETY: ClassVar[Safety] = Safety.LASTING
+
+    def __post_init__(self) -> None:
+        check_byte("code", self.parameter)
+        if not self.data:
+            raise ValueError("at least one data byte")
+
+    def body(self) -> bytes:
+        return bytes([self.code, self.parameter]) + self.data
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        if len(body) < 3:
+            raise MalformedRequest
+        return cls(body[1], body[2:])
+
+
+# §3: two writes in a row, each answered 00. The cell 0E has no row in §4: no name is invented.
+ERASE_FAULTS = (WriteParameter(0x0E, b"\x08"), WriteParameter(0x0E, b"\x00"))
+
+
+class ReadList(_DataCommand):
+    """63 CREADL: `63` → `D1 … DN` of the list that 64 set; `parameters` is that list."""
+
+    __slots__ = ()
+    CODES: ClassVar[tuple[int, ...]] = (0x63,)
+    SOURCE_NAME: ClassVar[str] = "CREADL"
+    TITLE: ClassVar[Text] = Text("read the list", "чтение по списку")
+
+    def body(self) -> bytes:
+        return b"\x63"
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        """Not enough to know the list: the ECU's side keeps it, from `WriteList`."""
+        raise MalformedRequest("the list comes from 64")
+
+
+@dataclass(frozen=True, slots=True)
+class WriteList(Write):
+    """64 CWRITL: `64 P1 … PN` → `00` / `01`: sets the list that 63 reads."""
+
+    parameters: tuple[Datum, ...]
+
+    CODES: ClassVar[tuple[int, ...]] = (0x64,)
+    SOURCE_NAME: ClassVar[str] = "CWRITL"
+    TITLE: ClassVar[Text] = Text("set the list", "запись списка")
+    SAFETY: ClassVar[Safety] = Safety.REVERSIBLE
+
+    def __post_init__(self) -> None:
+        if not self.parameters:
+            raise ValueError("at least one parameter")
+
+    def body(self) -> bytes:
+        return bytes([self.code, *(p.code for p in self.parameters)])
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        return cls(_parse_codes(body[1:], size_of))
+
+
+class StreamCyclic(_DataCommand):
+    """71 CREADPF: `71 P1 … PN` → `D1 … DN`, again and again, not tied to the crankshaft."""
+
+    __slots__ = ()
+    CODES: ClassVar[tuple[int, ...]] = (0x71,)
+    SOURCE_NAME: ClassVar[str] = "CREADPF"
+    TITLE: ClassVar[Text] = Text("cyclic stream", "циклический поток")
+    STREAM: ClassVar[bool] = True
+
+
+@dataclass(frozen=True, slots=True)
+class StreamAtStroke(_DataCommand):
+    """7F 80 81 82 83, CREADPS: `D1 … DN` once an engine cycle, at stroke 0, 1, 2, 3 or 4 (D15)."""
+
+    stroke: int = 0
+
+    CODES: ClassVar[tuple[int, ...]] = (0x7F, 0x80, 0x81, 0x82, 0x83)
+    SOURCE_NAME: ClassVar[str] = "CREADPS"
+    TITLE: ClassVar[Text] = Text("stream at a stroke", "поток по такту двигателя")
+    STREAM: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        _DataCommand.__post_init__(self)
+        if not 0 <= self.stroke < len(self.CODES):
+            raise ValueError("a stroke is 0 to 4")
+
+    @property
+    def code(self) -> int:
+        return self.CODES[self.stroke]
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        return cls(_parse_codes(body[1:], size_of), cls.CODES.index(body[0]))

@@ -1,0 +1,222 @@
+"""Bytes ⇄ frames: checksum, byte stuffing, terminator (§2).
+
+A frame on the wire is `[body][checksum][0D]`, body and checksum stuffed. This module is pure: it
+opens nothing, reads no clock, and never raises on input: damage is an event. It refuses to know
+what a body means, who sent it, or when.
+
+The rule of D3, on which the decoder rests: stuffing does not change the sum modulo 256, so what
+stands before a `0D` can be checked as it came. Sum 0: a whole frame. Sum F3 and a second `0D` right
+behind: a frame whose checksum `0D` was sent raw. Anything else: damage, and the next frame starts
+behind that `0D`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+TERMINATOR = 0x0D
+ESCAPE = 0x40
+
+_STUFFED_TERMINATOR = b"\x40\xcd"  # 40 + CD = 10D
+_STUFFED_ESCAPE = b"\x40\x00"  # 40 + 00 = 40
+_RAW_TERMINATOR_SUM = 0xF3  # -0D: all but a raw checksum 0D has been summed
+
+
+class DamageReason(Enum):
+    """Why a stretch of bytes is no frame."""
+
+    CHECKSUM = "checksum"
+    TOO_LONG = "too long"
+    IRREGULAR_ESCAPE = "irregular escape"  # strict mode only, D4
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A sound frame. `wire`: as it came, terminator included; `offset`: its first byte in the
+    stream.
+
+    `raw_checksum`: the checksum was 0D or 40 and came unstuffed (D3). `irregular`: some escape was
+    neither 40 CD nor 40 00 and was decoded by the sum rule (D4).
+    """
+
+    body: bytes
+    wire: bytes
+    offset: int
+    raw_checksum: bool = False
+    irregular: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Damage:
+    """Bytes that are no frame, without their terminator. `offset`: the first of them in the
+    stream.
+    """
+
+    reason: DamageReason
+    data: bytes
+    offset: int
+
+
+Event = Frame | Damage
+
+
+def checksum(body: bytes) -> int:
+    """The byte that makes the sum of body and checksum 0 modulo 256 (§2.1). `01` → FF."""
+    return -sum(body) & 0xFF
+
+
+def stuff(data: bytes) -> bytes:
+    """`0D` → `40 CD`, `40` → `40 00` (§2.2)."""
+    # The escapes first: stuffing a terminator makes new ones.
+    return data.replace(b"\x40", _STUFFED_ESCAPE).replace(b"\x0d", _STUFFED_TERMINATOR)
+
+
+def encode(body: bytes, *, raw_checksum: bool = False) -> bytes:
+    """The frame that carries `body`: `01` → `01 FF 0D` (§2).
+
+    The checksum is stuffed like the body; with `raw_checksum` it is sent as it is (D3: the source
+    does not say, and some units may want it so).
+    """
+    check = bytes([checksum(body)])
+    return stuff(body) + (check if raw_checksum else stuff(check)) + b"\x0d"
+
+
+def unstuff(data: bytes) -> tuple[bytes, bool]:
+    """`data` without stuffing, and whether some escape was irregular (D4).
+
+    A `40` adds to the byte behind it, whatever that is. One with nothing behind it stays a `40`.
+    """
+    escapes = data.count(ESCAPE)
+    if not escapes:
+        return data, False
+    if escapes == data.count(_STUFFED_TERMINATOR) + data.count(_STUFFED_ESCAPE):
+        # Every 40 opens a pair that is one of the two, so the pairs can't overlap.
+        return data.replace(_STUFFED_TERMINATOR, b"\x0d").replace(_STUFFED_ESCAPE, b"\x40"), False
+    plain = bytearray()
+    position = 0
+    while position < len(data):
+        value = data[position]
+        if value == ESCAPE and position + 1 < len(data):
+            position += 1
+            value = (ESCAPE + data[position]) & 0xFF
+        plain.append(value)
+        position += 1
+    return bytes(plain), True
+
+
+class Decoder:
+    """Bytes in, frames and damage out, however the bytes are cut into chunks.
+
+    `limit`: longest frame in bytes on the wire, terminator not counted; what is longer is damage,
+    and memory stays bounded by it. `strict`: an irregular escape (D4) is damage. `noise` counts
+    bare terminators (D5), `discarded` the bytes thrown away behind the start of an over-long frame.
+    """
+
+    def __init__(self, *, limit: int = 4096, strict: bool = False) -> None:
+        if limit < 1:
+            raise ValueError("limit must be at least 1 byte")
+        self.limit = limit
+        self.strict = strict
+        self.noise = 0
+        self.discarded = 0
+        self._buffer = bytearray()
+        self._searched = 0  # no terminator before this index: feeding single bytes stays linear
+        self._offset = 0  # of the buffer's first byte in the stream
+        self._overflowed = False  # inside an over-long frame, already reported
+
+    @property
+    def pending(self) -> bytes:
+        """What came of a frame that is not finished."""
+        return bytes(self._buffer)
+
+    @property
+    def offset(self) -> int:
+        """How many bytes were fed in all."""
+        return self._offset + len(self._buffer)
+
+    def reset(self) -> bytes:
+        """Forgets the unfinished frame and returns what there was of it."""
+        left = bytes(self._buffer)
+        self._drop(len(left))
+        self._overflowed = False
+        return left
+
+    def feed(self, data: bytes) -> list[Event]:
+        """The frames and the damage that `data` completes, in order. Never raises on any bytes."""
+        self._buffer += data
+        events: list[Event] = []
+        start = 0
+        while (end := self._buffer.find(TERMINATOR, self._searched)) >= 0:
+            if self._overflowed:
+                self._overflowed = False
+                self.discarded += end - start
+                start = self._searched = end + 1
+                continue
+            part = bytes(self._buffer[start:end])
+            total = sum(part) & 0xFF
+            next_start = end + 1
+            if len(part) > self.limit:
+                self.discarded += len(part) - self.limit
+                events.append(self._too_long(start))
+            elif not part:
+                self.noise += 1
+            elif total == 0:
+                events.append(self._frame(part, start))
+            elif total == _RAW_TERMINATOR_SUM and next_start == len(self._buffer):
+                self._searched = end  # the next byte decides
+                break
+            elif total == _RAW_TERMINATOR_SUM and self._buffer[next_start] == TERMINATOR:
+                events.append(self._frame_with_raw_terminator(part, start))
+                next_start += 1
+            else:
+                events.append(Damage(DamageReason.CHECKSUM, part, self._offset + start))
+            start = self._searched = next_start
+        else:
+            self._searched = len(self._buffer)
+        self._drop(start)
+        self._bound(events)
+        return events
+
+    def _frame(self, part: bytes, start: int) -> Event:
+        plain, irregular = unstuff(part)
+        # A lone 40 at the end is a raw checksum. It is the only irregularity if everything before
+        # it is regular; in `40 40` the first escapes the second, and there is no lone one.
+        raw = part[-1] == ESCAPE and plain[-1] == ESCAPE
+        if raw:
+            irregular = unstuff(part[:-1])[1]
+        return self._checked(
+            Frame(plain[:-1], part + b"\x0d", self._offset + start, raw, irregular), part
+        )
+
+    def _frame_with_raw_terminator(self, part: bytes, start: int) -> Event:
+        body, irregular = unstuff(part)
+        return self._checked(
+            Frame(body, part + b"\x0d\x0d", self._offset + start, True, irregular), part
+        )
+
+    def _checked(self, frame: Frame, part: bytes) -> Event:
+        if frame.irregular and self.strict:
+            return Damage(DamageReason.IRREGULAR_ESCAPE, part, frame.offset)
+        return frame
+
+    def _too_long(self, start: int) -> Damage:
+        data = bytes(self._buffer[start : start + self.limit])
+        return Damage(DamageReason.TOO_LONG, data, self._offset + start)
+
+    def _bound(self, events: list[Event]) -> None:
+        """Keeps the buffer within the limit, reporting a frame that outgrows it, once."""
+        # A terminator that waits for its successor (D3) does not count.
+        if self._overflowed:
+            self.discarded += len(self._buffer)
+            self._drop(len(self._buffer))
+        elif self._searched > self.limit:
+            events.append(self._too_long(0))
+            self.discarded += len(self._buffer) - self.limit
+            self._drop(len(self._buffer))
+            self._overflowed = True
+
+    def _drop(self, count: int) -> None:
+        del self._buffer[:count]
+        self._offset += count
+        self._searched = max(0, self._searched - count)

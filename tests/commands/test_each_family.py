@@ -1,0 +1,174 @@
+"""§3, row by row where a row has a rule of its own."""
+
+from __future__ import annotations
+
+import pytest
+
+from mikas import commands as c
+from mikas.commands.base import lengths_in_words
+from mikas.errors import (
+    AddressOutOfRange,
+    NotSupported,
+    ValueDoesNotFit,
+    WriteRefused,
+    WrongAddress,
+    WrongContent,
+    WrongLength,
+)
+
+
+def hexed(text: str) -> bytes:
+    return bytes.fromhex(text)
+
+
+def test_faults():
+    assert c.ReadFaults().read(hexed("00")) == ()
+    assert c.ReadFaults().read(hexed("02 0D E0 E0 E0")) == (0x0D, 0xE0)
+    with pytest.raises(WrongContent, match="announces 3"):
+        c.ReadFaults().read(hexed("03 0D E0 35 E0"))
+    with pytest.raises(WrongContent, match="E0"):
+        c.ReadFaults().read(hexed("01 0D E1"))
+    with pytest.raises(WrongLength):
+        c.ReadFaults().read(hexed("01 0D"))
+    assert len(c.ReadFaults().respond((1,) * 300)) == 511
+
+
+def test_the_echoed_address_must_match():
+    with pytest.raises(WrongAddress, match="8001"):
+        c.ReadCodeByte(0x8000).read(hexed("01 80 4F"))
+    with pytest.raises(WrongAddress):
+        c.ReadXramBlock(0x1000, 2).read(hexed("01 10 AA BB"))
+
+
+def test_d7_the_count_may_or_may_not_be_repeated():
+    block = c.ReadXramBlock(0x1000, 3)
+    assert block.read(hexed("00 10 AA BB 64")) == hexed("AA BB 64")
+    assert block.read(hexed("00 10 03 AA BB 64")) == hexed("AA BB 64")
+    with pytest.raises(WrongContent, match="announces 4"):
+        block.read(hexed("00 10 04 AA BB 64"))
+    with pytest.raises(WrongLength, match="5 / 6"):
+        block.read(hexed("00 10 AA BB"))
+    # 21 repeats it always
+    with pytest.raises(WrongLength):
+        c.ReadRamBlock(0x0C, 3).read(hexed("0C AA BB 64"))
+
+
+def test_completion_codes():
+    write = c.WriteParameter(0x26, b"\x10")
+    assert write.read(b"\x00") is None
+    with pytest.raises(WriteRefused):
+        write.read(b"\x01")
+    with pytest.raises(WrongContent, match="7D"):
+        write.read(b"\x7d")
+
+
+def test_d10_01_to_a_longer_read_means_unknown():
+    with pytest.raises(NotSupported, match="CREADC"):
+        c.ReadCodeByte(0).read(b"\x01")
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: c.ReadRamByte(0x100),
+        lambda: c.ReadRamByte(-1),
+        lambda: c.ReadXramByte(0x10000),
+        lambda: c.ReadRamBlock(0xFF, 2),
+        lambda: c.ReadCodeBlock(0xFFFF, 2),
+        lambda: c.ReadCodeBlock(0, 0),
+        lambda: c.WriteRamBlock(0, b""),
+        lambda: c.GoTo(0x10000),
+        lambda: c.WriteSfr(0x100, 0),
+    ],
+)
+def test_addresses_out_of_range(make):
+    with pytest.raises(AddressOutOfRange):
+        make()
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: c.WriteRamByte(0, 256),
+        lambda: c.WriteCodeByte(0, -1),
+        lambda: c.WriteParameter(0x100, b"\0"),
+        lambda: c.ReadParameters((c.Datum(256, 1),)),
+    ],
+)
+def test_values_that_do_not_fit(make):
+    with pytest.raises(ValueDoesNotFit):
+        make()
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: c.ReadCodeBlock(0, 256),
+        lambda: c.ReadParameters(()),
+        lambda: c.ReadParameters((c.Datum(0x1A, 0),)),
+        lambda: c.WriteList(()),
+        lambda: c.WriteParameter(0x26, b""),
+        lambda: c.StreamAtStroke((c.Datum(0x1A, 1),), 5),
+        lambda: c.ReadProgramPassport(4),
+        lambda: c.ReadDataPassport(0),
+    ],
+)
+def test_misuse(make):
+    with pytest.raises(ValueError):  # noqa: PT011  (each says its own words)
+        make()
+
+
+def test_passports_are_code_page_866():
+    body = hexed("8C 88 8A 80 91 20 37 2E 31 00 00 00 00 00 00 00")
+    assert c.ReadProgramPassport(1).read(body) == "МИКАС 7.1"
+    assert c.ReadProgramPassport(1).respond("МИКАС 7.1") == body
+    assert c.ReadDataPassport(5).body() == b"\x58"
+
+
+def test_goto_expects_no_response_and_shows_one_that_comes():
+    assert c.GoTo(0x8000).body() == hexed("41 00 80")
+    assert c.GoTo(0x8000).read(b"\x55") == b"\x55"
+    assert c.GoTo(0x8000).response_lengths() == ()
+
+
+def test_strokes_have_codes_of_their_own():
+    one = (c.Datum(0x29, 1),)
+    assert [c.StreamAtStroke(one, s).body()[0] for s in range(5)] == [0x7F, 0x80, 0x81, 0x82, 0x83]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "",
+        "99",
+        "01 00",
+        "02 00",
+        "11",
+        "12 40",
+        "21 0C",
+        "21 0C 00",
+        "21 F0 20",
+        "22 0C 02 01",
+        "22 0C",
+        "41 00",
+        "51 00",
+        "60 00",
+        "61",
+        "62 26",
+        "63",
+        "64",
+    ],
+)
+def test_malformed_requests(body):
+    with pytest.raises(c.MalformedRequest):
+        c.parse(hexed(body), lambda _: 1)
+
+
+def test_the_list_of_63_is_known_to_nobody_from_its_bytes():
+    with pytest.raises(c.MalformedRequest):
+        c.ReadList.parse(b"\x63", lambda _: 1)
+
+
+def test_lengths_in_words():
+    assert lengths_in_words((4,)) == "4"
+    assert lengths_in_words(range(1, 512, 2)) == "1, 3, 5 …"

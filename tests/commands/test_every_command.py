@@ -1,0 +1,139 @@
+"""§3: what holds for all commands alike, and the exchange vectors from the tester's end."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from command_strategies import SIZES, bytes_, exchanges
+from mikas import commands as c
+from mikas.errors import LineError, MikasError, NotSupported
+from mikas.framing import encode
+
+VECTORS = Path(__file__).parent.parent / "vectors"
+EXCHANGES = json.loads((VECTORS / "exchanges.json").read_text("utf-8"))
+
+ALL_CODES = bytes.fromhex(
+    "01 02 11 12 13 14 15 16 21 22 23 24 25 26 31 32 41"
+    "51 52 53 54 55 56 57 58 60 61 62 63 64 71 7F 80 81 82 83"
+)
+
+
+def test_no_row_is_left_out():
+    assert sorted(c.COMMANDS_BY_CODE) == sorted(ALL_CODES)
+    assert sum(len(command.CODES) for command in c.ALL_COMMANDS) == len(ALL_CODES)
+
+
+@given(exchanges)
+def test_both_ends_agree(exchange):
+    command, value = exchange
+    body = command.body()
+    assert body[0] == command.code
+    if not isinstance(command, c.ReadList):
+        assert c.parse(body, SIZES.get) == command
+    response = command.respond(value)
+    assert not command.ANSWERED or len(response) in command.response_lengths()
+    try:
+        assert command.read(response) == value
+    except LineError:
+        pytest.fail("a command must read its own response")
+
+
+@given(exchanges, st.binary(max_size=40))
+def test_a_foreign_response_is_refused_or_fits(exchange, foreign):
+    command, _ = exchange
+    try:
+        value = command.read(foreign)
+    except MikasError as error:
+        assert error.request == command.body()
+        assert error.received == foreign
+    else:
+        # What is accepted says exactly what came, or is the other form of D7.
+        assert (
+            foreign == command.respond(value)
+            or (
+                isinstance(command, c.ReadXramBlock | c.ReadCodeBlock)
+                and foreign == command.respond(value, counted=True)
+            )
+            or isinstance(command, c.ReadProgramPassport | c.ReadDataPassport)
+        )
+
+
+@given(st.binary(max_size=40))
+def test_parsing_any_body_gives_that_request_or_says_malformed(body):
+    try:
+        command = c.parse(body, SIZES.get)
+    except c.MalformedRequest:
+        return
+    assert command.body() == body
+
+
+@given(exchanges)
+def test_01_is_never_taken_for_data_where_the_length_tells(exchange):
+    """D10: a unit may answer 01 to a command that it does not know."""
+    command, _ = exchange
+    if command.ANSWERED and 1 not in command.response_lengths():
+        with pytest.raises(NotSupported):
+            command.read(b"\x01")
+
+
+def test_safety_classes():
+    dangerous = {0x16, 0x26, 0x41}
+    lasting = {0x62}
+    reversible = {0x12, 0x14, 0x22, 0x24, 0x32, 0x64}
+    for code, command in c.COMMANDS_BY_CODE.items():
+        expected = (
+            c.Safety.DANGEROUS
+            if code in dangerous
+            else c.Safety.LASTING
+            if code in lasting
+            else c.Safety.REVERSIBLE
+            if code in reversible
+            else c.Safety.READ
+        )
+        assert command.SAFETY is expected
+
+
+@given(exchanges)
+def test_only_reads_that_end_are_repeated(exchange):
+    command, _ = exchange
+    assert command.repeatable == (
+        command.SAFETY is c.Safety.READ and command.code not in (0x71, *range(0x7F, 0x84))
+    )
+    assert f"({command.code:02X})" in command.name
+
+
+def test_the_exchange_vectors_from_the_testers_end():
+    """The tester builds the request and reads the response; the list of 63 is that of 64."""
+    listed: tuple[c.Datum, ...] = ()
+    sizes = {**dict.fromkeys(range(256), 1), 0x3F: 2, 0x21: 2, 0x40: 2, 0x59: 2}
+    for vector in EXCHANGES:
+        request = bytes.fromhex(vector["request"])
+        if request == b"\x99":
+            with pytest.raises(c.MalformedRequest):
+                c.parse(request, sizes.get)
+            continue
+        command = c.ReadList(listed) if request[0] == 0x63 else c.parse(request, sizes.get)
+        if isinstance(command, c.WriteList):
+            listed = command.parameters
+        assert encode(command.body()) == bytes.fromhex(vector["request_wire"]), vector["why"]
+        if vector["answer"] is None:
+            assert not command.ANSWERED
+            continue
+        answer = bytes.fromhex(vector["answer"])
+        if "refused" in vector["why"]:
+            with pytest.raises(MikasError):
+                command.read(answer)
+            continue
+        assert command.respond(command.read(answer)) == answer, vector["why"]
+        assert encode(answer) == bytes.fromhex(vector["answer_wire"])
+
+
+@given(bytes_)
+def test_an_unknown_parameter_is_no_request(code):
+    with pytest.raises(c.MalformedRequest):
+        c.parse(bytes([0x61, code]), lambda _: None)

@@ -1,0 +1,189 @@
+"""§2, D3, D4, D5: the three vectors' framing side and the properties of the codec."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from mikas.framing import Damage, DamageReason, Decoder, Event, Frame, checksum, encode, unstuff
+
+VECTORS = Path(__file__).parent / "vectors"
+FRAMES = json.loads((VECTORS / "frames.json").read_text("utf-8"))
+STREAMS = json.loads((VECTORS / "streams.json").read_text("utf-8"))
+
+# Bytes that matter to the codec come up often enough to meet each other.
+awkward = st.one_of(st.sampled_from(b"\x0d\x40\xcd\x00\xf3\xc0"), st.integers(0, 255))
+wires = st.lists(awkward, max_size=60).map(bytes)
+
+
+def all_events(chunks: list[bytes], **settings: object) -> tuple[list[Event], Decoder]:
+    decoder = Decoder(**settings)
+    return [event for chunk in chunks for event in decoder.feed(chunk)], decoder
+
+
+def cut(data: bytes, cuts: list[int]) -> list[bytes]:
+    edges = sorted({0, len(data), *(c % (len(data) + 1) for c in cuts)})
+    return [data[a:b] for a, b in itertools.pairwise(edges)]
+
+
+def shown(events: list[Event], decoder: Decoder) -> list[dict[str, str]]:
+    rows = [
+        {"frame": e.body.hex(" ").upper()}
+        if isinstance(e, Frame)
+        else {"damaged": e.data.hex(" ").upper()}
+        for e in events
+    ]
+    if decoder.pending:
+        rows.append({"left_in_buffer": decoder.pending.hex(" ").upper()})
+    return rows
+
+
+@pytest.mark.parametrize("vector", FRAMES, ids=lambda v: v["why"])
+def test_frame_vectors(vector):
+    body = bytes.fromhex(vector["body"])
+    assert checksum(body) == int(vector["checksum"], 16)
+    assert encode(body) == bytes.fromhex(vector["wire"])
+    wires = [vector["wire"]]
+    if raw := vector.get("wire_with_raw_checksum"):
+        assert encode(body, raw_checksum=True) == bytes.fromhex(raw)
+        wires.append(raw)
+    for wire in map(bytes.fromhex, wires):
+        for chunks in ([wire], [wire[i : i + 1] for i in range(len(wire))]):
+            events, decoder = all_events(chunks)
+            assert [e.body for e in events] == [body]
+            assert events[0].wire == wire
+            assert not events[0].irregular
+            assert decoder.pending == b""
+
+
+@pytest.mark.parametrize("vector", STREAMS, ids=lambda v: v["why"])
+def test_stream_vectors_under_every_chunking(vector):
+    wire = bytes.fromhex(vector["wire"])
+    for pattern in range(1 << max(0, len(wire) - 1)):
+        cuts = [i + 1 for i in range(len(wire) - 1) if pattern >> i & 1]
+        events, decoder = all_events(cut(wire, cuts))
+        assert shown(events, decoder) == vector["events"]
+
+
+@given(st.lists(awkward, max_size=300).map(bytes), st.booleans())
+def test_round_trip(body, raw):
+    wire = encode(body, raw_checksum=raw)
+    events, decoder = all_events([wire])
+    assert [e.body for e in events] == [body]
+    assert decoder.pending == b""
+    if not raw:
+        assert wire.count(0x0D) == 1  # no bare terminator inside
+    assert sum(wire[:-1]) & 0xFF == 0  # the sum survives stuffing, §2.2
+
+
+@given(wires, st.lists(st.integers(0, 60), max_size=12), st.integers(1, 20), st.booleans())
+@example(bytes.fromhex("F30D0D"), [2], 1, False)
+def test_chunking_never_changes_the_events(wire, cuts, limit, strict):
+    whole, one = all_events([wire], limit=limit, strict=strict)
+    pieces, many = all_events(cut(wire, cuts), limit=limit, strict=strict)
+    assert pieces == whole
+    assert (many.pending, many.noise, many.discarded) == (one.pending, one.noise, one.discarded)
+
+
+@given(st.lists(wires, max_size=8), st.integers(1, 16))
+def test_memory_is_bounded_and_every_byte_is_accounted_for(chunks, limit):
+    decoder = Decoder(limit=limit)
+    seen = 0
+    for chunk in chunks:
+        for event in decoder.feed(chunk):
+            if isinstance(event, Frame):
+                seen += len(event.wire)
+            else:
+                seen += len(event.data) + (event.reason is not DamageReason.TOO_LONG)
+        assert len(decoder.pending) <= limit + 1  # + a terminator that waits for its successor
+    fed = sum(map(len, chunks))
+    assert decoder.offset == fed
+    # What is left unaccounted are the terminators behind over-long frames.
+    assert 0 <= fed - seen - decoder.noise - decoder.discarded - len(decoder.pending) <= fed
+
+
+@given(wires)
+def test_offsets_point_at_the_bytes(wire):
+    for event in Decoder().feed(wire):
+        data = event.wire if isinstance(event, Frame) else event.data
+        assert wire[event.offset : event.offset + len(data)] == data
+
+
+@given(wires)
+def test_sum_rule(wire):
+    plain, irregular = unstuff(wire)
+    assert sum(plain) & 0xFF == sum(wire) & 0xFF
+    if not irregular:
+        assert len(plain) == len(wire) - wire.count(0x40)
+
+
+def test_noise_is_skipped_and_counted():
+    decoder = Decoder()
+    assert [e.body for e in decoder.feed(bytes.fromhex("0D0D 01FF0D 0D"))] == [b"\x01"]
+    assert decoder.noise == 3
+
+
+def test_strict_mode_reports_an_irregular_escape():
+    wire = bytes.fromhex("40417F0D")
+    assert Decoder().feed(wire)[0] == Frame(b"\x81", wire, 0, irregular=True)
+    assert Decoder(strict=True).feed(wire) == [Damage(DamageReason.IRREGULAR_ESCAPE, wire[:-1], 0)]
+
+
+@pytest.mark.parametrize(
+    ("wire", "body", "raw", "irregular"),
+    [
+        ("C0 40 0D", "C0", True, False),
+        ("40 40 C0 40 0D", "80 C0", None, None),  # sums to 80: damaged
+        ("80 40 40 0D", "80", False, True),  # 40 escapes 40: by the sum rule 80, not a raw checksum
+        ("80 40 00 40 0D", "80 40", True, False),
+        ("40 41 3F 40 0D", "81 3F", True, True),
+        ("B3 40 0D 0D", "B3 40", True, True),  # nothing behind the escape but a raw checksum
+        ("40 C0 0D", "", False, True),
+    ],
+)
+def test_corners_of_the_checksum_rule(wire, body, raw, irregular):
+    (event,) = Decoder().feed(bytes.fromhex(wire))
+    if raw is None:
+        assert isinstance(event, Damage)
+    else:
+        assert (event.body, event.raw_checksum, event.irregular) == (
+            bytes.fromhex(body),
+            raw,
+            irregular,
+        )
+
+
+def test_an_over_long_frame_is_reported_once_and_the_next_one_is_read():
+    wire = b"\x22" * 30 + b"\x0d" + bytes.fromhex("01FF0D")
+    decoder = Decoder(limit=10)
+    events = [e for i in range(len(wire)) for e in decoder.feed(wire[i : i + 1])]
+    assert events[0] == Damage(DamageReason.TOO_LONG, b"\x22" * 10, 0)
+    assert [e.body for e in events[1:]] == [b"\x01"]
+    assert decoder.discarded == 20
+
+
+def test_a_frame_of_exactly_the_limit_is_sound():
+    body = bytes(4095)
+    events = Decoder().feed(encode(body))
+    assert [e.body for e in events] == [body]
+    assert isinstance(Decoder().feed(encode(bytes(4096)))[0], Damage)
+
+
+def test_reset_forgets_the_unfinished_frame():
+    decoder = Decoder(limit=4)
+    decoder.feed(b"\x01\xff")
+    assert decoder.reset() == b"\x01\xff"
+    assert [e.body for e in decoder.feed(b"\x01\xff\x0d")] == [b"\x01"]
+    decoder.feed(b"\x22" * 9)
+    decoder.reset()
+    assert [e.body for e in decoder.feed(b"\x01\xff\x0d")] == [b"\x01"]
+
+
+def test_a_limit_below_one_is_misuse():
+    with pytest.raises(ValueError, match="limit"):
+        Decoder(limit=0)
