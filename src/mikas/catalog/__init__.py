@@ -1,0 +1,26 @@
+"""What the numbers mean: parameters, faults, models, errata, as data (§4).
+
+    raw bytes ── Parameter.decode ──► value        Catalog.fault(13), .model(0x0A), .errata["E1"]
+    raw bytes ◄── Parameter.encode ── value        Catalog.parameter("TWAT"), .size_of(0x1A)
+
+The data are the `.toml` files beside this module, `shipped()`; `load(file, …)` lays a person's own
+files over them. Nothing here knows the wire, a clock or a port.
+"""
+
+from mikas.catalog.conversion import Conversion
+from mikas.catalog.loader import load, shipped
+from mikas.catalog.lookup import Catalog
+from mikas.catalog.model import READINGS, Confidence, Erratum, Fault, Model, Parameter
+
+__all__ = [
+    "READINGS",
+    "Catalog",
+    "Confidence",
+    "Conversion",
+    "Erratum",
+    "Fault",
+    "Model",
+    "Parameter",
+    "load",
+    "shipped",
+]

@@ -1,0 +1,203 @@
+"""Merged entries into the catalog's values, with the checks that concern several keys at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import PurePath
+from typing import Any
+
+from mikas.catalog.conversion import NO_TEXT, Conversion
+from mikas.catalog.entries import Entries, Entry
+from mikas.catalog.model import Confidence, Erratum, Fault, Model, Parameter
+from mikas.catalog.source import KeyPath
+from mikas.catalog.spelling import nearest
+from mikas.language import Text
+
+_NOT_FOR_FLAGS = Text("makes no sense for a flag", "для признака не имеет смысла")
+
+_NUMERIC = ("signed", "scale", "bias", "offset", "unit")
+
+
+def units(entries: Entries) -> dict[str, Text]:
+    """The texts of the units."""
+    return {name: entry.text("text") for name, entry in entries["unit"].items()}
+
+
+def parameters(entries: Entries, unit_texts: Mapping[str, Text]) -> tuple[Parameter, ...]:
+    """All parameters, in the order of the files' tables."""
+    built = tuple(
+        _parameter(name, entry, unit_texts, entries) for name, entry in entries["parameter"].items()
+    )
+    _check_sizes(entries["parameter"])
+    return built
+
+
+def faults(entries: Entries) -> dict[int, Fault]:
+    """The faults by number."""
+    return {
+        code: Fault(
+            code=code,
+            text=entry.text("text"),
+            check=entry.text("check") if "check" in entry.values else NO_TEXT,
+            parameters=_names(entry, "parameters", entries["parameter"]),
+            confidence=entry.values.get("confidence", Confidence.UNCONFIRMED),
+            sources=entry.values.get("sources", ()),
+            informational=entry.values.get("informational", False),
+        )
+        for code, entry in entries["fault"].items()
+    }
+
+
+def models(entries: Entries) -> dict[int, Model]:
+    """The models by the code that 01 is answered with."""
+    return {
+        code: Model(
+            code=code,
+            text=entry.text("text"),
+            source=_source(entry),
+            confidence=entry.values.get("confidence", Confidence.UNCONFIRMED),
+        )
+        for code, entry in entries["model"].items()
+    }
+
+
+def errata(entries: Entries) -> dict[str, Erratum]:
+    """The errata by name."""
+    return {
+        name: Erratum(
+            name=name,
+            title=entry.text("title"),
+            reason=entry.text("reason"),
+            default=entry.text("default"),
+            alternative=entry.text("alternative"),
+            selected_by=entry.values.get("selected_by", ""),
+            source=_source(entry),
+        )
+        for name, entry in entries["erratum"].items()
+    }
+
+
+def _parameter(
+    name: str, entry: Entry, unit_texts: Mapping[str, Text], entries: Entries
+) -> Parameter:
+    entry.require("code")
+    entry.require("size")
+    values, size = entry.values, entry.values["size"]
+    conversion = _conversion(entry, size, unit_texts, ())
+    literal, alternative = (
+        _conversion(entry, size, unit_texts, (reading,)) if reading in values else None
+        for reading in ("literal", "alternative")
+    )
+    if conversion.is_flag:
+        _refuse_for_flag(entry, (), ("range", "reference", "decimals"))
+        values = {key: value for key, value in values.items() if key not in ("range", "reference")}
+    return Parameter(
+        name=name,
+        code=values["code"],
+        text=entry.text("text"),
+        conversion=conversion,
+        literal=literal,
+        alternative=alternative,
+        decimals=values.get("decimals", _decimals(conversion)),
+        plausible=values.get("range"),
+        reference=values.get("reference"),
+        reference_confidence=_reference_confidence(values),
+        source=_source(entry),
+        confidence=values.get("confidence", Confidence.UNCONFIRMED),
+        errata=_names(entry, "errata", entries["erratum"]),
+    )
+
+
+def _conversion(
+    entry: Entry, size: int, unit_texts: Mapping[str, Text], inside: KeyPath
+) -> Conversion:
+    """The corrected reading, or the one `inside`, which takes from it what it does not say."""
+    values = dict(entry.values)
+    for reading in inside:
+        values |= entry.values[reading]
+    if mask := values.get("mask", 0):
+        _refuse_for_flag(entry, inside, _NUMERIC)
+        if mask >> (8 * size):
+            problem = Text(f"has bits outside {size} byte(s)", f"не помещается в байтах: {size}")
+            raise entry.wrong(_where(entry, inside, "mask"), problem)
+        return Conversion(size, mask=mask)
+    unit = values.get("unit", "")
+    try:
+        return Conversion(
+            size=size,
+            unit_text=unit_texts.get(unit, Text(unit, unit)),
+            **{key: values[key] for key in _NUMERIC if key in values},
+        )
+    except ValueError:
+        problem = Text(
+            "is too fine, or too large, to stay exact in 64-bit floats",
+            "слишком мелкая или слишком большая величина для точного счёта",
+        )
+        raise entry.wrong(_where(entry, inside, "scale", "offset"), problem) from None
+
+
+def _refuse_for_flag(entry: Entry, inside: KeyPath, keys: Iterable[str]) -> None:
+    """A number's keys in the same file as the mask, or a later one; what is overridden is not."""
+    since = entry.order(_where(entry, inside, "mask"))
+    for key in keys:
+        if entry.order((*inside, key)) >= since:
+            raise entry.wrong((*inside, key), _NOT_FOR_FLAGS)
+
+
+def _where(entry: Entry, inside: KeyPath, *keys: str) -> KeyPath:
+    """The first of these keys that is written, inside the reading before what it inherits."""
+    places = [(*path, key) for path in (inside, ()) for key in keys]
+    return next((place for place in places if place in entry.places), ())
+
+
+def _decimals(conversion: Conversion) -> int:
+    if conversion.is_whole:
+        return 0
+    return next((places for places in (1, 2) if abs(conversion.scale) * 10**places >= 1), 3)
+
+
+def _reference_confidence(values: Mapping[str, Any]) -> Confidence:
+    default = Confidence.UNCONFIRMED if "reference" in values else Confidence.UNKNOWN
+    return Confidence(values.get("reference_confidence", default))
+
+
+def _source(entry: Entry) -> str:
+    return str(entry.values.get("source", PurePath(entry.source.name).name))
+
+
+def _names(entry: Entry, key: str, known: Mapping[str, Entry]) -> tuple[str, ...]:
+    """A list of names of other entries, each of which must exist."""
+    names = tuple(name.upper() for name in entry.values.get(key, ()))
+    for name in names:
+        if name not in known:
+            close = nearest(name, known, 1)
+            problem = Text(
+                f"names {name}, which does not exist"
+                + (f"; the nearest is {close[0]}" if close else ""),
+                f"называет {name}, чего нет" + (f"; ближайшее имя — {close[0]}" if close else ""),
+            )
+            raise entry.wrong((key,), problem)
+    return names
+
+
+def _check_sizes(entries: Mapping[str, Entry]) -> None:
+    """One code has one size, whatever parameters share it. The later file is to blame."""
+    first: dict[int, tuple[str, Entry]] = {}
+    for name, entry in entries.items():
+        code, size = entry.values["code"], entry.values["size"]
+        other_name, other = first.setdefault(code, (name, entry))
+        if size == (other_size := other.values["size"]):
+            continue
+        to_blame, key = max(
+            ((each, key) for each in (entry, other) for key in (("size",), ("code",))),
+            key=lambda candidate: candidate[0].order(candidate[1]),
+        )
+        raise to_blame.wrong(
+            key,
+            Text(
+                f"makes code 0x{code:02X} of two sizes: {other_name} has {other_size} byte(s), "
+                f"{name} has {size}",
+                f"у кода 0x{code:02X} два размера: в {other_name} байтов {other_size}, "
+                f"в {name} — {size}",
+            ),
+        )

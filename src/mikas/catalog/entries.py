@@ -1,0 +1,134 @@
+"""Entries of several files, laid over each other: a later file adds and overrides, key by key.
+
+An entry remembers for each of its keys which file gave it, so that whatever is found wrong later
+is reported where it was written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+from mikas.catalog.fields import FAMILIES, TEXT, Reader, Schema, Unfit, string
+from mikas.catalog.source import KeyPath, Source
+from mikas.catalog.spelling import nearest
+from mikas.errors import CatalogError
+from mikas.language import Text
+
+Entries: TypeAlias = "dict[str, dict[Any, Entry]]"
+"""By family, then by name (upper case) or number, in the order of the files' tables."""
+
+
+@dataclass(slots=True)
+class Entry:
+    """One table, of one file or of several. `values` nests where the tables do.
+
+    `source` and `table` are the last file that speaks of it, `places` who gave which key.
+    """
+
+    source: Source
+    table: KeyPath
+    values: dict[str, Any] = field(default_factory=dict)
+    places: dict[KeyPath, tuple[Source, KeyPath]] = field(default_factory=dict)
+
+    def wrong(self, key: KeyPath, problem: Text) -> CatalogError:
+        """The error for one of its keys (for the table, if the key is not written anywhere)."""
+        source, path = self.places.get(key, (self.source, self.table))
+        return source.wrong(path, _about(path, problem))
+
+    def order(self, key: KeyPath) -> int:
+        """Which file gave the key: the later, the greater; -1 for a key that is not there."""
+        return self.places[key][0].order if key in self.places else -1
+
+    def require(self, key: str) -> None:
+        """CatalogError unless the key is there."""
+        if key not in self.values:
+            raise self.wrong((), Text(f"has no `{key}`", f"нет `{key}`"))
+
+    def text(self, key: str) -> Text:
+        """A text that must be there, in both languages."""
+        self.require(key)
+        for language in ("en", "ru"):
+            if language not in self.values[key]:
+                raise self.wrong((key,), Text(f"has no `{language}`", f"нет `{language}`"))
+        return Text(**self.values[key])
+
+
+def merged(sources: Iterable[Source]) -> Entries:
+    """All entries of all files. CatalogError: a key is unknown, of a wrong type, or twice there."""
+    entries: Entries = {family: {} for family in FAMILIES}
+    for source in sources:
+        for family, tables in source.tables.items():
+            if family == "version":
+                _read(source, (family,), string, tables)
+            elif family in FAMILIES:
+                _add_tables(entries[family], source, family, tables)
+            else:
+                raise source.wrong((family,), _unknown(family, (*FAMILIES, "version")))
+    return entries
+
+
+def _add_tables(known: dict[Any, Entry], source: Source, family: str, tables: object) -> None:
+    here = set()
+    for key, table in _table(source, (family,), tables).items():
+        path = (family, key)
+        name = _read(source, path, FAMILIES[family].key, key)
+        if name in here:
+            raise source.wrong(path, _about(path, Text("is there twice", "есть дважды")))
+        here.add(name)
+        entry = known.setdefault(name, Entry(source, path))
+        entry.source, entry.table = source, path
+        _lay_over(entry, (), entry.values, table, FAMILIES[family].schema)
+
+
+def _lay_over(
+    entry: Entry, inside: KeyPath, values: dict[str, Any], table: object, schema: Schema
+) -> None:
+    """Check a table's keys, and put them into `values`; tables inside it likewise."""
+    source, path = entry.source, (*entry.table, *inside)
+    if schema is TEXT and isinstance(table, str):
+        table = {"en": table, "ru": table}
+    for key, value in _table(source, path, table).items():
+        rule = schema.get(key)
+        if rule is None:
+            raise source.wrong((*path, key), _unknown(key, schema))
+        entry.places[(*inside, key)] = (source, (*path, key))
+        if callable(rule):
+            values[key] = _read(source, (*path, key), rule, value)
+        else:
+            _lay_over(entry, (*inside, key), values.setdefault(key, {}), value, rule)
+
+
+def _read(source: Source, path: KeyPath, reader: Reader, value: object) -> object:
+    try:
+        return reader(value)
+    except Unfit as unfit:
+        raise source.wrong(path, _about(path, unfit.problem)) from None
+
+
+def _table(source: Source, path: KeyPath, value: object) -> dict[str, Any]:
+    if isinstance(value, dict):
+        return value
+    header = f"[{path[0]}.NAME]" if len(path) == 1 else f"[{'.'.join(path)}]"
+    problem = Text(f"must be a table, as {header}", f"нужна таблица, например {header}")
+    raise source.wrong(path, _about(path, problem))
+
+
+def _about(path: KeyPath, problem: Text) -> Text:
+    name = ".".join(path)
+    return Text(f"`{name}` {problem.en}", f"`{name}`: {problem.ru}")
+
+
+def _unknown(key: str, known: Iterable[str]) -> Text:
+    names = list(known)
+    if close := nearest(key, names, 1):
+        return Text(
+            f"unknown key `{key}`; the nearest is `{close[0]}`",
+            f"неизвестный ключ `{key}`; ближайший — `{close[0]}`",
+        )
+    listed = ", ".join(names)
+    return Text(
+        f"unknown key `{key}`; known are {listed}",
+        f"неизвестный ключ `{key}`; есть: {listed}",
+    )

@@ -1,0 +1,216 @@
+"""Which tables and keys a catalog file may hold, and what each key may be.
+
+A reader takes what TOML gave and returns the catalog's own value, or raises `Unfit` with what was
+expected. It sees one key alone; what several keys must have in common is checked in `build`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from typing import TypeAlias
+
+from mikas.catalog.model import READINGS, Confidence
+from mikas.language import Text
+
+Reader: TypeAlias = Callable[[object], object]
+Schema: TypeAlias = "Mapping[str, Reader | Schema]"
+
+_RATIO = re.compile(r"\s*([+-]?\d{1,15})\s*(?:/\s*(\d{1,15})\s*)?", re.ASCII)
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_NUMBER_KEY = re.compile(r"0x[0-9a-f]{1,2}|0|[1-9]\d{0,2}", re.IGNORECASE | re.ASCII)
+
+
+class Unfit(Exception):
+    """The value of a key is not what the key needs; the loader adds file and line."""
+
+    def __init__(self, en: str, ru: str) -> None:
+        self.problem = Text(en, ru)
+        super().__init__(en)
+
+
+def string(value: object) -> str:
+    """Any text."""
+    if isinstance(value, str):
+        return value
+    raise Unfit("must be a text in quotes", "нужен текст в кавычках")
+
+
+def boolean(value: object) -> bool:
+    """`true` or `false`."""
+    if isinstance(value, bool):
+        return value
+    raise Unfit("must be true or false", "нужно true или false")
+
+
+def strings(value: object) -> tuple[str, ...]:
+    """A list of texts."""
+    if isinstance(value, list) and all(isinstance(item, str) for item in value):
+        return tuple(value)
+    raise Unfit('must be a list of texts, as ["E1"]', 'нужен список текстов, например ["E1"]')
+
+
+def integer(low: int, high: int) -> Reader:
+    """A whole number from `low` to `high`."""
+
+    def read(value: object) -> int:
+        if isinstance(value, int) and not isinstance(value, bool) and low <= value <= high:
+            return value
+        raise Unfit(
+            f"must be a whole number from {low} to {high}",
+            f"нужно целое число от {low} до {high}",
+        )
+
+    return read
+
+
+def choice(make: Callable[[str], object], *allowed: str) -> Reader:
+    """One of a few words."""
+
+    def read(value: object) -> object:
+        if isinstance(value, str) and value in allowed:
+            return make(value)
+        words = ", ".join(f'"{word}"' for word in allowed)
+        raise Unfit(f"must be one of {words}", f"нужно одно из: {words}")
+
+    return read
+
+
+def rational(value: object) -> Fraction:
+    """An exact number: whole, decimal, or a fraction in quotes."""
+    if isinstance(value, str) and (match := _RATIO.fullmatch(value)):
+        over, under = int(match[1]), int(match[2] or 1)
+        if under:
+            return Fraction(over, under)
+    elif (number := _number(value)) is not None and number.denominator <= 10**15:
+        return number
+    raise Unfit(
+        'must be a number, as 0.5, or a fraction in quotes, as "1/125"',
+        'нужно число, например 0.5, или дробь в кавычках, например "1/125"',
+    )
+
+
+def nonzero(value: object) -> Fraction:
+    """A scale: exact, and not 0."""
+    if number := rational(value):
+        return number
+    raise Unfit("must not be 0", "не может быть 0")
+
+
+def span(value: object) -> tuple[float, float]:
+    """`[low, high]`."""
+    ends = [_number(item) for item in value] if isinstance(value, list) else []
+    match ends:
+        case [Fraction() as first, Fraction() as last]:
+            low, high = _plain(first), _plain(last)
+        case _:
+            raise Unfit("must be two numbers, [low, high]", "нужны два числа: [низ, верх]")
+    if low > high:
+        raise Unfit(
+            f"has its low end {low:g} above its high end {high:g}",
+            f"нижний предел {low:g} выше верхнего {high:g}",
+        )
+    return low, high
+
+
+def _number(value: object) -> Fraction | None:
+    """Exactly, if it is a number, and of a size that has a meaning (1e-30 to 1e15)."""
+    if isinstance(value, Decimal) and (
+        not value or (value.is_finite() and -30 <= value.adjusted() < 15)
+    ):
+        return Fraction(value)
+    if isinstance(value, int) and not isinstance(value, bool) and abs(value) < 10**15:
+        return Fraction(value)
+    return None
+
+
+def _plain(number: Fraction) -> float:
+    return int(number) if number.denominator == 1 else float(number)
+
+
+def mnemonic(key: object) -> str:
+    """A name as `TWAT`; upper and lower case are the same name."""
+    if isinstance(key, str) and _NAME.fullmatch(key):
+        return key.upper()
+    raise Unfit(
+        "is no name of Latin letters, digits and _ that begins with a letter",
+        "имя должно состоять из латинских букв, цифр и _ и начинаться с буквы",
+    )
+
+
+def byte_key(key: object) -> int:
+    """A number as `13` or `0x0D`."""
+    number = int(key, 0) if isinstance(key, str) and _NUMBER_KEY.fullmatch(key) else -1
+    if 0 <= number <= 0xFF:
+        return number
+    raise Unfit(
+        "is not named by a number from 0 to 255, as 13 or 0x0D",
+        "имя должно быть числом от 0 до 255, например 13 или 0x0D",
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """A kind of entry: how its name is read, and the keys that it may have."""
+
+    key: Reader
+    schema: Schema
+
+
+TEXT: Schema = {"en": string, "ru": string}
+CONFIDENCE = choice(Confidence, "confirmed", "reported", "unconfirmed")
+CONVERSION: Schema = {
+    "signed": boolean,
+    "mask": integer(0, 0xFFFF),
+    "bias": integer(-0xFFFF, 0xFFFF),
+    "scale": nonzero,
+    "offset": rational,
+    "unit": string,
+}
+FAMILIES: Mapping[str, Family] = {
+    "parameter": Family(
+        mnemonic,
+        {
+            "code": integer(0, 0xFF),
+            "size": integer(1, 2),
+            "text": TEXT,
+            **CONVERSION,
+            "literal": CONVERSION,
+            "alternative": CONVERSION,
+            "decimals": integer(0, 6),
+            "range": span,
+            "reference": span,
+            "reference_confidence": CONFIDENCE,
+            "source": string,
+            "confidence": CONFIDENCE,
+            "errata": strings,
+        },
+    ),
+    "fault": Family(
+        byte_key,
+        {
+            "text": TEXT,
+            "check": TEXT,
+            "parameters": strings,
+            "confidence": CONFIDENCE,
+            "sources": strings,
+            "informational": boolean,
+        },
+    ),
+    "model": Family(byte_key, {"text": TEXT, "source": string, "confidence": CONFIDENCE}),
+    "erratum": Family(
+        mnemonic,
+        {
+            "title": TEXT,
+            "reason": TEXT,
+            "default": TEXT,
+            "alternative": TEXT,
+            "selected_by": choice(str, "", *READINGS[1:]),
+            "source": string,
+        },
+    ),
+    "unit": Family(string, {"text": TEXT}),
+}

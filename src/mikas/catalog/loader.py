@@ -1,0 +1,75 @@
+"""The shipped catalog, and a person's own files laid over it.
+
+A file has tables named `[parameter.TWAT]`, `[fault.13]`, `[model.0x09]`, `[erratum.E1]` and
+`[unit.rpm]`; an entry that exists already is overridden key by key, so two lines can change one
+text. Adding a parameter takes five lines:
+
+    [parameter.BOOST]
+    code = 0x33
+    size = 1
+    unit = "kPa"
+    text = { en = "Boost pressure", ru = "Давление наддува" }
+
+All keys are described in docs/catalog.md. A file that is wrong in any way is refused as a whole,
+with the line (CatalogError).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from zlib import crc32
+
+from mikas.catalog import build
+from mikas.catalog.entries import merged
+from mikas.catalog.lookup import Catalog
+from mikas.catalog.source import Source, parse_source, read_source
+
+_SHIPPED = ("units.toml", "errata.toml", "parameters.toml", "faults.toml", "models.toml")
+
+
+def load(*user_files: Path) -> Catalog:
+    """The shipped catalog with these files over it, each over those before.
+
+    CatalogError: a file can't be read or is wrong.
+    """
+    if not user_files:
+        return shipped()
+    own = [read_source(path, order) for order, path in enumerate(user_files, 1)]
+    return _catalog([*_shipped_sources(), *own])
+
+
+@cache
+def shipped() -> Catalog:
+    """The catalog as it comes with this version, always the same object."""
+    return _catalog(_shipped_sources())
+
+
+@cache
+def _shipped_sources() -> tuple[Source, ...]:
+    folder = Path(__file__).parent
+    return tuple(parse_source(name, (folder / name).read_bytes()) for name in _SHIPPED)
+
+
+def _catalog(sources: Sequence[Source]) -> Catalog:
+    entries = merged(sources)
+    units = build.units(entries)
+    return Catalog(
+        parameters=build.parameters(entries, units),
+        faults=build.faults(entries),
+        models=build.models(entries),
+        errata=build.errata(entries),
+        units=units,
+        version=_version(sources),
+    )
+
+
+def _version(sources: Sequence[Source]) -> str:
+    """`1+3f2a90c1`: the last `version` given, and a CRC-32 of the texts of all files in order.
+
+    It tells apart files that differ by accident; nobody is to be kept from forging it.
+    """
+    texts = "\0".join(source.text for source in sources)
+    named = [source.tables["version"] for source in sources if "version" in source.tables]
+    return f"{named[-1]}+{crc32(texts.encode()):08x}"

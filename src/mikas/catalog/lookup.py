@@ -1,0 +1,92 @@
+"""The catalog as the rest of the program asks it: by name, by code, by number (§3, §4).
+
+A name that does not exist is an error with the nearest ones; a number that is not known is a value
+that says so (a fault with no text, an unknown model), for an ECU may answer anything.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from mikas.catalog.conversion import Conversion
+from mikas.catalog.model import Erratum, Fault, Model, Parameter
+from mikas.catalog.spelling import in_latin, nearest
+from mikas.errors import UnknownParameter
+from mikas.language import Text
+
+_RAW_CODE = re.compile(r"0x([0-9a-f]{1,2})(?::([0-9]{1,3}))?", re.IGNORECASE)
+_RAW_SIZES = (1, 2, 3, 4)
+
+
+class Catalog:
+    """Everything that is defined as data. Immutable: the mappings are not to be changed.
+
+    `units` has the text of each unit by its key; `version` names all that was loaded.
+    """
+
+    def __init__(
+        self,
+        *,
+        parameters: tuple[Parameter, ...],
+        faults: Mapping[int, Fault],
+        models: Mapping[int, Model],
+        errata: Mapping[str, Erratum],
+        units: Mapping[str, Text],
+        version: str,
+    ) -> None:
+        self.parameters = parameters
+        self.faults = faults
+        self.models = models
+        self.errata = errata
+        self.units = units
+        self.version = version
+        self._by_name = {parameter.name: parameter for parameter in parameters}
+        self._sizes = {parameter.code: parameter.size for parameter in parameters}
+
+    @property
+    def codes(self) -> tuple[tuple[int, int], ...]:
+        """Each distinct code with its size, in the order of the table."""
+        return tuple(self._sizes.items())
+
+    def size_of(self, code: int) -> int | None:
+        """The raw bytes of a code; None if the catalog does not have it."""
+        return self._sizes.get(code)
+
+    def by_code(self, code: int) -> tuple[Parameter, ...]:
+        """The parameters that share a code (07 carries three flags); none: empty."""
+        return tuple(each for each in self.parameters if each.code == code)
+
+    def parameter(self, name: str) -> Parameter:
+        """By name in either case, or by code: `0x1A`, or with a size of 1 to 4, `0x3F:2`.
+
+        A code gives the raw number with no unit; with no size named it has the catalog's, or 1.
+        UnknownParameter (with the nearest names) for anything else.
+        """
+        name = name.strip()
+        if found := self._by_name.get(name.upper()):
+            return found
+        if match := _RAW_CODE.fullmatch(name):
+            return self._raw(name, int(match[1], 16), match[2])
+        if _RAW_CODE.fullmatch(in_latin(name)):
+            raise UnknownParameter(name, (in_latin(name),))
+        raise UnknownParameter(name, nearest(name, self._by_name))
+
+    def _raw(self, name: str, code: int, asked: str | None) -> Parameter:
+        size = int(asked) if asked else self._sizes.get(code, 1)
+        if size not in _RAW_SIZES:
+            raise UnknownParameter(name, [f"0x{code:02X}:{size}" for size in _RAW_SIZES])
+        return Parameter(
+            name=f"0x{code:02X}:{size}" if asked else f"0x{code:02X}",
+            code=code,
+            text=Text(f"raw number of code 0x{code:02X}", f"исходное число кода 0x{code:02X}"),
+            conversion=Conversion(size),
+        )
+
+    def fault(self, code: int) -> Fault:
+        """The fault of that number; an unknown one has no text."""
+        return self.faults.get(code) or Fault(code)
+
+    def model(self, code: int) -> Model:
+        """The model that answers 01 with `code`; an unknown one is named by its number."""
+        return self.models.get(code) or Model.unknown(code)

@@ -1,0 +1,127 @@
+"""Faults, models and errata: what is known, how well, and nothing beyond it."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from mikas.catalog import READINGS, Confidence, Fault, shipped
+from mikas.language import Text
+
+CONFIRMED = {12, 17, 18, 21, 22}
+REPORTED = {13, 14, 23, 24, 25, 26, 31, 32, 41, 51, 52, 195}
+INJECTORS = {*range(131, 140), *range(141, 144)}
+RELAYS = {*range(167, 170), *range(177, 180), *range(181, 184), *range(191, 197)}
+ORDER_UNKNOWN = (INJECTORS | {*range(161, 167)} | RELAYS) - {195}
+UNCONFIRMED = ORDER_UNKNOWN | {
+    15, 16, 53, 54, 55, 61, 62, 63, 64, 65, 71, 72, 81, 82, 83, 84, 91, 92, 93, 94,
+}  # fmt: skip
+
+
+def in_both_languages(text: Text) -> bool:
+    return bool(text.en and not re.search("[А-яЁё]", text.en) and re.search("[А-яЁё]", text.ru))
+
+
+def test_exactly_the_known_numbers() -> None:
+    by_confidence = {
+        confidence: {code for code, fault in shipped().faults.items()
+                     if fault.confidence is confidence}
+        for confidence in Confidence
+    }  # fmt: skip
+    assert by_confidence == {
+        Confidence.CONFIRMED: CONFIRMED,
+        Confidence.REPORTED: REPORTED,
+        Confidence.UNCONFIRMED: UNCONFIRMED,
+        Confidence.UNKNOWN: set(),
+    }
+
+
+def test_every_fault_is_complete() -> None:
+    names = {parameter.name for parameter in shipped().parameters}
+    for code, fault in shipped().faults.items():
+        assert fault.code == code
+        assert fault.known
+        assert in_both_languages(fault.text)
+        assert in_both_languages(fault.check)
+        assert set(fault.parameters) <= names
+        assert bool(fault.sources) == (fault.confidence is not Confidence.UNCONFIRMED)
+        assert len(fault.sources) >= (2 if fault.confidence is Confidence.CONFIRMED else 0)
+
+
+@pytest.mark.parametrize("code", sorted(ORDER_UNKNOWN))
+def test_where_the_order_is_unknown_the_text_says_so(code: int) -> None:
+    text = shipped().fault(code).text
+    assert "unconfirmed" in text.en
+    assert "не подтвержд" in text.ru
+    first, last = map(int, re.findall(r"(\d{3})–(\d{3})", text.en)[0])
+    assert first <= code <= last
+    assert {shipped().fault(other).text for other in range(first, last + 1)} - {
+        shipped().fault(195).text
+    } == {text}
+
+
+def test_195_is_the_one_of_its_three_that_has_a_source() -> None:
+    fault = shipped().fault(195)
+    assert fault.sources == ("S6",)
+    assert fault.text.ru.startswith("Цепь реле вентилятора охлаждения")
+    assert "inferred" in fault.text.en
+    for code in (194, 196):
+        assert shipped().fault(code).text.en.startswith("Cooling fan relay circuit (which of")
+
+
+def test_some_texts() -> None:
+    assert shipped().fault(17).text == Text(
+        "Air temperature signal low (short)",
+        "Низкий уровень датчика температуры воздуха (замыкание)",
+    )
+    assert shipped().fault(83).text.en == "Knock retard at its limit, cylinder 3"
+    assert shipped().fault(64).text.ru == "Чтение энергонезависимой памяти блока"
+    assert "Injector 4" in shipped().fault(142).text.en
+
+
+def test_12_is_no_fault() -> None:
+    assert [code for code, fault in shipped().faults.items() if fault.informational] == [12]
+
+
+def test_every_other_number_has_no_text() -> None:
+    for code in set(range(256)) - set(shipped().faults):
+        assert shipped().fault(code) == Fault(code)
+        assert not shipped().fault(code).known
+        assert shipped().fault(code).text == Text("", "")
+        assert shipped().fault(code).confidence is Confidence.UNKNOWN
+
+
+def test_models() -> None:
+    assert shipped().model(0x09).text == Text("Mikas 5.4", "Микас 5.4")
+    assert shipped().model(0x0A).text == Text("Mikas 7.1", "Микас 7.1")
+    assert [code for code in range(256) if shipped().model(code).known] == [0x09, 0x0A]
+    unknown = shipped().model(0x0B)
+    assert unknown.code == 0x0B
+    assert unknown.text == Text("unknown model 0x0B", "неизвестная модель 0x0B")
+
+
+def test_errata() -> None:
+    errata = shipped().errata
+    assert list(errata) == ["E1", "E2", "E3", "E4"]
+    assert [each.selected_by for each in errata.values()] == [
+        "literal",
+        "literal",
+        "alternative",
+        "",
+    ]
+    for name, erratum in errata.items():
+        assert erratum.name == name
+        assert erratum.source == f"§4, {name}"
+        assert {erratum.selected_by} <= {*READINGS, ""}
+        for text in (erratum.title, erratum.reason, erratum.default):
+            assert in_both_languages(text)
+        assert erratum.alternative.en
+        assert erratum.alternative.ru
+
+
+def test_parameters_and_units_speak_both_languages() -> None:
+    for parameter in shipped().parameters:
+        assert in_both_languages(parameter.text)
+        for conversion in parameter.readings.values():
+            assert conversion.unit == "" or conversion.unit in shipped().units
