@@ -1,0 +1,24 @@
+"""Links: the wire to the ECU behind one interface, whatever carries it.
+
+`open_link` turns a URL into a `Link`; `find_ports` and `choose_port` help to find the URL.
+Importing this package is cheap: what a scheme needs is imported when it is opened.
+"""
+
+from mikas.link.base import Chunk, Link, WallClock
+from mikas.link.ports import Port, choose_port, find_ports
+from mikas.link.tee import CaptureTee, Direction, Sink
+from mikas.link.urls import open_link, register
+
+__all__ = [
+    "CaptureTee",
+    "Chunk",
+    "Direction",
+    "Link",
+    "Port",
+    "Sink",
+    "WallClock",
+    "choose_port",
+    "find_ports",
+    "open_link",
+    "register",
+]

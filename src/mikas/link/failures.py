@@ -1,0 +1,116 @@
+"""What pyserial and the system say when a port does not open or goes away, in our words.
+
+pyserial 3.5 has one exception for everything. The reason is its `errno` on POSIX, sometimes only
+the exception underneath it (`termios.error`, a socket's), and on Windows nothing but the text of a
+`WinError` inside its own text, in the language of the system. This module reads them all; it opens
+nothing and touches no port.
+"""
+
+from __future__ import annotations
+
+import errno
+import re
+import socket
+import sys
+
+from serial import SerialTimeoutException
+
+from mikas.errors import NoConnection, PortBusy, PortDenied, PortFailed, PortNotFound
+from mikas.language import Text
+from mikas.link.ports import find_ports, listed
+
+SYSTEM_ERRORS: tuple[type[Exception], ...] = (OSError, ValueError)
+"""What pyserial lets out; `ValueError` is a setting that the system or the far end refused."""
+if sys.platform != "win32":
+    import termios
+
+    SYSTEM_ERRORS += (termios.error,)  # no OSError, and pyserial wraps only some of them
+
+_ABSENT = {errno.ENOENT, errno.ENOTDIR, errno.ENODEV, errno.ENXIO}
+_BUSY = {errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK}
+_DENIED = {errno.EACCES, errno.EPERM, errno.EROFS}
+_NO_TTY = {errno.ENOTTY, errno.EISDIR, errno.EINVAL, errno.EOPNOTSUPP}
+_UNPLUGGED = {errno.EIO, errno.ENODEV, errno.ENXIO, errno.EBADF, errno.EPIPE, errno.ECONNRESET}
+
+# Windows gives "access denied" (5) for a COM port that is open elsewhere, and for nothing else.
+_WINDOWS_ABSENT = {2, 3, 433, 1167}
+_WINDOWS_BUSY = {5, 32, 170}
+_WINDOWS_UNPLUGGED = {5, 6, 22, 31, 433, 995, 1167}  # each driver has its favourite
+_WIN_ERROR = re.compile(r"\w+Error\(\d+, .*, None, (\d+)\)", re.DOTALL)
+
+
+def opening_failed(url: str, error: Exception) -> NoConnection:
+    """The error to raise when opening `url` gave `error`."""
+    code, windows = number_of(error), _windows_number(error)
+    if code in _ABSENT or windows in _WINDOWS_ABSENT:
+        return PortNotFound(url=url, found=listed(find_ports()))
+    if code in _BUSY or windows in _WINDOWS_BUSY:
+        return PortBusy(url=url)
+    if code in _DENIED:
+        return PortDenied(url=url)
+    return PortFailed(url=url, problem=_why_not_opened(error, code))
+
+
+def why_lost(error: Exception) -> Text:
+    """Why a port in use is gone, to follow "the adapter is gone:"."""
+    if isinstance(error, SerialTimeoutException):
+        return Text("it takes no more bytes", "он не принимает байты")
+    gone = number_of(error) in _UNPLUGGED or _windows_number(error) in _WINDOWS_UNPLUGGED
+    if gone or re.search("disconnected|died", str(error)):
+        return Text("unplugged, or closed by the other end", "вынут, или закрыт с другого конца")
+    return _own_words(error)
+
+
+def is_unable(error: Exception) -> bool:
+    """Whether `error` means that the port has no such function, rather than that it is gone."""
+    return isinstance(error, ValueError) or number_of(error) in _NO_TTY
+
+
+def number_of(error: Exception) -> int | None:
+    """The system's error number of `error`, or of the one that it wraps."""
+    for each in (error, _wrapped(error)):
+        if isinstance(each, socket.gaierror):
+            return None  # its numbers are of another kind
+        number = each.errno if isinstance(each, OSError) else next(iter(each.args), None)
+        if isinstance(number, int):
+            return number
+    return None
+
+
+def _why_not_opened(error: Exception, code: int | None) -> Text:
+    reason = _wrapped(error)
+    if isinstance(reason, (socket.gaierror, UnicodeError)):
+        return Text("this host is not known", "такой адрес не найден")
+    if isinstance(reason, ConnectionRefusedError):
+        return Text("nobody listens there", "там никто не слушает")
+    if isinstance(reason, TimeoutError):
+        return Text("no answer from there", "оттуда нет ответа")
+    if "RFC2217" in str(error):
+        return Text(
+            "it does not speak RFC 2217 (try socket://)",
+            "он не понимает RFC 2217 (попробуйте socket://)",
+        )
+    if code in _NO_TTY:
+        return Text("it is not a serial port", "это не последовательный порт")
+    return _own_words(error)
+
+
+def _own_words(error: Exception) -> Text:
+    """The system's own words, without what pyserial puts around them."""
+    reason = _wrapped(error)
+    words = getattr(reason, "strerror", None) or str(reason) or type(reason).__name__
+    return Text(words.rstrip("."), words.rstrip("."))
+
+
+def _windows_number(error: Exception) -> int | None:
+    match = _WIN_ERROR.search(str(error))
+    return int(match[1]) if match else None
+
+
+def _wrapped(error: Exception) -> BaseException:
+    """What `error` wraps, or `error` itself.
+
+    pyserial quotes what it wraps; any other context is what the caller was just handling.
+    """
+    inner = error.__cause__ or error.__context__
+    return inner if inner is not None and str(inner) and str(inner) in str(error) else error

@@ -1,0 +1,196 @@
+"""Finding the adapter: which serial ports there are, what chip is behind each, and its quirks.
+
+A K-Line adapter is a level shifter behind a USB serial chip and can't be told from any other device
+with that chip. So "likely" means the chip, not the adapter: with exactly one such port in the
+computer it is taken, otherwise the user chooses.
+
+pyserial is imported when ports are listed, and not before.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from mikas.errors import NoPortGiven
+from mikas.language import Text
+
+_SYSFS = Path("/sys/bus/usb-serial/devices")  # Linux
+
+_LATENCY = Text(
+    "hands over received bytes after up to 16 ms (its latency timer); that is lowered to 1 ms "
+    "where the system lets a program do it, on Windows by hand: Device Manager, the port, "
+    "Port Settings, Advanced",
+    "отдаёт принятое с задержкой до 16 мс (latency timer); где система даёт, программа сама ставит "
+    "1 мс, в Windows это делают вручную: Диспетчер устройств, порт, Параметры порта, Дополнительно",
+)
+_LUMPS = Text(
+    "hands over received bytes in lumps of up to 32, so arrival times are coarse",
+    "отдаёт принятое порциями до 32 байт, поэтому время прихода грубое",
+)
+_CLONES = Text(
+    "cheap cables with it vary: some have a weak K-Line driver or no echo",
+    "дешёвые кабели с ней разные: бывает слабый драйвер K-Line, бывает нет эха",
+)
+_COUNTERFEIT = Text(
+    "many are counterfeit, and the maker's newer Windows drivers refuse those (code 10, or “phased "
+    "out”): install an older driver or take another cable",
+    "много подделок, а новые драйверы изготовителя для Windows их не пускают (код 10 или «phased "
+    "out»): поставьте старый драйвер или возьмите другой кабель",
+)
+_UNKNOWN = Text(
+    "an unknown USB device: is it an adapter? `mikas doctor` measures what it does",
+    "неизвестное устройство USB: адаптер ли это? Что оно умеет, покажет `mikas doctor`",
+)
+
+_FTDI, _CH340, _PROLIFIC = (_LATENCY,), (_LUMPS, _CLONES), (_COUNTERFEIT,)
+
+# By USB vendor and product; product 0 stands for any other of that vendor. The order is that of the
+# guess: K-Line cables are mostly FT232R, then CH340, then the rest.
+_CHIPS: dict[tuple[int, int], tuple[str, tuple[Text, ...]]] = {
+    (0x0403, 0x6001): ("FT232R", _FTDI),
+    (0x0403, 0x6015): ("FT231X", _FTDI),
+    (0x0403, 0x6014): ("FT232H", _FTDI),
+    (0x0403, 0x6010): ("FT2232", _FTDI),
+    (0x0403, 0x6011): ("FT4232", _FTDI),
+    (0x0403, 0): ("FTDI", _FTDI),
+    (0x1A86, 0x7523): ("CH340", _CH340),
+    (0x1A86, 0x7522): ("CH340", _CH340),
+    (0x1A86, 0x5523): ("CH341", _CH340),
+    (0x4348, 0x5523): ("CH341", _CH340),
+    (0x1A86, 0x55D2): ("CH342", ()),
+    (0x1A86, 0x55D3): ("CH343", ()),
+    (0x1A86, 0x55D4): ("CH9102", ()),
+    (0x10C4, 0xEA60): ("CP210x", ()),
+    (0x10C4, 0xEA70): ("CP2105", ()),
+    (0x10C4, 0xEA71): ("CP2108", ()),
+    (0x067B, 0x2303): ("PL2303", _PROLIFIC),
+    (0x067B, 0x23A3): ("PL2303GC", ()),
+    (0x067B, 0x23B3): ("PL2303GB", ()),
+    (0x067B, 0x23C3): ("PL2303GT", ()),
+    (0x067B, 0x23D3): ("PL2303GL", ()),
+    (0x067B, 0): ("PL2303", _PROLIFIC),
+    (0x04D8, 0x00DD): ("MCP2221", ()),
+    (0x04D8, 0x00DF): ("MCP2200", ()),
+    (0x04E2, 0x1410): ("XR21V1410", ()),
+}
+_RANK = {chip: rank for rank, chip in enumerate(_CHIPS.values())}
+
+
+class Listed(Protocol):
+    """What the lister tells of a port; pyserial's `ListPortInfo` fits."""
+
+    device: str
+    description: str
+    vid: int | None
+    pid: int | None
+    serial_number: str | None
+    manufacturer: str | None
+
+
+Lister = Callable[[], Iterable[Listed]]
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """One serial port of this computer."""
+
+    url: str
+    """What `--port` takes: `/dev/ttyUSB0`, `COM3`."""
+
+    description: str
+    """What the system calls it, with its maker: `FT232R USB UART (FTDI)`; never empty."""
+
+    chip: str = ""
+    """Its USB serial chip by vendor and product number; empty if it has none that is known."""
+
+    quirks: tuple[Text, ...] = ()
+    """What to know about that chip."""
+
+    likely: bool = False
+    """Whether an adapter may be behind it: a USB serial chip, not Bluetooth, not built in."""
+
+    vid: int | None = None
+    pid: int | None = None
+    serial_number: str | None = None
+
+    latency_ms: int | None = None
+    """For how long the chip keeps bytes back, where the system tells (Linux, FTDI)."""
+
+
+def system_ports() -> Iterable[Listed]:
+    """The ports that pyserial lists. An adapter plugged in just now makes version 3.5 stumble."""
+    from serial.tools.list_ports import comports
+
+    try:
+        return list(comports())
+    except (OSError, TypeError, ValueError):
+        return list(comports())
+
+
+def find_ports(lister: Lister = system_ports, sysfs: Path = _SYSFS) -> list[Port]:
+    """All serial ports, the best guess first. None at all is an empty list."""
+    return sorted((_port(each, sysfs) for each in lister()), key=_order)
+
+
+def choose_port(lister: Lister = system_ports) -> str:
+    """Return the URL of the only likely port.
+
+    Raises `NoPortGiven`, which lists what was found, if there is none or more than one.
+    """
+    ports = find_ports(lister)
+    likely = [port.url for port in ports if port.likely]
+    if len(likely) != 1:
+        raise NoPortGiven(found=listed(ports))
+    return likely[0]
+
+
+def listed(ports: Iterable[Port]) -> Text:
+    """`/dev/ttyUSB0 (FT232R), /dev/ttyS0`, for a message; "none" if there are none."""
+    names = [f"{port.url} ({port.chip})" if port.chip else port.url for port in ports]
+    return Text(", ".join(names) or "none", ", ".join(names) or "ни одного")
+
+
+def _port(it: Listed, sysfs: Path) -> Port:
+    chip, quirks = _chip(it)
+    return Port(
+        url=it.device,
+        description=_description(it),
+        chip=chip,
+        quirks=quirks,
+        likely=bool(chip),
+        vid=it.vid,
+        pid=it.pid,
+        serial_number=it.serial_number,
+        latency_ms=_latency(it.device, sysfs),
+    )
+
+
+def _chip(it: Listed) -> tuple[str, tuple[Text, ...]]:
+    if it.vid is None:
+        return "", ()
+    return _CHIPS.get((it.vid, it.pid or 0)) or _CHIPS.get((it.vid, 0)) or ("", (_UNKNOWN,))
+
+
+def _description(it: Listed) -> str:
+    text = (it.description or "").removesuffix(f"({it.device})").strip()  # Windows adds its name
+    if text in {"", "n/a"}:
+        text = it.device
+    maker = it.manufacturer or ""
+    return f"{text} ({maker})" if maker and maker.lower() not in text.lower() else text
+
+
+def _latency(device: str, sysfs: Path) -> int | None:
+    try:
+        return int((sysfs / Path(device).name / "latency_timer").read_text("ascii"))
+    except (OSError, ValueError):
+        return None  # not Linux, or a chip without one
+
+
+def _order(port: Port) -> tuple[bool, int, list[tuple[int, str]]]:
+    rank = _RANK.get((port.chip, port.quirks), len(_RANK)) - (port.vid is not None)
+    pieces = re.findall(r"\d+|\D+", port.url)  # so that COM10 comes behind COM9
+    return not port.likely, rank, [(int(it), "") if it.isdigit() else (0, it) for it in pieces]

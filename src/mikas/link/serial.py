@@ -1,0 +1,281 @@
+"""The link over a serial port: an adapter on USB, or one behind a network (§1).
+
+9600 8N1 unless the URL says otherwise, no flow control. Three rules:
+
+- **Nothing waits for ever.** Writing is bounded by a time-out, reading by its deadline, and nothing
+  calls `flush`, which on a dead USB adapter or an unread pty does not return.
+- **Deadlines are exact.** Where the system can wait on the port it waits for just the time left.
+  pyserial's own `timeout` is set once before opening: each change of it reconfigures the port.
+- **A lost adapter is lost at once and for good.** The port is closed on the first sign, so that an
+  adapter that is plugged in again gets its old name back.
+
+Imported when a serial link is opened, and not before: it brings pyserial.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Protocol
+
+import serial
+
+from mikas.errors import LinkLost
+from mikas.language import Text
+from mikas.link.base import BITS_PER_BYTE, Chunk, Link, WallClock
+from mikas.link.failures import SYSTEM_ERRORS, is_unable, opening_failed, why_lost
+from mikas.link.network import Rfc2217Port, SocketPort, host_and_port
+from mikas.link.ports import find_ports
+from mikas.link.urls import check_options, number_option, parse, switch_option
+
+BAUD = 9600  # §1
+PATIENCE = 2.0  # seconds that a write may take beyond its time on the wire
+LONGEST_REQUEST = 1024  # bytes; 26 with 255 data bytes, all of them stuffed, has 524 (§2.2, §3)
+TICK = 0.01  # seconds that a port without select is waited for at a time
+GLANCE = 0.001  # seconds between two looks at it when less than two ticks are left
+LONGEST_WAIT = 1.0  # seconds; then a look whether another thread has closed the link
+MOST_AT_ONCE = 4096  # bytes
+
+_READ_ERRORS = SYSTEM_ERRORS + (TypeError,)  # noqa: RUF005  # pyserial, closed by another thread
+_CLOSED = Text("it was closed here", "он закрыт этой программой")
+
+
+class OpenPort(Protocol):
+    """What a `SerialLink` uses of an open pyserial port."""
+
+    break_condition: bool
+
+    @property
+    def timeout(self) -> float | None: ...
+
+    @property
+    def in_waiting(self) -> int: ...
+
+    def fileno(self) -> int: ...
+
+    def read(self, size: int = 1, /) -> bytes: ...
+
+    def write(self, b: bytes, /) -> int | None: ...
+
+    def close(self) -> None: ...
+
+
+class SerialLink(Link):
+    """A link over `port`, which is open and from here on belongs to the link.
+
+    A port with `timeout` 0 has a `fileno` that the system can wait on; it is waited for exactly.
+    Any other has `timeout` `TICK` and is asked again and again: deadlines are kept to about 1 ms.
+
+    `low_latency` tells that the system was asked, and agreed, to hand over bytes at once.
+    """
+
+    def __init__(
+        self,
+        url: str,
+        port: OpenPort,
+        *,
+        baud: int = BAUD,
+        about: str = "",
+        low_latency: bool = False,
+        can_break: bool = True,
+    ) -> None:
+        self.url = url
+        self.baud = baud
+        self.low_latency = low_latency
+        self._about = about
+        self._can_break = can_break
+        self._port = port
+        self._receive = _by_select(port) if port.timeout == 0 else _by_asking(port)
+        self._clock = WallClock()
+        self._gone: Text | None = None
+
+    @property
+    def description(self) -> str:
+        """`FT232R USB UART (FTDI), low latency`; the port's name where the system knows no more."""
+        if not self._about:  # looked up at the first question: listing the ports costs some time
+            self._about = _described(parse(self.url).address)
+        return f"{self._about}, low latency" if self.low_latency else self._about
+
+    @property
+    def can_break(self) -> bool:
+        """False over plain TCP, and once the system has refused."""
+        return self._can_break
+
+    def now(self) -> float:
+        """UNIX time when the link was opened, and steady from there."""
+        return self._clock.now()
+
+    def write(self, data: bytes) -> None:
+        """As `Link.write`; the system takes a request at once, long before it is on the wire."""
+        self._must_be_open(data)
+        try:
+            taken = self._port.write(data)
+        except SYSTEM_ERRORS as error:
+            raise self._lose(why_lost(error), data) from error
+        if taken is not None and taken != len(data):
+            raise self._lose(Text("it takes no more bytes", "он не принимает байты"), data)
+
+    def read(self, deadline: float) -> Chunk:
+        """As `Link.read`; the time is that of the look which found the bytes."""
+        while True:
+            self._must_be_open()
+            left = deadline - self._clock.now()
+            try:
+                data = self._receive(min(max(left, 0.0), LONGEST_WAIT))
+            except _READ_ERRORS as error:
+                raise self._lose(why_lost(error)) from error
+            now = self._clock.now()
+            if data or now >= deadline:
+                return Chunk(data, now)
+
+    def send_break(self, seconds: float) -> None:
+        """As `Link.send_break`; the system first lets out what it still has to send."""
+        self._must_be_open()
+        self._pull_low(True)
+        try:
+            time.sleep(seconds)
+        finally:
+            self._pull_low(False)
+
+    def close(self) -> None:
+        """As `Link.close`."""
+        if self._gone is None:
+            self._gone = _CLOSED
+            self._let_go()
+
+    def _pull_low(self, low: bool) -> None:
+        if not self._can_break:
+            return
+        try:
+            self._port.break_condition = low
+        except SYSTEM_ERRORS as error:
+            if not is_unable(error):
+                raise self._lose(why_lost(error)) from error
+            self._can_break = False
+
+    def _must_be_open(self, request: bytes | None = None) -> None:
+        if self._gone is not None:
+            raise self._lost(self._gone, request)
+
+    def _lose(self, why: Text, request: bytes | None = None) -> LinkLost:
+        """Remember that the adapter is gone, let go of it, and return the error to raise."""
+        self._gone = self._gone or why  # closed by another thread: that is why
+        self._let_go()
+        return self._lost(self._gone, request)
+
+    def _lost(self, why: Text, request: bytes | None) -> LinkLost:
+        return LinkLost(url=self.url, problem=why, request=request, time=self.now())
+
+    def _let_go(self) -> None:
+        with suppress(*SYSTEM_ERRORS):  # the adapter may be gone already
+            self._port.close()
+
+
+Receive = Callable[[float], bytes]
+"""Takes the seconds to wait; returns what arrived, as soon as it did; nothing, maybe early."""
+
+
+def _by_select(port: OpenPort) -> Receive:
+    number = port.fileno()
+
+    def receive(seconds: float) -> bytes:
+        ready, _, _ = select.select([number], [], [], seconds)
+        return port.read(MOST_AT_ONCE) if ready else b""
+
+    return receive
+
+
+def _by_asking(port: OpenPort) -> Receive:
+    def receive(seconds: float) -> bytes:
+        first = b""
+        if not port.in_waiting:
+            if seconds > 2 * TICK:  # two: Windows may stretch a tick by half
+                first = port.read(1)
+            else:
+                time.sleep(min(seconds, GLANCE))
+        waiting = port.in_waiting
+        return first + port.read(waiting) if waiting else first
+
+    return receive
+
+
+def open_serial(url: str, options: dict[str, str]) -> SerialLink:
+    """Open a port of this computer, for this program alone: `/dev/ttyUSB0?baud=9600&dtr=1&rts=0`.
+
+    DTR and RTS are set before opening, as far as the system allows: some adapters feed their chip
+    from DTR, and some take RTS for the L line, so that is off.
+    """
+    check_options(url, options, ("baud", "dtr", "rts"))
+    port = serial.Serial()
+    baud = _set_up(port, url, options)
+    port.port = parse(url).address
+    port.exclusive = True
+    port.timeout = 0 if os.name == "posix" else TICK
+    port.write_timeout = _write_timeout(baud)
+    _open(port, url)
+    return SerialLink(url, port, baud=baud, low_latency=_ask_low_latency(port))
+
+
+def open_socket(url: str, options: dict[str, str]) -> SerialLink:
+    """Open a port served as plain TCP: `socket://host:port`. `baud` tells what is behind it."""
+    check_options(url, options, ("baud",))
+    place = host_and_port(url)
+    port = SocketPort()
+    baud = _set_up(port, url, options)
+    port.port = f"socket://{place}"
+    port.timeout = 0
+    port.write_timeout = _write_timeout(baud)
+    _open(port, url)
+    return SerialLink(url, port, baud=baud, about=f"TCP {place}", can_break=False)
+
+
+def open_rfc2217(url: str, options: dict[str, str]) -> SerialLink:
+    """Open a port of a terminal server: `rfc2217://host:port`, options as for `open_serial`."""
+    check_options(url, options, ("baud", "dtr", "rts"))
+    place = host_and_port(url)
+    port = Rfc2217Port()
+    baud = _set_up(port, url, options)
+    port.port = f"rfc2217://{place}"
+    port.timeout = TICK
+    _open(port, url)
+    return SerialLink(url, port, baud=baud, about=f"RFC 2217 {place}")
+
+
+def _set_up(port: serial.SerialBase, url: str, options: dict[str, str]) -> int:
+    port.baudrate = number_option(url, options, "baud", default=BAUD, lowest=50, highest=4_000_000)
+    port.dtr = switch_option(url, options, "dtr", default=True)
+    port.rts = switch_option(url, options, "rts", default=False)
+    return port.baudrate
+
+
+def _write_timeout(baud: int) -> float:
+    return PATIENCE + LONGEST_REQUEST * BITS_PER_BYTE / baud
+
+
+def _open(port: serial.Serial | SocketPort | Rfc2217Port, url: str) -> None:
+    try:
+        port.open()
+    except SYSTEM_ERRORS as error:
+        raise opening_failed(url, error) from error
+
+
+def _ask_low_latency(port: serial.Serial) -> bool:
+    """Ask for bytes at once (FTDI: 1 ms instead of 16 ms). Linux only, and not every driver."""
+    ask = getattr(port, "set_low_latency_mode", None)
+    if ask is None:
+        return False
+    with suppress(NotImplementedError, *SYSTEM_ERRORS):
+        ask(True)
+        return True
+    return False
+
+
+def _described(path: str) -> str:
+    real = os.path.realpath(path)
+    for port in find_ports():
+        if port.url == path or os.path.realpath(port.url) == real:
+            return port.description
+    return path

@@ -1,0 +1,89 @@
+"""A link that shows everything that passes to somebody else: the capture's tap on the wire.
+
+The tee knows a sink only as something with `record`; recording implements it. It sits between the
+tester and any link, changes nothing, and is itself a link.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Protocol
+
+from mikas.link.base import Chunk, Link
+
+
+class Direction(Enum):
+    """Which way the bytes went, seen from the tester."""
+
+    SENT = "sent"
+    RECEIVED = "received"
+
+
+class Sink(Protocol):
+    """Whoever keeps what passes."""
+
+    def record(self, direction: Direction, data: bytes, time: float) -> None:
+        """Take one piece of the wire's history; `time` is the link's clock and never runs back."""
+
+
+class CaptureTee(Link):
+    """`link`, with every byte also recorded by `sink`, in the order in which the tester met them.
+
+    - What was received is recorded with its chunk's time; empty chunks are not.
+    - What was sent is recorded once the system has taken it, with the time of that: about when its
+      first bit goes out, and never later than its echo. What the link refused is not recorded.
+    - A sink that fails must not cost the session: `failure` keeps the exception, nothing is
+      recorded from there on, and the bytes go on flowing. Whoever made the sink looks at `failure`
+      and says so.
+    - Closing the tee closes the link. The sink stays its maker's, to be closed after the tee.
+    """
+
+    def __init__(self, link: Link, sink: Sink) -> None:
+        self.link = link
+        self.url = link.url
+        self.baud = link.baud
+        self.failure: Exception | None = None
+        self._sink = sink
+
+    @property
+    def description(self) -> str:
+        """That of the link."""
+        return self.link.description
+
+    @property
+    def can_break(self) -> bool:
+        """That of the link."""
+        return self.link.can_break
+
+    def write(self, data: bytes) -> None:
+        """Write, then record."""
+        self.link.write(data)
+        if data:
+            self._record(Direction.SENT, data, self.link.now())
+
+    def read(self, deadline: float) -> Chunk:
+        """Read, then record."""
+        chunk = self.link.read(deadline)
+        if chunk.data:
+            self._record(Direction.RECEIVED, chunk.data, chunk.time)
+        return chunk
+
+    def now(self) -> float:
+        """The link's clock."""
+        return self.link.now()
+
+    def send_break(self, seconds: float) -> None:
+        """Passed on; a break is no byte, so nothing is recorded."""
+        self.link.send_break(seconds)
+
+    def close(self) -> None:
+        """Close the link, not the sink."""
+        self.link.close()
+
+    def _record(self, direction: Direction, data: bytes, time: float) -> None:
+        if self.failure is not None:
+            return
+        try:
+            self._sink.record(direction, data, time)
+        except Exception as error:
+            self.failure = error  # foreign code: whatever happened in it, the drive goes on

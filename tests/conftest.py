@@ -1,0 +1,17 @@
+"""What holds for every test: the examples that hypothesis tries, and what Windows leaves out."""
+
+from __future__ import annotations
+
+import os
+
+from hypothesis import settings
+
+# A pty exists on POSIX only. What needs one stands in a folder `posix`, or a module named so, and
+# is not even imported elsewhere. (The marks match `/` too; they are relative to this folder.)
+collect_ignore_glob = [] if os.name == "posix" else ["*posix*"]
+
+# A shared machine may stall for a second: no test is judged by its time. `ci` draws the same
+# examples every time, so a red build is the change's fault.
+settings.register_profile("default", deadline=None)
+settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))

@@ -1,0 +1,224 @@
+"""What every link promises (`mikas.link.base`), as one suite to run over each back end.
+
+A back end's tests are a class that inherits `LinkContract`, or `RealTimeContract` if its waits are
+real, says its quirks as class attributes, and has a fixture `rig` that gives a `Rig`: the open link
+and the other end of its wire.
+
+    class TestMine(LinkContract):
+        can_break = False
+
+        @pytest.fixture
+        def rig(self):
+            with ... as link:
+                yield Rig(link, MyPeer(...))
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Protocol
+
+import pytest
+
+from mikas.errors import LinkLost
+from mikas.link import Link
+
+EVERY_BYTE = bytes(range(256))
+SOON = 0.02
+FAR = 30.0
+
+
+class Peer(Protocol):
+    """The other end of the wire."""
+
+    def send(self, data: bytes) -> None:
+        """Let `data` arrive at the link, at once or as time passes."""
+
+    def received(self, count: int) -> bytes:
+        """Return what the link sent since the last call, once it is `count` bytes."""
+
+    def vanish(self) -> None:
+        """Pull the plug."""
+
+
+@dataclass
+class Rig:
+    link: Link
+    peer: Peer
+
+
+def collect(link: Link, count: int) -> bytes:
+    """Read until `count` bytes have come, or a long time has passed."""
+    data = b""
+    deadline = link.now() + FAR
+    while len(data) < count and link.now() < deadline:
+        data += link.read(deadline).data
+    return data
+
+
+def write_until_lost(link: Link, data: bytes, between: Callable[[], None] = lambda: None) -> None:
+    """Write `data` again and again: for a loss that need not show at the first write."""
+    deadline = link.now() + FAR
+    while link.now() < deadline:
+        link.write(data)
+        between()
+
+
+@contextmanager
+def meanwhile(act: Callable[[], object]) -> Iterator[None]:
+    thread = threading.Thread(target=act)
+    thread.start()
+    try:
+        yield
+    finally:
+        thread.join()
+
+
+class LinkContract:
+    """For every link."""
+
+    can_break = True
+
+    def test_names_what_it_is(self, rig):
+        assert rig.link.url
+        assert rig.link.description
+
+    def test_a_byte_is_ten_bits(self, rig):
+        assert rig.link.byte_time == pytest.approx(10 / rig.link.baud)
+
+    def test_what_is_written_arrives_unchanged(self, rig):
+        rig.link.write(EVERY_BYTE)
+        assert rig.peer.received(256) == EVERY_BYTE
+
+    def test_writes_keep_their_order(self, rig):
+        for value in b"\x01\xff\r":
+            rig.link.write(bytes([value]))
+        assert rig.peer.received(3) == b"\x01\xff\r"
+
+    def test_writing_nothing_does_nothing(self, rig):
+        rig.link.write(b"")
+        rig.link.write(b"x")
+        assert rig.peer.received(1) == b"x"
+
+    def test_what_is_sent_here_is_read_unchanged(self, rig):
+        rig.peer.send(EVERY_BYTE)
+        assert collect(rig.link, 256) == EVERY_BYTE
+
+    def test_a_read_does_not_wait_for_its_deadline_once_something_arrived(self, rig):
+        began = rig.link.now()
+        rig.peer.send(b"\x09")
+        chunk = rig.link.read(began + FAR)
+        assert chunk.data == b"\x09"
+        assert began <= chunk.time <= rig.link.now() < began + FAR / 2
+
+    def test_silence_gives_an_empty_chunk_at_the_deadline_and_not_earlier(self, rig):
+        deadline = rig.link.now() + SOON
+        chunk = rig.link.read(deadline)
+        assert chunk.data == b""
+        assert deadline <= chunk.time <= rig.link.now() < deadline + FAR / 2
+
+    def test_a_deadline_in_the_past_does_not_wait(self, rig):
+        before = rig.link.now()
+        assert rig.link.read(before - FAR).data == b""
+        assert rig.link.now() < before + FAR / 2
+
+    def test_a_deadline_in_the_past_still_looks(self, rig):
+        rig.peer.send(b"\x0a")
+        assert rig.link.read(rig.link.now() + FAR).data == b"\x0a"
+        rig.peer.send(b"\x09")
+        data, last = b"", rig.link.now() + FAR
+        while not data and rig.link.now() < last:
+            data = rig.link.read(rig.link.now() - 1).data
+            self.let_time_pass(rig.link)
+        assert data == b"\x09"
+
+    def let_time_pass(self, link: Link) -> None:
+        """For a simulated clock, which stands still between reads: move it on, reading nothing."""
+
+    def test_the_clock_never_runs_back(self, rig):
+        times = []
+        for _ in range(200):
+            times += [rig.link.now(), rig.link.read(rig.link.now()).time]
+        assert times == sorted(times)
+
+    def test_a_break_takes_its_time_and_leaves_the_link_usable(self, rig):
+        before = rig.link.now()
+        rig.link.send_break(SOON)
+        assert before + SOON <= rig.link.now() < before + FAR / 2
+        assert rig.link.can_break is self.can_break
+        rig.link.write(b"x")
+        assert rig.peer.received(1)[-1:] == b"x"
+
+    @pytest.mark.parametrize("use", ["read", "write", "send_break"])
+    def test_a_closed_link_is_lost(self, rig, use):
+        rig.link.close()
+        with pytest.raises(LinkLost) as caught:
+            self._use(rig.link, use)
+        assert caught.value.fields["url"] == rig.link.url
+        assert isinstance(caught.value, ConnectionError)
+
+    def test_closing_twice_is_closing_once(self, rig):
+        rig.link.close()
+        rig.link.close()
+
+    def test_a_closed_link_still_knows_the_time(self, rig):
+        before = rig.link.now()
+        rig.link.close()
+        assert rig.link.now() >= before
+
+    def test_leaving_its_context_closes_it(self, rig):
+        with rig.link as link:
+            assert link is rig.link
+        with pytest.raises(LinkLost):
+            rig.link.read(rig.link.now())
+
+    def test_a_vanished_adapter_ends_the_read_and_stays_lost(self, rig):
+        rig.peer.vanish()
+        with pytest.raises(LinkLost) as caught:
+            collect(rig.link, 1)
+        assert rig.link.url in str(caught.value)
+        for use in ("read", "write", "send_break"):
+            with pytest.raises(LinkLost):
+                self._use(rig.link, use)
+        rig.link.close()
+
+    def test_a_vanished_adapter_takes_no_bytes(self, rig):
+        rig.peer.vanish()
+        with pytest.raises(LinkLost):
+            write_until_lost(rig.link, b"\x01\xff\r", lambda: self.let_time_pass(rig.link))
+
+    @staticmethod
+    def _use(link: Link, use: str) -> None:
+        if use == "read":
+            link.read(link.now() + FAR)
+        elif use == "write":
+            link.write(b"\x01\xff\r")
+        else:
+            link.send_break(0.0)
+
+
+class RealTimeContract(LinkContract):
+    """For a link whose waits are real: another thread can act while it waits."""
+
+    def test_its_clock_is_unix_time(self, rig):
+        assert rig.link.now() == pytest.approx(time.time(), abs=2)
+
+    def test_a_waiting_read_gets_what_comes(self, rig):
+        with meanwhile(lambda: rig.peer.send(b"\x09")):
+            assert rig.link.read(rig.link.now() + FAR).data == b"\x09"
+
+    def test_a_waiting_read_ends_when_the_adapter_vanishes(self, rig):
+        began = rig.link.now()
+        with meanwhile(rig.peer.vanish), pytest.raises(LinkLost):
+            rig.link.read(began + FAR)
+        assert rig.link.now() < began + FAR / 2
+
+    def test_a_waiting_read_ends_when_another_thread_closes_the_link(self, rig):
+        began = rig.link.now()
+        with meanwhile(rig.link.close), pytest.raises(LinkLost):
+            rig.link.read(began + FAR)
+        assert rig.link.now() < began + FAR / 2
