@@ -8,6 +8,7 @@
     │   ├── BadPortUrl                 the port's URL or one of its options makes no sense
     │   ├── CatalogError               a catalog file is wrong: file, line, what was expected
     │   ├── CaptureError               a capture file can't be read, or can't be written
+    │   ├── JournalError               the journal of changes can't be written
     │   └── MissingExtra               an optional library is not installed
     ├── NoConnection (ConnectionError) nobody to talk to
     │   ├── PortNotFound               no such port, or no adapter at all
@@ -185,6 +186,19 @@ class CaptureError(UsageError):
     def __init__(self, file: str, problem: Text, offset: int | None = None) -> None:
         self.file, self.problem, self.offset = file, problem, offset
         super().__init__(file=file, problem=problem)
+
+
+class JournalError(UsageError):
+    """The journal of changes can't be written, so no change is made."""
+
+    what = Text(
+        "The journal {file} can't be written: {problem}", "Журнал {file} не записывается: {problem}"
+    )
+    advice = Text(
+        "A change that leaves no trace is not made. Free some space or correct the folder's "
+        "rights.",
+        "Изменения без записи в журнал не делаются. Освободите место или исправьте права папки.",
+    )
 
 
 class MissingExtra(UsageError, ImportError):

@@ -1,0 +1,139 @@
+"""`sim:` — a virtual unit in this process, on simulated time or in real time.
+
+On the simulated clock the tester's waiting is what drives the bus: `read` runs the wire forward
+until something arrives or the deadline has come, and hours pass in seconds. In real time the same
+bus is run forward to the present at each look, and the waits are real.
+
+Not simulated: the time that the tester's own computing takes, on the simulated clock.
+"""
+
+from __future__ import annotations
+
+import threading
+from math import inf
+
+from mikas.errors import BadPortUrl, LinkLost
+from mikas.language import Text
+from mikas.link.base import Chunk, Link, WallClock
+from mikas.virtual.bus import Bus
+
+
+class _BusLink(Link):
+    """What the two clocks have in common."""
+
+    def __init__(self, bus: Bus, url: str) -> None:
+        self.bus = bus
+        self.url = url
+        self.baud = bus.ecu.baud
+        self._problem: Text | None = None
+
+    @property
+    def description(self) -> str:
+        return "virtual ECU"
+
+    def write(self, data: bytes) -> None:
+        self._check()
+        self.bus.send(data, self.now())
+
+    def unplug(self) -> None:
+        """The adapter is pulled out: what a test does to it."""
+        self._problem = Text("it was unplugged", "его вынули")
+
+    def close(self) -> None:
+        self._problem = self._problem or Text("it is closed", "он закрыт")
+
+    def _check(self) -> None:
+        if self._problem:
+            raise LinkLost(url=self.url, problem=self._problem, time=self.now())
+
+
+class VirtualLink(_BusLink):
+    """A virtual unit on simulated time, which passes only while somebody waits in `read`."""
+
+    def __init__(self, bus: Bus, *, url: str = "sim:?clock=simulated", start: float = 0.0) -> None:
+        super().__init__(bus, url)
+        self._now = start
+
+    def now(self) -> float:
+        return self._now
+
+    def read(self, deadline: float) -> Chunk:
+        while True:
+            self._check()
+            data, time = self.bus.take(self._now)
+            if data:
+                return Chunk(data, time)
+            following = self.bus.next_event()
+            if following > deadline or following == inf:
+                if deadline == inf:
+                    raise ValueError("nothing will ever come, and the wait has no end")
+                self._now = max(self._now, deadline)
+                self.bus.advance(self._now)
+                return Chunk(b"", self._now)
+            self._now = max(self._now, following)
+
+    def send_break(self, seconds: float) -> None:
+        self._check()
+        self.bus.send_break(seconds, self._now)
+        self._now += seconds
+
+
+class RealTimeVirtualLink(_BusLink):
+    """A virtual unit in this process, in real time."""
+
+    def __init__(self, bus: Bus, *, url: str = "sim:") -> None:
+        super().__init__(bus, url)
+        self._clock = WallClock()
+        self._gone = threading.Event()
+
+    def now(self) -> float:
+        return self._clock.now()
+
+    def read(self, deadline: float) -> Chunk:
+        while True:
+            self._check()
+            now = self.now()
+            data, time = self.bus.take(now)
+            if data:
+                return Chunk(data, time)
+            if now >= deadline:
+                return Chunk(b"", now)
+            # At least a look a second: a wait without end must still see the link closed.
+            self._gone.wait(max(0.0, min(self.bus.next_event(), deadline, now + 1) - now))
+
+    def unplug(self) -> None:
+        super().unplug()
+        self._gone.set()
+
+    def send_break(self, seconds: float) -> None:
+        self._check()
+        self.bus.send_break(seconds, self.now())
+        self._gone.wait(seconds)
+
+    def close(self) -> None:
+        super().close()
+        self._gone.set()
+
+
+def open_sim(url: str, options: dict[str, str]) -> Link:
+    """Opens `sim:?scenario=…&seed=…&clock=real|simulated&…`.
+
+    The other options are those of `mikas.virtual.build`. Raises `BadPortUrl` for an unknown one, or
+    a value that makes no sense.
+    """
+    from mikas.virtual.build import build_bus  # the engine and the catalog: only for this scheme
+
+    settings = dict(options)
+    clock = settings.pop("clock", "real")
+    if clock not in ("real", "simulated"):
+        raise BadPortUrl(
+            url=url,
+            problem=Text(
+                f"clock is real or simulated, not “{clock}”",
+                f"clock — real или simulated, а не «{clock}»",
+            ),
+        )
+    if clock == "simulated":
+        return VirtualLink(build_bus(settings), url=url)
+    link_clock = WallClock()
+    return RealTimeVirtualLink(build_bus(settings, start=link_clock.now()), url=url)

@@ -1,0 +1,151 @@
+"""One K-Line wire with a virtual unit on it and a tester's adapter at its end (§1, D1, D2).
+
+Bytes take their time: 10 bits each. Whoever talks at the same time as another spoils both: the line
+carries the AND of the two (low wins). Modelled a byte at a time: two bytes that overlap at all are
+both heard as their AND, which is coarser than bits but never lets a collision pass unseen.
+
+Time-explicit like the unit: `advance(now)` runs the wire forward; nobody sleeps here.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from math import inf
+
+from mikas.virtual.adapter import Adapter, AdapterKind
+from mikas.virtual.disturbance import Disturbance
+from mikas.virtual.ecu import VirtualEcu
+
+
+@dataclass(slots=True)
+class _Byte:
+    start: float
+    end: float
+    value: int
+
+
+class _Talker:
+    """Bytes that somebody has put on the wire, in order, and the last one that is through."""
+
+    def __init__(self, byte_time: float) -> None:
+        self.byte_time = byte_time
+        self.queue: deque[_Byte] = deque()
+        self.last: _Byte | None = None
+        self.free_at = -inf
+
+    def say(self, data: bytes, start: float) -> None:
+        start = max(start, self.free_at)
+        for value in data:
+            self.queue.append(_Byte(start, start + self.byte_time, value))
+            start += self.byte_time
+        self.free_at = start
+
+    def next_end(self) -> float:
+        return self.queue[0].end if self.queue else inf
+
+    def overlapping(self, byte: _Byte) -> int:
+        """The AND of all its bytes that overlap `byte`; FF, the idle line, if none does."""
+        value = 0xFF
+        if self.last and self.last.end > byte.start and self.last.start < byte.end:
+            value &= self.last.value
+        for other in self.queue:
+            if other.start >= byte.end:
+                break
+            if other.end > byte.start:
+                value &= other.value
+        return value
+
+    def talking_until(self, time: float) -> float | None:
+        """The end of the byte that it is sending at `time`."""
+        for byte in self.queue:
+            if byte.start <= time < byte.end:
+                return byte.end
+            if byte.start > time:
+                break
+        return None
+
+
+class Bus:
+    """The wire. `send` and `take` are the tester's side, everything else its owner's."""
+
+    def __init__(
+        self,
+        ecu: VirtualEcu,
+        *,
+        adapter: AdapterKind | None = None,
+        disturbance: Disturbance | None = None,
+    ) -> None:
+        self.ecu = ecu
+        self.byte_time = 10 / ecu.baud
+        self.disturbance = disturbance or Disturbance()
+        self.adapter = Adapter(adapter or AdapterKind())
+        self.bytes_carried = 0
+        self._tester = _Talker(self.byte_time)
+        self._unit = _Talker(self.byte_time)
+
+    def send(self, data: bytes, now: float) -> None:
+        """The tester's adapter puts `data` on the wire, behind what it is still sending."""
+        self.advance(now)
+        if self.adapter.kind.supplied:
+            self._tester.say(data, now)
+
+    def send_break(self, seconds: float, now: float) -> None:
+        """Holds the line low: everything on it is lost, and the unit hears a break."""
+        self.advance(now)
+        if not self.adapter.kind.supplied:
+            return
+        for talker in (self._tester, self._unit):
+            talker.queue.clear()
+            talker.free_at = now + seconds
+        self.ecu.receive_break(now + seconds)
+        if self.adapter.kind.echo:
+            self.adapter.hear(0x00, now + seconds)
+
+    def advance(self, now: float) -> None:
+        """Everything that happens on the wire up to `now`."""
+        while (time := self._next_on_wire()) <= now:
+            if self._tester.next_end() <= time:
+                self._through(self._tester, self._unit)
+            elif self._unit.next_end() <= time:
+                self._through(self._unit, self._tester)
+            else:
+                self._let_ecu_talk(time)
+        self.adapter.tick(now)
+
+    def take(self, now: float) -> tuple[bytes, float]:
+        """What the adapter has handed to the tester by `now`, and when the last of it came."""
+        self.advance(now)
+        return self.adapter.take(now)
+
+    def next_event(self) -> float:
+        """When something happens next: on the wire, or to what the adapter still holds."""
+        return min(self._next_on_wire(), self.adapter.next_event())
+
+    def _next_on_wire(self) -> float:
+        return min(self._tester.next_end(), self._unit.next_end(), self._ecu_due())
+
+    def _ecu_due(self) -> float:
+        due = self.ecu.next_event()
+        # D2: a unit does not begin while somebody is talking.
+        while due < inf and (end := self._tester.talking_until(due)) is not None:
+            due = end
+        return due
+
+    def _let_ecu_talk(self, time: float) -> None:
+        wire = self.ecu.transmit(time)
+        if wire:
+            for sent in self.disturbance.respond(wire):
+                self._unit.say(sent.data, time + sent.delay)
+
+    def _through(self, talker: _Talker, other: _Talker) -> None:
+        byte = talker.queue.popleft()
+        value = byte.value & other.overlapping(byte)
+        talker.last = byte
+        self.bytes_carried += 1
+        if talker is self._tester:
+            self.ecu.receive(bytes([value]), byte.end)
+            if self.adapter.kind.echo:
+                self.adapter.hear(self.disturbance.echo(value), byte.end)
+        elif self.adapter.kind.supplied:
+            self.adapter.hear(value, byte.end)

@@ -1,0 +1,137 @@
+"""Trouble on the wire, on purpose: what a bad ground, a second talker or a tired unit does.
+
+Each kind strikes a response by chance (seeded, so a run can be repeated to the byte) or when a test
+asks for it next. Everything here happens to the ECU's sending or to the line, never to the tester.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from random import Random
+
+from mikas.errors import UsageError
+from mikas.framing import encode
+from mikas.language import Text
+
+
+class Trouble(Enum):
+    """What can happen to a response."""
+
+    LOST = "lost"  # it never comes
+    LATE = "late"  # it comes after the tester has given up
+    DAMAGED = "damaged"  # one bit of one byte differs
+    CUT = "cut"  # the end is missing
+    MISSING_BYTE = "missing-byte"  # one byte in the middle is missing
+    DOUBLED = "doubled"  # it comes twice
+    FOREIGN = "foreign"  # another talker's sound frame comes in its place
+    NOISE = "noise"  # stray bytes come before it
+    ECHO = "echo"  # one byte of the next request's echo differs
+
+
+LATE_BY = 0.7  # s, more than the 500 ms of D14
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """Bytes to put on the wire, `delay` seconds after the response was due."""
+
+    data: bytes
+    delay: float = 0.0
+
+
+class Disturbance:
+    """Decides what becomes of each response.
+
+    `rates`: chance of each trouble, 0 … 1. `late_by`: seconds. `next(trouble)` queues one for the
+    following response, before any chance.
+    """
+
+    def __init__(
+        self,
+        rates: Mapping[Trouble, float] | None = None,
+        *,
+        seed: int = 0,
+        late_by: float = LATE_BY,
+    ) -> None:
+        self.rates = dict(rates or {})
+        self.late_by = late_by
+        self.count = 0
+        self._random = Random(seed)
+        self._queued: deque[Trouble | None] = deque()
+        self._echo_next = False
+
+    def next(self, *troubles: Trouble | None) -> None:
+        """What happens to the next responses, in order; None leaves one alone."""
+        self._queued.extend(troubles)
+
+    def respond(self, wire: bytes) -> list[Sent]:
+        """What the line carries instead of the response `wire`."""
+        trouble = self._choose()
+        if trouble is None:
+            return [Sent(wire)]
+        self.count += 1
+        at = self._random.randrange(len(wire))
+        match trouble:
+            case Trouble.LOST:
+                return []
+            case Trouble.LATE:
+                return [Sent(wire, self.late_by)]
+            case Trouble.DAMAGED:
+                return [Sent(_flipped(wire, at, self._random.randrange(8)))]
+            case Trouble.CUT:
+                return [Sent(wire[:at])]
+            case Trouble.MISSING_BYTE:
+                return [Sent(wire[:at] + wire[at + 1 :])]
+            case Trouble.DOUBLED:
+                return [Sent(wire), Sent(wire, 0.003)]
+            case Trouble.FOREIGN:
+                return [Sent(encode(bytes(len(wire))))]  # longer, so never this request's
+            case Trouble.NOISE:
+                return [Sent(self._random.randbytes(1 + at % 4)), Sent(wire)]
+            case Trouble.ECHO:
+                self._echo_next = True
+                return [Sent(wire)]
+
+    def echo(self, value: int) -> int:
+        """What the tester gets back of the byte it sent."""
+        if self._echo_next:
+            self._echo_next = False
+            return value ^ 0x10
+        return value
+
+    def _choose(self) -> Trouble | None:
+        if self._queued:
+            return self._queued.popleft()
+        for trouble, rate in self.rates.items():
+            if self._random.random() < rate:
+                return trouble
+        return None
+
+
+def _flipped(wire: bytes, at: int, bit: int) -> bytes:
+    return wire[:at] + bytes([wire[at] ^ (1 << bit)]) + wire[at + 1 :]
+
+
+def parse_rates(words: Mapping[str, str]) -> dict[Trouble, float]:
+    """`{"damaged": "0.01"}` → rates. Raises `UsageError` naming what is allowed."""
+    rates = {}
+    for name, value in words.items():
+        try:
+            rate = float(value)
+            trouble = Trouble(name)
+        except ValueError:
+            rate = -1.0
+        if not 0 <= rate <= 1:
+            kinds = ", ".join(t.value for t in Trouble)
+            raise UsageError(
+                problem=Text(
+                    f"“{name}={value}” is no line fault; write KIND=RATE, rate 0 … 1, kinds: "
+                    f"{kinds}",
+                    f"«{name}={value}» — не помеха; пишите ВИД=ДОЛЯ, доля 0 … 1, виды: {kinds}",
+                )
+            )
+        rates[trouble] = rate
+    return rates

@@ -1,0 +1,167 @@
+"""The virtual Mikas on its wire: bytes heard in, bytes to say out, on its owner's clock (§3, D12,
+D15).
+
+It does no I/O, reads no clock and never sleeps; the same times and bytes give the same answers. Its
+owner (the bus) calls `receive` with what is heard on the wire, asks `next_event` when to call
+`transmit`, and puts on the wire what that hands out.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf
+
+from mikas import commands as c
+from mikas.framing import Decoder, Frame, encode
+from mikas.virtual.assumptions import StreamEnd
+from mikas.virtual.responder import Responder, Stream
+
+PARTIAL_REQUEST_LIFE = 0.1  # s; a unit does not wait for the rest of a request for ever
+STANDING_ENGINE_LOOK = 0.05  # s between looks whether a standing engine turns again
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """Something worth telling whoever watches the virtual unit.
+
+    `kind`: request, response, silence, damaged, stream, stream-end, power-on or power-off.
+    """
+
+    time: float
+    kind: str
+    data: bytes = b""
+
+
+@dataclass(slots=True)
+class _Running:
+    command: Stream
+    due: float  # infinity: the engine stands
+
+
+class VirtualEcu:
+    """One unit. `baud` tells it how long its own sending takes."""
+
+    def __init__(
+        self,
+        responder: Responder,
+        *,
+        baud: int = 9600,
+        watcher: Callable[[Happening], None] | None = None,
+    ) -> None:
+        self.responder = responder
+        self.baud = baud
+        self.watcher = watcher
+        self._decoder = Decoder()
+        self._heard_at = -inf
+        self._seen = -inf  # the latest time it was told
+        self._answers: deque[tuple[float, bytes]] = deque()
+        self._free_at = -inf  # when its own last byte has left
+        self._stream: _Running | None = None
+        self._on = True
+
+    def receive(self, data: bytes, now: float) -> None:
+        """`data` was heard on the wire, its last byte complete at `now`."""
+        self._follow_supply(now)
+        if not self._on:
+            return
+        if now - self._heard_at > PARTIAL_REQUEST_LIFE:
+            self._decoder.reset()
+        self._heard_at = now
+        ends = self.responder.assumptions.stream_end
+        if self._stream and ends is StreamEnd.BYTE:
+            self._end_stream(now)
+        if now <= self._free_at:
+            self._decoder.reset()  # it is sending itself: what it hears is a collision
+            return
+        for event in self._decoder.feed(data):
+            if not isinstance(event, Frame):
+                self._tell("damaged", now, event.data)
+            elif self._stream is None or ends is not StreamEnd.BREAK:
+                self._end_stream(now)
+                self._take(event.body, now)
+
+    def receive_break(self, now: float) -> None:
+        """The line was held low: whatever this unit was saying, it stops (D12)."""
+        self._follow_supply(now)
+        self._decoder.reset()
+        self._answers.clear()
+        self._free_at = min(self._free_at, now)
+        self._end_stream(now)
+
+    def next_event(self) -> float:
+        """When to call `transmit` next; infinity: not before something is heard."""
+        change = self.responder.car.next_change(self._seen)
+        if self._on and self._stream and self._stream.due == inf:
+            return min(change, self._seen + STANDING_ENGINE_LOOK)
+        return min(change, self._next_transmission())
+
+    def transmit(self, now: float) -> bytes:
+        """The frame whose first byte leaves now; empty: none is due."""
+        self._follow_supply(now)
+        if self._stream and self._stream.due == inf:
+            self._stream.due = self._due(self._stream.command, now)
+        if self._next_transmission() > now:
+            return b""
+        if self._answers:
+            body = self._answers.popleft()[1]
+            self._tell("response", now, body)
+        else:
+            assert self._stream is not None  # what else would be due
+            body = self.responder.data(self._stream.command.parameters, now) or b""
+        wire = encode(body, raw_checksum=self.responder.assumptions.raw_checksum)
+        self._free_at = now + len(wire) * 10 / self.baud
+        if self._stream:
+            self._stream.due = self._due(self._stream.command, self._free_at)
+        return wire
+
+    def _take(self, body: bytes, now: float) -> None:
+        self._tell("request", now, body)
+        answer = self.responder.answer(body, now)
+        if isinstance(answer, bytes):
+            self._answers.append((now + self.responder.assumptions.turn_round, answer))
+        elif answer is None:
+            self._tell("silence", now)
+        else:
+            self._stream = _Running(answer, self._due(answer, now))
+            self._tell("stream", now, body)
+
+    def _next_transmission(self) -> float:
+        if not self._on:
+            return inf
+        if self._answers:
+            return max(self._answers[0][0], self._free_at)
+        if self._stream is None:
+            return inf
+        if self._decoder.pending:  # D2: somebody is talking; the stream waits for the end of it
+            return max(self._stream.due, self._heard_at + PARTIAL_REQUEST_LIFE)
+        return self._stream.due
+
+    def _due(self, stream: Stream, after: float) -> float:
+        ready = after + self.responder.assumptions.turn_round
+        if isinstance(stream, c.StreamAtStroke):
+            return self.responder.car.next_stroke(stream.stroke, ready)
+        return ready
+
+    def _end_stream(self, now: float) -> None:
+        if self._stream:
+            self._stream = None
+            self._tell("stream-end", now)
+
+    def _follow_supply(self, now: float) -> None:
+        self._seen = max(self._seen, now)
+        on = self.responder.car.powered(now)
+        if on == self._on:
+            return
+        self._on = on
+        self._stream = None
+        self._answers.clear()
+        self._decoder.reset()
+        if on:
+            self.responder.power_cycle()
+        self._tell("power-on" if on else "power-off", now)
+
+    def _tell(self, kind: str, now: float, data: bytes = b"") -> None:
+        if self.watcher:
+            self.watcher(Happening(now, kind, data))

@@ -1,0 +1,51 @@
+"""The four memory spaces of the virtual unit: what is written is read back.
+
+A power cycle restores RAM, XRAM and SFR; CODE keeps what was written. Unwritten cells hold a
+pattern in which every byte value comes up and neighbours differ, so that a shifted or mixed-up
+block is seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+SIZES = {"ram": 0x100, "xram": 0x10000, "code": 0x10000, "sfr": 0x100}
+
+
+def pattern(space: str) -> bytearray:
+    """The contents of an untouched space: `37·low + 11·high + 101·space + 5`, modulo 256."""
+    start = 101 * list(SIZES).index(space) + 5
+    return bytearray(
+        (37 * (address & 0xFF) + 11 * (address >> 8) + start) & 0xFF
+        for address in range(SIZES[space])
+    )
+
+
+class Memory:
+    """RAM, XRAM, CODE and SFR. Addresses are checked by the commands that carry them.
+
+    `contents`: what stands there from the start, by space and address, over the pattern.
+    """
+
+    def __init__(self, contents: Mapping[str, Mapping[int, bytes]] | None = None) -> None:
+        self._contents = contents or {}
+        self._spaces = {space: self._fresh(space) for space in SIZES}
+
+    def _fresh(self, space: str) -> bytearray:
+        cells = pattern(space)
+        for address, data in self._contents.get(space, {}).items():
+            cells[address : address + len(data)] = data
+        return cells
+
+    def read(self, space: str, address: int, count: int = 1) -> bytes:
+        """`count` bytes from `address` on."""
+        return bytes(self._spaces[space][address : address + count])
+
+    def write(self, space: str, address: int, data: bytes) -> None:
+        """Puts `data` at `address`."""
+        self._spaces[space][address : address + len(data)] = data
+
+    def power_cycle(self) -> None:
+        """The supply went off and came back."""
+        for space in ("ram", "xram", "sfr"):
+            self._spaces[space] = self._fresh(space)

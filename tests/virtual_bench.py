@@ -1,0 +1,55 @@
+"""A tester, a wire and a unit with known data, on simulated time: what most tests need."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from mikas.link.virtual import VirtualLink
+from mikas.tester import Tester
+from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.assumptions import Assumptions
+from mikas.virtual.bus import Bus
+from mikas.virtual.disturbance import Disturbance
+from mikas.virtual.ecu import VirtualEcu
+from mikas.virtual.responder import Identity, Responder
+from mikas.virtual.table_car import TableCar
+
+VECTORS = Path(__file__).parent / "vectors"
+EXCHANGES = json.loads((VECTORS / "exchanges.json").read_text("utf-8"))
+
+# The data that the exchange vectors were made with, by parameter code.
+DATA = {
+    bytes.fromhex(v["request"])[1]: bytes.fromhex(v["answer"])
+    for v in EXCHANGES
+    if v["why"] == "one parameter"
+}
+PASSPORTS = tuple(
+    bytes.fromhex(v["answer"]).rstrip(b"\0").decode("cp866")
+    for v in EXCHANGES
+    if v["why"].startswith("passport")
+)
+FAULTS = [0x0D, 0x35, 0x40, 0x0D]
+IDENTITY = Identity(0x0A, PASSPORTS)
+
+
+def make_bus(
+    *,
+    assumptions: Assumptions | None = None,
+    adapter: AdapterKind | None = None,
+    disturbance: Disturbance | None = None,
+    rpm: float = 850.0,
+) -> Bus:
+    car = TableCar(DATA, faults=FAULTS, rpm=rpm)
+    ecu = VirtualEcu(Responder(car, IDENTITY, assumptions or Assumptions()))
+    return Bus(ecu, adapter=adapter, disturbance=disturbance)
+
+
+def make_tester(bus: Bus, **settings: object) -> Tester:
+    return Tester(VirtualLink(bus), **settings)
+
+
+def connected(bus: Bus | None = None, **settings: object) -> Tester:
+    tester = make_tester(bus or make_bus(), **settings)
+    tester.connect()
+    return tester
