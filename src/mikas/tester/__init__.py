@@ -1,0 +1,8 @@
+"""Requests and responses that can be trusted, on one wire (D1, D2, D11–D14)."""
+
+from mikas.tester.connecting import Echo
+from mikas.tester.line import Reply, Timing
+from mikas.tester.stream import Stream, StreamItem
+from mikas.tester.tester import Statistics, Tester
+
+__all__ = ["Echo", "Reply", "Statistics", "Stream", "StreamItem", "Tester", "Timing"]

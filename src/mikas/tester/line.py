@@ -1,0 +1,184 @@
+"""One request out, one response in, on a wire that echoes (D1, D2, D14). No policy: no retries
+here.
+
+`Line` is what the tester knows of the wire: it sends a frame and compares its echo byte by byte, it
+collects the frame that answers, and it waits for silence. Every failure is an error that carries
+what was sent, what came, and when; what to do about it is the tester's business.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mikas.errors import DamagedResponse, EchoDiffers, LineNotQuiet, NoEcho, NoResponse
+from mikas.framing import Damage, DamageReason, Decoder, Frame, encode
+from mikas.language import Text
+from mikas.link import Chunk, Link
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """How long to wait, in seconds (D14).
+
+    `first_byte`: from the end of a request to its response. `between_bytes`: silence inside a
+    response after which the rest does not come. `quiet`: silence that counts as a quiet line where
+    nothing can be under way any more. `babble`: how long to wait for that on a line that is not.
+    """
+
+    first_byte: float = 0.5
+    between_bytes: float = 0.02
+    quiet: float = 0.06
+    babble: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """A response: its body, the bytes on the wire, and the link's time of its begin and end."""
+
+    body: bytes
+    wire: bytes
+    began: float
+    ended: float
+
+
+WRONG_CHECKSUM = Text("the checksum is wrong", "неверна контрольная сумма")
+_DAMAGE = {
+    DamageReason.CHECKSUM: WRONG_CHECKSUM,
+    DamageReason.TOO_LONG: Text("it has no end", "у него нет конца"),
+    DamageReason.IRREGULAR_ESCAPE: Text("an escape is wrong", "неверна замена байта"),
+}
+_CUT = Text("it ends in the middle", "он обрывается на середине")
+_DOUBLED = Text("more than one response came", "пришло больше одного ответа")
+
+
+class Line:
+    """A link seen as requests and responses. `echo`: whether the line gives back what is sent."""
+
+    def __init__(
+        self,
+        link: Link,
+        timing: Timing,
+        *,
+        echo: bool = True,
+        raw_checksum: bool = False,
+        strict: bool = False,
+    ) -> None:
+        self.link = link
+        self.timing = timing
+        self.echo = echo
+        self.raw_checksum = raw_checksum
+        self.strict = strict
+        self._ahead = Chunk(b"", 0.0)  # came together with the end of an echo
+
+    def exchange(self, body: bytes) -> Reply:
+        """Sends `body`, returns the one response. Raises `NoEcho` or a `LineError`."""
+        wire, sent_at = self.send(body)
+        return self.receive(wire, sent_at)
+
+    def send(self, body: bytes) -> tuple[bytes, float]:
+        """Sends `body` and checks the echo; returns its wire form and the time when it was out."""
+        wire = encode(body, raw_checksum=self.raw_checksum)
+        self._ahead = Chunk(b"", 0.0)
+        began = self.link.now()
+        self.link.write(wire)
+        out = began + len(wire) * self.link.byte_time
+        if not self.echo:
+            return wire, out
+        return wire, max(out, self._check_echo(wire, out + self.timing.first_byte))
+
+    def _check_echo(self, wire: bytes, deadline: float) -> float:
+        received = bytearray()
+        while len(received) < len(wire):
+            chunk = self.link.read(deadline)
+            if not chunk.data:
+                error = EchoDiffers if received else NoEcho
+                raise error(request=wire, received=bytes(received), time=chunk.time)
+            received += chunk.data
+            compared = min(len(received), len(wire))
+            if received[:compared] != wire[:compared]:
+                raise EchoDiffers(request=wire, received=bytes(received), time=chunk.time)
+        extra = bytes(received[len(wire) :])
+        self._ahead = Chunk(extra, chunk.time)
+        return chunk.time - len(extra) * self.link.byte_time
+
+    def receive(self, wire: bytes, sent_at: float) -> Reply:
+        """The one response to the request `wire`, which was out at `sent_at`."""
+        decoder = Decoder(strict=self.strict)
+        received = bytearray()
+        began = 0.0
+        deadline = sent_at + self.timing.first_byte
+        while True:
+            chunk = self._next(deadline)
+            if not chunk.data:
+                raise self._nothing_more(wire, bytes(received), chunk.time)
+            if not received:
+                began = max(sent_at, chunk.time - len(chunk.data) * self.link.byte_time)
+            received += chunk.data
+            deadline = chunk.time + self._pause()
+            events = decoder.feed(chunk.data)
+            if not events:
+                continue
+            first = events[0]
+            if isinstance(first, Damage):
+                raise self._damaged(wire, bytes(received), chunk.time, _DAMAGE[first.reason])
+            if len(events) > 1 or decoder.pending:
+                # One of them answers an earlier request, and nothing says which (D13).
+                raise self._damaged(wire, bytes(received), chunk.time, _DOUBLED)
+            return Reply(first.body, first.wire, began, chunk.time)
+
+    def _next(self, deadline: float) -> Chunk:
+        if self._ahead.data:
+            chunk, self._ahead = self._ahead, Chunk(b"", 0.0)
+            return chunk
+        return self.link.read(deadline)
+
+    def _pause(self) -> float:
+        return self.timing.between_bytes + self.link.byte_time
+
+    def _nothing_more(self, wire: bytes, received: bytes, time: float) -> Exception:
+        if received:
+            return self._damaged(wire, received, time, _CUT)
+        return NoResponse(
+            seconds=self.timing.first_byte, request=wire, received=received, time=time
+        )
+
+    @staticmethod
+    def _damaged(wire: bytes, received: bytes, time: float, damage: Text) -> DamagedResponse:
+        return DamagedResponse(damage=damage, request=wire, received=received, time=time)
+
+    def arrived(self) -> bytes:
+        """What came unasked, without waiting: a request is not begun on a talking line (D2)."""
+        ahead, self._ahead = self._ahead.data, Chunk(b"", 0.0)
+        return ahead + self.link.read(self.link.now()).data
+
+    def wait_for_quiet(self, seconds: float, babble: float | None = None) -> bytes:
+        """Waits until nothing has come for `seconds`; returns what came before.
+
+        Raises `LineNotQuiet` if that has not happened when `babble` more have passed
+        (`timing.babble` by default).
+        """
+        patience = seconds + (self.timing.babble if babble is None else babble)
+        came = bytearray(self.arrived())
+        began = self.link.now()
+        quiet_at = began + seconds
+        while True:
+            chunk = self.link.read(quiet_at)
+            if not chunk.data:
+                return bytes(came)
+            came += chunk.data
+            quiet_at = chunk.time + seconds
+            if chunk.time > began + patience:
+                raise LineNotQuiet(received=bytes(came[-64:]), time=chunk.time)
+
+    def next_frame(self, decoder: Decoder, deadline: float) -> list[tuple[Frame | Damage, float]]:
+        """The next events of a stream, each with the time its bytes began; empty at the
+        deadline.
+        """
+        while True:
+            chunk = self._next(deadline)
+            if not chunk.data:
+                return []
+            end = decoder.offset + len(chunk.data)
+            events = decoder.feed(chunk.data)
+            if events:
+                return [(e, chunk.time - (end - e.offset) * self.link.byte_time) for e in events]

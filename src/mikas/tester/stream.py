@@ -1,0 +1,143 @@
+"""Responses that come again and again: 71 and 7F … 83 (§3, D12, D15)."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Self
+
+from mikas import commands as c
+from mikas.errors import MikasError, NoConnection, NoResponse, NotSupported
+from mikas.framing import Decoder, Frame
+from mikas.tester.line import Line
+
+_STANDING_ENGINE = 5.0  # s without a stroke before a stream by strokes gives up (D15)
+
+
+@dataclass(frozen=True, slots=True)
+class StreamItem:
+    """One response: a datum a parameter, the body they came in, and when its first byte began."""
+
+    data: c.Data
+    body: bytes
+    time: float
+
+
+class Stream:
+    """An iterator over the responses of one stream command; close it, or use it with `with`.
+
+    Iterating raises `NoResponse` when nothing has come for `silence` seconds, `LinkLost` when the
+    adapter is gone. A damaged response, or one whose length does not fit, is counted and left out.
+    """
+
+    def __init__(
+        self,
+        line: Line,
+        command: c.StreamCyclic | c.StreamAtStroke,
+        *,
+        end: Callable[[], None],
+        silence: float | None = None,
+    ) -> None:
+        self.command = command
+        self.damaged = 0
+        self.foreign = 0
+        by_strokes = isinstance(command, c.StreamAtStroke)
+        self.silence = silence or (_STANDING_ENGINE if by_strokes else line.timing.first_byte)
+        self._line = line
+        self._end = end
+        self._decoder = Decoder(strict=line.strict)
+        self._items: deque[StreamItem] = deque()
+        self._held: StreamItem | None = None
+        self._count = 0
+        self._open = True
+        self._request = b""
+
+    def start(self) -> None:
+        """Sends the request and checks its echo; the tester calls it."""
+        self._request, self._heard = self._line.send(self.command.body())
+
+    def read(self, deadline: float) -> StreamItem | None:
+        """The next response; None if none has come by `deadline` of the link's clock.
+
+        Raises `NotSupported` if the unit answers `01`, its way to say that it does not know (D10).
+        """
+        while self._open:
+            if self._items:
+                return self._items.popleft()
+            events = self._line.next_frame(self._decoder, deadline)
+            if not events:
+                return None
+            for event, time in events:
+                self._heard = self._line.link.now()
+                if isinstance(event, Frame):
+                    self._take(event.body, time)
+                else:
+                    self.damaged += 1
+        return None
+
+    def _take(self, body: bytes, time: float) -> None:
+        self._count += 1
+        if len(body) not in self.command.response_lengths():
+            if body == b"\x01" and self._count == 1:
+                raise self._unknown(body)
+            self.foreign += 1
+            return
+        item = StreamItem(self.command.read(body), body, time)
+        if body == b"\x01" and self._count == 1:
+            # One byte asked, 01 came: the datum, or D10's refusal? A refusal comes only once.
+            self._held = item
+            return
+        if self._held:
+            self._items.append(self._held)
+            self._held = None
+        self._items.append(item)
+
+    def __iter__(self) -> Self:
+        return self
+
+    def __next__(self) -> StreamItem:
+        if not self._open:
+            raise StopIteration
+        item = self.read(max(self._heard, self._line.link.now()) + self.silence)
+        if item is not None:
+            return item
+        if not self._open:
+            raise StopIteration
+        if self._held:
+            raise self._unknown(self._held.body)
+        raise NoResponse(
+            seconds=self.silence, request=self._request, received=b"", time=self._line.link.now()
+        )
+
+    def _unknown(self, body: bytes) -> NotSupported:
+        return NotSupported(command=self.command.name, request=self._request, received=body)
+
+    def close(self) -> None:
+        """Ends the stream (D12) and gives the tester free. A second call does nothing.
+
+        Raises `LineNotQuiet` if the unit can't be made to stop.
+        """
+        if self._open:
+            self._open = False
+            self._end()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        try:
+            self.close()
+        except NoConnection:
+            # Nobody is there any more, so nothing streams; what failed first is what is told.
+            if error is None:
+                raise
+        except MikasError:
+            if not isinstance(error, MikasError):
+                raise

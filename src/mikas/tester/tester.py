@@ -1,0 +1,271 @@
+"""The tester: requests that can be trusted, on a line that can not (D1, D2, D11–D14).
+
+Policy lives here: when to repeat, when to find the step again, what silence means. Blocking and
+plain: the link owns the clock and all waiting. One lock: several threads may use one tester; a
+stream holds the lock until it is ended.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from mikas import commands as c
+from mikas.errors import (
+    EcuRefused,
+    LineError,
+    MikasError,
+    NoConnection,
+    NoResponse,
+    NotSupported,
+    UsageError,
+)
+from mikas.framing import encode
+from mikas.language import Text
+from mikas.link import Link
+from mikas.tester.connecting import Echo, introduce, refuse_elm
+from mikas.tester.line import Line, Reply, Timing
+from mikas.tester.step import Step
+from mikas.tester.stream import Stream
+
+T = TypeVar("T")
+
+_ATTEMPTS_AT_THE_UNKNOWN = 2  # a unit that does not know a command is silent each time (D10)
+_TURN = 0.02  # s; how long a waiting thread keeps the line to itself
+_STREAM_CODES = frozenset(c.StreamCyclic.CODES + c.StreamAtStroke.CODES)
+
+
+@dataclass(slots=True)
+class Statistics:
+    """What happened on the line so far."""
+
+    requests: int = 0
+    repeated: int = 0
+    failed: int = 0
+
+
+class Tester:
+    """Talks to one ECU over `link`. `connect()` first; everything else needs it.
+
+    `retries`: how often a command that is safe to repeat is sent again after a failed exchange.
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        *,
+        timing: Timing | None = None,
+        echo: Echo = Echo.AUTO,
+        retries: int = 2,
+        raw_checksum: bool = False,
+        strict: bool = False,
+    ) -> None:
+        self.link = link
+        self.echo = echo
+        self.retries = retries
+        self.version_code: int | None = None
+        self.statistics = Statistics()
+        self._line = Line(link, timing or Timing(), raw_checksum=raw_checksum, strict=strict)
+        self._step = Step(self._line)
+        self._lock = threading.Lock()
+        self._stream: Stream | None = None
+        self._stream_thread: int | None = None
+        self._known: set[int] = set()  # command codes that this unit has answered
+
+    @property
+    def echoes(self) -> bool:
+        """Whether the line gives back what is sent, as found at connect."""
+        return self._line.echo
+
+    @property
+    def timing(self) -> Timing:
+        """How long this tester waits (D14)."""
+        return self._line.timing
+
+    @property
+    def found_again(self) -> int:
+        """How often the step was lost and found again (D13)."""
+        return self._step.found_again
+
+    def connect(self) -> int:
+        """Finds out whether the line echoes and who answers; returns the version code.
+
+        Raises `NoEcho`, `EchoOnly`, `EchoDiffers`, `NotAKLineAdapter`, `LineNotQuiet`, `LinkLost`.
+        """
+        with self._holding():
+            for attempt in range(self.retries + 1):
+                self._step.lose()
+                try:
+                    self.version_code = introduce(self._line, self._step, self.echo)
+                    break
+                except LineError as error:
+                    self.statistics.failed += 1
+                    refuse_elm(error.received or b"")
+                    if attempt == self.retries:
+                        raise
+            self._step.keep()
+            assert self.version_code is not None
+            return self.version_code
+
+    def close(self) -> None:
+        """Ends a stream that is still running and closes the link. A second call does nothing."""
+        stream = self._stream
+        try:
+            if stream:
+                with suppress(MikasError):  # whatever is wrong with the line, it is given up now
+                    stream.close()
+        finally:
+            self.link.close()
+
+    def request(self, command: c.Command[T]) -> T:
+        """What the ECU answers to `command`; repeated if that is safe and the exchange failed.
+
+        Raises `EcuRefused`, a `LineError` or a `NoConnection`, each with what was on the wire.
+        """
+        return self.exchange(command)[0]
+
+    def has_answered(self, code: int) -> bool:
+        """Whether this unit has ever answered a command of this code as it should."""
+        return code in self._known
+
+    def exchange(self, command: c.Command[T], *, retries: int | None = None) -> tuple[T, Reply]:
+        """As `request`, with the response's bytes and times beside what it says.
+
+        `retries`: other than the tester's own; a command that is not safe to repeat never is.
+        """
+        retries = self.retries if retries is None else retries
+        attempts = 1 + (retries if command.repeatable else 0)
+        with self._holding():
+            if command.code not in self._known:
+                attempts = min(attempts, _ATTEMPTS_AT_THE_UNKNOWN)
+            while True:
+                self._assure()
+                attempts -= 1
+                try:
+                    return self._once(command)
+                except LineError as error:
+                    self.statistics.failed += 1
+                    if not attempts:
+                        raise self._verdict(command, error) from error
+                    self.statistics.repeated += 1
+
+    def _once(self, command: c.Command[T]) -> tuple[T, Reply]:
+        self.statistics.requests += 1
+        self._step.lose()  # until it has ended well; Ctrl-C may end it too
+        try:
+            reply = self._line.exchange(command.body())
+            try:
+                value = command.read(reply.body)
+            except MikasError as error:
+                error.request = encode(command.body(), raw_checksum=self._line.raw_checksum)
+                error.received, error.time = reply.wire, reply.ended
+                raise
+        except LineError as error:
+            self._step.lose(error)
+            raise
+        except EcuRefused:
+            self._step.keep()
+            raise
+        self._step.keep()
+        self._known.add(command.code)
+        return value, reply
+
+    def _verdict(self, command: c.Command[Any], error: LineError) -> MikasError:
+        """What to tell after the last attempt: is it the line, the command, or the ignition?"""
+        if isinstance(error, NoResponse) and command.code not in self._known:
+            self._assure()  # raises NoEcho or EchoOnly if nobody is there any more
+            return NotSupported(
+                command=command.name, request=error.request, received=b"", time=error.time
+            )
+        if isinstance(error, NoResponse):
+            try:
+                self._assure()
+            except NoConnection as nobody:
+                return nobody
+        return error
+
+    def raw(self, body: bytes) -> bytes | None:
+        """Sends any body once; returns the response's body, None for silence.
+
+        Raises `NoEcho` or a `LineError` for a damaged or doubled response.
+        """
+        with self._holding():
+            self._assure()
+            self.statistics.requests += 1
+            self._step.lose()
+            try:
+                reply = self._line.exchange(body)
+            except NoResponse:
+                return None
+            if not body or body[0] not in _STREAM_CODES:
+                self._step.keep()
+            return reply.body
+
+    def stream(
+        self, command: c.StreamCyclic | c.StreamAtStroke, *, silence: float | None = None
+    ) -> Stream:
+        """Starts `command`; its responses come from what is returned, which must be closed (D12).
+
+        The stream holds this tester's lock until then. `silence`: seconds after which iterating it
+        gives up; by default `Timing.first_byte`, and 5 s for a stream by strokes.
+        """
+        self._acquire()
+        try:
+            self._assure()
+            self.statistics.requests += 1
+            self._step.lose()
+            stream = Stream(self._line, command, end=self._end_stream, silence=silence)
+            stream.start()
+        except BaseException:
+            self._lock.release()
+            raise
+        self._stream, self._stream_thread = stream, threading.get_ident()
+        return stream
+
+    def _end_stream(self) -> None:
+        assert self._stream is not None
+        self._step.lose()
+        if isinstance(self._stream.command, c.StreamCyclic):
+            self._step.doubt = self.timing.quiet  # its gaps are short: silence comes at once
+        try:
+            self._step.interrupt()
+            self._assure()
+        finally:
+            self._stream = self._stream_thread = None
+            self._lock.release()
+
+    def wait(self, until: float) -> None:
+        """Waits until this time of the link's clock. Other threads' requests go in between.
+
+        What arrives meanwhile was not asked for, and puts the tester out of step.
+        """
+        while (now := self.link.now()) < until:
+            with self._holding():
+                if self.link.read(min(until, now + _TURN)).data:
+                    self._step.lose()
+
+    def _assure(self) -> None:
+        if self.version_code is None:
+            raise UsageError(problem=Text("connect() comes first", "сначала нужен connect()"))
+        self._step.assure(self.version_code)
+
+    @contextmanager
+    def _holding(self) -> Iterator[None]:
+        self._acquire()
+        try:
+            yield
+        finally:
+            self._lock.release()
+
+    def _acquire(self) -> None:
+        if self._stream_thread == threading.get_ident():
+            raise UsageError(
+                problem=Text(
+                    "a stream is running in this thread; close it before asking for anything else",
+                    "в этом потоке выполнения идёт поток данных; сначала закройте его",
+                )
+            )
+        self._lock.acquire()
