@@ -1,1 +1,36 @@
-"""mikas: diagnostics for the Mikas 5.4 and 7.1 engine control units over K-Line."""
+"""mikas: diagnostics for the Mikas 5.4 and 7.1 engine control units over K-Line.
+
+    import mikas
+    with mikas.connect("/dev/ttyUSB0") as ecu:
+        print(ecu.read("TWAT", "FREQ"))
+
+What is named here is the public interface; it is imported when it is first used, so that a program
+that only wants to print its help does not wait for all of it.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mikas.client import AsyncEcu, Change, Ecu, Reading, Sample, connect
+    from mikas.errors import MikasError
+
+__all__ = ["AsyncEcu", "Change", "Ecu", "MikasError", "Reading", "Sample", "connect"]
+
+_HOMES = dict.fromkeys(__all__, "mikas.client") | {"MikasError": "mikas.errors"}
+
+
+def __getattr__(name: str) -> object:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("mikas")
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    raise AttributeError(f"module 'mikas' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

@@ -1,0 +1,253 @@
+"""The public object: one ECU, everything that can be asked of it or done to it.
+
+Each method says what it raises; all of it comes from `mikas.errors`. Reading changes nothing; every
+change goes through the gate. Several threads may use one `Ecu`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from itertools import islice
+from types import TracebackType
+from typing import Self
+
+from mikas import commands as c
+from mikas.catalog import READINGS, Catalog, Fault, Model
+from mikas.client.data import DataReader
+from mikas.client.gate import Change, Confirm, Gate, hexed
+from mikas.client.identity import (
+    Info,
+    Passport,
+    Support,
+    count_parameters,
+    read_passport,
+    try_commands,
+)
+from mikas.client.journal import Journal
+from mikas.client.limits import Limits, LimitsStore
+from mikas.client.memory import Memory
+from mikas.client.parameters import Parameters, WrittenParameter
+from mikas.client.reading import Reading, Sample
+from mikas.client.watching import Method, Watcher
+from mikas.errors import UsageError
+from mikas.language import Text
+from mikas.tester import Tester
+
+
+@dataclass(frozen=True, slots=True)
+class Erased:
+    """What an erase did: the faults that were stored, and those that are there now."""
+
+    before: tuple[Fault, ...]
+    after: tuple[Fault, ...]
+
+
+class Ecu:
+    """A connected unit; made by `connect`. Close it, or use it with `with`."""
+
+    def __init__(
+        self,
+        tester: Tester,
+        catalog: Catalog,
+        *,
+        reading: str = "corrected",
+        confirm: Confirm | None = None,
+        journal: Journal | None = None,
+        store: LimitsStore | None = None,
+    ) -> None:
+        if reading not in READINGS:
+            raise UsageError(
+                problem=Text(f"there is no reading “{reading}”", f"толкования «{reading}» нет")
+            )
+        self.tester = tester
+        self.catalog = catalog
+        self._store = store
+        self._limits: Limits | None = None
+        self._passport: Passport | None = None
+        self._gate = Gate(
+            confirm=confirm, journal=journal, clock=tester.link.now, whose=self._whose
+        )
+        data = DataReader(tester, self._known_limits, self._keep_limits)
+        self._parameters = Parameters(tester, catalog, self._gate, data, reading)
+        self.memory = Memory(tester, self._gate, self._known_limits, self._keep_limits)
+
+    @property
+    def version_code(self) -> int:
+        """What the unit answered to 01 at connect."""
+        assert self.tester.version_code is not None
+        return self.tester.version_code
+
+    @property
+    def model(self) -> Model:
+        """The model that the version code means; an unknown one says so."""
+        return self.catalog.model(self.version_code)
+
+    # Who it is
+
+    def info(self) -> Info:
+        """Model, passports, number of parameters, echo, learnt limits: nine requests."""
+        return Info(
+            model=self.model,
+            version_code=self.version_code,
+            passport=self.passport(),
+            parameter_count=count_parameters(self.tester),
+            echo=self.tester.echoes,
+            limits=self._known_limits(),
+        )
+
+    def passport(self) -> Passport:
+        """The program's and the data's passport (51–58), asked once a session."""
+        if self._passport is None:
+            self._passport = read_passport(self.tester)
+        return self._passport
+
+    def supported(self) -> Iterator[Support]:
+        """Tries every harmless command once and tells what the unit knows (D10)."""
+        return try_commands(self.tester)
+
+    # Parameters
+
+    def read(self, *names: str) -> dict[str, Reading]:
+        """One reading of each named parameter; with no names, of all that the unit knows.
+
+        A raw code is written `0x1A`, or `0x3F:2`. Raises `UnknownParameter`, `NotSupported`.
+        """
+        return self._parameters.read(names)
+
+    def watch(
+        self,
+        *names: str,
+        method: Method = "auto",
+        rate: float | None = None,
+        count: int | None = None,
+    ) -> Iterator[Sample]:
+        """Samples, as fast as the wire gives them or `rate` times a second, `count` or for ever.
+
+        A cycle that failed is a sample with `gap`; a parameter that the unit does not know is
+        missing. Raises `LinkLost`, `UnknownParameter`, and `EcuRefused` if it refuses the method.
+        """
+        wanted = self._parameters.named(names)
+        samples = Watcher(self.tester, self._parameters, wanted, rate).samples(method)
+        return islice(samples, count) if count is not None else samples
+
+    def stream(
+        self, *names: str, stroke: int | None = None
+    ) -> AbstractContextManager[Iterator[dict[str, Reading]]]:
+        """`with ecu.stream("FREQ") as readings:` — what the unit sends by itself (71, 7F–83).
+
+        `stroke`: 0 … 4 for one response an engine cycle (D15). Leaving the `with` ends it (D12).
+        """
+        return self._parameters.stream(names, stroke=stroke)
+
+    def set_list(self, *names: str) -> tuple[str, ...]:
+        """Sets the list that `read_list` reads (64); returns the names in it."""
+        return self._parameters.set_list(names)
+
+    def read_list(self) -> dict[str, Reading]:
+        """One reading of each parameter in the list (63)."""
+        return self._parameters.read_list()
+
+    def write_parameter(
+        self, name: str, value: float | None = None, *, raw: bytes | None = None
+    ) -> WrittenParameter:
+        """Writes a physical `value`, or the `raw` datum, and reads it back (62).
+
+        Raises `ValueDoesNotFit`, `NotConfirmed`, `WriteRefused`, `ReadBackDiffers`.
+        """
+        return self._parameters.write(name, value, raw)
+
+    # Faults
+
+    def faults(self) -> tuple[Fault, ...]:
+        """The stored faults in the unit's order; one that the catalog lacks has no text."""
+        return tuple(self.catalog.fault(code) for code in self.tester.request(c.ReadFaults()))
+
+    def erase_faults(self) -> Erased:
+        """Erases them (two writes, §3) and reads again. Raises `NotConfirmed`, `WriteRefused`."""
+        before = self.faults()
+        change = Change(
+            what=Text(
+                f"erase {len(before)} stored fault(s)", f"стереть ошибки, всего: {len(before)}"
+            ),
+            safety=c.WriteParameter.SAFETY,
+            command=c.WriteParameter.SOURCE_NAME,
+            before=hexed(bytes(fault.code for fault in before)),
+            after="",
+        )
+
+        def act() -> Erased:
+            for write in c.ERASE_FAULTS:
+                self.tester.request(write)
+            return Erased(before, self.faults())
+
+        return self._gate.make(
+            change, act, lambda erased: hexed(bytes(fault.code for fault in erased.after))
+        )
+
+    # The rest
+
+    def goto(self, address: int) -> bytes:
+        """Makes the ECU jump to `address` (41). The most dangerous command there is.
+
+        Returns a response's body if one came, empty for the silence that is expected (D9).
+        """
+        command = c.GoTo(address)
+        change = Change(
+            what=Text(f"jump to {address:04X}", f"перейти на {address:04X}"),
+            safety=command.SAFETY,
+            command=command.SOURCE_NAME,
+            after=hexed(command.body()),
+        )
+        return self._gate.make(change, lambda: self.tester.raw(command.body()) or b"", hexed)
+
+    def raw(self, body: bytes) -> bytes | None:
+        """Sends any request body; returns the response's body, None for silence.
+
+        What is not known to be harmless goes through the gate.
+        """
+        if not body:
+            raise UsageError(problem=Text("there is nothing to send", "нечего посылать"))
+        command = c.COMMANDS_BY_CODE.get(body[0])
+        if command and command.SAFETY is c.Safety.READ:
+            return self.tester.raw(body)
+        change = Change(
+            what=Text(f"send {hexed(body)}", f"послать {hexed(body)}"),
+            safety=command.SAFETY if command else c.Safety.LASTING,
+            command=command.SOURCE_NAME if command else "?",
+            after=hexed(body),
+        )
+        return self._gate.make(change, lambda: self.tester.raw(body), hexed)
+
+    # What was learnt
+
+    def _known_limits(self) -> Limits:
+        if self._limits is None:
+            if self._store is None or self._store.empty:
+                self._limits = Limits()
+            else:
+                self._limits = self._store.load(self.version_code, self.passport().pieces)
+        return self._limits
+
+    def _keep_limits(self) -> None:
+        if self._store is not None and self._limits is not None:
+            self._store.save(self.version_code, self.passport().pieces, self._limits)
+
+    def _whose(self) -> dict[str, object]:
+        return {"port": self.tester.link.url, "model": self.model.text.en}
+
+    def close(self) -> None:
+        """Ends what is running and lets go of the port. A second call does nothing."""
+        self.tester.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -1,0 +1,125 @@
+"""Who the ECU is and what it knows: passports, and every harmless command tried once (§3, D10)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from mikas import commands as c
+from mikas.catalog import Model
+from mikas.client.limits import Limits
+from mikas.errors import EcuRefused, LineError, NoResponse, NotSupported
+from mikas.tester import Tester
+
+_RPM = c.Datum(0x29, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Passport:
+    """Three pieces of the program's passport and five of the data's; empty: not filled in.
+
+    None in place of a piece: the unit does not know the command.
+    """
+
+    program: tuple[str | None, ...]
+    data: tuple[str | None, ...]
+
+    @property
+    def pieces(self) -> tuple[str, ...]:
+        """All eight, "" for what is missing: what a unit is recognised by."""
+        return tuple(piece or "" for piece in (*self.program, *self.data))
+
+
+@dataclass(frozen=True, slots=True)
+class Info:
+    """What is known of a unit. `parameter_count`: None if it does not tell."""
+
+    model: Model
+    version_code: int
+    passport: Passport
+    parameter_count: int | None
+    echo: bool
+    limits: Limits
+
+
+def read_passport(tester: Tester) -> Passport:
+    """Eight requests; a unit that refuses the first of a kind is not asked for the others."""
+    return Passport(_pieces(tester, c.ReadProgramPassport), _pieces(tester, c.ReadDataPassport))
+
+
+def _pieces(
+    tester: Tester, kind: type[c.ReadProgramPassport | c.ReadDataPassport]
+) -> tuple[str | None, ...]:
+    pieces: list[str | None] = []
+    for part in range(1, len(kind.CODES) + 1):
+        if pieces == [None]:
+            break
+        pieces.append(_asked(tester, kind(part)))
+    return tuple(pieces + [None] * (len(kind.CODES) - len(pieces)))
+
+
+def _asked(tester: Tester, command: c.Command[Any]) -> Any:  # noqa: ANN401  (as the command)
+    try:
+        return tester.request(command)
+    except NotSupported:
+        return None
+
+
+def count_parameters(tester: Tester) -> int | None:
+    """60. A count of one can only be D10's `01`: no unit has a single parameter."""
+    count: int | None = _asked(tester, c.CountParameters())
+    return None if count == 1 else count
+
+
+@dataclass(frozen=True, slots=True)
+class Support:
+    """Whether the unit knows a command. `known` None: not tried, or no telling."""
+
+    command: type[c.Command[Any]]
+    known: bool | None
+
+    @property
+    def name(self) -> str:
+        """The source's name and the first code."""
+        return f"{self.command.SOURCE_NAME} ({self.command.CODES[0]:02X})"
+
+
+def try_commands(tester: Tester) -> Iterator[Support]:
+    """Every command of §3 in turn; those that would change something are not tried.
+
+    Raises a `NoConnection` if the unit goes away meanwhile.
+    """
+    trials: dict[type[c.Command[Any]], Callable[[], object]] = {
+        c.Availability: lambda: tester.request(c.Availability()),
+        c.ReadFaults: lambda: tester.request(c.ReadFaults()),
+        c.ReadRamByte: lambda: tester.request(c.ReadRamByte(0)),
+        c.ReadXramByte: lambda: tester.request(c.ReadXramByte(0)),
+        c.ReadCodeByte: lambda: tester.request(c.ReadCodeByte(0)),
+        c.ReadRamBlock: lambda: tester.request(c.ReadRamBlock(0, 2)),
+        c.ReadXramBlock: lambda: tester.request(c.ReadXramBlock(0, 2)),
+        c.ReadCodeBlock: lambda: tester.request(c.ReadCodeBlock(0, 2)),
+        c.ReadSfr: lambda: tester.request(c.ReadSfr(0x81)),
+        c.ReadProgramPassport: lambda: tester.request(c.ReadProgramPassport(1)),
+        c.ReadDataPassport: lambda: tester.request(c.ReadDataPassport(1)),
+        c.CountParameters: lambda: count_parameters(tester),
+        c.ReadParameters: lambda: tester.request(c.ReadParameters((_RPM, _RPM))),
+        c.StreamCyclic: lambda: _first_of_stream(tester),
+    }
+    for command in c.ALL_COMMANDS:
+        trial = trials.get(command)
+        yield Support(command, None if trial is None else _works(trial))
+
+
+def _works(trial: Callable[[], object]) -> bool | None:
+    try:
+        return trial() is not None
+    except (EcuRefused, NoResponse):
+        return False
+    except LineError:
+        return None
+
+
+def _first_of_stream(tester: Tester) -> object:
+    with tester.stream(c.StreamCyclic((_RPM, _RPM))) as stream:
+        return next(stream)

@@ -1,0 +1,79 @@
+"""What was learnt about one unit: how long a list and a block it takes (D11), what it lacks (D10).
+
+Kept in the user's state folder under the unit's passports, so that the next session begins with it.
+"""
+
+from __future__ import annotations
+
+import json
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field
+from hashlib import sha256
+from pathlib import Path
+
+from mikas.commands import LARGEST_BLOCK
+
+STARTING_LIST = 64  # far over the 21 codes of §4, and a request of 66 bytes is still only 70 ms
+
+
+@dataclass(slots=True)
+class Limits:
+    """The bounds in force; they only ever come down, by halves."""
+
+    max_list: int = STARTING_LIST
+    max_block: dict[str, int] = field(default_factory=dict)  # by memory space; 1: byte by byte
+    refused: list[int] = field(default_factory=list)  # parameter codes that it does not know
+
+    def block(self, space: str) -> int:
+        """The largest block of `space` that is tried."""
+        return self.max_block.get(space, LARGEST_BLOCK)
+
+    @property
+    def learnt(self) -> bool:
+        """Whether anything differs from what every unit starts with."""
+        return self != Limits()
+
+
+class LimitsStore:
+    """The limits of every unit met, a file each."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing was ever learnt: then there is no need to ask a unit for its passport."""
+        return not any(self.folder.glob("*.json")) if self.folder.is_dir() else True
+
+    def load(self, version_code: int, passports: tuple[str, ...]) -> Limits:
+        """What was learnt of this unit; a file that can't be read counts as nothing learnt."""
+        with suppress(OSError, ValueError, TypeError):
+            stored = json.loads(self._file(version_code, passports).read_text("utf-8"))
+            return Limits(
+                max_list=min(max(int(stored["max_list"]), 1), STARTING_LIST),
+                max_block={
+                    str(space): min(max(int(count), 1), LARGEST_BLOCK)
+                    for space, count in stored["max_block"].items()
+                },
+                refused=[int(code) for code in stored["refused"]],
+            )
+        return Limits()
+
+    def save(self, version_code: int, passports: tuple[str, ...], limits: Limits) -> None:
+        """Keeps `limits`; that this fails costs only the next session's time, so it is not told."""
+        with suppress(OSError):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self._file(version_code, passports).write_text(
+                json.dumps({"passports": passports, **asdict(limits)}, ensure_ascii=False), "utf-8"
+            )
+
+    def _file(self, version_code: int, passports: tuple[str, ...]) -> Path:
+        named = "\0".join((f"{version_code:02X}", *passports))
+        return self.folder / f"{sha256(named.encode()).hexdigest()[:16]}.json"
+
+
+def default_folder() -> Path:
+    """In the user's state folder."""
+    from platformdirs import user_state_path
+
+    return user_state_path("mikas", appauthor=False) / "units"

@@ -1,0 +1,61 @@
+"""A value is never bare (rule 5 of the house): what it is, from which bytes, when, decoded with
+what.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from mikas.catalog import Parameter
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One parameter, read once.
+
+    `value` is in `unit`; `raw` the datum as it came, low byte first; `time` when the response began
+    on the wire, in the link's clock (UNIX time on a real one); `reading` which sense of an erratum
+    was taken.
+    """
+
+    parameter: Parameter
+    value: float | int | bool
+    unit: str
+    raw: bytes
+    time: float
+    reading: str
+
+    @property
+    def name(self) -> str:
+        """The parameter's mnemonic."""
+        return self.parameter.name
+
+    def __str__(self) -> str:
+        if self.parameter.is_flag:
+            return f"{self.name} {'yes' if self.value else 'no'}"
+        return f"{self.name} {self.value:.{self.parameter.decimals}f} {self.unit}".rstrip()
+
+
+def decode(parameter: Parameter, raw: bytes, time: float, reading: str) -> Reading:
+    """The reading that `raw` is."""
+    conversion = parameter.reading(reading)
+    return Reading(parameter, conversion.decode(raw), conversion.unit, raw, time, reading)
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """What one cycle of `watch` brought. A parameter that could not be read is missing.
+
+    `gap`: nothing at all came, `reason` says why. A value is never repeated from the cycle before.
+    """
+
+    time: float
+    readings: Mapping[str, Reading] = field(default_factory=lambda: MappingProxyType({}))
+    reason: Exception | None = None
+
+    @property
+    def gap(self) -> bool:
+        """Whether nothing came."""
+        return self.reason is not None
