@@ -1,0 +1,82 @@
+# Needs Python 3.11 or newer and make (GNU make 3.81 or newer), nothing else: a virtual environment is made in .venv on first
+# use, and brought up to date when pyproject.toml changes. After that everything works without a network.
+# Windows without make: CONTRIBUTING.md gives the same steps with pip.
+
+PYTHON ?= python3
+
+# Looked for when PYTHON was not set by hand and python3 is too old.
+others := $(if $(filter file,$(origin PYTHON)),python3.14 python3.13 python3.12 python3.11)
+venv_python := .venv/bin/python
+
+# Two things spoil an environment silently: the folder was moved or copied (it still points at the old place), or its Python
+# was removed. Both make it start afresh.
+$(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test check bench clean
+
+help: ## list these targets
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
+
+demo: .venv/installed ## the product against a virtual car: no cable needed
+	@.venv/bin/mikas demo
+
+test: .venv/with-test ## all tests; framing, commands and catalog need 100 % branch coverage
+	@$(venv_python) -m pytest --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
+	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
+
+check: .venv/with-check ## lint, format, types, import rules
+	$(venv_python) -m ruff check .
+	$(venv_python) -m ruff format --check .
+	$(venv_python) -m mypy
+	.venv/bin/lint-imports
+
+bench: .venv/installed ## rates and times against the wire's limits (protocol.md, section 5)
+	@$(venv_python) -m bench
+
+clean: ## remove .venv and everything else that was generated
+	rm -rf .venv .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache build dist htmlcov
+	find src tests bench -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
+
+.venv/installed: pyproject.toml
+	@[ -f $@ ] || { $(find_python); $(make_venv); }
+	@echo "Installing mikas into .venv"
+	@$(venv_python) -m pip install --quiet --disable-pip-version-check --editable .
+	@pwd -P > $@
+
+# Dependency groups need pip 25.1; a new environment has the pip that came with its Python.
+.venv/with-test: .venv/installed
+	@echo "Installing what the tests need"
+	@$(venv_python) -m pip install --quiet --disable-pip-version-check 'pip>=25.1'
+	@$(venv_python) -m pip install --quiet --disable-pip-version-check --group test
+	@touch $@
+
+.venv/with-check: .venv/with-test
+	@echo "Installing what the checks need"
+	@$(venv_python) -m pip install --quiet --disable-pip-version-check --group check
+	@touch $@
+
+define find_python
+python=; \
+for candidate in "$(PYTHON)" $(others); do \
+  if "$$candidate" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then \
+    python=$$candidate; break; \
+  fi; \
+done; \
+if [ -z "$$python" ]; then \
+  echo "mikas needs Python 3.11 or newer. Tried, and older or not there: $(PYTHON) $(others)" >&2; \
+  echo "Install one, or say where it is: make PYTHON=/path/to/python3.12 $(MAKECMDGOALS)" >&2; \
+  exit 1; \
+fi
+endef
+
+define make_venv
+if ! "$$python" -c 'import ensurepip, venv' 2>/dev/null; then \
+  version=$$("$$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])'); \
+  echo "This Python $$version cannot make virtual environments: its ensurepip is missing." >&2; \
+  echo "On Debian or Ubuntu: sudo apt install python3-venv   (or python$$version-venv)" >&2; \
+  exit 1; \
+fi; \
+echo "Making .venv with $$("$$python" --version)"; \
+"$$python" -m venv --clear .venv
+endef
