@@ -1,0 +1,195 @@
+"""Recording a capture: everything that passes on the wire, in a pcapng file.
+
+`CaptureWriter` is the sink behind `mikas.link.tee`: one packet a chunk of one direction, with the
+link's time in microseconds; chunks are never merged. `mikas.recording.reader` gives them back, and
+so do other tools: `docs/capture.md` has the format field by field.
+
+Every packet goes to the operating system at once, unbuffered: the line brings 960 bytes a second
+(§1) and a write costs microseconds. So there is nothing that a `kill -9` could lose, and no timer
+is needed to flush in time.
+"""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO, Final, Self
+
+from mikas.errors import CaptureError
+from mikas.language import Text
+from mikas.recording import pcapng
+from mikas.recording.reader import FLAGS, CaptureReader, Packet, Problem, Source, reason_of
+from mikas.recording.scan import RawBlock, scan
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from mikas.link.tee import Direction
+
+__all__ = ["CaptureReader", "CaptureWriter", "Packet", "Problem", "Source"]
+
+_LARGEST_CHUNK: Final = 1 << 16  # tools refuse packets over 256 KiB; a longer chunk is split
+_MICROSECOND = 1_000_000
+
+
+class CaptureWriter:
+    """Appends what passes on the wire to `path`. Implements `mikas.link.tee.Sink`.
+
+    An existing file is refused, unless `overwrite` discards it or `append` adds a new recording at
+    its end; a last block that an interruption cut short is removed then (`removed` counts its
+    bytes), since nothing readable can follow it. A named pipe may be there already: other programs
+    can watch through it.
+
+    Every method that touches the file raises `CaptureError` when it can't be written: no room, no
+    right, medium gone, file deleted meanwhile. What was recorded before stays valid: a half-written
+    packet is taken back.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        url: str,
+        description: str = "",
+        application: str | None = None,
+        hardware: str = "",
+        baud: int = 9600,
+        overwrite: bool = False,
+        append: bool = False,
+    ) -> None:
+        if overwrite and append:
+            raise ValueError("a capture is either overwritten or appended to")
+        self.path = Path(path)
+        self.removed = 0
+        self._interface = pcapng.Interface(name=url, description=description, speed=baud)
+        self._interfaces = 0
+        self._end = 0  # of the last whole block
+        self._checked = 0.0  # when, in the link's time, the file was last seen to exist
+        self._broken = False  # a half-written block could not be taken back
+        try:
+            self._file = self._open(overwrite=overwrite, append=append)
+            self._links = os.fstat(self._file.fileno()).st_nlink
+        except OSError as error:
+            raise self._failure(error) from error
+        try:
+            application = f"mikas {version('mikas')}" if application is None else application
+            self._append(pcapng.Section(hardware=hardware, application=application))
+            self._describe_interface(tsoffset=0)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def record(self, direction: Direction, data: bytes, time: float) -> None:
+        """Keep one chunk. It is with the operating system when this returns."""
+        self._check_it_goes_on()
+        ticks = round(time * _MICROSECOND) - self._interface.tsoffset * _MICROSECOND
+        if ticks < 0:
+            # Ticks are unsigned: for times before 1970, or before 0 of a simulated clock, another
+            # interface follows that counts from an earlier second.
+            earlier = ticks // _MICROSECOND
+            self._describe_interface(tsoffset=self._interface.tsoffset + earlier)
+            ticks -= earlier * _MICROSECOND
+        if abs(time - self._checked) >= 1:
+            self._checked = time
+            self._check_it_exists()
+        for start in range(0, len(data), _LARGEST_CHUNK):
+            piece = bytes(data[start : start + _LARGEST_CHUNK])
+            self._append(
+                pcapng.EnhancedPacket(self._interfaces - 1, ticks, piece, FLAGS[direction])
+            )
+
+    def close(self) -> None:
+        """End the recording. A second call does nothing."""
+        try:
+            self._file.close()
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _open(self, *, overwrite: bool, append: bool) -> BinaryIO:
+        if append and self.path.is_file() and self.path.stat().st_size:
+            self._end = _end_of_last_block(self.path)
+            file = self.path.open("r+b", buffering=0)
+            try:
+                self.removed = file.seek(0, os.SEEK_END) - self._end
+                file.truncate(self._end)
+                file.seek(self._end)
+            except OSError:
+                file.close()
+                raise
+            return file
+        exists = self.path.exists() and not self.path.is_dir()
+        in_place = overwrite or append or (exists and not self.path.is_file())
+        return self.path.open("wb" if in_place else "xb", buffering=0)
+
+    def _describe_interface(self, tsoffset: int) -> None:
+        interface = replace(self._interface, tsoffset=tsoffset)
+        self._append(interface)
+        self._interface = interface  # only once it is in the file: it says what a tick means
+        self._interfaces += 1
+
+    def _append(self, block: pcapng.Block) -> None:
+        """The whole block, or nothing of it."""
+        rest = memoryview(pcapng.encode(block))
+        length = len(rest)
+        try:
+            while rest:
+                rest = rest[self._file.write(rest) :]
+            self._end += length
+        except OSError as error:
+            self._take_back()
+            raise self._failure(error) from error
+        except BaseException:  # Ctrl-C in the middle of a block
+            self._take_back()
+            raise
+
+    def _take_back(self) -> None:
+        try:
+            self._file.truncate(self._end)
+            self._file.seek(self._end)
+        except OSError:
+            self._broken = True
+
+    def _check_it_goes_on(self) -> None:
+        if self._broken or self._file.closed:
+            raise CaptureError(str(self.path), _OVER)
+
+    def _check_it_exists(self) -> None:
+        """Some systems let a file be deleted under a writer, who then writes to nowhere."""
+        with suppress(OSError):
+            if self._links and not os.fstat(self._file.fileno()).st_nlink:
+                self._broken = True
+                raise CaptureError(str(self.path), _DELETED)
+
+    def _failure(self, error: OSError) -> CaptureError:
+        return CaptureError(str(self.path), reason_of(error))
+
+
+def _end_of_last_block(path: Path) -> int:
+    """Where a new recording can follow. Raises `CaptureError` if the file is no capture."""
+    CaptureReader(path)
+    with path.open("rb") as file:
+        return max((item.end for item in scan(file) if isinstance(item, RawBlock)), default=0)
+
+
+_DELETED = Text(
+    "the file was deleted while being recorded; nothing more is kept",
+    "файл удалён во время записи; больше ничего не сохраняется",
+)
+_OVER = Text(
+    "the recording is over; nothing more is kept",
+    "запись окончена; больше ничего не сохраняется",
+)

@@ -1,0 +1,297 @@
+"""The blocks of a pcapng file: bytes from values, values from bytes. Pure; opens nothing.
+
+The part of the IETF draft "PCAP Next Generation Capture File Format" that recording a serial line
+needs: section, interface and enhanced packet; when reading, simple packets and custom blocks too.
+A block is `type, length, body, length again`; the second length is what lets a reader tell a whole
+block from a damaged one. Both byte orders are read, the little-endian one is written.
+
+`parse` gives a value for every known kind and `None` for the others; it raises `Malformed` for a
+body that contradicts itself, never anything else.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final, Literal
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+Order = Literal["<", ">"]
+
+SECTION: Final = 0x0A0D0D0A  # reads the same in both byte orders
+INTERFACE: Final = 1
+SIMPLE: Final = 3
+ENHANCED: Final = 6
+CUSTOM: Final = 0x0BAD
+CUSTOM_PRIVATE: Final = 0x40000BAD  # a tool that edits the file must not copy it
+
+LINKTYPE_USER0: Final = 147  # for private use: no registered type means "bytes of a serial line"
+INBOUND: Final = 1  # epb_flags, bits 0-1
+OUTBOUND: Final = 2
+
+_ORDER_MAGIC: Final = 0x1A2B3C4D
+_MICROSECONDS: Final = 6
+_END, _COMMENT = 0, 1
+_SHB_HARDWARE, _SHB_OS, _SHB_APPLICATION = 2, 3, 4
+_IF_NAME, _IF_DESCRIPTION, _IF_SPEED, _IF_TSRESOL, _IF_TSOFFSET = 2, 3, 8, 9, 14
+_EPB_FLAGS = 2
+
+
+class Malformed(ValueError):
+    """A block whose frame is whole but whose body contradicts itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Section Header Block: a new recording begins; interfaces are counted anew."""
+
+    hardware: str = ""
+    system: str = ""
+    application: str = ""
+    comment: str = ""
+    version: tuple[int, int] = (1, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """Interface Description Block: one port. `tsresol` and `tsoffset` say what a tick means."""
+
+    link_type: int = LINKTYPE_USER0
+    name: str = ""
+    description: str = ""
+    speed: int = 0
+    tsresol: int = _MICROSECONDS
+    tsoffset: int = 0
+    snap_length: int = 0
+    comment: str = ""
+
+    @property
+    def ticks_per_second(self) -> int:
+        """10^n, or 2^n when the top bit of if_tsresol is set."""
+        power = self.tsresol & 0x7F
+        return 1 << power if self.tsresol & 0x80 else int(10**power)
+
+    def time(self, ticks: int) -> float:
+        """Seconds since 1970, or since whatever the link's clock counts from; rounded once."""
+        return (self.tsoffset * self.ticks_per_second + ticks) / self.ticks_per_second
+
+
+@dataclass(frozen=True, slots=True)
+class EnhancedPacket:
+    """Enhanced Packet Block. `cut`: how many bytes of the packet the capturing program left out."""
+
+    interface: int
+    ticks: int
+    data: bytes
+    flags: int = 0
+    comment: str = ""
+    cut: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class SimplePacket:
+    """Simple Packet Block: data of the first interface with neither time nor direction."""
+
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Custom:
+    """Custom Block: `data` belongs to whoever has the Private Enterprise Number `enterprise`."""
+
+    enterprise: int
+    data: bytes
+    private: bool = False
+
+
+Block = Section | Interface | EnhancedPacket | SimplePacket | Custom
+
+
+def encode(block: Block, order: Order = "<") -> bytes:
+    """The whole block, ready to be appended to a file."""
+    match block:
+        case Section():
+            kind, body = SECTION, _section_body(block, order)
+        case Interface():
+            kind, body = INTERFACE, _interface_body(block, order)
+        case EnhancedPacket():
+            kind, body = ENHANCED, _enhanced_body(block, order)
+        case SimplePacket(data):
+            kind, body = SIMPLE, struct.pack(order + "I", len(data)) + _padded(data)
+        case Custom(enterprise, data, private):
+            kind = CUSTOM_PRIVATE if private else CUSTOM
+            body = struct.pack(order + "I", enterprise) + _padded(data)
+    total = struct.pack(order + "I", len(body) + 12)
+    return struct.pack(order + "I", kind) + total + body + total
+
+
+def parse(kind: int, body: bytes, order: Order) -> Block | None:
+    """The block with this body; `None` for a kind that is not known here. Raises `Malformed`."""
+    reader = _READERS.get(kind)
+    try:
+        return reader(body, order) if reader else None
+    except struct.error as error:
+        raise Malformed(str(error)) from error
+
+
+def byte_order(magic: bytes) -> Order | None:
+    """The byte order of a section, from bytes 8 to 11 of its header; `None` if they are neither."""
+    if magic == struct.pack("<I", _ORDER_MAGIC):
+        return "<"
+    if magic == struct.pack(">I", _ORDER_MAGIC):
+        return ">"
+    return None
+
+
+def _section_body(section: Section, order: Order) -> bytes:
+    length_not_known = -1
+    head = struct.pack(order + "IHHq", _ORDER_MAGIC, *section.version, length_not_known)
+    return head + _options(
+        order,
+        (_COMMENT, _text(section.comment)),
+        (_SHB_HARDWARE, _text(section.hardware)),
+        (_SHB_OS, _text(section.system)),
+        (_SHB_APPLICATION, _text(section.application)),
+    )
+
+
+def _section(body: bytes, order: Order) -> Section:
+    _, major, minor, _ = struct.unpack_from(order + "IHHq", body)
+    options = dict(_read_options(body[16:], order))
+    return Section(
+        hardware=_string(options.get(_SHB_HARDWARE)),
+        system=_string(options.get(_SHB_OS)),
+        application=_string(options.get(_SHB_APPLICATION)),
+        comment=_string(options.get(_COMMENT)),
+        version=(major, minor),
+    )
+
+
+def _interface_body(interface: Interface, order: Order) -> bytes:
+    offset = struct.pack(order + "q", interface.tsoffset) if interface.tsoffset else b""
+    speed = struct.pack(order + "Q", interface.speed) if interface.speed else b""
+    return struct.pack(order + "HHI", interface.link_type, 0, interface.snap_length) + _options(
+        order,
+        (_COMMENT, _text(interface.comment)),
+        (_IF_NAME, _text(interface.name)),
+        (_IF_DESCRIPTION, _text(interface.description)),
+        (_IF_SPEED, speed),
+        (_IF_TSRESOL, bytes([interface.tsresol])),
+        (_IF_TSOFFSET, offset),
+    )
+
+
+def _interface(body: bytes, order: Order) -> Interface:
+    link_type, _, snap_length = struct.unpack_from(order + "HHI", body)
+    options = dict(_read_options(body[8:], order))
+    return Interface(
+        link_type=link_type,
+        name=_string(options.get(_IF_NAME)),
+        description=_string(options.get(_IF_DESCRIPTION)),
+        speed=_number(options.get(_IF_SPEED), order + "Q", 0),
+        tsresol=_number(options.get(_IF_TSRESOL), order + "B", _MICROSECONDS),
+        tsoffset=_number(options.get(_IF_TSOFFSET), order + "q", 0),
+        snap_length=snap_length,
+        comment=_string(options.get(_COMMENT)),
+    )
+
+
+def _enhanced_body(packet: EnhancedPacket, order: Order) -> bytes:
+    captured = len(packet.data)
+    high, low = divmod(packet.ticks, 1 << 32)
+    fields = (packet.interface, high, low, captured, captured + packet.cut)
+    flags = struct.pack(order + "I", packet.flags) if packet.flags else b""
+    options = _options(order, (_COMMENT, _text(packet.comment)), (_EPB_FLAGS, flags))
+    return struct.pack(order + "5I", *fields) + _padded(packet.data) + options
+
+
+def _enhanced(body: bytes, order: Order) -> EnhancedPacket:
+    interface, high, low, captured, original = struct.unpack_from(order + "5I", body)
+    if 20 + captured > len(body):
+        raise Malformed("the packet is longer than its block")
+    comments, flags = [], 0
+    for code, value in _read_options(body[20 + captured + -captured % 4 :], order):
+        if code == _COMMENT:
+            comments.append(_string(value))
+        elif code == _EPB_FLAGS:
+            flags = _number(value, order + "I", 0)
+    return EnhancedPacket(
+        interface=interface,
+        ticks=high << 32 | low,
+        data=body[20 : 20 + captured],
+        flags=flags,
+        comment="\n".join(comments),
+        cut=max(0, original - captured),
+    )
+
+
+def _simple(body: bytes, order: Order) -> SimplePacket:
+    (length,) = struct.unpack_from(order + "I", body)
+    return SimplePacket(body[4 : 4 + length])
+
+
+def _custom(body: bytes, order: Order) -> Custom:
+    (enterprise,) = struct.unpack_from(order + "I", body)
+    return Custom(enterprise, body[4:])
+
+
+def _custom_private(body: bytes, order: Order) -> Custom:
+    return replace(_custom(body, order), private=True)
+
+
+def _padded(data: bytes) -> bytes:
+    return data + bytes(-len(data) % 4)
+
+
+def _options(order: Order, *options: tuple[int, bytes]) -> bytes:
+    """The option list; options with no value are left out, and so is a list with no options."""
+    parts = [
+        struct.pack(order + "HH", code, len(value)) + _padded(value)
+        for code, value in options
+        if value
+    ]
+    return b"".join([*parts, bytes(4)]) if parts else b""
+
+
+def _read_options(data: bytes, order: Order) -> Iterator[tuple[int, bytes]]:
+    position = 0
+    while position < len(data):
+        code, length = struct.unpack_from(order + "HH", data, position)
+        position += 4
+        if code == _END:
+            return
+        if position + length > len(data):
+            raise Malformed("an option is longer than its block")
+        yield code, data[position : position + length]
+        position += length + -length % 4
+
+
+def _text(text: str) -> bytes:
+    """UTF-8, cut between two characters at the 65,535 bytes that an option can hold."""
+    return text.encode("utf-8", "replace")[:0xFFFF].decode("utf-8", "ignore").encode()
+
+
+def _string(value: bytes | None) -> str:
+    return (value or b"").decode("utf-8", "replace").rstrip("\0")
+
+
+def _number(value: bytes | None, form: str, default: int) -> int:
+    if value is None:
+        return default
+    if len(value) != struct.calcsize(form):
+        raise Malformed("an option has the wrong length")
+    number: int = struct.unpack(form, value)[0]
+    return number
+
+
+_READERS: Final[dict[int, Callable[[bytes, Order], Block]]] = {
+    SECTION: _section,
+    INTERFACE: _interface,
+    SIMPLE: _simple,
+    ENHANCED: _enhanced,
+    CUSTOM: _custom,
+    CUSTOM_PRIVATE: _custom_private,
+}
+KNOWN: Final = frozenset(_READERS)

@@ -1,0 +1,274 @@
+"""Reading a capture back: packets in the order of the file, and problems where it is damaged.
+
+A capture is a pcapng file with interfaces of link type 147 whose packets say their direction. What
+else stands in such a file (other interfaces, unknown blocks, other programs' notes) is passed over.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO, Final
+
+from mikas.errors import CaptureError
+from mikas.language import Text
+from mikas.link.tee import Direction
+from mikas.recording import pcapng
+from mikas.recording.scan import Gap, RawBlock, is_section_start, scan
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+FLAGS: Final = {Direction.SENT: pcapng.OUTBOUND, Direction.RECEIVED: pcapng.INBOUND}
+_DIRECTIONS: Final = {flags: direction for direction, flags in FLAGS.items()}
+_CLASSIC_PCAP: Final = ("a1b2c3d4", "d4c3b2a1", "a1b23c4d", "4d3cb2a1", "a1b2cd34", "34cdb2a1")
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where packets came from. `recording` counts the recordings in a file, from 0.
+
+    A new recording begins where a file was appended to; what came before it is another session.
+    """
+
+    recording: int
+    url: str = ""
+    description: str = ""
+    baud: int = 0
+    application: str = ""
+    hardware: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Packet:
+    """One chunk of one direction. `time`: the link's clock; `offset`: of its block in the file."""
+
+    direction: Direction
+    data: bytes
+    time: float
+    offset: int
+    comment: str = ""
+    source: Source = Source(0)
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """A part of the file, from `offset`, that could not be read; `text` says what it means."""
+
+    offset: int
+    text: Text
+
+
+class CaptureReader:
+    """The packets of a capture, in the order of the file, and the problems between them.
+
+    Making one raises `CaptureError` if the file can't be opened, is empty, is no pcapng, or holds
+    another kind of capture. Iterating raises only for an input error of the system: whatever is
+    damaged or cut short becomes a `Problem`, and what can be read is read. Each iteration starts
+    anew; memory does not grow with the file.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        try:
+            with self.path.open("rb") as file:
+                self._check(file)
+        except OSError as error:
+            raise CaptureError(str(self.path), reason_of(error)) from error
+
+    def __iter__(self) -> Iterator[Packet | Problem]:
+        try:
+            with self.path.open("rb") as file:
+                blocks = _Blocks()
+                for item in scan(file):
+                    yield from blocks.read(item)
+        except OSError as error:
+            raise CaptureError(str(self.path), reason_of(error)) from error
+
+    def _check(self, file: BinaryIO) -> None:
+        if not file.seekable():
+            raise CaptureError(str(self.path), _NO_FILE)
+        head = file.read(12)
+        if not head:
+            raise CaptureError(str(self.path), _EMPTY, 0)
+        if not is_section_start(head):
+            raise CaptureError(str(self.path), _what_else(head), 0)
+        other = _foreign_link_type(file)
+        if other is not None:
+            raise CaptureError(str(self.path), _OTHER_LINK_TYPE.filled(type=other), 0)
+
+
+class _Blocks:
+    """What the blocks of one file mean, one after the other."""
+
+    def __init__(self) -> None:
+        self._recording = -1
+        self._section: pcapng.Section | None = None
+        self._interfaces: list[tuple[pcapng.Interface, Source]] = []
+
+    def read(self, item: RawBlock | Gap) -> Iterator[Packet | Problem]:
+        if isinstance(item, Gap):
+            text = _CUT if item.cut else _DAMAGED
+            yield Problem(item.offset, text.filled(count=item.end - item.offset))
+            return
+        if self._section is None and item.kind != pcapng.SECTION:
+            return  # of a section in a version that is not known, reported when it began
+        try:
+            block = pcapng.parse(item.kind, item.body, item.order)
+        except pcapng.Malformed:
+            yield Problem(item.offset, _DAMAGED.filled(count=item.end - item.offset))
+            if item.kind == pcapng.INTERFACE:  # later interfaces keep their numbers
+                self._add(pcapng.Interface(link_type=-1))
+            return
+        match block:
+            case pcapng.Section():
+                yield from self._begin(block, item.offset)
+            case pcapng.Interface():
+                self._add(block)
+                if block.link_type != pcapng.LINKTYPE_USER0:
+                    yield Problem(item.offset, _OTHER_INTERFACE.filled(type=block.link_type))
+            case pcapng.EnhancedPacket():
+                yield from self._packet(block, item.offset)
+            case pcapng.SimplePacket():  # always of the first interface
+                if not self._interfaces or self._is_ours(0):
+                    yield Problem(item.offset, _NO_DIRECTION)
+
+    def _begin(self, section: pcapng.Section, offset: int) -> Iterator[Problem]:
+        self._recording += 1
+        self._interfaces = []
+        self._section = section if section.version[0] == 1 else None
+        if self._section is None:
+            yield Problem(offset, _VERSION.filled(version=section.version[0]))
+
+    def _add(self, interface: pcapng.Interface) -> None:
+        section = self._section or pcapng.Section()
+        source = Source(
+            recording=self._recording,
+            url=interface.name,
+            description=interface.description,
+            baud=interface.speed,
+            application=section.application,
+            hardware=section.hardware,
+        )
+        self._interfaces.append((interface, source))
+
+    def _is_ours(self, number: int) -> bool:
+        return self._interfaces[number][0].link_type == pcapng.LINKTYPE_USER0
+
+    def _packet(self, block: pcapng.EnhancedPacket, offset: int) -> Iterator[Packet | Problem]:
+        if block.interface >= len(self._interfaces):
+            yield Problem(offset, _NO_INTERFACE)
+            return
+        if not self._is_ours(block.interface):
+            return
+        interface, source = self._interfaces[block.interface]
+        direction = _DIRECTIONS.get(block.flags & 3)
+        if direction is None:
+            yield Problem(offset, _NO_DIRECTION)
+            return
+        if block.cut:
+            yield Problem(offset, _PACKET_CUT.filled(count=block.cut))
+        time = interface.time(block.ticks)
+        yield Packet(direction, block.data, time, offset, block.comment, source)
+
+
+def _foreign_link_type(file: BinaryIO) -> int | None:
+    """The link type, if what comes before the first packet describes other interfaces only."""
+    other = None
+    for item in scan(file):
+        if isinstance(item, Gap):
+            continue
+        if item.kind in (pcapng.ENHANCED, pcapng.SIMPLE):
+            break
+        with suppress(pcapng.Malformed):
+            block = pcapng.parse(item.kind, item.body, item.order)
+            if isinstance(block, pcapng.Interface):
+                if block.link_type == pcapng.LINKTYPE_USER0:
+                    return None
+                other = block.link_type
+    return other
+
+
+def _what_else(head: bytes) -> Text:
+    if head[:4].hex() in _CLASSIC_PCAP:
+        return _CLASSIC
+    if head.startswith(b"\x1f\x8b"):
+        return _COMPRESSED
+    return _NOT_PCAPNG
+
+
+def reason_of(error: OSError) -> Text:
+    """Why a file could not be read or written, for a person."""
+    known = {
+        errno.ENOSPC: _FULL,
+        errno.EDQUOT: _FULL,
+        errno.EFBIG: _FULL,
+        errno.EEXIST: _EXISTS,
+        errno.ENOENT: _NOT_THERE,
+        errno.EISDIR: _FOLDER,
+    }
+    words = error.strerror or str(error)
+    return known.get(error.errno or 0, Text(words, words))
+
+
+_EMPTY = Text("the file is empty", "файл пуст")
+_NO_FILE = Text("only a file can be read, not a pipe", "читать можно только файл, но не канал")
+_NOT_PCAPNG = Text(
+    "this is not a capture (pcapng); `mikas log -o FILE.pcapng` or `--capture` make one",
+    "это не запись линии (pcapng); её делают `mikas log -o ФАЙЛ.pcapng` и `--capture`",
+)
+_CLASSIC = Text(
+    "this is a capture in the old pcap format, which does not say who sent what; "
+    "only pcapng can be read",
+    "это запись в старом формате pcap, где не указано, кто что послал; читается только pcapng",
+)
+_COMPRESSED = Text(
+    "this file is compressed; unpack it first (gunzip)",
+    "файл сжат; сначала распакуйте его (gunzip)",
+)
+_OTHER_LINK_TYPE = Text(
+    "this is a pcapng of another kind (link type {type}); a K-Line capture has 147",
+    "это pcapng другого рода (тип канала {type}); у записи K-Line он 147",
+)
+_OTHER_INTERFACE = Text(
+    "packets of another kind of interface (link type {type}, not 147) are passed over",
+    "пакеты интерфейса другого рода (тип канала {type}, а не 147) пропущены",
+)
+_CUT = Text(
+    "the recording was interrupted here: its last {count} byte(s) are an unfinished packet; "
+    "everything before it is whole",
+    "запись здесь прервана: последние байты ({count}) — незаконченный пакет; всё до него цело",
+)
+_DAMAGED = Text(
+    "{count} damaged byte(s) of the file are passed over",
+    "повреждённые байты файла ({count}) пропущены",
+)
+_VERSION = Text(
+    "a part of the file has pcapng version {version}, which is not known here; it is passed over",
+    "часть файла в неизвестной версии pcapng ({version}); она пропущена",
+)
+_NO_INTERFACE = Text(
+    "a packet whose port is not described is passed over",
+    "пропущен пакет, порт которого не описан",
+)
+_NO_DIRECTION = Text(
+    "a packet that does not say whether it was sent or received is passed over",
+    "пропущен пакет, в котором не указано, послан он или принят",
+)
+_PACKET_CUT = Text(
+    "the next packet was recorded without its last {count} byte(s)",
+    "следующий пакет записан без последних байтов ({count})",
+)
+_FULL = Text(
+    "there is no room left; what was recorded so far is whole",
+    "места больше нет; записанное до сих пор цело",
+)
+_EXISTS = Text(
+    "the file exists already; choose another name",
+    "файл уже есть; выберите другое имя",
+)
+_NOT_THERE = Text("no such file or folder", "нет такого файла или папки")
+_FOLDER = Text("this is a folder; name a file in it", "это папка; укажите файл в ней")

@@ -1,0 +1,87 @@
+"""What only POSIX has: limits on a file's size, named pipes, files deleted while open."""
+
+from __future__ import annotations
+
+import os
+import resource
+import threading
+
+import pytest
+
+from mikas.errors import CaptureError
+from mikas.link.tee import Direction
+from mikas.recording.capture import CaptureReader, CaptureWriter
+
+SENT = Direction.SENT
+
+
+def test_the_system_refuses_to_let_the_file_grow(tmp_path):
+    path = tmp_path / "line.pcapng"
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    with CaptureWriter(path, url="sim:") as writer:
+        try:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+            kept = 0
+            with pytest.raises(CaptureError, match="no room left"):  # noqa: PT012
+                while True:
+                    writer.record(SENT, b"0123456789", kept)
+                    kept += 1
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        assert kept > 5
+        assert [packet.time for packet in CaptureReader(path)] == list(range(kept))
+
+
+def test_a_file_deleted_while_being_recorded(tmp_path):
+    path = tmp_path / "line.pcapng"
+    with CaptureWriter(path, url="sim:") as writer:
+        writer.record(SENT, b"x", 100.0)
+        path.unlink()
+        with pytest.raises(CaptureError, match="deleted"):  # noqa: PT012
+            for tenth in range(20):
+                writer.record(SENT, b"x", 100 + tenth / 10)
+        assert tenth == 10  # looked for once a second
+        with pytest.raises(CaptureError, match="over"):
+            writer.record(SENT, b"x", 102.0)
+
+
+def test_a_file_renamed_while_being_recorded(tmp_path):
+    path = tmp_path / "line.pcapng"
+    with CaptureWriter(path, url="sim:") as writer:
+        writer.record(SENT, b"x", 100.0)
+        path.rename(tmp_path / "renamed")
+        writer.record(SENT, b"x", 200.0)
+    assert len(list(CaptureReader(tmp_path / "renamed"))) == 2
+
+
+def test_a_named_pipe_to_watch_through(tmp_path):
+    pipe, copy = tmp_path / "pipe", tmp_path / "copy.pcapng"
+    os.mkfifo(pipe)
+    watcher = threading.Thread(target=lambda: copy.write_bytes(pipe.read_bytes()), daemon=True)
+    watcher.start()
+    with CaptureWriter(pipe, url="sim:") as writer:
+        writer.record(SENT, b"\x01\xff\x0d", 1.5)
+    watcher.join()
+    (packet,) = CaptureReader(copy)
+    assert (packet.data, packet.time) == (b"\x01\xff\x0d", 1.5)
+
+
+def test_a_folder_that_may_not_be_written(tmp_path):
+    # Root may write anywhere, so the folder is one where nobody can.
+    with pytest.raises(CaptureError):
+        CaptureWriter("/proc/line.pcapng", url="sim:")
+
+
+def test_a_device_without_room():
+    with pytest.raises(CaptureError):
+        CaptureWriter("/dev/full", url="sim:")
+
+
+def test_a_pipe_is_not_read():
+    reading, writing = os.pipe()
+    try:
+        with pytest.raises(CaptureError, match="not a pipe"):
+            CaptureReader(f"/dev/fd/{reading}")
+    finally:
+        os.close(reading)
+        os.close(writing)
