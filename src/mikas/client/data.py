@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from mikas.client.limits import Limits
 from mikas.commands import Datum, ReadParameters
-from mikas.errors import LineError, NoResponse, NotSupported, WrongLength
+from mikas.errors import EcuRefused, LineError, NoResponse, NotSupported, WrongLength
 from mikas.language import Text
 from mikas.tester import Reply, Tester
 
 _ONE = b"\x01"
+_RPM = Datum(0x29, 1)  # FREQ: what a unit that knows 61 at all has
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +25,12 @@ class Got:
 
 
 class DataReader:
-    """Reads any number of data, learning how many fit one request."""
+    """Reads any number of data, learning how many fit one request and which codes are refused.
+
+    Only what was told twice is learnt, so a lost response leaves no trace: a list that got no
+    answer is tried once more after its halves were answered, and a code that has answered before is
+    not taken for an unknown one.
+    """
 
     def __init__(
         self, tester: Tester, limits: Callable[[], Limits], learnt: Callable[[], None]
@@ -31,89 +38,119 @@ class DataReader:
         self._tester = tester
         self._limits = limits
         self._learnt = learnt
-        self._sure: set[int] = set()  # one-byte codes whose 01 is known to be a datum
+        self._sure: set[int] = set()  # codes that are known to have answered with a datum
         self._proven = 1  # the longest list that this unit has answered
 
-    def batch(self, wanted: Sequence[Datum]) -> dict[int, Got]:
-        """`wanted`, distinct, in the largest requests that the unit takes.
+    def batch(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, Got]:
+        """`wanted`, of distinct codes, in the largest requests that the unit takes.
 
-        A code that the unit refuses is missing from the result, and is remembered as refused.
-        Raises a `LineError` or a `NoConnection`.
+        A code that the unit refuses is missing from the result, and is not asked for another time
+        unless `again` says so. Raises a `LineError`, a `NoConnection`, or `NotSupported` if the
+        unit does not know 61 at all.
         """
         limits = self._limits()
-        asked = [d for d in wanted if d.code not in limits.refused]
+        asked = self._to_ask(wanted, limits, again=again)
         got: dict[int, Got] = {}
         while asked:
             part, asked = asked[: limits.max_list], asked[limits.max_list :]
             got |= self._part(part, limits)
         return got
 
-    def single(self, wanted: Sequence[Datum]) -> dict[int, Got]:
+    def single(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, Got]:
         """As `batch`, one request a code."""
         limits = self._limits()
         got: dict[int, Got] = {}
-        for datum in wanted:
-            if datum.code not in limits.refused:
-                got |= self._part([datum], limits)
+        for datum in self._to_ask(wanted, limits, again=again):
+            got |= self._part([datum], limits)
         return got
+
+    def refuses(self, codes: Iterable[int]) -> bool:
+        """Whether the unit is known to refuse every one of them."""
+        return set(codes).issubset(self._limits().refused)
+
+    def _to_ask(self, wanted: Sequence[Datum], limits: Limits, *, again: bool) -> list[Datum]:
+        if again and (known := {d.code for d in wanted}.intersection(limits.refused)):
+            limits.refused = [code for code in limits.refused if code not in known]
+            self._learnt()
+        return [d for d in wanted if d.code not in limits.refused]
 
     def _part(self, part: list[Datum], limits: Limits) -> dict[int, Got]:
         try:
             return self._request(part)
         except (NotSupported, NoResponse, WrongLength) as error:
             # Silent, short or refused (D11): too many at once, or one that it does not know.
+            if not self._works():
+                raise  # no parameter is to blame
             if len(part) == 1:
                 return self._refuse(part[0], limits, error)
         middle = (len(part) + 1) // 2
-        known = len(limits.refused)
         got = self._part(part[:middle], limits) | self._part(part[middle:], limits)
-        if len(limits.refused) == known and self._proven <= middle < limits.max_list:
-            limits.max_list = middle  # both halves came whole: it was the length
+        if len(got) == len(part) > self._proven:  # both halves came whole: was it the length?
+            if len(part) <= limits.max_list:
+                with suppress(NotSupported, NoResponse, WrongLength):
+                    return self._request(part)
+            limits.max_list = self._proven
             self._learnt()
         return got
 
     def _refuse(
         self, datum: Datum, limits: Limits, error: NotSupported | NoResponse | WrongLength
     ) -> dict[int, Got]:
-        if isinstance(error, WrongLength):
-            raise error  # it knows the parameter, and gives another size than asked
-        if not self._alive():
-            raise error
-        limits.refused.append(datum.code)
-        self._learnt()
+        if isinstance(error, WrongLength) or datum.code in self._sure:
+            raise error  # it knows the parameter: another size than asked, or a bad line
+        if datum.code not in limits.refused:
+            limits.refused.append(datum.code)
+            self._learnt()
         return {}
 
-    def _alive(self) -> bool:
-        """Whether 61 works at all: else no parameter is to blame."""
-        return self._tester.has_answered(ReadParameters.CODES[0])
+    def _works(self) -> bool:
+        """Whether this unit has given any datum, or gives one now."""
+        if not self._sure:
+            with suppress(EcuRefused, LineError):
+                self._request([_RPM])
+        return bool(self._sure)
 
     def _request(self, part: list[Datum]) -> dict[int, Got]:
         command = ReadParameters(tuple(part))
-        # A list that may be too long is repeated once, lest a lost response is taken for a limit.
-        retries = None if len(part) <= self._proven else 1
+        retries = None
+        if len(part) > self._proven:
+            retries = 1  # it may be too long: the time for more is better spent on its halves
+        elif len(part) == 1 and part[0].code not in self._sure:
+            retries = max(1, self._tester.retries)
         data, reply = self._tester.exchange(command, retries=retries)
+        if data == (_ONE,) and part[0].code not in self._sure:
+            return self._doubted(part[0], reply)
         self._proven = max(self._proven, len(part))
-        if len(part) == 1 and data[0] == _ONE:
-            return self._surely(part[0], reply)
+        self._sure.update(d.code for d in part)
         return {d.code: Got(raw, reply.began) for d, raw in zip(part, data, strict=True)}
 
-    def _surely(self, datum: Datum, reply: Reply) -> dict[int, Got]:
+    def _doubted(self, datum: Datum, reply: Reply) -> dict[int, Got]:
         """01 to a request for one byte: a datum, or D10's refusal? Asked for twice at once, it
         shows.
 
-        Raises `NotSupported` if it was the refusal.
+        Raises `NotSupported` if it was the refusal; empty if there is no telling.
         """
         got = Got(_ONE, reply.began)
-        if datum.code not in self._sure:
-            try:
-                data, reply = self._tester.exchange(ReadParameters((datum, datum)), retries=0)
-            except NotSupported:
+        try:
+            data, reply = self._tester.exchange(ReadParameters((datum, datum)))
+        except NotSupported:
+            if self._takes_two():
                 raise
-            except LineError:
-                return {datum.code: got}  # a unit that takes one at a time; so it was the datum
+            return {}  # it says 01 to two of anything
+        except (NoResponse, WrongLength):
+            # It takes one at a time, and does not say 01 to what it does not take.
             self._sure.add(datum.code)
-            got = Got(data[0], reply.began)
-        return {datum.code: got}
+            return {datum.code: got}
+        self._proven = max(self._proven, 2)
+        self._sure.add(datum.code)
+        return {datum.code: Got(data[0], reply.began)}
+
+    def _takes_two(self) -> bool:
+        if self._proven == 1 and self._limits().max_list > 1:
+            with suppress(EcuRefused, LineError):
+                self._tester.exchange(ReadParameters((_RPM, _RPM)))
+                self._proven = 2
+        return self._proven > 1
 
 
 def refused(name: str, code: int) -> NotSupported:

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TypeVar
 
 from mikas.client.journal import Journal
 from mikas.commands import Safety
-from mikas.errors import MikasError, NotConfirmed, in_hex
+from mikas.errors import JournalError, MikasError, NotConfirmed
 from mikas.language import Text
 
 T = TypeVar("T")
@@ -22,7 +23,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What is about to be done. `before` and `after` in hex; None: not known."""
+    """What is about to be done. `before` and `after` in hex, complete; None: not known."""
 
     what: Text
     safety: Safety
@@ -38,7 +39,11 @@ _NOBODY_ASKED = Text(
     "После этого блок может перестать работать. Передайте connect() функцию confirm, "
     "которая скажет да.",
 )
-_SAID_NO = Text("Nothing was sent.", "Ничего не послано.")
+_SAID_NO = Text("The answer to the question was no.", "На вопрос ответили «нет».")
+_NO_OUTCOME = Text(
+    "The change was made; the journal has its beginning, but not its outcome.",
+    "Изменение сделано; в журнале есть его начало, но нет исхода.",
+)
 
 
 class Gate:
@@ -65,7 +70,8 @@ class Gate:
     def make(self, change: Change, act: Callable[[], T], told: Callable[[T], str | None]) -> T:
         """Asks, journals, acts, journals the outcome. `told` gives what was read back, in hex.
 
-        Raises `NotConfirmed` or `JournalError` before anything was sent, or what `act` raises.
+        Raises `NotConfirmed` or `JournalError` before anything was changed, or what `act` raises; a
+        `JournalError` after it says that the change was made.
         """
         with self._one_at_a_time:
             self._ask(change)
@@ -73,19 +79,31 @@ class Gate:
             try:
                 outcome = act()
             except MikasError as error:
-                self._note(change, "failed", str(error))
+                with suppress(JournalError):  # what went wrong on the wire is what is told
+                    self._note(change, "failed", str(error))
                 raise
             except BaseException as error:
-                self._note(change, "interrupted", type(error).__name__)
+                with suppress(JournalError):
+                    self._note(change, "interrupted", type(error).__name__)
                 raise
-            self._note(change, "done", told(outcome))
+            try:
+                self._note(change, "done", told(outcome))
+            except JournalError as error:
+                error.to_try = _NO_OUTCOME
+                raise
             return outcome
 
+    def refuse_unasked(self, what: Text, safety: Safety) -> None:
+        """Raises `NotConfirmed` for a dangerous change if there is nobody to ask.
+
+        `make` does so too; this is for those who first read at length what is there.
+        """
+        if self._confirm is None and safety >= Safety.DANGEROUS:
+            raise NotConfirmed(change=what, how=_NOBODY_ASKED)
+
     def _ask(self, change: Change) -> None:
-        if self._confirm is None:
-            if change.safety >= Safety.DANGEROUS:
-                raise NotConfirmed(change=change.what, how=_NOBODY_ASKED)
-        elif not self._confirm(change):
+        self.refuse_unasked(change.what, change.safety)
+        if self._confirm is not None and not self._confirm(change):
             raise NotConfirmed(change=change.what, how=_SAID_NO)
 
     def _note(self, change: Change, state: str, outcome: str | None) -> None:
@@ -107,5 +125,5 @@ class Gate:
 
 
 def hexed(data: bytes | None) -> str | None:
-    """Bytes as the journal and a question show them."""
-    return None if data is None else in_hex(data)
+    """All of `data`: what the journal keeps is what a change can be undone with."""
+    return None if data is None else data.hex(" ").upper()

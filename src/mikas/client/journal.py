@@ -24,7 +24,8 @@ class Journal:
         line = json.dumps(entry, ensure_ascii=False) + "\n"
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            with self.path.open("a", encoding="utf-8") as file:
+            # A port's name may hold what is no Unicode; \udc80 is how JSON writes that.
+            with self.path.open("a", encoding="utf-8", errors="backslashreplace") as file:
                 file.write(line)
         except OSError as error:
             why = error.strerror or str(error)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
 
@@ -18,7 +18,7 @@ STARTING_LIST = 64  # far over the 21 codes of §4, and a request of 66 bytes is
 
 @dataclass(slots=True)
 class Limits:
-    """The bounds in force; they only ever come down, by halves."""
+    """The bounds in force, found by halving."""
 
     max_list: int = STARTING_LIST
     max_block: dict[str, int] = field(default_factory=dict)  # by memory space; 1: byte by byte
@@ -27,6 +27,10 @@ class Limits:
     def block(self, space: str) -> int:
         """The largest block of `space` that is tried."""
         return self.max_block.get(space, LARGEST_BLOCK)
+
+    def copy(self) -> Limits:
+        """As they are now."""
+        return replace(self, max_block=dict(self.max_block), refused=list(self.refused))
 
     @property
     def learnt(self) -> bool:
@@ -43,11 +47,13 @@ class LimitsStore:
     @property
     def empty(self) -> bool:
         """Whether nothing was ever learnt: then there is no need to ask a unit for its passport."""
-        return not any(self.folder.glob("*.json")) if self.folder.is_dir() else True
+        with suppress(OSError):
+            return not any(self.folder.glob("*.json"))
+        return True
 
     def load(self, version_code: int, passports: tuple[str, ...]) -> Limits:
         """What was learnt of this unit; a file that can't be read counts as nothing learnt."""
-        with suppress(OSError, ValueError, TypeError):
+        with suppress(OSError, ValueError, TypeError, LookupError, AttributeError, ArithmeticError):
             stored = json.loads(self._file(version_code, passports).read_text("utf-8"))
             return Limits(
                 max_list=min(max(int(stored["max_list"]), 1), STARTING_LIST),
@@ -63,9 +69,12 @@ class LimitsStore:
         """Keeps `limits`; that this fails costs only the next session's time, so it is not told."""
         with suppress(OSError):
             self.folder.mkdir(parents=True, exist_ok=True)
-            self._file(version_code, passports).write_text(
+            kept = self._file(version_code, passports)
+            fresh = kept.with_suffix(".new")
+            fresh.write_text(
                 json.dumps({"passports": passports, **asdict(limits)}, ensure_ascii=False), "utf-8"
             )
+            fresh.replace(kept)
 
     def _file(self, version_code: int, passports: tuple[str, ...]) -> Path:
         named = "\0".join((f"{version_code:02X}", *passports))

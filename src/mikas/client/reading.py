@@ -16,8 +16,8 @@ class Reading:
     """One parameter, read once.
 
     `value` is in `unit`; `raw` the datum as it came, low byte first; `time` when the response began
-    on the wire, in the link's clock (UNIX time on a real one); `reading` which sense of an erratum
-    was taken.
+    on the wire, in the link's clock (UNIX time on a real one); `reading` the sense in which it was
+    decoded: the session's, or `corrected` for a parameter that has no such.
     """
 
     parameter: Parameter
@@ -41,7 +41,8 @@ class Reading:
 def decode(parameter: Parameter, raw: bytes, time: float, reading: str) -> Reading:
     """The reading that `raw` is."""
     conversion = parameter.reading(reading)
-    return Reading(parameter, conversion.decode(raw), conversion.unit, raw, time, reading)
+    taken = reading if reading in parameter.readings else "corrected"
+    return Reading(parameter, conversion.decode(raw), conversion.unit, raw, time, taken)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,5 +58,5 @@ class Sample:
 
     @property
     def gap(self) -> bool:
-        """Whether nothing came."""
+        """Whether nothing came; `reason` then says why."""
         return self.reason is not None

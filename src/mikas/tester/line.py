@@ -9,6 +9,7 @@ what was sent, what came, and when; what to do about it is the tester's business
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 from mikas.errors import DamagedResponse, EchoDiffers, LineNotQuiet, NoEcho, NoResponse
 from mikas.framing import Damage, DamageReason, Decoder, Frame, encode
@@ -30,6 +31,11 @@ class Timing:
     quiet: float = 0.06
     babble: float = 1.0
 
+    @property
+    def late(self) -> float:
+        """From the end of a request: when a response that has not come no longer comes (D13)."""
+        return 2 * self.first_byte
+
 
 @dataclass(frozen=True, slots=True)
 class Reply:
@@ -48,6 +54,9 @@ _DAMAGE = {
     DamageReason.IRREGULAR_ESCAPE: Text("an escape is wrong", "неверна замена байта"),
 }
 _CUT = Text("it ends in the middle", "он обрывается на середине")
+_TOO_SOON = Text(
+    "it began while the request was being sent", "он начался, пока посылался запрос"
+)
 _DOUBLED = Text("more than one response came", "пришло больше одного ответа")
 
 
@@ -68,6 +77,8 @@ class Line:
         self.echo = echo
         self.raw_checksum = raw_checksum
         self.strict = strict
+        self.sent_until = -inf
+        """When the last byte of the latest request was out."""
         self._ahead = Chunk(b"", 0.0)  # came together with the end of an echo
 
     def exchange(self, body: bytes) -> Reply:
@@ -77,14 +88,19 @@ class Line:
 
     def send(self, body: bytes) -> tuple[bytes, float]:
         """Sends `body` and checks the echo; returns its wire form and the time when it was out."""
+        wire = self.interject(body)
+        if self.echo:
+            heard = self._check_echo(wire, self.sent_until + self.timing.first_byte)
+            self.sent_until = max(self.sent_until, heard)
+        return wire, self.sent_until
+
+    def interject(self, body: bytes) -> bytes:
+        """Sends `body` and lets the echo come as it may; returns the wire form."""
         wire = encode(body, raw_checksum=self.raw_checksum)
         self._ahead = Chunk(b"", 0.0)
-        began = self.link.now()
+        self.sent_until = self.link.now() + len(wire) * self.link.byte_time
         self.link.write(wire)
-        out = began + len(wire) * self.link.byte_time
-        if not self.echo:
-            return wire, out
-        return wire, max(out, self._check_echo(wire, out + self.timing.first_byte))
+        return wire
 
     def _check_echo(self, wire: bytes, deadline: float) -> float:
         received = bytearray()
@@ -112,7 +128,11 @@ class Line:
             if not chunk.data:
                 raise self._nothing_more(wire, bytes(received), chunk.time)
             if not received:
-                began = max(sent_at, chunk.time - len(chunk.data) * self.link.byte_time)
+                began = chunk.time - len(chunk.data) * self.link.byte_time
+                if began < sent_at - self.link.byte_time and not self.echo:
+                    # No echo tells of the collision (D2), and the wreck of two frames may be sound.
+                    raise self._damaged(wire, chunk.data, chunk.time, _TOO_SOON)
+                began = max(sent_at, began)
             received += chunk.data
             deadline = chunk.time + self._pause()
             events = decoder.feed(chunk.data)
@@ -151,23 +171,25 @@ class Line:
         ahead, self._ahead = self._ahead.data, Chunk(b"", 0.0)
         return ahead + self.link.read(self.link.now()).data
 
-    def wait_for_quiet(self, seconds: float, babble: float | None = None) -> bytes:
-        """Waits until nothing has come for `seconds`; returns what came before.
+    def wait_for_quiet(
+        self, seconds: float, *, until: float = -inf, patience: float | None = None
+    ) -> bytes:
+        """Waits for the time `until`, and until nothing has come for `seconds`; returns what came.
 
-        Raises `LineNotQuiet` if that has not happened when `babble` more have passed
-        (`timing.babble` by default).
+        Raises `LineNotQuiet` if something still comes `patience` after the beginning (by default
+        `timing.babble` more than `seconds`) and after `until`.
         """
-        patience = seconds + (self.timing.babble if babble is None else babble)
         came = bytearray(self.arrived())
         began = self.link.now()
-        quiet_at = began + seconds
+        last = max(until, began + (seconds + self.timing.babble if patience is None else patience))
+        quiet_at = max(until, began + seconds)
         while True:
             chunk = self.link.read(quiet_at)
             if not chunk.data:
                 return bytes(came)
             came += chunk.data
-            quiet_at = chunk.time + seconds
-            if chunk.time > began + patience:
+            quiet_at = max(until, chunk.time + seconds)
+            if chunk.time > last:
                 raise LineNotQuiet(received=bytes(came[-64:]), time=chunk.time)
 
     def next_frame(self, decoder: Decoder, deadline: float) -> list[tuple[Frame | Damage, float]]:

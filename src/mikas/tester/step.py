@@ -1,8 +1,10 @@
 """In step with the ECU: what a response has to be before it is trusted (D12, D13).
 
-A response carries neither its command nor an id. `Step` remembers whether a late one may still be
-under way (`doubt`), and takes the doubt away: a quiet line, a clean `01`, exactly one response to
-it, the unit's own, and silence behind it for as long as the late one could still come.
+A response carries neither its command nor an id. `Step` remembers that a late one may still be
+under way, and until when (`Timing.late` behind its request, whichever request that was: one that
+failed, a `01` of the search itself, the last of a stream). It waits until then and for a quiet
+line; now nothing is under way, so what answers a `01` is that `01`'s answer. It counts if it is
+exactly one response, the unit's own, with silence behind it.
 """
 
 from __future__ import annotations
@@ -17,12 +19,13 @@ from mikas.errors import (
     NoResponse,
     OutOfStep,
 )
-from mikas.framing import TERMINATOR, encode
+from mikas.framing import TERMINATOR, Decoder, Frame, encode
 from mikas.tester.line import WRONG_CHECKSUM, Line
 
 AVAILABILITY = b"\x01"
 
 _ROUNDS = 5  # of D13 before giving up
+_HASTY_ROUNDS = 2  # of these, before a stream with long pauses between its responses is suspected
 _INTERRUPTIONS = 6  # attempts to end a stream before a line break, D12
 _BREAK = 0.05  # s; far over the ten bits that a talker takes for a byte
 
@@ -32,40 +35,38 @@ class Step:
 
     def __init__(self, line: Line) -> None:
         self.line = line
-        self.doubt: float | None = None
-        """Seconds of silence that would take the doubt away; None: in step."""
+        self.lost = False
         self.found_again = 0
         self.breaks = 0
+        self._awaited = True  # the latest request's response may still come
 
     def lose(self, error: BaseException | None = None) -> None:
         """After `error`, or before something whose end is open, nothing that comes is trusted.
 
-        A whole frame with a wrong checksum was this request's response, and nothing more is to
-        come. After silence, a cut or another request's response the real one may still be on its
-        way, for as long as a response takes at most.
+        A whole frame with a wrong checksum was the latest request's response, and nothing more is
+        to come. After silence, a cut or another request's response the real one may still be.
         """
         over = isinstance(error, DamagedResponse) and error.fields.get("damage") == WRONG_CHECKSUM
-        timing = self.line.timing
-        self.doubt = timing.quiet if over else timing.first_byte
+        self.lost, self._awaited = True, not over
 
     def keep(self) -> None:
         """The exchange ended as it should."""
-        self.doubt = None
+        self.lost = False
 
     def assure(self, version_code: int) -> None:
         """Comes back in step if there is any doubt; what came unasked is reason enough for one.
 
         Raises `NoEcho` or `EchoOnly` if nobody is there any more, `LineNotQuiet`, `OutOfStep`.
         """
-        if self.doubt is None:
+        if not self.lost:
             if not self.line.arrived():
                 return
             self.lose()
         self.found_again += 1
         failure: MikasError = OutOfStep()
-        for _ in range(_ROUNDS):
+        for attempt in range(_ROUNDS):
+            self.silence(patient=attempt >= _HASTY_ROUNDS)
             try:
-                self.silence()
                 if self._confirm(version_code):
                     self.keep()
                     return
@@ -75,48 +76,76 @@ class Step:
                     raise
                 failure = error
             except LineError as error:
+                self.lose(error)
                 failure = error
         raise failure
 
     def _confirm(self, version_code: int) -> bool:
         """D13: exactly one response, the unit's own, and a quiet line after it."""
+        self.lose()
         try:
             reply = self.line.exchange(AVAILABILITY)
         except NoResponse as error:
             raise nobody(error, echoes=self.line.echo) from error
-        guard = max(self.doubt or 0.0, self.line.timing.quiet)
-        came = self.line.wait_for_quiet(guard)
+        came = self.line.wait_for_quiet(self.line.timing.quiet)
         return not came and reply.body == bytes([version_code])
 
-    def silence(self) -> bytes:
-        """Waits for a quiet line, ending a stream that keeps it from that; returns what came."""
+    def silence(self, *, patient: bool = False) -> bytes:
+        """Waits until nothing is under way on a quiet line; returns what came.
+
+        A stream that keeps it from being quiet is ended; a `patient` wait also finds one by
+        strokes, with pauses longer than a quiet line needs. Raises `LineNotQuiet` if a stream can't
+        be ended.
+        """
+        seconds = self.line.timing.late if patient else self.line.timing.quiet
         try:
-            return self.line.wait_for_quiet(self.line.timing.quiet)
+            return self.line.wait_for_quiet(seconds, until=self._late_until())
         except LineNotQuiet as error:
-            self.lose()
-            self.interrupt()
+            self.interrupt(seconds)
+            self.line.wait_for_quiet(seconds, until=self._late_until())
             return error.received or b""
 
-    def interrupt(self) -> None:
+    def _late_until(self) -> float:
+        return self.line.sent_until + (self.line.timing.late if self._awaited else 0.0)
+
+    def end_stream(self, version_code: int, *, by_strokes: bool, bytes_each: int) -> None:
+        """Ends a stream (D12) and comes back in step. Raises as `assure` does."""
+        self.lose()
+        timing = self.line.timing
+        came = self.interrupt(timing.late if by_strokes else timing.quiet)
+        answered = _last_frame(came) == bytes([version_code])
+        if by_strokes:
+            if not answered:
+                # A unit whose engine stands is silent in any case; one that only a break ends
+                # is deaf to `01` too.
+                self._break()
+        elif answered and bytes_each != 1:
+            self._awaited = False  # no datum looks like that: it was the answer to `01`
+        self.assure(version_code)
+
+    def interrupt(self, seconds: float) -> bytes:
         """Ends a stream: `01` in a gap, again if need be, at last after a line break (D12).
 
+        It has ended when nothing comes for `seconds`. Returns what came after the last attempt.
         Raises `LineNotQuiet` if the unit goes on all the same.
         """
-        line, link = self.line, self.line.link
+        self.lose()
         for attempt in range(_INTERRUPTIONS + 1):
             if attempt < _INTERRUPTIONS:
                 self._wait_for_gap()
-                link.write(encode(AVAILABILITY, raw_checksum=line.raw_checksum))
+                self.line.interject(AVAILABILITY)
             else:
-                self.breaks += 1
-                link.send_break(_BREAK)
+                self._break()
             try:
-                line.wait_for_quiet(line.timing.quiet, babble=line.timing.quiet)
+                return self.line.wait_for_quiet(seconds, patience=2 * self.line.timing.quiet)
             except LineNotQuiet:
                 if attempt == _INTERRUPTIONS:
                     raise
-            else:
-                return
+        raise AssertionError("the last attempt returns or raises")
+
+    def _break(self) -> None:
+        self.breaks += 1
+        self.line.link.send_break(_BREAK)
 
     def _wait_for_gap(self) -> None:
         """Until a response has just ended, or nothing has come for a moment."""
@@ -126,6 +155,13 @@ class Step:
             chunk = link.read(link.now() + timing.between_bytes)
             if not chunk.data or chunk.data[-1] == TERMINATOR:
                 return
+
+
+def _last_frame(came: bytes) -> bytes | None:
+    decoder = Decoder()
+    events = decoder.feed(came)
+    last = events[-1] if events and not decoder.pending else None
+    return last.body if isinstance(last, Frame) else None
 
 
 def nobody(error: NoResponse, *, echoes: bool) -> EchoOnly | NoEcho:

@@ -90,6 +90,11 @@ class Tester:
         """How often the step was lost and found again (D13)."""
         return self._step.found_again
 
+    @property
+    def breaks(self) -> int:
+        """How often a stream could be ended only by a line break (D12)."""
+        return self._step.breaks
+
     def connect(self) -> int:
         """Finds out whether the line echoes and who answers; returns the version code.
 
@@ -187,6 +192,21 @@ class Tester:
                 return nobody
         return error
 
+    def time_echo(self, body: bytes) -> float:
+        """Seconds from handing `body` to the adapter to the end of its echo; the answer is let pass.
+
+        For a harmless `body` on a line that echoes. Raises `NoEcho` or `EchoDiffers`.
+        """
+        with self._holding():
+            self._assure()
+            self._step.lose()
+            began = self.link.now()
+            wire, ended = self._line.send(body)
+            with suppress(LineError):
+                self._line.receive(wire, ended)
+                self._step.keep()
+            return ended - began
+
     def raw(self, body: bytes) -> bytes | None:
         """Sends any body once; returns the response's body, None for silence.
 
@@ -227,12 +247,14 @@ class Tester:
 
     def _end_stream(self) -> None:
         assert self._stream is not None
-        self._step.lose()
-        if isinstance(self._stream.command, c.StreamCyclic):
-            self._step.doubt = self.timing.quiet  # its gaps are short: silence comes at once
+        assert self.version_code is not None
+        command = self._stream.command
         try:
-            self._step.interrupt()
-            self._assure()
+            self._step.end_stream(
+                self.version_code,
+                by_strokes=isinstance(command, c.StreamAtStroke),
+                bytes_each=command.response_lengths()[0],
+            )
         finally:
             self._stream = self._stream_thread = None
             self._lock.release()

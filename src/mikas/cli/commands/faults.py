@@ -1,0 +1,105 @@
+"""`mikas faults` and `mikas faults erase`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import click
+
+from mikas.catalog import Confidence, Fault
+from mikas.cli.grammar import YES, command
+from mikas.cli.run import Run
+from mikas.cli.words import say, shown
+from mikas.language import Text
+
+
+@command(
+    "faults",
+    Text(
+        "Shows the stored faults with their text, how sure that text is, and what to check. "
+        "`faults erase` erases them and reads back.",
+        "Показывает запомненные ошибки: текст, насколько он достоверен, что проверить. "
+        "`faults erase` стирает их и перечитывает.",
+    ),
+    examples=("mikas faults", "mikas faults erase", "mikas faults erase --yes --json"),
+)
+@click.argument("action", type=click.Choice(["erase"]), required=False)
+@YES
+def faults(run: Run, action: str | None, *, yes: bool) -> None:
+    if action == "erase":
+        _erase(run, yes=yes)
+        return
+    with run.ecu() as ecu:
+        stored = ecu.faults()
+    if run.output.json:
+        run.output.data({"count": len(stored), "faults": [_as_json(fault) for fault in stored]})
+    else:
+        _show(run, stored)
+
+
+def _erase(run: Run, *, yes: bool) -> None:
+    with run.ecu(run.confirm(yes=yes)) as ecu:
+        if not run.output.json:
+            _show(run, ecu.faults())
+        erased = ecu.erase_faults()
+    if run.output.json:
+        run.output.data(
+            {"before": [f.code for f in erased.before], "after": [f.code for f in erased.after]}
+        )
+        return
+    if erased.after:
+        run.output.note(
+            say(
+                "These came back at once, so their cause is still there:",
+                "Эти появились сразу же снова, значит причина осталась:",
+            )
+        )
+        _show(run, erased.after)
+    else:
+        run.output.line(say("Erased; no faults are stored.", "Стёрто; ошибок нет."))
+
+
+def _show(run: Run, stored: Sequence[Fault]) -> None:
+    if not stored:
+        run.output.line(say("No faults are stored.", "Ошибок нет."))
+        return
+    run.output.table(
+        [
+            say("code", "код"),
+            say("fault", "неисправность"),
+            say("how sure", "достоверность"),
+            say("check first", "сначала проверить"),
+            say("look at", "смотреть"),
+        ],
+        [
+            [
+                str(fault.code),
+                shown(fault.text) or say("no text is known for this number", "текст неизвестен"),
+                _sure(fault.confidence),
+                shown(fault.check),
+                " ".join(fault.parameters),
+            ]
+            for fault in stored
+        ],
+        right="0",
+    )
+
+
+def _sure(confidence: Confidence) -> str:
+    return {
+        Confidence.CONFIRMED: say("confirmed", "подтверждено"),
+        Confidence.REPORTED: say("one source", "один источник"),
+        Confidence.UNCONFIRMED: say("unconfirmed", "не подтверждено"),
+        Confidence.UNKNOWN: say("unknown", "неизвестно"),
+    }[confidence]
+
+
+def _as_json(fault: Fault) -> dict[str, Any]:
+    return {
+        "code": fault.code,
+        "text": {"en": fault.text.en, "ru": fault.text.ru} if fault.known else None,
+        "confidence": fault.confidence,
+        "check": {"en": fault.check.en, "ru": fault.check.ru} if fault.check.en else None,
+        "parameters": fault.parameters,
+    }

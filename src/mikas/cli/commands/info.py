@@ -1,0 +1,100 @@
+"""`mikas info`: model, passports, number of parameters, what this unit supports."""
+
+from __future__ import annotations
+
+from mikas.cli.grammar import command, option
+from mikas.cli.run import Run
+from mikas.cli.words import say, shown
+from mikas.client import Info, Support
+from mikas.language import Text
+
+
+@command(
+    "info",
+    Text(
+        "Shows who the ECU is and which commands it knows. Every harmless command is tried once, "
+        "which takes a second for each that the unit leaves unanswered.",
+        "Показывает, что это за блок и какие команды он знает. Каждая безвредная команда "
+        "пробуется один раз; на каждую оставшуюся без ответа уходит секунда.",
+    ),
+    examples=("mikas info", "mikas info --quick", "mikas info --port socket://192.168.1.5:2000"),
+)
+@option(
+    "--quick",
+    is_flag=True,
+    text=Text("do not try the commands", "не пробовать команды"),
+)
+def info(run: Run, *, quick: bool) -> None:
+    with run.ecu() as ecu:
+        found = ecu.info()
+        supported = [] if quick else list(ecu.supported())
+        catalog = ecu.catalog.version
+    if run.output.json:
+        run.output.data(
+            {
+                "model": found.model.text.en,
+                "version_code": f"{found.version_code:02X}",
+                "program_passport": found.passport.program,
+                "data_passport": found.passport.data,
+                "parameter_count": found.parameter_count,
+                "echo": found.echo,
+                "supported": {support.name: support.known for support in supported},
+                "limits": {
+                    "max_list": found.limits.max_list,
+                    "max_block": found.limits.max_block,
+                    "refused": [f"{code:02X}" for code in found.limits.refused],
+                },
+                "catalog": catalog,
+            }
+        )
+        return
+    run.output.table([], [*_rows(found), *_support_rows(supported)])
+
+
+def _rows(found: Info) -> list[list[str]]:
+    unknown = say("this unit does not tell", "блок не сообщает")
+    passport = found.passport
+    rows = [
+        [say("model", "модель"), f"{shown(found.model.text)} ({found.version_code:02X})"],
+        [say("program", "программа"), _pieces(passport.program) or unknown],
+        [say("data", "данные"), _pieces(passport.data) or unknown],
+        [
+            say("parameters", "параметров"),
+            unknown if found.parameter_count is None else str(found.parameter_count),
+        ],
+        [say("echo", "эхо"), say("yes", "есть") if found.echo else say("no", "нет")],
+    ]
+    limits = found.limits
+    if limits.learnt:
+        blocks = ", ".join(f"{space} {count}" for space, count in limits.max_block.items())
+        refused = " ".join(f"{code:02X}" for code in limits.refused)
+        rows.append(
+            [
+                say("learnt", "выяснено"),
+                say(
+                    f"lists up to {limits.max_list}; blocks {blocks or '–'}; "
+                    f"unknown parameters {refused or '–'}",
+                    f"списки до {limits.max_list}; блоки {blocks or '–'}; "
+                    f"неизвестные параметры {refused or '–'}",
+                ),
+            ]
+        )
+    return rows
+
+
+def _pieces(pieces: tuple[str | None, ...]) -> str:
+    return " · ".join(piece for piece in pieces if piece)
+
+
+def _support_rows(supported: list[Support]) -> list[list[str]]:
+    words = {
+        True: say("knows", "знает"),
+        False: say("does not know", "не знает"),
+        None: say("not tried", "не пробовалось"),
+    }
+    rows = []
+    for known, word in words.items():
+        names = [s.name for s in supported if s.known is known]
+        if names:
+            rows.append([word, ", ".join(names)])
+    return rows

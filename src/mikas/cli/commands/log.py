@@ -1,0 +1,96 @@
+"""`mikas log`: the wire to a file, with what is read told as `watch` tells it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+
+from mikas.cli.commands.watch import samples, sampling_options, show
+from mikas.cli.grammar import command, option
+from mikas.cli.run import Run
+from mikas.cli.words import say
+from mikas.client import Ecu, Sample
+from mikas.errors import UsageError
+from mikas.language import Text
+
+
+@command(
+    "log",
+    Text(
+        "Records everything on the wire to FILE (.pcapng) while reading each NAME until Ctrl-C. "
+        "The file is whole at any moment, even if the computer goes off.",
+        "Записывает всё, что есть на линии, в FILE (.pcapng), читая параметры NAME до Ctrl-C. "
+        "Файл цел в любой момент, даже если компьютер выключится.",
+    ),
+    examples=("mikas log -o drive.pcapng", "mikas log -o idle.pcapng FREQ JAIR INJ --duration 60"),
+)
+@option(
+    "-o",
+    "--out",
+    required=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    text=Text("the recording", "файл записи"),
+)
+@sampling_options
+def log(
+    run: Run,
+    names: tuple[str, ...],
+    out: Path,
+    method: str,
+    rate: float | None,
+    count: int | None,
+    duration: float | None,
+) -> None:
+    if run.capture is not None:
+        raise UsageError(
+            problem=Text(
+                "log records already; leave --capture out",
+                "log и так записывает; уберите --capture",
+            )
+        )
+    run.capture = out
+    with run.ecu() as ecu:
+        taken = _counted(run, ecu, out, samples(ecu, names, method, rate, count, duration))
+        if run.output.json:
+            show(run, ecu, taken, names)
+        else:
+            for _ in taken:
+                pass
+
+
+def _counted(run: Run, ecu: Ecu, out: Path, taken: Iterator[Sample]) -> Iterator[Sample]:
+    """Passes the samples on and tells the rate, errors and file size: as they come, and at the
+    end.
+    """
+    count = gaps = 0
+    began = last = told = ecu.tester.link.now()
+    try:
+        for sample in taken:
+            count += not sample.gap
+            gaps += sample.gap
+            last = ecu.tester.link.now()
+            if last - told >= 1 and sys.stderr.isatty():
+                told = last
+                sys.stderr.write("\r\x1b[K" + _told(ecu, out, count, gaps, last - began))
+                sys.stderr.flush()
+            yield sample
+    finally:
+        if sys.stderr.isatty():
+            sys.stderr.write("\r\x1b[K")
+        run.output.note(_told(ecu, out, count, gaps, last - began))
+
+
+def _told(ecu: Ecu, out: Path, count: int, gaps: int, seconds: float) -> str:
+    rate = count / seconds if seconds > 0 else 0.0
+    size = out.stat().st_size / 1024
+    failed = ecu.tester.statistics.failed
+    return say(
+        f"{out}: {count} samples, {rate:.1f} a second, {gaps} gaps, {failed} line errors, "
+        f"{size:.0f} KiB, {seconds:.0f} s",
+        f"{out}: отсчётов {count}, {rate:.1f} в секунду, пропусков {gaps}, ошибок линии {failed}, "
+        f"{size:.0f} КиБ, {seconds:.0f} с",
+    )

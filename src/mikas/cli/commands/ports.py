@@ -1,0 +1,51 @@
+"""`mikas ports`: serial adapters found, with chip and quirks."""
+
+from __future__ import annotations
+
+from mikas.cli.grammar import command
+from mikas.cli.run import Run
+from mikas.cli.words import say, shown
+from mikas.language import Text
+from mikas.link import find_ports
+
+
+@command(
+    "ports",
+    Text(
+        "Lists the serial adapters that the system sees, the likeliest first.",
+        "Показывает последовательные адаптеры, которые видит система; вероятный — первый.",
+    ),
+    examples=("mikas ports", "mikas ports --json"),
+)
+def ports(run: Run) -> None:
+    found = find_ports()
+    if run.output.json:
+        listed = [
+            {
+                "url": port.url,
+                "description": port.description,
+                "chip": port.chip,
+                "likely": port.likely,
+                "quirks": [{"en": quirk.en, "ru": quirk.ru} for quirk in port.quirks],
+            }
+            for port in found
+        ]
+        run.output.data({"ports": listed})
+        return
+    if not found:
+        run.output.note(
+            say(
+                "No serial adapter was found. Plug in a KKL cable and try again; `mikas demo` "
+                "works with none.",
+                "Последовательных адаптеров не найдено. Воткните кабель KKL и повторите; без него "
+                "работает `mikas demo`.",
+            )
+        )
+        return
+    run.output.table(
+        [say("port", "порт"), say("chip", "микросхема"), say("what it is", "что это")],
+        [[port.url, port.chip or "–", port.description] for port in found],
+    )
+    for port in found:
+        for quirk in port.quirks if port.likely else ():
+            run.output.note(f"{port.url}: {shown(quirk)}")

@@ -1,0 +1,39 @@
+"""`mikas raw`: any request body, and the response's body."""
+
+from __future__ import annotations
+
+import click
+
+from mikas.cli.arguments import HexBytes
+from mikas.cli.grammar import YES, command
+from mikas.cli.run import Run
+from mikas.cli.words import say
+from mikas.language import Text
+
+
+@command(
+    "raw",
+    Text(
+        "Sends HEX as a request's body (checksum, stuffing and 0D are added) and prints the "
+        "response's body. What is not known to be harmless asks first.",
+        "Посылает HEX как тело запроса (контрольная сумма, замена байтов и 0D добавляются) и "
+        "печатает тело ответа. Если безвредность неизвестна, сначала спрашивает.",
+    ),
+    examples=("mikas raw 611A", 'mikas raw "02" --json', "mikas raw 620E08 --yes"),
+)
+@click.argument("body", metavar="HEX", type=HexBytes(), nargs=1)
+@YES
+def raw(run: Run, body: bytes, *, yes: bool) -> None:
+    with run.ecu(run.confirm(yes=yes)) as ecu:
+        response = ecu.raw(body)
+    if run.output.json:
+        run.output.data({"request": body, "response": response})
+    elif response is None:
+        run.output.note(
+            say(
+                "Silence: this unit does not answer that, or does not know it.",
+                "Тишина: блок на это не отвечает или не знает такой команды.",
+            )
+        )
+    else:
+        run.output.line(response.hex(" ").upper())

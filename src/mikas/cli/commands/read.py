@@ -1,0 +1,54 @@
+"""`mikas read`: one reading of each parameter named, or of all."""
+
+from __future__ import annotations
+
+import click
+
+from mikas.cli.grammar import command
+from mikas.cli.readings import as_json, shown_unit, shown_value, verdict
+from mikas.cli.run import Run
+from mikas.cli.words import say, shown
+from mikas.client import Reading
+from mikas.language import Text
+
+
+@command(
+    "read",
+    Text(
+        "Reads each NAME once; with no name, every parameter that the unit knows. A raw code is "
+        "written 0x1A, or 0x3F:2 for two bytes.",
+        "Читает каждый параметр NAME один раз; без имён — все, что знает блок. Код без имени "
+        "пишется 0x1A, двухбайтовый 0x3F:2.",
+    ),
+    examples=("mikas read", "mikas read TWAT FREQ UACC", "mikas read 0x3F:2 --json"),
+)
+@click.argument("names", metavar="NAME", nargs=-1)
+def read(run: Run, names: tuple[str, ...]) -> None:
+    with run.ecu() as ecu:
+        readings = ecu.read(*names)
+        missing = [p.name for p in ecu.catalog.parameters if p.name not in readings]
+    if run.output.json:
+        run.output.data({"readings": {name: as_json(r) for name, r in readings.items()}})
+    else:
+        headers = [
+            say("name", "имя"), say("value", "значение"), say("unit", "ед."),
+            say("raw", "байты"), say("warm idle", "на хх"), say("meaning", "что это"),
+            say("errata", "сомнения"),
+        ]  # fmt: skip
+        run.output.table(headers, [_row(name, r) for name, r in readings.items()], right="1")
+    if missing and not names:
+        run.output.note(
+            say("This unit does not know: ", "Этот блок не знает: ") + ", ".join(missing)
+        )
+
+
+def _row(name: str, reading: Reading) -> list[str]:
+    return [
+        name,
+        shown_value(reading),
+        shown_unit(reading),
+        reading.raw.hex(" ").upper(),
+        verdict(reading),
+        shown(reading.parameter.text),
+        " ".join(reading.parameter.errata),
+    ]

@@ -1,0 +1,66 @@
+"""`mikas write`: a parameter by its physical value, or by raw bytes; reads back."""
+
+from __future__ import annotations
+
+import click
+
+from mikas.cli.arguments import HexBytes
+from mikas.cli.grammar import YES, command, option
+from mikas.cli.readings import shown_unit, shown_value
+from mikas.cli.run import Run
+from mikas.cli.words import say
+from mikas.client import Reading
+from mikas.errors import UsageError
+from mikas.language import Text
+
+
+@command(
+    "write",
+    Text(
+        "Writes parameter NAME by its physical VALUE, or by raw bytes (low byte first), asks "
+        "first, and reads it back.",
+        "Записывает параметр NAME по физическому значению VALUE или исходными байтами (младший "
+        "первым); сначала спрашивает, потом перечитывает.",
+    ),
+    examples=("mikas write UOZ 12.5", "mikas write INJ --raw 5802", "mikas write UOZ 12.5 --yes"),
+    context_settings={"ignore_unknown_options": True},
+)
+@click.argument("name", metavar="NAME")
+@click.argument("value", metavar="[VALUE]", required=False)
+@option("--raw", type=HexBytes(), metavar="HEX", text=Text("the bytes as they are", "сами байты"))
+@YES
+def write(run: Run, name: str, value: str | None, raw: bytes | None, *, yes: bool) -> None:
+    number = None if value is None else _number(value)
+    if (number is None) == (raw is None):
+        raise UsageError(
+            problem=Text("give a VALUE, or --raw HEX, and not both", "нужно VALUE или --raw HEX")
+        )
+    with run.ecu(run.confirm(yes=yes)) as ecu:
+        written = ecu.write_parameter(name, number, raw=raw)
+    if run.output.json:
+        run.output.data(
+            {
+                "name": written.name,
+                "before": written.before and written.before.value,
+                "after": written.after and written.after.value,
+                "raw_before": written.before and written.before.raw,
+                "raw_after": written.after and written.after.raw,
+            }
+        )
+        return
+    run.output.line(f"{written.name}: {_told(written.before)} → {_told(written.after)}")
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text.replace(",", "."))
+    except ValueError:
+        raise UsageError(
+            problem=Text(f"“{text}” is not a number", f"«{text}» — не число")
+        ) from None
+
+
+def _told(reading: Reading | None) -> str:
+    if reading is None:
+        return say("can't be read", "не читается")
+    return f"{shown_value(reading)} {shown_unit(reading)}".rstrip()

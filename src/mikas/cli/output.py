@@ -1,0 +1,89 @@
+"""Data to stdout, everything else to stderr; tables with rich on a terminal, plain otherwise.
+
+`--json`: one object, or one a line for endless commands, each with `"schema": 1`.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+SCHEMA = 1
+
+
+@dataclass(slots=True)
+class Output:
+    """How this run tells what it found."""
+
+    json: bool = False
+    verbose: bool = False
+
+    def data(self, value: Mapping[str, Any]) -> None:
+        """One JSON object on a line of stdout, flushed: a pipe's reader sees it at once."""
+        text = json.dumps({"schema": SCHEMA, **value}, ensure_ascii=False, default=_plain)
+        self.line(text)
+
+    def line(self, text: str = "") -> None:
+        """One line of stdout."""
+        sys.stdout.write(text + "\n")
+        sys.stdout.flush()
+
+    def note(self, text: str) -> None:
+        """One line of stderr, for people."""
+        sys.stderr.write(text + "\n")
+        sys.stderr.flush()
+
+    def detail(self, *words: str) -> None:
+        """A note that only `-v` shows."""
+        if self.verbose:
+            self.note(" ".join(words))
+
+    def table(self, headers: Sequence[str], rows: Sequence[Sequence[str]], right: str = "") -> None:
+        """A table on stdout. `right`: indices of the columns to be set right, as digits."""
+        if sys.stdout.isatty():
+            stdout_console().print(make_table(headers, rows, right))
+        else:
+            for row in [headers, *rows] if headers else rows:
+                self.line("\t".join(row))
+
+
+def make_table(headers: Sequence[str], rows: Sequence[Sequence[str]], right: str = "") -> Table:
+    """A rich table; cells are text, never markup."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text as RichText
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_header=bool(headers))
+    for index, header in enumerate(headers):
+        table.add_column(header, justify="right" if str(index) in right else "left")
+    for row in rows:
+        table.add_row(*map(RichText, row))
+    return table
+
+
+def stdout_console() -> Console:
+    """rich on stdout; it keeps NO_COLOR and narrow terminals by itself."""
+    from rich.console import Console
+
+    return Console(highlight=False)
+
+
+def stderr_console() -> Console:
+    """rich on stderr, for progress."""
+    from rich.console import Console
+
+    return Console(stderr=True, highlight=False)
+
+
+def _plain(value: object) -> object:
+    """What JSON has no form for: bytes as upper-case hex without spaces."""
+    if isinstance(value, bytes | bytearray):
+        return value.hex().upper()
+    raise TypeError(f"{type(value).__name__} has no JSON form")

@@ -1,0 +1,45 @@
+"""How a reading is shown: in JSON, in a cell, beside what is usual at warm idle."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mikas.catalog import Parameter
+from mikas.cli.words import language, say
+from mikas.client import Reading
+
+
+def as_json(reading: Reading) -> dict[str, Any]:
+    """`{"value", "unit", "raw", "time"}`: numbers are numbers, flags true or false."""
+    return {
+        "value": reading.value,
+        "unit": reading.unit,
+        "raw": reading.raw.hex().upper(),
+        "time": round(reading.time, 6),
+    }
+
+
+def shown_value(reading: Reading) -> str:
+    """The value with the parameter's decimals; a flag as yes or no."""
+    if isinstance(reading.value, bool):
+        return say("yes", "да") if reading.value else say("no", "нет")
+    text = f"{reading.value:.{reading.parameter.decimals}f}"
+    return text.replace(".", ",") if language() == "ru" else text
+
+
+def shown_unit(reading: Reading) -> str:
+    """The unit in the language in force."""
+    return reading.parameter.reading(reading.reading).unit_text.to(language())
+
+
+def reference(parameter: Parameter) -> str:
+    """`13 … 16`, what is usual at warm idle; empty if that is not known."""
+    if parameter.reference is None:
+        return ""
+    low, high = parameter.reference
+    return f"{low:g} … {high:g}"
+
+
+def verdict(reading: Reading) -> str:
+    """The reference range; nothing under a reading in which it would not hold."""
+    return reference(reading.parameter) if reading.reading == "corrected" else ""

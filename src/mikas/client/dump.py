@@ -1,0 +1,197 @@
+"""A memory space to a file: block by block, resumable, checked by a second pass (§3, rows 21–26).
+
+The file is plain binary, the first byte at the first address. Beside it `FILE.json`, its manifest,
+says what the file is: space, range, unit, whether it is complete, whether a second pass agreed.
+What was read stays in the file whatever happens, and the next run goes on behind it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from mikas.client.ecu import Ecu
+from mikas.client.memory import MemorySpace
+from mikas.commands.base import check_range
+from mikas.errors import UsageError
+from mikas.language import Text
+
+SCHEMA = 1
+Progress = Callable[[int], None]  # told how many more bytes are done
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Two bytes at one address that differ; None: one side has no byte there."""
+
+    address: int
+    a: int | None
+    b: int | None
+
+
+@dataclass(slots=True)
+class Manifest:
+    """What a dump's file holds. `time`: the link's clock at its last change."""
+
+    space: str
+    first: int
+    last: int
+    model: str
+    version_code: int
+    passport: tuple[str, ...]
+    bytes_read: int = 0
+    complete: bool = False
+    verified: bool | None = None
+    sha256: str | None = None
+    time: float = 0.0
+    schema: int = SCHEMA
+
+    @property
+    def size(self) -> int:
+        """Bytes of the whole."""
+        return self.last - self.first + 1
+
+    def as_json(self) -> dict[str, Any]:
+        """As it stands in the file."""
+        return asdict(self)
+
+
+def manifest_path(file: Path) -> Path:
+    """`dump.bin` → `dump.bin.json`."""
+    return file.with_name(file.name + ".json")
+
+
+def read_manifest(file: Path) -> Manifest | None:
+    """The manifest of `file`; None if there is none. Raises `UsageError` if it is not one."""
+    path = manifest_path(file)
+    if not path.exists():
+        return None
+    try:
+        stored = json.loads(path.read_text("utf-8"))
+        manifest = Manifest(**{**stored, "passport": tuple(stored["passport"])})
+        check_range(manifest.space, 0xFFFF, manifest.first, manifest.size)
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise _wrong(path, "it is no manifest of a dump", "это не описание образа") from error
+    return manifest
+
+
+class Dump:
+    """One dump into one file. `advance()` reads on; it can be left at any block."""
+
+    def __init__(
+        self, ecu: Ecu, space: MemorySpace, file: Path, *, first: int, last: int, resume: bool
+    ) -> None:
+        check_range(space.name, space.last, first, last - first + 1)
+        self._ecu = ecu
+        self._space = space
+        self._file = file
+        self.manifest = Manifest(
+            space.name, first, last, ecu.model.text.en, ecu.version_code, ecu.passport().pieces
+        )
+        if file.exists() or manifest_path(file).exists():
+            if not resume:
+                raise _wrong(
+                    file,
+                    "it exists already; choose another name, or --resume to go on with it",
+                    "такой файл уже есть; выберите другое имя или продолжите его: --resume",
+                )
+            self._go_on()
+
+    def _go_on(self) -> None:
+        stored, wanted = read_manifest(self._file), self.manifest
+        if stored is None or not self._file.exists():
+            raise _wrong(
+                self._file,
+                "it has no manifest beside it, so it can't be resumed",
+                "рядом с ним нет описания, продолжить нельзя",
+            )
+        if (stored.space, stored.first, stored.last) != (wanted.space, wanted.first, wanted.last):
+            raise _wrong(
+                self._file,
+                f"it is a dump of {stored.space} {stored.first:04X}–{stored.last:04X}",
+                f"это образ {stored.space} {stored.first:04X}–{stored.last:04X}",
+            )
+        if (stored.version_code, stored.passport) != (wanted.version_code, wanted.passport):
+            raise _wrong(
+                self._file,
+                "it was begun on another unit (its passport differs)",
+                "он начат на другом блоке (паспорт не тот)",
+            )
+        wanted.bytes_read = min(self._file.stat().st_size, wanted.size)
+
+    def advance(self, *, block: int | None, progress: Progress) -> None:
+        """Reads what is still missing. What was read before an error stays in the file."""
+        manifest = self.manifest
+        try:
+            with self._file.open("r+b" if self._file.exists() else "wb") as out:
+                out.truncate(manifest.bytes_read)
+                out.seek(manifest.bytes_read)
+                self._note()
+                missing = manifest.size - manifest.bytes_read
+                start = manifest.first + manifest.bytes_read
+                for data in self._space.blocks(start, missing, block) if missing else ():
+                    out.write(data)
+                    out.flush()
+                    manifest.bytes_read += len(data)
+                    progress(len(data))
+                manifest.complete = True
+        except OSError as error:
+            if isinstance(error, ConnectionError | TimeoutError):
+                raise
+            why = error.strerror or str(error)
+            raise _wrong(self._file, why, why) from error
+        finally:
+            self._note()
+
+    def verify(self, *, block: int | None, progress: Progress) -> list[Difference]:
+        """A second pass over all of it; returns where it differs from the first."""
+        manifest = self.manifest
+        found = list(compare(self._space, self._file.read_bytes(), manifest.first, block, progress))
+        manifest.verified = not found
+        self._note()
+        return found
+
+    def _note(self) -> None:
+        manifest = self.manifest
+        manifest.time = round(self._ecu.tester.link.now(), 6)
+        if manifest.complete:
+            manifest.sha256 = hashlib.sha256(self._file.read_bytes()).hexdigest()
+        path = manifest_path(self._file)
+        try:
+            text = json.dumps(manifest.as_json(), ensure_ascii=False, indent=1)
+            path.write_text(text + "\n", "utf-8")
+        except OSError as error:
+            why = error.strerror or str(error)
+            raise _wrong(path, why, why) from error
+
+
+def compare(
+    space: MemorySpace, data: bytes, first: int, block: int | None, progress: Progress
+) -> Iterator[Difference]:
+    """Where the unit's memory (`a`) differs from `data` (`b`), which begins at `first`."""
+    address = first
+    for part in space.blocks(first, len(data), block):
+        stored = data[address - first : address - first + len(part)]
+        for offset, (a, b) in enumerate(zip(part, stored, strict=True)):
+            if a != b:
+                yield Difference(address + offset, a, b)
+        address += len(part)
+        progress(len(part))
+
+
+def differences(a: bytes, first_a: int, b: bytes, first_b: int) -> Iterator[Difference]:
+    """Where two dumps differ, by address."""
+    for address in range(min(first_a, first_b), max(first_a + len(a), first_b + len(b))):
+        in_a, in_b = address - first_a, address - first_b
+        left = a[in_a] if 0 <= in_a < len(a) else None
+        right = b[in_b] if 0 <= in_b < len(b) else None
+        if left != right:
+            yield Difference(address, left, right)
+
+
+def _wrong(file: Path, en: str, ru: str) -> UsageError:
+    return UsageError(problem=Text(f"{file}: {en}", f"{file}: {ru}"))
