@@ -1,9 +1,8 @@
-"""How much of the wire's limit (§5) the tester reaches over a real pty, paced at 9600 baud, with
-echo.
+"""How much of the wire's limit (§5) the tester reaches over a paced pty, with echo.
 
 The virtual ECU runs in a process of its own (`mikas sim`, turn-round 2 ms). The limit is computed
-from what was really carried, stuffing included: bytes · 10 / 9600 + requests · 2 ms. What the tester needs
-beyond that is its own time, the system's, and the virtual ECU's lateness.
+from what was really carried, stuffing included: bytes · 10 / 9600 + requests · 2 ms. What the
+tester needs beyond that is its own time, the system's, and the virtual ECU's lateness.
 """
 
 from __future__ import annotations
