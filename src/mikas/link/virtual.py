@@ -12,7 +12,7 @@ from __future__ import annotations
 import threading
 from math import inf
 
-from mikas.errors import BadPortUrl, LinkLost
+from mikas.errors import BadPortUrl, LinkLost, UsageError
 from mikas.language import Text
 from mikas.link.base import Chunk, Link, WallClock
 from mikas.virtual.bus import Bus
@@ -60,17 +60,17 @@ class VirtualLink(_BusLink):
     def read(self, deadline: float) -> Chunk:
         while True:
             self._check()
+            following = self.bus.next_event()
+            if following > self._now:
+                if following > deadline or following == inf:
+                    if deadline == inf:
+                        raise ValueError("nothing will ever come, and the wait has no end")
+                    self._now = max(self._now, deadline)
+                    return Chunk(b"", self._now)
+                self._now = following
             data, time = self.bus.take(self._now)
             if data:
                 return Chunk(data, time)
-            following = self.bus.next_event()
-            if following > deadline or following == inf:
-                if deadline == inf:
-                    raise ValueError("nothing will ever come, and the wait has no end")
-                self._now = max(self._now, deadline)
-                self.bus.advance(self._now)
-                return Chunk(b"", self._now)
-            self._now = max(self._now, following)
 
     def send_break(self, seconds: float) -> None:
         self._check()
@@ -119,7 +119,7 @@ def open_sim(url: str, options: dict[str, str]) -> Link:
     """Opens `sim:?scenario=…&seed=…&clock=real|simulated&…`.
 
     The other options are those of `mikas.virtual.build`. Raises `BadPortUrl` for an unknown one, or
-    a value that makes no sense.
+    a value that makes no sense; `CatalogError` for a scenario file with a mistake in it.
     """
     from mikas.virtual.build import build_bus  # the engine and the catalog: only for this scheme
 
@@ -133,7 +133,20 @@ def open_sim(url: str, options: dict[str, str]) -> Link:
                 f"clock — real или simulated, а не «{clock}»",
             ),
         )
-    if clock == "simulated":
-        return VirtualLink(build_bus(settings), url=url)
-    link_clock = WallClock()
-    return RealTimeVirtualLink(build_bus(settings, start=link_clock.now()), url=url)
+    if place := url.partition("?")[0].partition(":")[2].strip("/"):
+        raise BadPortUrl(
+            url=url,
+            problem=Text(
+                f"sim: has no address, only options; “{place}” may be a ?scenario={place}",
+                f"у sim: нет адреса, только настройки; может быть, ?scenario={place}",
+            ),
+        )
+    simulated = clock == "simulated"
+    start = 0.0 if simulated else WallClock().now()
+    try:
+        bus = build_bus(settings, start=start)
+    except UsageError as error:
+        if type(error) is not UsageError:
+            raise
+        raise BadPortUrl(url=url, problem=error.reason) from error
+    return VirtualLink(bus, url=url) if simulated else RealTimeVirtualLink(bus, url=url)

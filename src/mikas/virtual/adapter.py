@@ -42,7 +42,7 @@ class Adapter:
             self._hand_over(time)
         elif len(self._held) == 1:
             # The timer runs on whether or not there is anything to hand over.
-            self._tick_at = ceil(time / self.kind.latency) * self.kind.latency
+            self._tick_at = max(time, ceil(time / self.kind.latency) * self.kind.latency)
 
     def tick(self, now: float) -> None:
         """The latency timer, if it has run out by `now`."""

@@ -5,6 +5,7 @@ A tester that works against every combination of these works against whatever a 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
@@ -36,6 +37,10 @@ class StreamEnd(Enum):
     REQUEST = "request"
     BREAK = "break"
 
+
+SWITCH = {"1": True, "on": True, "yes": True, "true": True,
+          "0": False, "off": False, "no": False, "false": False}  # fmt: skip
+"""What may stand for on and off."""
 
 GROUPS: dict[str, frozenset[int]] = {
     "passports": frozenset(range(0x51, 0x59)),
@@ -95,7 +100,7 @@ def _parse(name: str, value: str) -> object:
             case "stream_end":
                 return StreamEnd(value)
             case "counted_blocks" | "raw_checksum":
-                return {"1": True, "true": True, "0": False, "false": False}[value.lower()]
+                return SWITCH[value.lower()]
             case "missing":
                 return _missing(value)
     except (ValueError, KeyError):
@@ -128,9 +133,14 @@ _ALLOWED = {
 }
 
 
+def words(text: str) -> list[str]:
+    """What a list on a command line or in a URL holds: `a,b`, `a+b`; in a URL `+` is a space."""
+    return re.findall(r"[^,+\s]+", text)
+
+
 def _missing(value: str) -> frozenset[int]:
     codes: set[int] = set()
-    for word in filter(None, value.replace("+", ",").split(",")):
+    for word in words(value):
         if word in GROUPS:
             codes |= GROUPS[word]
         else:

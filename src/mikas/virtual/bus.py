@@ -56,14 +56,20 @@ class _Talker:
                 value &= other.value
         return value
 
-    def talking_until(self, time: float) -> float | None:
-        """The end of the byte that it is sending at `time`."""
+    def silent_from(self, time: float) -> float:
+        """`time` if it sends nothing then, else the end of the bytes that follow each other."""
+        if time >= self.free_at:
+            return time
         for byte in self.queue:
-            if byte.start <= time < byte.end:
-                return byte.end
             if byte.start > time:
                 break
-        return None
+            time = max(time, byte.end)
+        return time
+
+    def fall_silent(self, free_at: float) -> None:
+        """Drops what is not through yet; the next byte can begin at `free_at`."""
+        self.queue.clear()
+        self.free_at = free_at
 
 
 class Bus:
@@ -83,12 +89,15 @@ class Bus:
         self.bytes_carried = 0
         self._tester = _Talker(self.byte_time)
         self._unit = _Talker(self.byte_time)
+        self._at = -inf  # when the last thing happened; nothing happens before it any more
+        self._next = self._next_on_wire()  # everybody asks for it, several times a byte
 
     def send(self, data: bytes, now: float) -> None:
         """The tester's adapter puts `data` on the wire, behind what it is still sending."""
         self.advance(now)
         if self.adapter.kind.supplied:
             self._tester.say(data, now)
+            self._next = self._next_on_wire()
 
     def send_break(self, seconds: float, now: float) -> None:
         """Holds the line low: everything on it is lost, and the unit hears a break."""
@@ -96,21 +105,25 @@ class Bus:
         if not self.adapter.kind.supplied:
             return
         for talker in (self._tester, self._unit):
-            talker.queue.clear()
-            talker.free_at = now + seconds
+            talker.fall_silent(now + seconds)
         self.ecu.receive_break(now + seconds)
+        self._next = self._next_on_wire()
         if self.adapter.kind.echo:
             self.adapter.hear(0x00, now + seconds)
 
     def advance(self, now: float) -> None:
         """Everything that happens on the wire up to `now`."""
-        while (time := self._next_on_wire()) <= now:
+        while (time := self._next) <= now:
+            self._at = time
             if self._tester.next_end() <= time:
                 self._through(self._tester, self._unit)
             elif self._unit.next_end() <= time:
                 self._through(self._unit, self._tester)
             else:
                 self._let_ecu_talk(time)
+            if not self.ecu.on and self._unit.queue:
+                self._unit.fall_silent(time)
+            self._next = self._next_on_wire()
         self.adapter.tick(now)
 
     def take(self, now: float) -> tuple[bytes, float]:
@@ -120,17 +133,18 @@ class Bus:
 
     def next_event(self) -> float:
         """When something happens next: on the wire, or to what the adapter still holds."""
-        return min(self._next_on_wire(), self.adapter.next_event())
+        return min(self._next, self.adapter.next_event())
 
     def _next_on_wire(self) -> float:
         return min(self._tester.next_end(), self._unit.next_end(), self._ecu_due())
 
     def _ecu_due(self) -> float:
-        due = self.ecu.next_event()
-        # D2: a unit does not begin while somebody is talking.
-        while due < inf and (end := self._tester.talking_until(due)) is not None:
-            due = end
-        return due
+        due = self.ecu.next_transmission()
+        if due < inf:
+            # D2: a unit does not begin while somebody is talking, be it itself: what a disturbance
+            # made late or twice as long is on the wire longer than it knows.
+            due = self._tester.silent_from(max(due, self._unit.free_at, self._at))
+        return min(due, self.ecu.next_change())
 
     def _let_ecu_talk(self, time: float) -> None:
         wire = self.ecu.transmit(time)

@@ -28,7 +28,7 @@ class Trouble(Enum):
     DOUBLED = "doubled"  # it comes twice
     FOREIGN = "foreign"  # another talker's sound frame comes in its place
     NOISE = "noise"  # stray bytes come before it
-    ECHO = "echo"  # one byte of the next request's echo differs
+    ECHO = "bad-echo"  # one byte of the next request's echo differs
 
 
 LATE_BY = 0.7  # s, more than the 500 ms of D14
@@ -82,7 +82,7 @@ class Disturbance:
             case Trouble.DAMAGED:
                 return [Sent(_flipped(wire, at, self._random.randrange(8)))]
             case Trouble.CUT:
-                return [Sent(wire[:at])]
+                return [Sent(wire[: max(1, at)])]
             case Trouble.MISSING_BYTE:
                 return [Sent(wire[:at] + wire[at + 1 :])]
             case Trouble.DOUBLED:

@@ -3,7 +3,8 @@ D15).
 
 It does no I/O, reads no clock and never sleeps; the same times and bytes give the same answers. Its
 owner (the bus) calls `receive` with what is heard on the wire, asks `next_event` when to call
-`transmit`, and puts on the wire what that hands out.
+`transmit`, and puts on the wire what that hands out. An owner that holds it back while somebody
+talks (D2) asks for the two kinds of event apart: `next_transmission` can wait, the supply can not.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf
+from math import inf, nextafter
 
 from mikas import commands as c
 from mikas.framing import Decoder, Frame, encode
@@ -56,10 +57,16 @@ class VirtualEcu:
         self._decoder = Decoder()
         self._heard_at = -inf
         self._seen = -inf  # the latest time it was told
+        self._change: float | None = None  # of the supply; asked anew once it has passed
         self._answers: deque[tuple[float, bytes]] = deque()
         self._free_at = -inf  # when its own last byte has left
         self._stream: _Running | None = None
         self._on = True
+
+    @property
+    def on(self) -> bool:
+        """Whether it had supply when it was told the time last."""
+        return self._on
 
     def receive(self, data: bytes, now: float) -> None:
         """`data` was heard on the wire, its last byte complete at `now`."""
@@ -92,17 +99,36 @@ class VirtualEcu:
 
     def next_event(self) -> float:
         """When to call `transmit` next; infinity: not before something is heard."""
-        change = self.responder.car.next_change(self._seen)
-        if self._on and self._stream and self._stream.due == inf:
-            return min(change, self._seen + STANDING_ENGINE_LOOK)
-        return min(change, self._next_transmission())
+        return min(self.next_change(), self.next_transmission())
+
+    def next_change(self) -> float:
+        """When the supply goes off or comes back next."""
+        if self._change is None or self._change <= self._seen:
+            # A change at the very moment that was seen, a rounding away, must not be met for ever.
+            change = self.responder.car.next_change(self._seen)
+            self._change = max(change, nextafter(self._seen, inf))
+        return self._change
+
+    def next_transmission(self) -> float:
+        """When it wants to say something next, or, with a standing engine, looks whether it can."""
+        if not self._on:
+            return inf
+        if self._answers:
+            return max(self._answers[0][0], self._free_at)
+        if self._stream is None:
+            return inf
+        if self._stream.due == inf:
+            return self._seen + STANDING_ENGINE_LOOK
+        if self._decoder.pending:  # D2: somebody is talking; the stream waits for the end of it
+            return max(self._stream.due, self._heard_at + PARTIAL_REQUEST_LIFE)
+        return self._stream.due
 
     def transmit(self, now: float) -> bytes:
         """The frame whose first byte leaves now; empty: none is due."""
         self._follow_supply(now)
         if self._stream and self._stream.due == inf:
             self._stream.due = self._due(self._stream.command, now)
-        if self._next_transmission() > now:
+        if self.next_transmission() > now:
             return b""
         if self._answers:
             body = self._answers.popleft()[1]
@@ -127,17 +153,6 @@ class VirtualEcu:
             self._stream = _Running(answer, self._due(answer, now))
             self._tell("stream", now, body)
 
-    def _next_transmission(self) -> float:
-        if not self._on:
-            return inf
-        if self._answers:
-            return max(self._answers[0][0], self._free_at)
-        if self._stream is None:
-            return inf
-        if self._decoder.pending:  # D2: somebody is talking; the stream waits for the end of it
-            return max(self._stream.due, self._heard_at + PARTIAL_REQUEST_LIFE)
-        return self._stream.due
-
     def _due(self, stream: Stream, after: float) -> float:
         ready = after + self.responder.assumptions.turn_round
         if isinstance(stream, c.StreamAtStroke):
@@ -157,6 +172,7 @@ class VirtualEcu:
         self._on = on
         self._stream = None
         self._answers.clear()
+        self._free_at = min(self._free_at, now)
         self._decoder.reset()
         if on:
             self.responder.power_cycle()

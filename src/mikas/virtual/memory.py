@@ -8,14 +8,16 @@ block is seen.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 
 SIZES = {"ram": 0x100, "xram": 0x10000, "code": 0x10000, "sfr": 0x100}
 
 
-def pattern(space: str) -> bytearray:
+@cache  # a unit that gets its supply must not keep others on its event loop waiting
+def pattern(space: str) -> bytes:
     """The contents of an untouched space: `37·low + 11·high + 101·space + 5`, modulo 256."""
     start = 101 * list(SIZES).index(space) + 5
-    return bytearray(
+    return bytes(
         (37 * (address & 0xFF) + 11 * (address >> 8) + start) & 0xFF
         for address in range(SIZES[space])
     )
@@ -32,7 +34,7 @@ class Memory:
         self._spaces = {space: self._fresh(space) for space in SIZES}
 
     def _fresh(self, space: str) -> bytearray:
-        cells = pattern(space)
+        cells = bytearray(pattern(space))
         for address, data in self._contents.get(space, {}).items():
             cells[address : address + len(data)] = data
         return cells

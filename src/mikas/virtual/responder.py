@@ -76,10 +76,10 @@ class Responder:
 
     def answer(self, body: bytes, now: float) -> Answer:
         """What this unit does with the request `body` that came at `now`."""
-        if body[:1] and body[0] in self.assumptions.missing:
-            return self._unknown()
         if body != b"\x62\x0e\x00":
             self._erase_armed = False  # only two writes in a row erase
+        if body[:1] and body[0] in self.assumptions.missing:
+            return self._unknown()
         if body == b"\x63":
             return self.data(self._list, now) if self._list else b"\x01"
         try:
@@ -131,7 +131,7 @@ class Responder:
                 return command.respond(self.identity.passports[part + 2])
             case c.CountParameters():
                 count = self.identity.parameter_count
-                return command.respond(len(self.car.codes) if count is None else count)
+                return command.respond(min(0xFF, len(self.car.codes)) if count is None else count)
             case _:
                 return command.respond(self.identity.version_code)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from math import ceil, floor, inf
+from math import ceil, inf
 
 
 class TableCar:
@@ -47,8 +47,9 @@ class TableCar:
         cycle = 120 / self.rpm
         offset = max(0, stroke - 1) * cycle / 4
         count = ceil((after - offset) / cycle)
+        time = count * cycle + offset
         # The quotient of two floats may round onto the stroke that has just been.
-        return max(count, floor((after - offset) / cycle)) * cycle + offset
+        return time if time >= after else (count + 1) * cycle + offset
 
     def power_cycle(self) -> None:
         """Written data are forgotten."""

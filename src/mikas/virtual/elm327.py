@@ -1,0 +1,85 @@
+"""An ELM327 where a K-Line adapter should be: the wrong tool, to see that the tester says so.
+
+It reads what it is sent as lines of text, and never puts a byte of them on the wire. Here it is as
+it comes out of the box: 9600 baud, every character echoed, `?` to a line that it does not
+understand. Not simulated: its OBD requests, which no Mikas understands, and all settings but the
+echo.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from math import inf
+
+from mikas.virtual.bus import Bus
+from mikas.virtual.ecu import VirtualEcu
+
+VERSION = b"ELM327 v1.5"
+LONGEST_LINE = 64  # bytes that it keeps of one
+
+_RETURN = 0x0D
+_END = b"\r\r>"
+
+
+class Elm327(Bus):
+    """A wire with an ELM327 at the tester's end; the unit on the wire never hears of the tester."""
+
+    def __init__(self, ecu: VirtualEcu) -> None:
+        super().__init__(ecu)
+        self._line = bytearray()
+        self._echoes = True
+        self._out: deque[tuple[float, int]] = deque()
+        self._heard_at = -inf  # the end of the last byte from the tester
+        self._free_at = -inf  # the end of its own last byte
+
+    def send(self, data: bytes, now: float) -> None:
+        for value in data:
+            self._heard_at = max(now, self._heard_at) + self.byte_time
+            self._hear(value)
+
+    def send_break(self, seconds: float, now: float) -> None:
+        """Means nothing to it; whatever was under way is lost."""
+        self._out = deque(byte for byte in self._out if byte[0] <= now)
+        self._heard_at = self._free_at = now + seconds
+        self._line.clear()
+
+    def advance(self, now: float) -> None:
+        """Nothing happens by itself."""
+
+    def take(self, now: float) -> tuple[bytes, float]:
+        data, time = bytearray(), now
+        while self._out and self._out[0][0] <= now:
+            time, value = self._out.popleft()
+            data.append(value)
+        return bytes(data), time
+
+    def next_event(self) -> float:
+        return self._out[0][0] if self._out else inf
+
+    def _hear(self, value: int) -> None:
+        if value == 0:
+            return  # it takes a zero for noise
+        if self._echoes:
+            self._say(bytes([value]))
+        if value == _RETURN:
+            self._say(self._obey(bytes(self._line)) + _END)
+            self._line.clear()
+        elif len(self._line) < LONGEST_LINE:
+            self._line.append(value)
+
+    def _obey(self, line: bytes) -> bytes:
+        match line.replace(b" ", b"").upper():
+            case b"ATZ":
+                self._echoes = True
+                return b"\r\r" + VERSION
+            case b"ATI":
+                return VERSION
+            case b"ATE0" | b"ATE1" as switch:
+                self._echoes = switch == b"ATE1"
+                return b"OK"
+        return b"?"
+
+    def _say(self, text: bytes) -> None:
+        for value in text:
+            self._free_at = max(self._heard_at, self._free_at) + self.byte_time
+            self._out.append((self._free_at, value))

@@ -1,0 +1,140 @@
+"""A car with an engine in it: the model's physical values as the unit's raw data (§4).
+
+What a scenario pins, and what was written (62), stands over what the engine does. A fault that is
+stored is also present: its sensor gives the substitute value until the faults are erased.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from mikas.catalog import Catalog, Conversion, Parameter
+from mikas.errors import ValueDoesNotFit
+from mikas.language import Text
+from mikas.virtual.engine import FIELDS, Engine, EngineState
+
+MINERR = "MINERR"
+Datum = Callable[[EngineState], bytes]
+
+
+class EngineCar:
+    """Data from `engine`, which began to run at `start` of the owner's clock.
+
+    `codes`: those of the catalog that the model has a value for. `faults` is the list that the unit
+    tells, in its order; changing it is noticed.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        catalog: Catalog,
+        *,
+        faults: Iterable[int] = (),
+        start: float = 0.0,
+    ) -> None:
+        self.engine = engine
+        self.faults = list(dict.fromkeys([*sorted(engine.scenario.faults), *faults]))
+        self._told: list[int] = []  # the faults that the engine knows of
+        self._start = start
+        self._pinned = pinned(catalog, engine.scenario.raw, engine.scenario.values)
+        self._written: dict[int, bytes] = {}
+        made = {code: self._from_engine(catalog.by_code(code)) for code, _ in catalog.codes}
+        self._made = {code: datum for code, datum in made.items() if datum}
+        self._sizes = {code: size for code, size in catalog.codes if code in self._made}
+        self._sizes |= {code: len(datum) for code, datum in self._pinned.items()}
+        self.codes = tuple(self._sizes)
+
+    def _from_engine(self, parameters: tuple[Parameter, ...]) -> Datum | None:
+        """How the datum that `parameters` share is made of the engine's state."""
+        first = parameters[0]
+        if first.name == MINERR:
+            return lambda _: bytes([min(self.faults, default=0)])
+        known = [(p.conversion, FIELDS[p.name]) for p in parameters if p.name in FIELDS]
+        if not known:
+            return None
+        if first.is_flag:
+            masks = [(conversion.mask, name) for conversion, name in known]
+            return lambda state: bytes(
+                [sum(mask for mask, name in masks if mask and getattr(state, name))]
+            )
+        return _encoder(first.conversion, FIELDS[first.name])
+
+    def size_of(self, code: int) -> int | None:
+        """Bytes of the datum; None: this car has no such parameter."""
+        return self._sizes.get(code)
+
+    def raw(self, code: int, now: float) -> bytes:
+        """The datum at `now`."""
+        fixed = self._written.get(code) or self._pinned.get(code)
+        if fixed is not None:
+            return fixed
+        if self._told != self.faults:
+            self._told = list(self.faults)
+            self.engine.faults = set(self.faults)
+        self.engine.advance(now - self._start)
+        return self._made[code](self.engine.state)
+
+    def write(self, code: int, data: bytes) -> bool:
+        """Takes it until the next power cycle."""
+        self._written[code] = data
+        return True
+
+    def powered(self, now: float) -> bool:
+        """Whether the ignition is on."""
+        return self.engine.scenario.ignition_on(now - self._start)
+
+    def next_change(self, after: float) -> float:
+        """When the key is turned next."""
+        since = max(0.0, after - self._start)  # the key is not turned before the engine's start
+        return self._start + self.engine.scenario.next_ignition_change(since)
+
+    def next_stroke(self, stroke: int, after: float) -> float:
+        """When the engine next reaches this stroke."""
+        return self._start + self.engine.next_cycle_time(stroke, after - self._start)
+
+    def power_cycle(self) -> None:
+        """Written data are forgotten."""
+        self._written.clear()
+
+
+def _encoder(conversion: Conversion, name: str) -> Datum:
+    """The nearest raw datum, kept within what the bytes hold: a sensor at its end stays there."""
+    scale = float(conversion.scale)
+    zero = float(conversion.offset - conversion.bias * conversion.scale)
+    low, high = conversion.raw_limits
+    size, signed = conversion.size, conversion.signed
+
+    def datum(state: EngineState) -> bytes:
+        number: int = round((getattr(state, name) - zero) / scale)
+        return min(max(number, low), high).to_bytes(size, "little", signed=signed)
+
+    return datum
+
+
+def pinned(
+    catalog: Catalog, raw: Mapping[str, bytes], values: Mapping[str, float | bool]
+) -> dict[int, bytes]:
+    """The data that a scenario fixes, by code: raw ones as they are, physical ones encoded.
+
+    Flags that share a byte are put together. Raises `UnknownParameter`, `ValueDoesNotFit`.
+    """
+    data = {}
+    for name, datum in raw.items():
+        parameter = catalog.parameter(name)
+        size = parameter.size
+        if len(datum) != size:
+            raise ValueDoesNotFit(
+                value=datum.hex(" ").upper(),
+                name=name,
+                allowed=Text(f"bytes in its datum: {size}", f"байтов в нём: {size}"),
+            )
+        data[parameter.code] = datum
+    for name, value in values.items():
+        parameter = catalog.parameter(name)
+        if parameter.is_flag:
+            mask = parameter.conversion.mask or 0
+            before = data.get(parameter.code, b"\x00")[0]
+            data[parameter.code] = bytes([before | mask if value else before & ~mask])
+        else:
+            data[parameter.code] = parameter.encode(value)
+    return data

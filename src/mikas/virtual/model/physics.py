@@ -1,0 +1,173 @@
+"""What the ZMZ-4062.10 does with air, petrol and sparks: constants and pure functions, no state.
+
+A mean-value model: one number for a whole engine cycle, not for a crank angle. The fixed points
+come from the facts about the car (2286 cm³, 106 kW at 5200 rpm, 385 kg/h of air there, 15 kg/h at
+850 rpm, an injector of 2.5 mg/ms with 0.8 ms dead time); the curves between them are the model's
+own and only have to look like an engine. Air is in kg/h, charge and petrol in mg a stroke, torque
+in Nm.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import pi, sqrt
+
+STEP = 1 / 32  # s: the grid everything is integrated on; a power of two, so n·STEP is exact
+STROKE_AIR = 686.0  # mg: one cylinder full of air at 20 °C and 1 bar
+STOICHIOMETRIC = 14.7
+INJECTOR = 2.5  # mg/ms
+PETROL = 0.74  # kg/l
+PETROL_HEAT = 43.0  # kJ/g
+THROTTLE_FLOW = 1900.0  # kg/h through a fully open, choked 60 mm throttle
+THROTTLE_LEAK = 4.0  # kg/h past the closed one
+VALVE_FLOW = 0.33  # kg/h a step of the idle valve
+CHOKED = 0.528  # pressure ratio below which the flow through a gap no longer grows
+DISPLACEMENT_TORQUE = 2.286e-3 / (4 * pi)  # Nm per Pa of mean pressure
+TO_RADIANS = pi / 30  # rpm -> rad/s
+
+
+class Curve:
+    """A piecewise linear function, kept as an even table so that a look-up costs one index."""
+
+    __slots__ = ("_last", "_low", "_per", "_table")
+
+    def __init__(self, points: dict[float, float], cell: float) -> None:
+        knots = sorted(points.items())
+        self._low, self._per = knots[0][0], 1 / cell
+        self._last = round((knots[-1][0] - self._low) * self._per)
+        self._table = [_between(knots, self._low + i * cell) for i in range(self._last + 1)]
+
+    def __call__(self, x: float) -> float:
+        """The value at `x`; outside the curve the nearest end's."""
+        place = (x - self._low) * self._per
+        if place <= 0:
+            return self._table[0]
+        index = int(place)
+        if index >= self._last:
+            return self._table[-1]
+        left = self._table[index]
+        return left + (self._table[index + 1] - left) * (place - index)
+
+
+def _between(knots: list[tuple[float, float]], x: float) -> float:
+    for (x0, y0), (x1, y1) in pairwise(knots):
+        if x <= x1:
+            return y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+    return knots[-1][1]
+
+
+# Share of STROKE_AIR that a cylinder takes with the throttle wide open, over rpm.
+FILLING = Curve(
+    {0: 0.74, 600: 0.76, 1000: 0.79, 1500: 0.82, 2000: 0.85, 2500: 0.88, 3000: 0.91, 4000: 0.94,
+     4500: 0.93, 5200: 0.91, 6000: 0.80, 7000: 0.62},
+    100,
+)  # fmt: skip
+# Friction of a cold engine against a warm one, over coolant °C (thick oil).
+VISCOSITY = Curve({-40: 3.6, -20: 2.5, 0: 1.85, 20: 1.5, 40: 1.25, 60: 1.1, 85: 1.0, 120: 0.96}, 5)
+# Torque against the best mixture's, over λ.
+BURN = Curve({0.4: 0.55, 0.6: 0.8, 0.75: 0.94, 0.88: 1.0, 0.95: 0.99, 1.0: 0.96, 1.15: 0.86,
+              1.3: 0.6, 1.5: 0.1, 1.6: 0}, 0.01)  # fmt: skip
+# Advance at full load, over rpm: as early as knock allows.
+SPARK = Curve({0: 6, 600: 7, 1000: 9, 2000: 16, 3000: 22, 4000: 25, 5200: 28, 7000: 29}, 100)
+
+
+def air_per_stroke(air: float, rpm: float) -> float:
+    """Charge in mg of an air flow in kg/h: 15 kg/h at 850 rpm are 147 mg (two strokes a turn)."""
+    return air * 1e6 / (120 * rpm) if rpm > 0 else 0.0
+
+
+def air_flow(charge: float, rpm: float) -> float:
+    """Air flow in kg/h of a charge in mg a stroke."""
+    return charge * rpm * 120e-6
+
+
+def fuel_flow(fuel: float, rpm: float) -> float:
+    """Litres an hour of `fuel` mg a stroke."""
+    return fuel * rpm * 120e-6 / PETROL
+
+
+def dead_time(voltage: float) -> float:
+    """Milliseconds in which an injector does not yet inject: 0.8 at 14 V, more as voltage falls."""
+    lack = 14.0 - voltage
+    return max(0.5, 0.8 + 0.15 * lack + (0.012 * lack * lack if lack > 0 else 0.0))
+
+
+def injected(pulse: float, voltage: float) -> float:
+    """What a pulse really brings at this voltage, mg."""
+    return max(0.0, (pulse - dead_time(voltage)) * INJECTOR) if pulse > 0 else 0.0
+
+
+def injection(fuel: float, voltage: float) -> float:
+    """Pulse in ms for `fuel` mg a stroke; no fuel, no pulse."""
+    return dead_time(voltage) + fuel / INJECTOR if fuel > 0 else 0.0
+
+
+def throttle_air(percent: float) -> float:
+    """Choked flow through the throttle, kg/h."""
+    return THROTTLE_LEAK + THROTTLE_FLOW * (percent / 100) ** 2
+
+
+def throttle_for(flow: float) -> float:
+    """The opening in % whose choked flow is `flow`: the inverse of `throttle_air`."""
+    return min(100.0, 100 * sqrt(max(0.0, flow - THROTTLE_LEAK) / THROTTLE_FLOW))
+
+
+def density(intake_air: float) -> float:
+    """Density of the intake air against 20 °C."""
+    return 293.0 / (273.0 + intake_air)
+
+
+def demand(rpm: float) -> float:
+    """Air the cylinders would take with no throttle in the way, kg/h at 20 °C."""
+    return air_flow(STROKE_AIR * FILLING(rpm), rpm)
+
+
+def manifold(inlet: float, wanted: float) -> float:
+    """Steady pressure in the manifold against outside, for a choked inlet flow and a demand.
+
+    Below `CHOKED` the inlet lets `inlet` through, above it less and less (an ellipse); the
+    cylinders take `wanted` times the pressure ratio: where the two meet is a quadratic.
+    """
+    if inlet <= CHOKED * wanted:
+        return inlet / wanted
+    width = (inlet / (1 - CHOKED)) ** 2
+    height = width + wanted * wanted
+    middle = width * CHOKED
+    return (middle + sqrt(middle * middle - height * (middle * CHOKED - inlet * inlet))) / height
+
+
+def inlet_for(ratio: float, wanted: float) -> float:
+    """The choked inlet flow that keeps the manifold at `ratio`: the inverse of `manifold`."""
+    if ratio <= CHOKED:
+        return ratio * wanted
+    shape = 1 - ((ratio - CHOKED) / (1 - CHOKED)) ** 2
+    return ratio * wanted / sqrt(shape) if shape > 1e-4 else 100 * wanted
+
+
+def base_advance(rpm: float, filling: float) -> float:
+    """Degrees before top dead centre: the full-load line, and earlier as the charge gets thin."""
+    return SPARK(rpm) + 22 * (0.9 - filling)
+
+
+def knock_limit(rpm: float, filling: float, intake_air: float, coolant: float) -> float:
+    """The advance at which this charge begins to knock."""
+    cool = 0.12 * (25 - intake_air) + 0.1 * (88 - coolant)
+    return SPARK(rpm) + 2.5 + 60 * (0.9 - filling) + cool
+
+
+def indicated_torque(charge: float, rpm: float, mixture: float, advance: float) -> float:
+    """Torque of the burning charge, before friction; slow engines lose more heat to the walls."""
+    best = SPARK(rpm) + 4 + 25 * (0.9 - charge / STROKE_AIR)
+    late = best - advance
+    spark = max(0.2, 1 - 0.00025 * late * late)
+    return 0.423 * charge * rpm / (rpm + 450) * BURN(mixture) * spark
+
+
+def friction(rpm: float) -> float:
+    """Bearings, rings, pumps of a warm engine; a cold one's times `VISCOSITY`."""
+    return 12.6 + rpm * (0.0035 + 4.4e-7 * rpm)
+
+
+def pumping(ratio: float) -> float:
+    """What it costs to draw the charge out of a manifold at `ratio` of the outside pressure."""
+    return (1 - ratio) * 1e5 * DISPLACEMENT_TORQUE

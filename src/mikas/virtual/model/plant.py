@@ -1,0 +1,199 @@
+"""Engine, car and control unit together, one step of the grid at a time.
+
+All state is here and in the parts; `fork` copies it, so that the future can be looked at without
+going there. Chance comes from a table made from the seed and is addressed by the step's number:
+what happens in a step never depends on who asked for it or how often.
+"""
+
+from __future__ import annotations
+
+import random
+from copy import copy
+from functools import lru_cache
+
+from mikas.virtual.model import physics as ph
+from mikas.virtual.model.driving import Car
+from mikas.virtual.model.physics import STEP, TO_RADIANS
+from mikas.virtual.model.program import Program
+from mikas.virtual.model.sensors import Signals
+from mikas.virtual.model.substitutes import NOTHING, Lost
+from mikas.virtual.model.surroundings import Board, Heat
+from mikas.virtual.scenario import Scenario
+from mikas.virtual.timeline import Inputs
+
+NOISE = 16381  # a prime: strides through the table visit all of it, 8.5 minutes long
+SETTLING = 1920  # steps that a running engine has already run at second 0: a minute
+SLOW = 8  # steps between two of the temperatures
+EMPTYING = 4.0e-3 / 2.286e-3  # manifold against displacement
+
+
+@lru_cache(maxsize=8)
+def noise_table(seed: int) -> tuple[float, ...]:
+    """Normally distributed numbers, cut at three."""
+    source = random.Random(seed)
+    return tuple(max(-3.0, min(3.0, source.gauss(0.0, 1.0))) for _ in range(NOISE))
+
+
+class Plant:
+    """Everything that changes with time."""
+
+    __slots__ = (
+        "_burning", "_burnt", "_fuel", "_noise", "_scenario", "_signals", "_viscosity",
+        "board", "car", "crank", "cycles", "fuel_used", "heat", "key", "manifold", "program",
+        "step_number",
+    )  # fmt: skip
+
+    def __init__(self, scenario: Scenario, seed: int, lost: Lost) -> None:
+        start = scenario.start
+        self._scenario = scenario
+        self._noise = noise_table(seed)
+        self.heat = Heat(start)
+        self.board = Board(start)
+        self.car = Car(scenario.at(0.0), running=start.running)
+        self.program = Program(lost, start.coolant, self.heat.intake_air)
+        self._signals = Signals(start.coolant, self.heat.intake_air)
+        self._viscosity = ph.VISCOSITY(start.coolant)
+        self._burning = self.key = start.running
+        self._fuel = 0.0  # mg a stroke that are really injected
+        self._burnt = 1.0  # λ
+        self.crank = 850 * TO_RADIANS if start.running else 0.0  # rad/s
+        self.manifold = 0.35 if start.running else 1.0  # pressure against outside
+        self.cycles = self.fuel_used = 0.0
+        self.step_number = 0
+        if start.running:
+            self._settle(lost)
+        else:
+            self._move(0)
+
+    def fork(self) -> Plant:
+        """A copy that can go ahead by itself."""
+        other = copy(self)
+        other.car, other.heat, other.board = copy(self.car), copy(self.heat), copy(self.board)
+        other.program = self.program.fork()
+        other._signals = copy(self._signals)  # noqa: SLF001  (its own class)
+        return other
+
+    @property
+    def rpm(self) -> float:
+        """The crankshaft's true speed."""
+        return self.crank / TO_RADIANS
+
+    @property
+    def seen_rpm(self) -> float:
+        """The speed by which the unit counts strokes; 0: it has no power or sees nothing turn."""
+        return self.rpm if self.key and self.program.sensors.rpm > 0 else 0.0
+
+    def step(self) -> None:
+        """From one point of the grid to the next."""
+        self.cycles += self.crank * (STEP / TO_RADIANS / 120)
+        self.step_number += 1
+        self._move(self.step_number)
+
+    def _settle(self, lost: Lost) -> None:
+        """Runs as at second 0 until idle valve, λ loop and speed have found their places.
+
+        With all sensors sound at first: faults come when the car is warm already.
+        """
+        start, program = self._scenario.start, self.program
+        program.sensors.lost = NOTHING
+        for number in range(-SETTLING, 1):
+            if number == -64:
+                program.sensors.lost = lost
+                program.phase.run_time = 600.0
+                program.phase.air_at_start = start.ambient
+            self._move(number)
+            self.heat.coolant = start.coolant
+        program.phase.coolant_at_start = start.coolant_at_start
+        self.cycles = self.fuel_used = 0.0
+
+    def _move(self, number: int) -> None:
+        """Everything at the grid's point `number`."""
+        table, program, signals = self._noise, self.program, self._signals
+        inputs = self._scenario.at(number * STEP)
+        self._turn_key(inputs.key)
+        rpm = self.crank / TO_RADIANS
+        self._drive(inputs, rpm, table[(number * 7 + 4001) % NOISE])
+        signals.demand = ph.demand(rpm)
+        charge, flow = self._breathe(rpm, signals.demand)
+        if inputs.key:
+            signals.rpm = rpm
+            signals.throttle = self.car.throttle
+            signals.air = max(0.0, flow * (1 + 0.006 * table[(number * 3 + 991) % NOISE]))
+            signals.coolant, signals.intake_air = self.heat.coolant, self.heat.intake_air
+            ripple = 0.02 if rpm > 500 else 0.12 if self.car.starter else 0.005
+            signals.voltage = self.board.voltage + ripple * table[(number * 5 + 2003) % NOISE]
+            program.step(signals, self._burnt, self._knock_limit(rpm, charge, number))
+        self._fuel = ph.injected(program.mixture.injection, self.board.voltage)
+        if self._fuel > 0:
+            self._burnt = min(1.6, charge / (ph.STOICHIOMETRIC * self._fuel))
+        self._burning = self._fuel > 0 and self._catches()
+        self._turn(rpm, charge, table[number % NOISE])
+        if number % SLOW == 0:
+            self._warm(rpm, charge)
+
+    def _turn_key(self, key: bool) -> None:
+        if key and not self.key:
+            self.program.power_on(self.heat.coolant, self.heat.intake_air)
+        elif self.key and not key:
+            self.program.power_off()
+        self.key = key
+
+    def _drive(self, inputs: Inputs, rpm: float, road: float) -> None:
+        alive = not self.program.sensors.lost.crank
+        self.car.drive(inputs, rpm, self.heat.coolant, alive=alive, road=road)
+
+    def _knock_limit(self, rpm: float, charge: float, number: int) -> float:
+        chance = 1.1 * self._noise[(number * 11 + 7001) % NOISE]
+        heat = self.heat
+        limit = ph.knock_limit(rpm, charge / ph.STROKE_AIR, heat.intake_air, heat.coolant)
+        return limit - chance
+
+    def _breathe(self, rpm: float, wanted: float) -> tuple[float, float]:
+        """The manifold's next pressure; mg into a cylinder, kg/h through the throttle."""
+        before = self.manifold
+        if wanted <= 0.05:
+            self.manifold += (1.0 - before) * 0.2
+            return 0.0, 0.0
+        inlet = ph.throttle_air(self.car.throttle) + self.program.idle.valve * ph.VALVE_FLOW
+        delay = EMPTYING * 120 / (rpm * ph.FILLING(rpm))
+        self.manifold += (ph.manifold(inlet, wanted) - before) * STEP / (delay + STEP)
+        thick = wanted * ph.density(self.heat.intake_air)
+        taken = self.manifold * thick
+        filled = (self.manifold - before) / STEP * delay * thick
+        return ph.air_per_stroke(taken, rpm), taken + filled
+
+    def _catches(self) -> bool:
+        """A cold engine wants to be turned a while before it fires."""
+        phase = self.program.phase
+        if phase.running or self._burning:
+            return True
+        return phase.turned > 1.2 + max(0.0, 60.0 - self.heat.coolant) * 0.03
+
+    def _turn(self, rpm: float, charge: float, chance: float) -> None:
+        """Torques on the crankshaft; what they do to it and to the wheels."""
+        program, car, burning = self.program, self.car, self._burning
+        torque = -car.load if rpm > 300 else 0.0
+        if burning:
+            made = ph.indicated_torque(charge, rpm, self._burnt, program.spark.advance)
+            torque += made * (1 + 0.045 * chance)
+        elif rpm < 600:
+            torque -= 9.0  # compression that is not given back
+        if rpm < 330 and not car.starter:
+            torque -= 40.0  # the flywheel no longer carries it over the compression
+        if car.starter:
+            torque += max(0.0, 75.0 * (self.board.voltage / 9.5) - 0.22 * rpm)
+        torque -= self.board.step(
+            rpm, key=self.key, starter=car.starter, burning=burning, fan=program.fan
+        )
+        torque -= ph.friction(rpm) * self._viscosity + ph.pumping(self.manifold)
+        self.crank = car.turn(self.crank, torque)
+        if self.crank < 3.0 and not car.starter:
+            self.crank = 0.0
+        self.fuel_used += ph.fuel_flow(self._fuel, rpm) * (STEP / 3600)
+
+    def _warm(self, rpm: float, charge: float) -> None:
+        """The slow things."""
+        burnt = ph.fuel_flow(self._fuel, rpm) if self._burning else 0.0
+        air = ph.air_flow(charge, rpm)
+        self.heat.step(burnt, air, self.car.speed, SLOW * STEP, fan=self.program.fan)
+        self._viscosity = ph.VISCOSITY(self.heat.coolant)

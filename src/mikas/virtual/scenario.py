@@ -1,0 +1,130 @@
+"""Scenarios: what the virtual car is asked to do, as data.
+
+The shipped ones are the files in `scenarios/`; a person's own file has the same form
+(docs/scenarios.md). A scenario says how the car stands at the start and what the driver does then;
+it may also pin parameters, faults, passports and memory cells, which is for whoever builds the
+virtual unit to apply: the engine model does not look at them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from mikas.catalog.source import Source, read_source
+from mikas.errors import UsageError
+from mikas.language import Text
+from mikas.virtual.scenario_form import read_form
+from mikas.virtual.timeline import Inputs, Timeline, Track
+
+DEFAULT = "warm-idle"
+ROOM = 20.0  # °C
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """The car at second 0. `coolant_at_start` is what it was when a running engine was started."""
+
+    ambient: float = ROOM
+    coolant: float = ROOM
+    coolant_at_start: float = ROOM
+    running: bool = False
+    battery: float = 1.0  # health: the lower, the deeper the dip while the starter turns
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """One scenario. `values`, `raw`, `faults`, `passports` and `memory` are pinned by the file."""
+
+    name: str
+    text: Text
+    start: Start
+    timeline: Timeline
+    values: Mapping[str, float | bool] = field(default_factory=dict)  # physical, by parameter
+    raw: Mapping[str, bytes] = field(default_factory=dict)  # by parameter
+    faults: frozenset[int] = frozenset()
+    passports: tuple[str, ...] | None = None  # eight of them
+    memory: Mapping[str, Mapping[int, bytes]] = field(default_factory=dict)  # space, address
+
+    @property
+    def duration(self) -> float:
+        """Seconds until the timeline holds its end or begins again."""
+        return self.timeline.duration
+
+    def at(self, time: float) -> Inputs:
+        """What the driver does at `time`, seconds since the start."""
+        return self.timeline.at(time)
+
+    def ignition_on(self, time: float) -> bool:
+        """Whether the key is on: without it the unit is silent."""
+        return self.timeline.key_on(time)
+
+    def next_ignition_change(self, after: float) -> float:
+        """When that changes next; infinity if never."""
+        return self.timeline.next_key_change(after)
+
+
+def load(path: Path) -> Scenario:
+    """The scenario in a file. CatalogError: it can't be read or is wrong."""
+    return from_source(read_source(path))
+
+
+def from_source(source: Source) -> Scenario:
+    """The same for a text at hand."""
+    form = read_form(source)
+    name = form.get("name") or Path(source.name).stem
+    text = {"en": name, "ru": name} | form.get("text", {})
+    pins: dict[str, Any] = {
+        "values": {key.upper(): value for key, value in form.get("values", {}).items()},
+        "raw": {key.upper(): value for key, value in form.get("raw", {}).items()},
+    }
+    for key in ("faults", "passports", "memory"):
+        if key in form:
+            pins[key] = form[key]
+    start = form.get("start", {})
+    ambient = start.get("ambient", ROOM)
+    start = {"ambient": ambient, "coolant": ambient, "coolant_at_start": ambient} | start
+    return Scenario(name, Text(**text), Start(**start), _timeline(form), **pins)
+
+
+def find(name: str) -> Scenario:
+    """A shipped scenario by its name, or else the file of that name.
+
+    UsageError: neither exists. CatalogError: the file is wrong.
+    """
+    if name in SCENARIOS:
+        return SCENARIOS[name]
+    if Path(name).is_file():
+        return load(Path(name))
+    known = ", ".join(SCENARIOS)
+    raise UsageError(
+        problem=Text(
+            f"there is no scenario and no file “{name}”; scenarios: {known}",
+            f"нет ни сценария, ни файла «{name}»; сценарии: {known}",
+        )
+    )
+
+
+def _timeline(form: dict[str, Any]) -> Timeline:
+    tracks = {"key": _always(1), "starter": _always(0), "load": _always(0)}
+    return Timeline(
+        duration=form["duration"],
+        loops=form.get("after_end") == "loop",
+        loop_from=form.get("loop_from", 0.0),
+        **(tracks | form.get("timeline", {})),
+    )
+
+
+def _always(value: float) -> Track:
+    return Track((0.0,), (value,), smooth=False)
+
+
+def _shipped() -> dict[str, Scenario]:
+    files = (Path(__file__).parent / "scenarios").glob("*.toml")
+    scenarios = {path.stem: load(path) for path in sorted(files)}
+    return {DEFAULT: scenarios.pop(DEFAULT)} | scenarios
+
+
+SCENARIOS: Mapping[str, Scenario] = _shipped()

@@ -1,0 +1,251 @@
+"""The form of a scenario file: which tables and keys it has, and what each may hold.
+
+Reads a file's tables into plain checked values; whatever does not fit is a CatalogError with file,
+line and what was expected. docs/scenarios.md describes the form to people.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from decimal import Decimal
+from itertools import pairwise
+from typing import Any, TypeGuard
+
+from mikas.catalog.fields import TEXT, Reader, Schema, Unfit, boolean, choice, string
+from mikas.catalog.source import KeyPath, Source
+from mikas.catalog.spelling import nearest
+from mikas.errors import CatalogError
+from mikas.language import Text
+from mikas.virtual.memory import SIZES
+from mikas.virtual.timeline import Track
+
+PASSPORTS = 8  # three of the program, five of the data; 16 bytes each (§3)
+TRACKS = ("key", "starter", "load", "throttle", "gear", "speed")
+
+
+def number(low: float, high: float, *, whole: bool = False) -> Callable[[object], float]:
+    """A number from `low` to `high`."""
+    kind = Text("whole number", "целое число") if whole else Text("number", "число")
+
+    def read(value: object) -> float:
+        if _is_number(value) and low <= value <= high and not (whole and value % 1):
+            return float(value)
+        raise Unfit(
+            f"must be a {kind.en} from {low:g} to {high:g}",
+            f"нужно {kind.ru} от {low:g} до {high:g}",
+        )
+
+    return read
+
+
+def track(low: float, high: float, *, smooth: bool = True) -> Reader:
+    """One number for the whole time, or points `[second, value]` in the order of time."""
+    in_range = number(low, high, whole=not smooth)
+
+    def read(value: object) -> Track:
+        points: Any = [[0, value]] if _is_number(value) else value
+        if not isinstance(points, list) or not points or not all(map(_is_point, points)):
+            raise Unfit(
+                "must be a number or points [second, value], as [[0, 1], [30, 0]]",
+                "нужно число или точки [секунда, значение], например [[0, 1], [30, 0]]",
+            )
+        times = tuple(float(time) for time, _ in points)
+        if times[0] != 0 or any(a >= b for a, b in pairwise(times)):
+            raise Unfit(
+                "must have its first point at second 0 and each one later than the one before",
+                "первая точка должна быть на секунде 0, каждая следующая позже предыдущей",
+            )
+        return Track(times, tuple(in_range(v) for _, v in points), smooth)
+
+    return read
+
+
+def numbers(value: object) -> frozenset[int]:
+    """Fault numbers."""
+    fault = number(0, 255, whole=True)
+    if isinstance(value, list):
+        with suppress(Unfit):
+            return frozenset(int(fault(n)) for n in value)
+    raise Unfit(
+        "must be a list of fault numbers from 0 to 255, as [13, 53]",
+        "нужен список номеров неисправностей от 0 до 255, например [13, 53]",
+    )
+
+
+def passports(value: object) -> tuple[str, ...]:
+    """Up to eight texts; those that are missing are empty."""
+    if isinstance(value, list) and len(value) <= PASSPORTS and all(map(_is_passport, value)):
+        return (*value, *[""] * (PASSPORTS - len(value)))
+    raise Unfit(
+        "must be at most 8 texts (3 of the program, 5 of the data), each at most 16 characters of "
+        "code page 866",
+        "нужно не больше 8 строк (3 программы, 5 данных), в каждой до 16 знаков кодировки 866",
+    )
+
+
+def hex_bytes(value: object) -> bytes:
+    """Bytes, as "7D" or "12 34"."""
+    try:
+        data = bytes.fromhex(value) if isinstance(value, str) else b""
+    except ValueError:
+        data = b""
+    if data:
+        return data
+    raise Unfit('must be bytes in hex, as "7D"', 'нужны байты в шестнадцатеричном виде: "7D"')
+
+
+def pinned(value: object) -> float | bool:
+    """A physical value, or a flag."""
+    if isinstance(value, bool):
+        return value
+    if _is_number(value):
+        return float(value)
+    raise Unfit("must be a number, true or false", "нужно число, true или false")
+
+
+def _is_number(value: object) -> TypeGuard[int | Decimal]:
+    """A finite one."""
+    if isinstance(value, Decimal):
+        return value.is_finite()
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _is_passport(value: object) -> bool:
+    try:
+        return isinstance(value, str) and len(value.encode("cp866")) <= 16
+    except UnicodeEncodeError:
+        return False
+
+
+def _is_point(value: object) -> bool:
+    return isinstance(value, list) and len(value) == 2 and all(_is_number(n) for n in value)
+
+
+START: Schema = {
+    "ambient": number(-40, 50),
+    "coolant": number(-40, 120),
+    "coolant_at_start": number(-40, 120),
+    "running": boolean,
+    "battery": number(0.3, 1),
+}
+TIMELINE: Schema = {
+    "key": track(0, 1, smooth=False),
+    "starter": track(0, 1, smooth=False),
+    "load": track(0, 100),
+    "throttle": track(0, 100),
+    "gear": track(0, 5, smooth=False),
+    "speed": track(0, 200),
+}
+FORM: Schema = {
+    "name": string,
+    "duration": number(1, 1e6),
+    "after_end": choice(str, "hold", "loop"),
+    "loop_from": number(0, 1e6),
+    "text": TEXT,
+    "start": START,
+    "timeline": TIMELINE,
+    "values": {"*": pinned},
+    "raw": {"*": hex_bytes},
+    "faults": numbers,
+    "passports": passports,
+    "memory": {space: {"*": hex_bytes} for space in SIZES},
+}
+
+
+def read_form(source: Source) -> dict[str, Any]:
+    """The file's tables with every value checked. CatalogError: something is wrong in it."""
+    form = _read_table(source, (), source.tables, FORM)
+    form["memory"] = {
+        space: {_address(source, space, key, data): data for key, data in cells.items()}
+        for space, cells in form.get("memory", {}).items()
+    }
+    _check_times(source, form)
+    return form
+
+
+def _check_times(source: Source, form: dict[str, Any]) -> None:
+    duration = form.get("duration")
+    if duration is None:
+        problem = Text(
+            "has no `duration` (seconds that the timeline lasts)",
+            "нет `duration` (сколько секунд длится запись)",
+        )
+        raise source.wrong((), problem)
+    for name, points in form.get("timeline", {}).items():
+        if points.times[-1] > duration:
+            problem = Text(
+                f"`timeline.{name}` has a point after the end; `duration` is {duration:g} s",
+                f"`timeline.{name}`: точка после конца; `duration` — {duration:g} с",
+            )
+            raise source.wrong(("timeline", name), problem)
+    if form.get("loop_from", 0) > duration - 1:
+        problem = Text(
+            f"`loop_from` must be at least 1 s before the end, which is at {duration:g} s",
+            f"`loop_from` должно быть хотя бы за 1 с до конца ({duration:g} с)",
+        )
+        raise source.wrong(("loop_from",), problem)
+
+
+def _read_table(source: Source, path: KeyPath, table: object, schema: Schema) -> dict[str, Any]:
+    if schema is TEXT and isinstance(table, str):
+        table = {"en": table, "ru": table}
+    if not isinstance(table, dict):
+        header = f"[{'.'.join(path)}]"
+        raise source.wrong(
+            path, _about(path, f"must be a table, {header}", f"это таблица {header}")
+        )
+    values = {}
+    for key, value in table.items():
+        here = (*path, key)
+        rule = schema.get(key, schema.get("*"))
+        if rule is None:
+            raise source.wrong(here, _unknown(here, schema))
+        if callable(rule):
+            try:
+                values[key] = rule(value)
+            except Unfit as unfit:
+                raise source.wrong(here, _about(here, *unfit.problem)) from None
+        else:
+            values[key] = _read_table(source, here, value, rule)
+    return values
+
+
+def _address(source: Source, space: str, key: str, data: bytes) -> int:
+    try:
+        address = int(key, 16)
+    except ValueError:
+        address = -1
+    if 0 <= address <= SIZES[space] - len(data):
+        return address
+    path = ("memory", space, key)
+    last = SIZES[space] - 1
+    raise _misplaced(source, path, last)
+
+
+def _misplaced(source: Source, path: KeyPath, last: int) -> CatalogError:
+    return source.wrong(
+        path,
+        _about(
+            path,
+            f"must be an address in hex, and its bytes must end by {last:X}",
+            f"нужен адрес в шестнадцатеричном виде, а байты — не дальше {last:X}",
+        ),
+    )
+
+
+def _about(path: KeyPath, en: str, ru: str) -> Text:
+    name = ".".join(path)
+    return Text(f"`{name}` {en}", f"`{name}`: {ru}")
+
+
+def _unknown(path: KeyPath, schema: Schema) -> Text:
+    name, listed = ".".join(path), ", ".join(schema)
+    if close := nearest(path[-1], schema, 1):
+        return Text(
+            f"unknown key `{name}`; did you mean `{close[0]}`?",
+            f"неизвестный ключ `{name}`; может быть, `{close[0]}`?",
+        )
+    return Text(
+        f"unknown key `{name}`; known are {listed}", f"неизвестный ключ `{name}`; есть: {listed}"
+    )
