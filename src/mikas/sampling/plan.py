@@ -1,0 +1,177 @@
+"""From wanted parameters and rates to requests, and what they cost (§5, D11).
+
+A plan is pure: it sends nothing. Parameters that share a byte are asked once (RXX, BITPOW and RDET
+are one); a parameter wanted every tenth cycle is asked every tenth, and several such are spread
+over the ten, so that no cycle is much longer than another.
+
+Prices are §5's: bytes at the wire's pace plus the unit's turn-round for each request. Data are
+taken for random, so two in 256 bytes are stuffed; a request's stuffing is known and counted
+exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, get_args
+
+from mikas.catalog import Parameter
+from mikas.commands import Datum
+from mikas.errors import UsageError
+from mikas.framing import encode
+from mikas.language import Text
+
+Method = Literal[
+    "single", "batch", "list", "stream", "stroke0", "stroke1", "stroke2", "stroke3", "stroke4"
+]
+METHODS: tuple[Method, ...] = get_args(Method)
+STREAMS = frozenset({"stream", *(m for m in METHODS if m.startswith("stroke"))})
+
+_STUFFED = 2 / 256  # of random bytes: 0D and 40 take two on the wire
+_LARGEST_EVERY = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """A parameter, and in which cycles it is wanted: 1 is every one, 10 every tenth."""
+
+    parameter: Parameter
+    every: int = 1
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.every <= _LARGEST_EVERY:
+            raise UsageError(
+                problem=Text(
+                    f"{self.parameter.name}: every {self.every} cycles; it can be 1 to "
+                    f"{_LARGEST_EVERY}",
+                    f"{self.parameter.name}: раз в {self.every} циклов; можно от 1 до "
+                    f"{_LARGEST_EVERY}",
+                )
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Price:
+    """What a cycle costs on average: bytes on the wire, requests, and seconds of its time."""
+
+    bytes: float
+    requests: float
+    seconds: float
+
+    @property
+    def rate(self) -> float:
+        """Cycles a second, at best."""
+        return 1 / self.seconds
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is asked, by which method, in lists of at most `max_list` codes."""
+
+    wanted: tuple[Wanted, ...]
+    method: Method = "batch"
+    max_list: int = 255
+
+    def __post_init__(self) -> None:
+        if not self.wanted:
+            raise UsageError(problem=Text("nothing is wanted", "ничего не выбрано"))
+        if self.max_list < 1:
+            raise ValueError("a list has at least one code")
+
+    @cached_property
+    def every(self) -> dict[Datum, int]:
+        """Each code once, with how often it is asked: as often as the keenest that shares it."""
+        asked: dict[Datum, int] = {}
+        for wanted in self.wanted:
+            datum = Datum(wanted.parameter.code, wanted.parameter.size)
+            asked[datum] = min(wanted.every, asked.get(datum, wanted.every))
+        return asked
+
+    @cached_property
+    def round_length(self) -> int:
+        """Cycles after which everything has been asked at least once."""
+        return max(self.every.values())
+
+    @cached_property
+    def _turns(self) -> dict[Datum, int]:
+        """In which cycle of its own count each slow code has its turn."""
+        turns: dict[Datum, int] = {}
+        taken: dict[int, int] = {}
+        for datum, every in self.every.items():
+            turns[datum] = taken.get(every, 0) % every
+            taken[every] = taken.get(every, 0) + 1
+        return turns
+
+    @cached_property
+    def fast(self) -> tuple[Datum, ...]:
+        """What a list or a stream holds: for a stream all, else those of the highest rate."""
+        if self.method in STREAMS:
+            return tuple(self.every)
+        keenest = min(self.every.values())
+        return tuple(datum for datum, every in self.every.items() if every == keenest)
+
+    def due(self, cycle: int) -> tuple[Datum, ...]:
+        """The codes whose turn is in this cycle, counted from 0; a stream brings all, always."""
+        if self.method in STREAMS:
+            return self.fast
+        return tuple(
+            datum for datum, every in self.every.items() if cycle % every == self._turns[datum]
+        )
+
+    def requests(self, cycle: int) -> list[tuple[Datum, ...]]:
+        """The lists asked by 61 in this cycle; empty where a list (63) or a stream brings all."""
+        if self.method in STREAMS:
+            return []
+        due = self.due(cycle)
+        if self.method == "list":
+            due = tuple(datum for datum in due if datum not in self.fast)
+        size = 1 if self.method == "single" else self.max_list
+        return [due[at : at + size] for at in range(0, len(due), size)]
+
+    def reads_list(self, cycle: int) -> bool:
+        """Whether 63 is sent in this cycle."""
+        return self.method == "list" and cycle % min(self.every.values()) == 0
+
+    def price(self, *, baud: int = 9600, turn_round: float = 0.002) -> Price:
+        """The average over as many cycles as it takes for every code to have had its turn."""
+        cycles = self._period()
+        size = count = 0.0
+        for cycle in range(cycles):
+            for request in self.requests(cycle):
+                size += len(encode(bytes([0x61, *(d.code for d in request)])))
+                size += _response(request)
+                count += 1
+            if self.reads_list(cycle):
+                size += len(encode(b"\x63")) + _response(self.fast)
+                count += 1
+            if self.method in STREAMS:
+                size += _response(self.fast)  # no request, and so no turn-round (§5)
+        size, count = size / cycles, count / cycles
+        return Price(size, count, size * 10 / baud + count * turn_round)
+
+    def _period(self) -> int:
+        """Cycles that are enough to average over: all of a small common multiple, else a long
+        run.
+        """
+        from math import lcm
+
+        return min(lcm(*self.every.values()), 2 * _LARGEST_EVERY)
+
+    def with_added(self, more: Wanted) -> Plan:
+        """This plan and one more: `price` of both tells what it would cost."""
+        return Plan((*self.wanted, more), self.method, self.max_list)
+
+    def without(self, code: int) -> Plan:
+        """This plan less a code that the unit refuses. Raises `UsageError` if nothing is left."""
+        left = tuple(w for w in self.wanted if w.parameter.code != code)
+        return Plan(left, self.method, self.max_list)
+
+    def by(self, method: Method) -> Plan:
+        """The same wishes by another method."""
+        return Plan(self.wanted, method, self.max_list)
+
+
+def _response(data: Sequence[Datum]) -> float:
+    """Bytes of a response with these data: the data and the checksum as random bytes, and 0D."""
+    return (sum(d.size for d in data) + 1) * (1 + _STUFFED) + 1
