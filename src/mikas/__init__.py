@@ -14,10 +14,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from mikas import errors
     from mikas.client import AsyncEcu, Change, Ecu, Reading, Sample, connect
     from mikas.errors import MikasError
 
-__all__ = ["AsyncEcu", "Change", "Ecu", "MikasError", "Reading", "Sample", "connect"]
+__all__ = ["AsyncEcu", "Change", "Ecu", "MikasError", "Reading", "Sample", "connect", "errors"]
 
 _HOMES = dict.fromkeys(__all__, "mikas.client") | {"MikasError": "mikas.errors"}
 
@@ -27,6 +28,8 @@ def __getattr__(name: str) -> object:
         from importlib.metadata import version
 
         return version("mikas")
+    if name == "errors":
+        return import_module("mikas.errors")
     if name in _HOMES:
         return getattr(import_module(_HOMES[name]), name)
     raise AttributeError(f"module 'mikas' has no attribute {name!r}")

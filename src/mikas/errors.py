@@ -8,10 +8,12 @@
     │   ├── BadPortUrl                 the port's URL or one of its options makes no sense
     │   ├── CatalogError               a catalog file is wrong: file, line, what was expected
     │   ├── CaptureError               a capture file can't be read, or can't be written
+    │   ├── ExportError                an export can't be made
     │   ├── JournalError               the journal of changes can't be written
     │   └── MissingExtra               an optional library is not installed
     ├── NoConnection (ConnectionError) nobody to talk to
     │   ├── PortNotFound               no such port, or no adapter at all
+    │   │   └── NoPortGiven            none was named, and not just one is plugged in
     │   ├── PortBusy                   another program has it
     │   ├── PortDenied                 the user may not open it
     │   ├── PortFailed                 the system gave another reason
@@ -40,10 +42,11 @@ Each error carries what was sent, what came back, and when, and its message ends
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Sequence
 from typing import ClassVar
 
-from mikas.language import Text
+from mikas.language import Language, Text
 
 
 class MikasError(Exception):
@@ -81,24 +84,33 @@ class MikasError(Exception):
     def text(self) -> Text:
         """One short paragraph: what failed, what was sent and received (hex), what to try."""
         return Text(
-            _paragraph(self.reason.en, self.to_try.en, *self._wire("sent", "received", "nothing")),
-            _paragraph(self.reason.ru, self.to_try.ru, *self._wire("послано", "принято", "ничего")),
+            _paragraph(self.reason.en, self.to_try.en, *self._wire("en")),
+            _paragraph(self.reason.ru, self.to_try.ru, *self._wire("ru")),
         )
 
-    def _wire(self, sent: str, received: str, nothing: str) -> list[str]:
+    def _wire(self, language: Language) -> list[str]:
+        sent, received, nothing, unit = _WIRE[language]
         parts = []
         if self.request is not None:
-            parts.append(f"{sent} {in_hex(self.request)}")
+            parts.append(f"{sent} {in_hex(self.request, unit)}")
         if self.received is not None:
-            parts.append(f"{received} {in_hex(self.received) or nothing}")
+            came = f"{received} {in_hex(self.received, unit)}"
+            parts.append(came if self.received else nothing)
         return parts
 
 
-def in_hex(data: bytes, longest: int = 48) -> str:
-    """`01 FF 0D`, cut in the middle of an error line only when it would fill the screen."""
-    if len(data) <= longest:
+_WIRE: dict[Language, tuple[str, str, str, str]] = {
+    "en": ("sent", "received", "received nothing", "bytes"),
+    "ru": ("послано", "принято", "не принято ничего", "байт"),
+}
+_LONGEST = 48
+
+
+def in_hex(data: bytes, unit: str = "bytes") -> str:
+    """`01 FF 0D`, cut only when it would fill the screen."""
+    if len(data) <= _LONGEST:
         return data.hex(" ").upper()
-    return f"{data[:longest].hex(' ').upper()} … ({len(data)} bytes)"
+    return f"{data[:_LONGEST].hex(' ').upper()} … ({len(data)} {unit})"
 
 
 def _paragraph(reason: str, advice: str, *wire: str) -> str:
@@ -137,7 +149,7 @@ class AddressOutOfRange(UsageError):
 
     what = Text(
         "{space} has addresses 0 to {last:#06x}; {address:#x} with {count} byte(s) is outside",
-        "В {space} адреса от 0 до {last:#06x}; {address:#x} и {count} байт — вне этих пределов",
+        "Адреса {space} — от 0 до {last:#06x}; байты с {address:#x} (всего {count}) — вне их",
     )
     advice = Text(
         "Nothing was sent. Correct the address or the count.",
@@ -167,7 +179,7 @@ class BadPortUrl(UsageError):
 class CatalogError(UsageError):
     """A catalog file is wrong. `file`, `line` (1-based; 0: the file as a whole), `problem`."""
 
-    what = Text("{file}:{line}: {problem}", "{file}:{line}: {problem}")
+    what = Text("{place}: {problem}", "{place}: {problem}")
     advice = Text(
         "The file was not used; nothing else changed.",
         "Файл не использован; больше ничего не изменилось.",
@@ -175,7 +187,7 @@ class CatalogError(UsageError):
 
     def __init__(self, file: str, line: int, problem: Text) -> None:
         self.file, self.line, self.problem = file, line, problem
-        super().__init__(file=file, line=line, problem=problem)
+        super().__init__(place=f"{file}:{line}" if line else file, problem=problem)
 
 
 class CaptureError(UsageError):
@@ -185,6 +197,20 @@ class CaptureError(UsageError):
 
     def __init__(self, file: str, problem: Text, offset: int | None = None) -> None:
         self.file, self.problem, self.offset = file, problem, offset
+        super().__init__(file=file, problem=problem)
+
+
+class ExportError(UsageError):
+    """An export can't be made: its name, what is in its way, or the disk. Nothing was left behind."""
+
+    what = Text("{file}: {problem}", "{file}: {problem}")
+    advice = Text(
+        "Nothing was written; the recording is untouched.",
+        "Ничего не записано; сама запись не тронута.",
+    )
+
+    def __init__(self, file: str, problem: Text) -> None:
+        self.file, self.problem = file, problem
         super().__init__(file=file, problem=problem)
 
 
@@ -462,3 +488,23 @@ class NotConfirmed(MikasError):
         "Не подтверждено, ничего не изменено: {change}",
     )
     advice = Text("{how}", "{how}")
+
+
+_IN_RUSSIAN = {
+    errno.ENOENT: "нет такого файла или папки",
+    errno.EACCES: "система не разрешает",
+    errno.EPERM: "система не разрешает",
+    errno.EROFS: "запись туда невозможна",
+    errno.EISDIR: "это папка",
+    errno.ENOTDIR: "часть пути — не папка",
+    errno.EEXIST: "уже существует",
+    errno.ENOSPC: "диск заполнен",
+    errno.EADDRINUSE: "этот адрес уже занят",
+    errno.EADDRNOTAVAIL: "у этой машины нет такого адреса",
+}
+
+
+def reason_of(error: OSError) -> Text:
+    """Why the system refused, in its own words; in Russian where they are known."""
+    words = error.strerror or str(error)
+    return Text(words, _IN_RUSSIAN.get(error.errno or 0, words))

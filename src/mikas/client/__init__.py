@@ -1,6 +1,12 @@
-"""The public object and what its methods give."""
+"""The public object and what its methods give.
 
-from mikas.client.asynchronous import AsyncEcu
+What is for asyncio programs is imported when it is first used: nobody else waits for asyncio.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from mikas.client.connecting import connect
 from mikas.client.ecu import Ecu, Erased
 from mikas.client.gate import Change, Confirm
@@ -11,9 +17,15 @@ from mikas.client.parameters import WrittenParameter
 from mikas.client.reading import Reading, Sample
 from mikas.client.watching import METHODS, Method
 
+if TYPE_CHECKING:
+    from mikas.client.asynchronous import AsyncEcu, AsyncItems, AsyncMemory, AsyncMemorySpace
+
 __all__ = [
     "METHODS",
     "AsyncEcu",
+    "AsyncItems",
+    "AsyncMemory",
+    "AsyncMemorySpace",
     "Change",
     "Confirm",
     "Ecu",
@@ -31,3 +43,13 @@ __all__ = [
     "WrittenParameter",
     "connect",
 ]
+
+_ASYNCHRONOUS = ("AsyncEcu", "AsyncItems", "AsyncMemory", "AsyncMemorySpace")
+
+
+def __getattr__(name: str) -> object:
+    if name in _ASYNCHRONOUS:
+        from mikas.client import asynchronous
+
+        return getattr(asynchronous, name)
+    raise AttributeError(f"module 'mikas.client' has no attribute {name!r}")

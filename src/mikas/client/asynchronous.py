@@ -2,59 +2,169 @@
 thread.
 
 Nothing is written twice: a method here is a delegation to the one of the same name. One worker
-thread does all of it, in order, so the event loop never waits for the wire.
+thread does all of it, in order, so the event loop never waits for the wire. A call that is
+cancelled is still finished by the worker; what comes after it waits for that.
 """
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import asynccontextmanager
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import asynccontextmanager, suppress
 from functools import partial, update_wrapper
-from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
+from typing import Any, Concatenate, Generic, ParamSpec, Protocol, Self, TypeVar
 
+from mikas.catalog import Catalog, Model
 from mikas.client.connecting import connect
 from mikas.client.ecu import Ecu
+from mikas.client.memory import Memory, MemorySpace
 from mikas.client.reading import Reading
+from mikas.errors import LinkLost
+from mikas.language import Text
 
 P = ParamSpec("P")
 R = TypeVar("R")
+T = TypeVar("T")
 _END = object()
 
 
-class _Delegated(Generic[P, R]):
-    """A method of `Ecu`, awaited instead of called."""
+class _Remote(Protocol[T]):
+    """Something whose methods run in the worker thread of an `AsyncEcu`."""
 
-    def __init__(self, method: Callable[Concatenate[Ecu, P], R]) -> None:
+    _here: AsyncEcu
+    _there: T
+
+
+class _Delegated(Generic[T, P, R]):
+    """A method of `T`, awaited instead of called."""
+
+    def __init__(self, method: Callable[Concatenate[T, P], R]) -> None:
         self._method = method
         self.__doc__ = method.__doc__
 
-    def __get__(self, instance: AsyncEcu, owner: type[AsyncEcu]) -> Callable[P, asyncio.Future[R]]:
+    def __get__(
+        self, instance: _Remote[T], owner: type[_Remote[T]]
+    ) -> Callable[P, asyncio.Future[R]]:
         def call(*args: P.args, **kwargs: P.kwargs) -> asyncio.Future[R]:
-            return instance.run(partial(self._method, instance.ecu, *args, **kwargs))
+            bound = partial(self._method, instance._there, *args, **kwargs)  # noqa: SLF001
+            return instance._here.run(bound)  # noqa: SLF001  (both are there for this)
 
         update_wrapper(call, self._method)
         return call
 
 
-class _Iterated(Generic[P, R]):
-    """A method of `Ecu` that gives an iterator, iterated with `async for`."""
+class _Iterated(Generic[T, P, R]):
+    """A method of `T` that gives an iterator, iterated with `async for`."""
 
-    def __init__(self, method: Callable[Concatenate[Ecu, P], Iterator[R]]) -> None:
+    def __init__(self, method: Callable[Concatenate[T, P], Iterator[R]]) -> None:
         self._method = method
         self.__doc__ = method.__doc__
 
-    def __get__(self, instance: AsyncEcu, owner: type[AsyncEcu]) -> Callable[P, AsyncIterator[R]]:
-        def call(*args: P.args, **kwargs: P.kwargs) -> AsyncIterator[R]:
-            return instance.iterate(partial(self._method, instance.ecu, *args, **kwargs))
+    def __get__(self, instance: _Remote[T], owner: type[_Remote[T]]) -> Callable[P, AsyncItems[R]]:
+        def call(*args: P.args, **kwargs: P.kwargs) -> AsyncItems[R]:
+            bound = partial(self._method, instance._there, *args, **kwargs)  # noqa: SLF001
+            return instance._here.iterate(bound)  # noqa: SLF001  (both are there for this)
 
         update_wrapper(call, self._method)
         return call
+
+
+class AsyncItems(AsyncIterator[R]):
+    """What an iterator gives, each item fetched in the worker thread.
+
+    It ends when the task that waits for an item is cancelled, and when nobody holds it any more, so
+    a `break` frees the unit too; `aclose` tells what went wrong with ending it.
+    """
+
+    def __init__(self, ecu: AsyncEcu, make: Callable[[], Iterator[R]]) -> None:
+        self._ecu = ecu
+        self._items = _Items(make)
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> R:
+        try:
+            item = await self._ecu.run(self._items.next)
+        except asyncio.CancelledError:
+            self._let_go()
+            raise
+        if item is _END:
+            raise StopAsyncIteration
+        return item  # type: ignore[return-value]  # anything but _END is the iterator's
+
+    async def aclose(self) -> None:
+        """Ends the iterator, and with it a stream that it runs. A second call does nothing."""
+        await self._ecu.run(self._items.close)
+
+    def _let_go(self) -> None:
+        # Behind what the worker is doing now, before whatever it is given next.
+        self._ecu._submit(self._items.close)  # noqa: SLF001  (its own)
+
+    def __del__(self) -> None:
+        if not self._items.ended:
+            self._let_go()
+
+
+class _Items(Generic[R]):
+    """The worker's side of `AsyncItems`, which it must not keep alive."""
+
+    def __init__(self, make: Callable[[], Iterator[R]]) -> None:
+        self._make = make
+        self._iterator: Iterator[R] | None = None
+        self.ended = False
+
+    def next(self) -> R | object:
+        if self.ended:
+            return _END
+        if self._iterator is None:
+            self._iterator = self._make()
+        item = next(self._iterator, _END)
+        self.ended = item is _END
+        return item
+
+    def close(self) -> None:
+        self.ended = True
+        if close := getattr(self._iterator, "close", None):
+            close()
+
+
+class AsyncMemorySpace:
+    """A `MemorySpace`, with its methods to be awaited."""
+
+    read = _Delegated(MemorySpace.read)
+    read_block = _Delegated(MemorySpace.read_block)
+    blocks = _Iterated(MemorySpace.blocks)
+    write = _Delegated(MemorySpace.write)
+    write_block = _Delegated(MemorySpace.write_block)
+
+    def __init__(self, here: AsyncEcu, there: MemorySpace) -> None:
+        self._here = here
+        self._there = there
+        self.name = there.name
+        self.last = there.last
+
+
+class AsyncMemory:
+    """`memory.ram`, `.xram`, `.code`, `.sfr`; or by name, `memory["ram"]`."""
+
+    def __init__(self, here: AsyncEcu, there: Memory) -> None:
+        self._there = there
+        self.ram, self.xram, self.code, self.sfr = (
+            AsyncMemorySpace(here, there[name]) for name in Memory.NAMES
+        )
+
+    def __getitem__(self, name: str) -> AsyncMemorySpace:
+        space: AsyncMemorySpace = getattr(self, self._there[name].name)
+        return space
 
 
 class AsyncEcu:
-    """`async with await AsyncEcu.connect("sim:") as ecu: print(await ecu.read("TWAT"))`."""
+    """`async with await AsyncEcu.connect("sim:") as ecu: print(await ecu.read("TWAT"))`.
+
+    `ecu.ecu` is the `Ecu` behind it; what needs its own thread there goes through `run`.
+    """
 
     info = _Delegated(Ecu.info)
     passport = _Delegated(Ecu.passport)
@@ -71,56 +181,89 @@ class AsyncEcu:
 
     def __init__(self, ecu: Ecu, worker: ThreadPoolExecutor) -> None:
         self.ecu = ecu
+        self.memory = AsyncMemory(self, ecu.memory)
+        self._here = self
+        self._there = ecu
         self._worker = worker
+        self._closed = False
 
     @classmethod
     async def connect(cls, url: str | None = None, **settings: Any) -> Self:  # noqa: ANN401
         """As `mikas.connect`, with the same settings, and the same errors."""
         worker = ThreadPoolExecutor(1, thread_name_prefix="mikas")
-        loop = asyncio.get_running_loop()
+        opening = worker.submit(partial(connect, url, **settings))
         try:
-            ecu = await loop.run_in_executor(worker, partial(connect, url, **settings))
+            return cls(await asyncio.wrap_future(opening), worker)
         except BaseException:
+            opening.add_done_callback(_let_go)  # cancelled: it may still find the unit
             worker.shutdown(wait=False)
             raise
-        return cls(ecu, worker)
+
+    @property
+    def catalog(self) -> Catalog:
+        """As `Ecu.catalog`."""
+        return self.ecu.catalog
+
+    @property
+    def model(self) -> Model:
+        """As `Ecu.model`; known since connect."""
+        return self.ecu.model
+
+    @property
+    def version_code(self) -> int:
+        """As `Ecu.version_code`; known since connect."""
+        return self.ecu.version_code
 
     def run(self, call: Callable[[], R]) -> asyncio.Future[R]:
-        """`call()` in the worker thread; for `ecu.memory` and everything that has no method here.
+        """`call()` in the worker thread, for what has no method here.
 
-        `await ecu.run(lambda: ecu.ecu.memory.code.read_block(0, 16))`
+        `await ecu.run(lambda: ecu.ecu.tester.statistics)`. Raises what `call` raises, and
+        `LinkLost` when this is closed.
         """
-        return asyncio.get_running_loop().run_in_executor(self._worker, call)
+        if self._closed:
+            raise LinkLost(url=self.ecu.tester.link.url, problem=Text("it is closed", "он закрыт"))
+        return asyncio.wrap_future(self._worker.submit(call))
 
-    async def iterate(self, make: Callable[[], Iterator[R]]) -> AsyncIterator[R]:
+    def iterate(self, make: Callable[[], Iterator[R]]) -> AsyncItems[R]:
         """What the iterator of `make()` gives, each item fetched in the worker thread."""
-        iterator = await self.run(make)
-        try:
-            while (item := await self.run(partial(next, iterator, _END))) is not _END:
-                yield item
-        finally:
-            if close := getattr(iterator, "close", None):
-                await self.run(close)
+        return AsyncItems(self, make)
 
     @asynccontextmanager
     async def stream(
         self, *names: str, stroke: int | None = None
-    ) -> AsyncIterator[AsyncIterator[dict[str, Reading]]]:
+    ) -> AsyncIterator[AsyncItems[dict[str, Reading]]]:
         """As `Ecu.stream`, with `async with` and `async for`."""
         context = self.ecu.stream(*names, stroke=stroke)
-        readings = await self.run(context.__enter__)
         try:
+            readings = await self.run(context.__enter__)
             yield self.iterate(lambda: readings)
-        finally:
-            await self.run(lambda: context.__exit__(None, None, None))
+        except BaseException as error:
+            # Also if it was cancelled while the worker was beginning the stream.
+            await self.run(partial(context.__exit__, type(error), error, error.__traceback__))
+            raise
+        await self.run(partial(context.__exit__, None, None, None))
 
     async def close(self) -> None:
-        """Lets go of the port and ends the worker thread."""
-        await self.run(self.ecu.close)
-        self._worker.shutdown(wait=False)
+        """Lets go of the port and ends the worker thread. A second call does nothing."""
+        if not self._closed:
+            closing = self.run(self.ecu.close)
+            self._closed = True
+            try:
+                await closing
+            finally:
+                self._worker.shutdown(wait=False)
+
+    def _submit(self, call: Callable[[], object]) -> None:
+        with suppress(RuntimeError):  # closed meanwhile, which has ended everything
+            self._worker.submit(call)
 
     async def __aenter__(self) -> Self:
         return self
 
     async def __aexit__(self, *_: object) -> None:
         await self.close()
+
+
+def _let_go(opening: Future[Ecu]) -> None:
+    if not opening.cancelled() and opening.exception() is None:
+        opening.result().close()

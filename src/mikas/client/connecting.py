@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import inf
 from pathlib import Path
 
-from mikas.catalog import load
+from mikas.catalog import READINGS, load
 from mikas.client import journal as journals
 from mikas.client import limits as stores
 from mikas.client.ecu import Ecu
 from mikas.client.gate import Confirm
 from mikas.client.journal import Journal
 from mikas.client.limits import LimitsStore
+from mikas.errors import UsageError
+from mikas.language import Text
 from mikas.link import CaptureTee, Link, Sink, choose_port, open_link
 from mikas.tester import Echo, Tester, Timing
 
@@ -21,6 +24,7 @@ def connect(
     *,
     echo: str = "auto",
     timeout: float = 0.5,
+    between_bytes: float = 0.02,
     retries: int = 2,
     reading: str = "corrected",
     catalogs: Iterable[Path] = (),
@@ -35,22 +39,32 @@ def connect(
 
     `url`: `/dev/ttyUSB0`, `COM3`, `socket://host:port`, `rfc2217://host:port`, `sim:`; none: the
     one likely adapter that is plugged in. `echo`: auto, on or off (D1). `timeout`: seconds to the
-    first byte of a response (D14). `reading`: corrected, literal or alternative (errata).
-    `catalogs`: the user's own files. `confirm`: asked before every change. `journal`: file of
-    changes, by default in the user's state folder. `state`: folder of learnt limits, likewise.
-    `sink`: gets everything that passes on the wire. `raw_checksum`: send a checksum 0D or 40 as it
-    is (D3).
+    first byte of a response, `between_bytes`: to each further one (D14). `retries`: how often a
+    request that changes nothing is sent again after a spoilt exchange. `reading`: corrected,
+    literal or alternative (errata). `catalogs`: the user's own files. `confirm`: asked before every
+    change; without it every change passes but the dangerous ones. `journal`: file of changes, by
+    default in the user's state folder. `state`: folder of learnt limits, likewise. `sink`: gets
+    everything that passes on the wire. `raw_checksum`: send a checksum 0D or 40 as it is (D3).
+    `strict`: a lone escape is damage (D4).
 
-    Raises `NoConnection` with what to try, `UsageError` for settings that make no sense.
+    Raises `NoConnection` or a `LineError` with what to try; before the port is opened, `UsageError`
+    for settings that make no sense.
     """
+    _check_choice("echo", echo, [it.value for it in Echo])
+    _check_choice("reading", reading, READINGS)
+    _check_number("timeout", timeout, lowest=0.001)
+    _check_number("between_bytes", between_bytes, lowest=0.001)
+    _check_number("retries", retries, lowest=0)
+    if not isinstance(retries, int):
+        raise _bad("retries", retries, Text("a whole number", "целое число"))
     catalog = load(*catalogs)
-    link: Link = open_link(url or choose_port())
+    link: Link = open_link(choose_port() if url is None else url)
     if sink is not None:
         link = CaptureTee(link, sink)
     try:
         tester = Tester(
             link,
-            timing=Timing(first_byte=timeout),
+            timing=Timing(first_byte=timeout, between_bytes=between_bytes),
             echo=Echo(echo),
             retries=retries,
             raw_checksum=raw_checksum,
@@ -61,11 +75,31 @@ def connect(
             catalog,
             reading=reading,
             confirm=confirm,
-            journal=Journal(journal or journals.default_path()),
-            store=LimitsStore(state or stores.default_folder()),
+            journal=Journal(Path(journal or journals.default_path())),
+            store=LimitsStore(Path(state or stores.default_folder())),
         )
         tester.connect()
     except BaseException:
         link.close()
         raise
     return ecu
+
+
+def _check_choice(name: str, value: str, allowed: Iterable[str]) -> None:
+    if value not in allowed:
+        listed = ", ".join(allowed)
+        raise _bad(name, value, Text(listed, listed))
+
+
+def _check_number(name: str, value: float, *, lowest: float) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not lowest <= value < inf:
+        raise _bad(name, value, Text(f"a number from {lowest:g} up", f"число от {lowest:g}"))
+
+
+def _bad(name: str, value: object, allowed: Text) -> UsageError:
+    return UsageError(
+        problem=Text(
+            f"“{value}” is no value for {name}; allowed: {allowed.en}",
+            f"«{value}» не подходит для {name}; можно: {allowed.ru}",
+        )
+    )

@@ -87,8 +87,12 @@ class DataReader:
         got = self._part(part[:middle], limits) | self._part(part[middle:], limits)
         if len(got) == len(part) > self._proven:  # both halves came whole: was it the length?
             if len(part) <= limits.max_list:
-                with suppress(NotSupported, NoResponse, WrongLength):
+                try:
                     return self._request(part)
+                except (NotSupported, NoResponse, WrongLength):
+                    pass  # yes
+                except LineError:
+                    return got  # no telling this time
             limits.max_list = self._proven
             self._learnt()
         return got
@@ -134,7 +138,7 @@ class DataReader:
         try:
             data, reply = self._tester.exchange(ReadParameters((datum, datum)))
         except NotSupported:
-            if self._takes_two():
+            if self._takes_two() or datum == _RPM or not self._works():
                 raise
             return {}  # it says 01 to two of anything
         except (NoResponse, WrongLength):

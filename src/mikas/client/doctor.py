@@ -1,11 +1,12 @@
-"""What is wrong with the connection, step by step: port, echo, baud, latency, ECU, commands (D1).
+"""What is wrong with the connection, step by step: port, echo, baud, latency, line, ECU (D1).
 
-Each step either holds, or says what to do; the first that fails ends the examination, for the ones
-after it rest on it. Steps come one by one, so that they can be shown as they run.
+Each step either holds, or says what to do; one that leaves nobody to talk to ends the examination.
+Steps come one by one, so that they can be shown as they run.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from statistics import median
@@ -13,14 +14,15 @@ from statistics import median
 from mikas import commands as c
 from mikas.catalog import Catalog
 from mikas.client.identity import try_commands
-from mikas.errors import EchoDiffers, EchoOnly, LineError, MikasError, NoEcho
+from mikas.errors import EchoDiffers, EchoOnly, LineError, MikasError, NoEcho, NotAKLineAdapter
 from mikas.language import Text
 from mikas.link import Link
 from mikas.tester import Tester
 
-STEPS = ("port", "echo", "baud", "latency", "ecu", "commands")
+STEPS = ("port", "echo", "baud", "latency", "line", "ecu", "commands")
 
-_TRIES = 5
+_TRIES = 20
+_MANY = 3  # spoilt exchanges of these that are more than repeating should have to cure
 _LONG = 96  # parameters in the long request: 100 ms of echo, six times a 16 ms latency timer
 _LUMPS = 0.008  # s of delay that no wire and no unit has, but a USB latency timer does
 _TOLERANCE = 0.2
@@ -29,7 +31,10 @@ _RPM = c.Datum(0x29, 1)
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One finding. `ok` None: could not be told, and it does not matter for the rest."""
+    """One finding. `ok` None: could not be told, or could be better; the rest does not hang on it.
+
+    `detail` says what to do, unless all is well.
+    """
 
     name: str
     ok: bool | None
@@ -39,15 +44,24 @@ class Step:
 def examine(
     open_port: Callable[[], Link], make_tester: Callable[[Link], Tester], catalog: Catalog
 ) -> Iterator[Step]:
-    """The steps in the order of `STEPS`, until one fails. Closes the port at the end."""
+    """The steps in the order of `STEPS`, until one finds nobody to talk to. Closes the port."""
     try:
         link = open_port()
     except MikasError as error:
         yield Step("port", False, error.text)
         return
     with link:
-        yield Step("port", True, Text(link.description, link.description))
+        yield Step("port", True, _told_port(link))
         yield from _on_the_line(make_tester(link), catalog)
+
+
+def _told_port(link: Link) -> Text:
+    if link.description == _VIRTUAL.en:
+        return _VIRTUAL
+    return Text(link.description, link.description)
+
+
+_VIRTUAL = Text("virtual ECU", "виртуальный блок")
 
 
 def _on_the_line(tester: Tester, catalog: Catalog) -> Iterator[Step]:
@@ -55,28 +69,39 @@ def _on_the_line(tester: Tester, catalog: Catalog) -> Iterator[Step]:
         version_code = tester.connect()
     except EchoOnly as error:
         yield Step("echo", True, _ECHO)
-        yield Step("ecu", False, error.text)
+        yield Step("ecu", False, _advice(error))
         return
     except MikasError as error:
-        of_echo = isinstance(error, NoEcho | EchoDiffers)
-        yield Step("echo" if of_echo else "ecu", False, error.text)
+        of_echo = isinstance(error, NoEcho | EchoDiffers | NotAKLineAdapter)
+        yield Step("echo" if of_echo else "ecu", False, _advice(error))
         return
     yield Step("echo", True, _ECHO if tester.echoes else _NO_ECHO)
+    name = "baud"
     try:
         if tester.echoes:
             yield _baud(tester)
-        yield _latency(tester)
+        name = "line"
+        yield from _availability(tester)
         yield Step("ecu", True, catalog.model(version_code).text)
+        name = "commands"
         yield _commands(tester)
     except MikasError as error:
-        yield Step("ecu", False, error.text)
+        yield Step(name, False, _advice(error))
 
 
 _ECHO = Text("the adapter returns what it sends", "адаптер возвращает посланное")
 _NO_ECHO = Text(
-    "the adapter keeps the echo to itself; collisions can't be seen",
-    "адаптер не возвращает эха; столкновения не видны",
+    "the adapter keeps the echo to itself; two talking at once can't be noticed",
+    "адаптер не возвращает эха: если говорят двое сразу, этого не видно",
 )
+
+
+def _advice(error: MikasError) -> Text:
+    """The error's text without the advice to run what is running."""
+    return Text(*(_DOCTOR.sub("", text) for text in error.text))
+
+
+_DOCTOR = re.compile(r"(?: \(`mikas doctor`\)|[,;.] [^,;.]*`mikas doctor`[^,;.]*)(?=\.)")
 
 
 def _baud(tester: Tester) -> Step:
@@ -105,25 +130,40 @@ def _baud(tester: Tester) -> Step:
             "baud",
             False,
             Text(
-                f"{told.en} instead of {wanted}: the computer is too busy, or the adapter is slow",
-                f"{told.ru} вместо {wanted}: занят компьютер или медлит адаптер",
+                f"{told.en} instead of {wanted}. Likely, in order: the other end runs at another "
+                "pace (its own baud setting); the computer is too busy; the adapter is slow. "
+                "Correct that pace, or close other programs and try again.",
+                f"{told.ru} вместо {wanted}. Скорее всего, по порядку: другой конец работает на "
+                "другой скорости (она задаётся у него); компьютер слишком занят; адаптер медлит. "
+                "Исправьте скорость или закройте другие программы и повторите.",
             ),
         )
     return Step("baud", True, told)
 
 
-def _latency(tester: Tester) -> Step:
-    """What an answer takes beyond the wire's time: the unit's turn-round and the adapter's
-    delay.
-    """
-    delays = []
+def _availability(tester: Tester) -> Iterator[Step]:
+    """The adapter's delay and how clean the line is, from the same small exchanges."""
+    delays, spoilt = [], []
     for _ in range(_TRIES):
         began = tester.link.now()
-        _, reply = tester.exchange(c.Availability())
+        try:
+            _, reply = tester.exchange(c.Availability(), retries=0)
+        except LineError as error:
+            spoilt.append(error)
+            if len(spoilt) > _MANY:
+                break
+            continue
         bytes_passed = len(reply.wire) + 3
         delays.append(reply.ended - began - bytes_passed * tester.link.byte_time)
-    delay = max(0.0, median(delays))
-    told = Text(f"{delay * 1000:.1f} ms a request", f"{delay * 1000:.1f} мс на запрос")
+    if delays:
+        yield _latency(max(0.0, median(delays)))
+    yield _line(len(delays) + len(spoilt), spoilt)
+
+
+def _latency(delay: float) -> Step:
+    """What an answer takes beyond the wire's time: the unit's turn-round, the adapter's delay."""
+    milliseconds = f"{delay * 1000:.1f}"
+    told = Text(f"{milliseconds} ms a request", f"{milliseconds.replace('.', ',')} мс на запрос")
     if delay < _LUMPS:
         return Step("latency", True, told)
     return Step(
@@ -131,25 +171,53 @@ def _latency(tester: Tester) -> Step:
         None,
         Text(
             f"{told.en}: the adapter hands bytes over in lumps. It works, but slower; an FT232's "
-            "latency timer can be set to 1 ms",
-            f"{told.ru}: адаптер отдаёт байты порциями. Работает, но медленнее; таймер FT232 можно "
-            "поставить на 1 мс",
+            "latency timer can be set to 1 ms (in Windows: Device Manager, the port, Port "
+            "Settings, Advanced)",
+            f"{told.ru}: адаптер отдаёт байты порциями. Работает, но медленнее; таймер задержки "
+            "FT232 можно поставить на 1 мс (в Windows: Диспетчер устройств, порт, Параметры "
+            "порта, Дополнительно)",
+        ),
+    )
+
+
+def _line(tried: int, spoilt: list[LineError]) -> Step:
+    """How many of the exchanges were spoilt, and by what."""
+    if not spoilt:
+        return Step(
+            "line",
+            True,
+            Text(f"{tried} exchanges, none spoilt", f"обменов {tried}, все чистые"),
+        )
+    last = spoilt[-1]
+    return Step(
+        "line",
+        False if len(spoilt) > _MANY else None,
+        Text(
+            f"{len(spoilt)} of {tried} exchanges were spoilt; the last: {_advice(last).en}",
+            f"испорчено обменов: {len(spoilt)} из {tried}; последний: {_advice(last).ru}",
         ),
     )
 
 
 def _commands(tester: Tester) -> Step:
     tried = [support for support in try_commands(tester) if support.known is not None]
-    lacks = ", ".join(support.name for support in tried if not support.known)
-    known = sum(bool(support.known) for support in tried)
-    if not lacks:
+    lacking = [support.command for support in tried if not support.known]
+    known = len(tried) - len(lacking)
+    if not lacking:
         return Step(
             "commands",
             True,
-            Text(f"all {known} that were tried", f"все {known}, что пробовались"),
+            Text(f"all {known} that were tried", f"работают все проверенные, {known}"),
         )
+    lacks = [
+        Text(f"{it.CODES[0]:02X} {it.TITLE.en}", f"{it.CODES[0]:02X} {it.TITLE.ru}")
+        for it in lacking
+    ]
     return Step(
         "commands",
         None,
-        Text(f"{known} known; unknown: {lacks}", f"известно {known}; неизвестны: {lacks}"),
+        Text(
+            f"{known} known; this unit does not know: {', '.join(it.en for it in lacks)}",
+            f"известно {known}; блок не знает: {', '.join(it.ru for it in lacks)}",
+        ),
     )

@@ -17,7 +17,7 @@ from typing import Any
 from mikas.client.ecu import Ecu
 from mikas.client.memory import MemorySpace
 from mikas.commands.base import check_range
-from mikas.errors import UsageError
+from mikas.errors import UsageError, reason_of
 from mikas.language import Text
 
 SCHEMA = 1
@@ -121,7 +121,15 @@ class Dump:
                 "it was begun on another unit (its passport differs)",
                 "он начат на другом блоке (паспорт не тот)",
             )
-        wanted.bytes_read = min(self._file.stat().st_size, wanted.size)
+        if self._file.stat().st_size > wanted.size:
+            raise _wrong(
+                self._file,
+                "it is longer than its manifest says, so it is another file",
+                "он длиннее, чем сказано в описании, значит это другой файл",
+            )
+        wanted.bytes_read = self._file.stat().st_size
+        if wanted.bytes_read == wanted.size:
+            wanted.verified = stored.verified
 
     def advance(self, *, block: int | None, progress: Progress) -> None:
         """Reads what is still missing. What was read before an error stays in the file."""
@@ -142,8 +150,8 @@ class Dump:
         except OSError as error:
             if isinstance(error, ConnectionError | TimeoutError):
                 raise
-            why = error.strerror or str(error)
-            raise _wrong(self._file, why, why) from error
+            why = reason_of(error)
+            raise _wrong(self._file, why.en, why.ru) from error
         finally:
             self._note()
 
@@ -165,8 +173,8 @@ class Dump:
             text = json.dumps(manifest.as_json(), ensure_ascii=False, indent=1)
             path.write_text(text + "\n", "utf-8")
         except OSError as error:
-            why = error.strerror or str(error)
-            raise _wrong(path, why, why) from error
+            why = reason_of(error)
+            raise _wrong(path, why.en, why.ru) from error
 
 
 def compare(

@@ -6,10 +6,10 @@ change goes through the gate. Several threads may use one `Ecu`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import AbstractContextManager
+import threading
+from collections.abc import Generator, Iterator
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
-from itertools import islice
 from types import TracebackType
 from typing import Self
 
@@ -31,7 +31,7 @@ from mikas.client.memory import Memory
 from mikas.client.parameters import Parameters, WrittenParameter
 from mikas.client.reading import Reading, Sample
 from mikas.client.watching import Method, Watcher
-from mikas.errors import UsageError
+from mikas.errors import LineError, NoConnection, NoResponse, NotSupported, UsageError
 from mikas.language import Text
 from mikas.tester import Tester
 
@@ -58,16 +58,25 @@ class Ecu:
         store: LimitsStore | None = None,
     ) -> None:
         if reading not in READINGS:
+            known = ", ".join(READINGS)
             raise UsageError(
-                problem=Text(f"there is no reading “{reading}”", f"толкования «{reading}» нет")
+                problem=Text(
+                    f"there is no reading “{reading}”; there are: {known}",
+                    f"толкования «{reading}» нет; есть: {known}",
+                )
             )
         self.tester = tester
         self.catalog = catalog
         self._store = store
+        self._learning = threading.RLock()
         self._limits: Limits | None = None
         self._passport: Passport | None = None
         self._gate = Gate(
-            confirm=confirm, journal=journal, clock=tester.link.now, whose=self._whose
+            confirm=confirm,
+            journal=journal,
+            clock=tester.link.now,
+            whose=self._whose,
+            ready=tester.check_free,
         )
         data = DataReader(tester, self._known_limits, self._keep_limits)
         self._parameters = Parameters(tester, catalog, self._gate, data, reading)
@@ -94,7 +103,7 @@ class Ecu:
             passport=self.passport(),
             parameter_count=count_parameters(self.tester),
             echo=self.tester.echoes,
-            limits=self._known_limits(),
+            limits=self._known_limits().copy(),
         )
 
     def passport(self) -> Passport:
@@ -112,7 +121,8 @@ class Ecu:
     def read(self, *names: str) -> dict[str, Reading]:
         """One reading of each named parameter; with no names, of all that the unit knows.
 
-        A raw code is written `0x1A`, or `0x3F:2`. Raises `UnknownParameter`, `NotSupported`.
+        A raw code is written `0x1A`, or `0x3F:2`. Raises `UnknownParameter`, `NotSupported` for a
+        named one that the unit does not know, or if it knows none, a `LineError`, `NoConnection`.
         """
         return self._parameters.read(names)
 
@@ -122,15 +132,18 @@ class Ecu:
         method: Method = "auto",
         rate: float | None = None,
         count: int | None = None,
-    ) -> Iterator[Sample]:
+    ) -> Generator[Sample, None, None]:
         """Samples, as fast as the wire gives them or `rate` times a second, `count` or for ever.
 
         A cycle that failed is a sample with `gap`; a parameter that the unit does not know is
-        missing. Raises `LinkLost`, `UnknownParameter`, and `EcuRefused` if it refuses the method.
+        missing. Raises `LinkLost`, `UnknownParameter`, and `EcuRefused` if it refuses the method
+        or every parameter.
+
+        auto, batch: as few requests (61) as the unit takes; single: one a parameter; list: by 64
+        and 63, which changes the unit's list; stream: 71; stroke0 … stroke4: 7F … 83. A stream
+        keeps the line to itself until what is returned is closed, or has given `count` samples.
         """
-        wanted = self._parameters.named(names)
-        samples = Watcher(self.tester, self._parameters, wanted, rate).samples(method)
-        return islice(samples, count) if count is not None else samples
+        return Watcher(self.tester, self._parameters, names, rate).samples(method, count)
 
     def stream(
         self, *names: str, stroke: int | None = None
@@ -142,11 +155,17 @@ class Ecu:
         return self._parameters.stream(names, stroke=stroke)
 
     def set_list(self, *names: str) -> tuple[str, ...]:
-        """Sets the list that `read_list` reads (64); returns the names in it."""
+        """Sets the list that `read_list` reads (64); returns the names in it.
+
+        Raises `UnknownParameter`, `NotConfirmed`, `WriteRefused`, `NotSupported`.
+        """
         return self._parameters.set_list(names)
 
     def read_list(self) -> dict[str, Reading]:
-        """One reading of each parameter in the list (63)."""
+        """One reading of each parameter in the list (63), which `set_list` sets.
+
+        Raises `UsageError` without a list, and after silence, for then the unit may have lost it.
+        """
         return self._parameters.read_list()
 
     def write_parameter(
@@ -178,8 +197,13 @@ class Ecu:
         )
 
         def act() -> Erased:
-            for write in c.ERASE_FAULTS:
-                self.tester.request(write)
+            try:
+                self.tester.in_a_row(*c.ERASE_FAULTS)
+            except (NoResponse, NotSupported) as error:
+                if error.received:
+                    raise
+                # Only an answer may be lost, and erasing twice does what erasing once does.
+                self.tester.in_a_row(*c.ERASE_FAULTS)
             return Erased(before, self.faults())
 
         return self._gate.make(
@@ -205,7 +229,8 @@ class Ecu:
     def raw(self, body: bytes) -> bytes | None:
         """Sends any request body; returns the response's body, None for silence.
 
-        What is not known to be harmless goes through the gate.
+        What is not known to be harmless goes through the gate. Raises `NotConfirmed`, `NoEcho`, or
+        a `LineError` for a damaged or doubled response.
         """
         if not body:
             raise UsageError(problem=Text("there is nothing to send", "нечего посылать"))
@@ -218,21 +243,30 @@ class Ecu:
             command=command.SOURCE_NAME if command else "?",
             after=hexed(body),
         )
-        return self._gate.make(change, lambda: self.tester.raw(body), hexed)
+
+        def act() -> bytes | None:
+            if command is c.WriteList:
+                self._parameters.forget_list()
+            return self.tester.raw(body)
+
+        return self._gate.make(change, act, hexed)
 
     # What was learnt
 
     def _known_limits(self) -> Limits:
-        if self._limits is None:
-            if self._store is None or self._store.empty:
-                self._limits = Limits()
-            else:
-                self._limits = self._store.load(self.version_code, self.passport().pieces)
-        return self._limits
+        with self._learning:
+            if self._limits is None:
+                if self._store is None or self._store.empty:
+                    self._limits = Limits()
+                else:
+                    self._limits = self._store.load(self.version_code, self.passport().pieces)
+            return self._limits
 
     def _keep_limits(self) -> None:
         if self._store is not None and self._limits is not None:
-            self._store.save(self.version_code, self.passport().pieces, self._limits)
+            # What was read stands, even if the unit can't be asked now whose limits these are.
+            with self._learning, suppress(LineError, NoConnection):
+                self._store.save(self.version_code, self.passport().pieces, self._limits)
 
     def _whose(self) -> dict[str, object]:
         return {"port": self.tester.link.url, "model": self.model.text.en}

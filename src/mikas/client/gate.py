@@ -50,7 +50,8 @@ class Gate:
     """Lets changes through.
 
     `confirm` is asked for each one; without it everything but the dangerous passes, for a program
-    that calls `write` has decided already.
+    that calls `write` has decided already. `ready` raises if this is no time for a change: before
+    waiting for another thread's, which may be waiting for this one to end a stream.
     """
 
     def __init__(
@@ -60,11 +61,13 @@ class Gate:
         journal: Journal | None,
         clock: Callable[[], float],
         whose: Callable[[], dict[str, object]],
+        ready: Callable[[], None] = lambda: None,
     ) -> None:
         self._confirm = confirm
         self._journal = journal
         self._clock = clock
         self._whose = whose
+        self._ready = ready
         self._one_at_a_time = threading.RLock()
 
     def make(self, change: Change, act: Callable[[], T], told: Callable[[T], str | None]) -> T:
@@ -73,6 +76,7 @@ class Gate:
         Raises `NotConfirmed` or `JournalError` before anything was changed, or what `act` raises; a
         `JournalError` after it says that the change was made.
         """
+        self._ready()
         with self._one_at_a_time:
             self._ask(change)
             self._note(change, "started", None)

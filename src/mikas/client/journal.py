@@ -6,8 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from mikas.errors import JournalError
-from mikas.language import Text
+from mikas.errors import JournalError, reason_of
 
 
 class Journal:
@@ -28,8 +27,7 @@ class Journal:
             with self.path.open("a", encoding="utf-8", errors="backslashreplace") as file:
                 file.write(line)
         except OSError as error:
-            why = error.strerror or str(error)
-            raise JournalError(file=str(self.path), problem=Text(why, why)) from error
+            raise JournalError(file=str(self.path), problem=reason_of(error)) from error
 
 
 def default_path() -> Path:

@@ -15,6 +15,9 @@ from mikas.commands import LARGEST_BLOCK
 
 STARTING_LIST = 64  # far over the 21 codes of §4, and a request of 66 bytes is still only 70 ms
 
+# What reading a file can raise that holds anything but limits.
+_NO_LIMITS = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError)
+
 
 @dataclass(slots=True)
 class Limits:
@@ -53,7 +56,7 @@ class LimitsStore:
 
     def load(self, version_code: int, passports: tuple[str, ...]) -> Limits:
         """What was learnt of this unit; a file that can't be read counts as nothing learnt."""
-        with suppress(OSError, ValueError, TypeError, LookupError, AttributeError, ArithmeticError):
+        with suppress(OSError, *_NO_LIMITS):
             stored = json.loads(self._file(version_code, passports).read_text("utf-8"))
             return Limits(
                 max_list=min(max(int(stored["max_list"]), 1), STARTING_LIST),

@@ -8,6 +8,7 @@ and is read back.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 from mikas import commands as c
@@ -17,11 +18,14 @@ from mikas.commands.base import check_byte, check_range
 from mikas.errors import (
     EcuRefused,
     LineError,
+    MikasError,
     NoResponse,
     NotSupported,
     ReadBackDiffers,
+    UsageError,
     WriteRefused,
     WrongLength,
+    in_hex,
 )
 from mikas.language import Text
 from mikas.tester import Tester
@@ -47,6 +51,10 @@ _SPACES = {
 
 
 _SMALL_BLOCK = 2
+_IN_PART = Text(
+    "Some of the bytes were written before it refused; what was there stands in the journal.",
+    "Часть байтов до отказа записана; что там было, записано в журнале.",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +84,7 @@ class MemorySpace:
         self._gate = gate
         self._limits = limits
         self._learnt = learnt
+        self._proven = 1  # the longest block that this unit has given
 
     @property
     def last(self) -> int:
@@ -84,21 +93,32 @@ class MemorySpace:
 
     def read(self, address: int) -> int:
         """The byte at `address`. Raises `AddressOutOfRange`, `NotSupported`."""
-        return self._tester.request(self._commands.read(address))
+        try:
+            return self._tester.request(self._commands.read(address))
+        except NotSupported:
+            if self._commands.read_block is not None:  # a unit may have that form only
+                with suppress(EcuRefused, LineError):
+                    return self._tester.request(self._commands.read_block(address, 1))[0]
+            raise
 
     def read_block(self, address: int, count: int) -> bytes:
-        """`count` bytes from `address` on."""
+        """`count` bytes from `address` on. Raises `AddressOutOfRange`, `NotSupported`."""
         return b"".join(self.blocks(address, count))
 
     def blocks(self, address: int, count: int, largest: int | None = None) -> Iterator[bytes]:
         """`read_block`, block by block as they come, so that progress shows.
 
-        `largest`: an upper bound for the blocks. Raises `AddressOutOfRange` before anything is
-        sent.
+        `largest`: an upper bound for the blocks, 1 … 255. Raises `AddressOutOfRange` and
+        `UsageError` before anything is sent.
         """
         check_range(self.name, self.last, address, count)
-        end = address + count
-        return self._walk(address, end, largest or c.LARGEST_BLOCK)
+        if largest is None:
+            largest = c.LARGEST_BLOCK
+        if not 1 <= largest <= c.LARGEST_BLOCK:
+            raise UsageError(
+                problem=Text("a block has 1 to 255 bytes", "в блоке от 1 до 255 байтов")
+            )
+        return self._walk(address, address + count, largest)
 
     def _walk(self, address: int, end: int, largest: int) -> Iterator[bytes]:
         while address < end:
@@ -107,49 +127,75 @@ class MemorySpace:
             address += len(data)
 
     def _some(self, address: int, count: int) -> bytes:
-        """Up to `count` bytes, in one exchange; halves what is too much for the unit (D11)."""
-        block, limits = self._commands.read_block, self._limits()
-        count = min(count, limits.block(self.name))
-        while block and count > 1:
-            try:
-                return self._tester.request(block(address, count))
-            except (NotSupported, NoResponse, WrongLength):
-                if self._tester.has_answered(block.CODES[0]) or (
-                    count > _SMALL_BLOCK and self._takes(block(address, _SMALL_BLOCK))
-                ):
-                    count //= 2
-                else:
-                    self.read(address)  # not even single bytes: then this says so
-                    count = 1
-                limits.max_block[self.name] = count
-                self._learnt()
-        return bytes([self.read(address)])
+        """Up to `count` bytes, in one exchange; halves what is too much for the unit (D11).
 
-    def _takes(self, command: c.Command[bytes]) -> bool:
+        A limit is learnt only when a smaller block was given and the larger one once more was not:
+        a lost response, or a place that can't be read, is none.
+        """
+        wanted = count = min(count, self._limits().block(self.name))
+        refused = 0
+        while self._commands.read_block and count > 1:
+            try:
+                data = self._block(address, count)
+            except (NotSupported, NoResponse, WrongLength):
+                if count <= self._proven:
+                    raise
+                if not self._has_blocks(address, count):
+                    break
+                refused, count = count, count // 2
+            else:
+                if refused:
+                    with suppress(EcuRefused, LineError):
+                        data = self._block(address, refused)
+                    self._learn(len(data), wanted)
+                return data
+        byte = self.read(address)  # not even single bytes: then this says so
+        self._learn(1, wanted)
+        return bytes([byte])
+
+    def _block(self, address: int, count: int) -> bytes:
+        assert self._commands.read_block is not None
+        command = self._commands.read_block(address, count)
+        # One that may be too long is repeated once: the time is better spent on a smaller one.
+        data, _ = self._tester.exchange(command, retries=1 if count > self._proven else None)
+        self._proven = max(self._proven, count)
+        return data
+
+    def _has_blocks(self, address: int, count: int) -> bool:
         """Whether the unit has the block form at all."""
-        try:
-            self._tester.request(command)
-        except (EcuRefused, LineError):
-            return False
-        return True
+        if self._proven == 1 and count > _SMALL_BLOCK:
+            with suppress(EcuRefused, LineError):
+                self._block(address, _SMALL_BLOCK)
+        return self._proven > 1
+
+    def _learn(self, count: int, wanted: int) -> None:
+        if count < wanted and self._commands.read_block:
+            self._limits().max_block[self.name] = count
+            self._learnt()
 
     def write(self, address: int, value: int) -> Written:
         """Writes one byte and reads it back.
 
-        Raises `NotConfirmed`, `WriteRefused`, `ReadBackDiffers`.
+        Raises as `write_block`.
         """
         check_byte(self.name, value)
         return self.write_block(address, bytes([value]))
 
     def write_block(self, address: int, data: bytes) -> Written:
-        """Writes `data` from `address` on, in blocks, and reads them back; one question for all."""
+        """Writes `data` from `address` on, in blocks, and reads them back; one question for all.
+
+        Raises `AddressOutOfRange`, `NotConfirmed`, `WriteRefused`, `NotSupported`,
+        `ReadBackDiffers`.
+        """
         check_range(self.name, self.last, address, len(data))
-        before = self.read_block(address, len(data))
         where = f"{self.name} {address:04X}"
+        what = Text(
+            f"write {len(data)} byte(s) to {where}", f"записать байтов: {len(data)}, {where}"
+        )
+        self._gate.refuse_unasked(what, self._commands.write.SAFETY)
+        before = self.read_block(address, len(data))
         change = Change(
-            what=Text(
-                f"write {len(data)} byte(s) to {where}", f"записать байтов: {len(data)}, {where}"
-            ),
+            what=what,
             safety=self._commands.write.SAFETY,
             command=self._commands.write.SOURCE_NAME,
             before=hexed(before),
@@ -157,10 +203,16 @@ class MemorySpace:
         )
 
         def act() -> Written:
-            self._send(address, data)
+            try:
+                self._send(address, data)
+            except (WriteRefused, NotSupported) as error:
+                with suppress(MikasError):
+                    if self.read_block(address, len(data)) != before:
+                        error.to_try = _IN_PART
+                raise
             after = self.read_block(address, len(data))
             if after != data:
-                raise ReadBackDiffers(name=where, wanted=hexed(data), got=hexed(after))
+                raise ReadBackDiffers(name=where, wanted=in_hex(data), got=in_hex(after))
             return Written(self.name, address, before, after)
 
         return self._gate.make(change, act, lambda written: hexed(written.after))
@@ -200,6 +252,8 @@ class MemorySpace:
 class Memory:
     """`memory.ram`, `.xram`, `.code`, `.sfr`; or by name, `memory["ram"]`."""
 
+    NAMES = tuple(_SPACES)
+
     def __init__(
         self,
         tester: Tester,
@@ -213,6 +267,12 @@ class Memory:
 
     def __getitem__(self, name: str) -> MemorySpace:
         if name not in _SPACES:
-            raise KeyError(name)
+            known = ", ".join(_SPACES)
+            raise UsageError(
+                problem=Text(
+                    f"there is no memory space “{name}”; there are {known}",
+                    f"области памяти «{name}» нет; есть {known}",
+                )
+            )
         space: MemorySpace = getattr(self, name)
         return space

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -13,16 +14,28 @@ from mikas.client.data import DataReader, Got, refused
 from mikas.client.gate import Change, Gate, hexed
 from mikas.client.reading import Reading, decode
 from mikas.errors import (
+    NoConnection,
+    NoResponse,
     NotSupported,
     ReadBackDiffers,
     UsageError,
     ValueDoesNotFit,
+    WriteRefused,
+    WrongLength,
+    in_hex,
 )
 from mikas.language import Text
 from mikas.tester import StreamItem, Tester
 
 if TYPE_CHECKING:
     from mikas.tester import Stream
+
+
+_TOO_LONG = Text(
+    "The list may be too long for this unit: name fewer parameters, or read without a list.",
+    "Возможно, список для этого блока слишком длинен: назовите меньше параметров или читайте без "
+    "списка.",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,28 +59,45 @@ class Parameters:
         self._data = data
         self._reading = reading
         self._listed: tuple[Parameter, ...] = ()
+        self._list_lock = threading.RLock()  # the unit has one list, whoever sets it
 
     def named(self, names: Sequence[str]) -> tuple[Parameter, ...]:
         """The parameters of these names, all of the catalog if there are none."""
+        for name in names:
+            if not isinstance(name, str):
+                raise UsageError(
+                    problem=Text(
+                        f"names are given one by one, as in read('TWAT', 'FREQ'), not {name!r}",
+                        f"имена даются по одному: read('TWAT', 'FREQ'), а не {name!r}",
+                    )
+                )
         return tuple(map(self._catalog.parameter, names)) or self._catalog.parameters
 
-    def read(self, names: Sequence[str], *, method: str = "batch") -> dict[str, Reading]:
+    def read(self, names: Sequence[str]) -> dict[str, Reading]:
         """One reading each. Raises `NotSupported` for a named one that the unit does not know.
 
         With no names: all that the unit knows, the others are left out.
         """
         wanted = self.named(names)
-        got = self.fetch(wanted, method)
-        if names:
-            for parameter in wanted:
-                if parameter.code not in got:
-                    raise refused(parameter.name, parameter.code)
+        got = self.fetch(wanted, again=bool(names))
+        for parameter in wanted:
+            if parameter.code not in got and (names or not got):
+                raise refused(parameter.name, parameter.code)
         return self.readings(wanted, got)
 
-    def fetch(self, wanted: Sequence[Parameter], method: str) -> dict[int, Got]:
-        """The data of `wanted` by code, every code asked once."""
-        data = distinct(wanted)
-        return self._data.single(data) if method == "single" else self._data.batch(data)
+    def fetch(
+        self, wanted: Sequence[Parameter], method: str = "batch", *, again: bool = False
+    ) -> dict[int, Got]:
+        """The data of `wanted` by code, every code asked once.
+
+        `again`: also those that the unit has refused before. Raises as `DataReader.batch` does.
+        """
+        read = self._data.single if method == "single" else self._data.batch
+        return read(distinct(wanted), again=again)
+
+    def refuses(self, wanted: Sequence[Parameter]) -> bool:
+        """Whether the unit is known to refuse every one of them."""
+        return self._data.refuses(p.code for p in wanted)
 
     def readings(self, wanted: Sequence[Parameter], got: dict[int, Got]) -> dict[str, Reading]:
         """What `got` means for each of `wanted` that it has."""
@@ -82,7 +112,11 @@ class Parameters:
     def set_list(self, names: Sequence[str]) -> tuple[str, ...]:
         """Sets the unit's list (64), which `read_list` then reads; a power cycle forgets it."""
         wanted = self.named(names)
-        data = distinct(wanted)
+        self._write_list(wanted)
+        return tuple(p.name for p in wanted)
+
+    def _write_list(self, wanted: tuple[Parameter, ...]) -> None:
+        data = _list_of(wanted)
         change = Change(
             what=Text(
                 f"set the unit's list to {len(data)} code(s)", f"задать список кодов: {len(data)}"
@@ -93,21 +127,56 @@ class Parameters:
         )
 
         def act() -> None:
-            self._listed = ()
-            self._tester.request(c.WriteList(data))
+            self.forget_list()
+            try:
+                self._tester.request(c.WriteList(data))
+            except WriteRefused as error:
+                error.to_try = _TOO_LONG
+                raise
+            except (NoResponse, NotSupported) as error:
+                if error.received:
+                    raise
+                # Only the answer may be lost, and setting it twice does what setting it once does.
+                self._tester.request(c.WriteList(data))
+            self._listed = wanted
 
-        self._gate.make(change, act, lambda _: None)
-        self._listed = wanted
-        return tuple(p.name for p in wanted)
+        with self._holding_the_list():
+            self._gate.make(change, act, lambda _: None)
+
+    @contextmanager
+    def _holding_the_list(self) -> Iterator[None]:
+        self._tester.check_free()  # else its holder may be waiting for this thread's stream
+        with self._list_lock:
+            yield
+
+    def forget_list(self) -> None:
+        """The unit's list may be another one now: `read_list` won't trust it."""
+        self._listed = ()
 
     def read_list(self) -> dict[str, Reading]:
-        """One reading of each parameter in the list that this session set (63)."""
-        if not self._listed:
-            raise UsageError(problem=Text("set_list() comes first", "сначала нужен set_list()"))
-        data = distinct(self._listed)
-        values, reply = self._tester.exchange(c.ReadList(data))
-        got = {d.code: Got(raw, reply.began) for d, raw in zip(data, values, strict=True)}
-        return self.readings(self._listed, got)
+        """One reading of each parameter in the list that this session set (63).
+
+        A unit that has lost its supply meanwhile has forgotten it: after silence or a refusal the
+        list has to be set again.
+        """
+        with self._holding_the_list():
+            if not self._listed:
+                raise UsageError(problem=Text("set_list() comes first", "сначала нужен set_list()"))
+            data = _list_of(self._listed)
+            try:
+                values, reply = self._tester.exchange(c.ReadList(data))
+            except (NoConnection, NoResponse, NotSupported, WrongLength):
+                self.forget_list()
+                raise
+            got = {d.code: Got(raw, reply.began) for d, raw in zip(data, values, strict=True)}
+            return self.readings(self._listed, got)
+
+    def through_list(self, wanted: tuple[Parameter, ...]) -> dict[str, Reading]:
+        """One reading of each of `wanted` by the unit's list, set first if it is another."""
+        with self._holding_the_list():
+            if self._listed != wanted:
+                self._write_list(wanted)
+            return self.read_list()
 
     # Streams, 71 and 7F … 83
 
@@ -154,10 +223,19 @@ class Parameters:
         )
 
         def act() -> WrittenParameter:
-            self._tester.request(c.WriteParameter(parameter.code, data))
-            after = self._one(parameter)
+            try:
+                self._tester.request(c.WriteParameter(parameter.code, data))
+            except (NoResponse, NotSupported) as error:
+                after = None if error.received else self._one(parameter)
+                if not (before and after and before.raw != data == after.raw):
+                    raise
+                # It was written: only the answer was lost.
+            else:
+                after = self._one(parameter)
             if after and after.raw != data:
-                raise ReadBackDiffers(name=parameter.name, wanted=hexed(data), got=hexed(after.raw))
+                raise ReadBackDiffers(
+                    name=parameter.name, wanted=in_hex(data), got=in_hex(after.raw)
+                )
             return WrittenParameter(parameter.name, before, after)
 
         return self._gate.make(change, act, lambda w: hexed(w.after.raw) if w.after else None)
@@ -180,12 +258,32 @@ class Parameters:
 
     def _one(self, parameter: Parameter) -> Reading | None:
         try:
-            got = self._data.batch([c.Datum(parameter.code, parameter.size)])
+            got = self.fetch([parameter])
         except NotSupported:
             return None
         return self.readings([parameter], got).get(parameter.name)
 
 
 def distinct(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
-    """Their codes, each once: RXX, BITPOW and RDET are one byte (§5)."""
-    return tuple(dict.fromkeys(c.Datum(p.code, p.size) for p in parameters))
+    """Their codes, each once: RXX, BITPOW and RDET are one byte (§5).
+
+    Raises `UsageError` if one code is asked for with two sizes: the data could not be told apart.
+    """
+    sizes: dict[int, int] = {}
+    for p in parameters:
+        if sizes.setdefault(p.code, p.size) != p.size:
+            raise UsageError(
+                problem=Text(
+                    f"code 0x{p.code:02X} can't have {sizes[p.code]} and {p.size} bytes at once",
+                    f"у кода 0x{p.code:02X} не может быть {sizes[p.code]} и {p.size} байта сразу",
+                )
+            )
+    return tuple(c.Datum(code, size) for code, size in sizes.items())
+
+
+def _list_of(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
+    """What 64 is given. A list of a single byte holds it twice: a unit that has forgotten its list
+    may answer 63 with 01 (D10), and that must not look like a datum.
+    """
+    data = distinct(parameters)
+    return data * 2 if data == ((data[0].code, 1),) else data

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from mikas.commands.base import Command, MalformedRequest, SizeOf
-from mikas.errors import WrongContent
+from mikas.commands.base import ERROR, Command, MalformedRequest, SizeOf
+from mikas.errors import NotSupported, WrongContent
 from mikas.language import Text
 
 SEPARATOR = 0xE0
@@ -33,6 +33,8 @@ class ReadFaults(Command[tuple[int, ...]]):
         return range(1, 2 * _MOST + 2, 2)
 
     def _read(self, body: bytes) -> tuple[int, ...]:
+        if body == ERROR:  # D10: one fault would have its number behind it
+            raise NotSupported(command=self.name, request=self.body(), received=body)
         count, numbers, separators = body[0], body[1::2], body[2::2]
         if count != len(numbers):
             raise WrongContent(

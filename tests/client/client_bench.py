@@ -1,0 +1,102 @@
+"""An `Ecu` on a virtual wire with simulated time, and what was asked on that wire."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from mikas.catalog import shipped
+from mikas.client import Ecu
+from mikas.client.journal import Journal
+from mikas.client.limits import LimitsStore
+from mikas.link.virtual import VirtualLink
+from mikas.tester import Tester
+from mikas.virtual.assumptions import Assumptions
+from mikas.virtual.bus import Bus
+from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.ecu import Happening, VirtualEcu
+from mikas.virtual.responder import Identity, Responder
+from mikas.virtual.table_car import TableCar
+from virtual_bench import DATA, FAULTS, IDENTITY
+
+PROBES = (b"\x01", bytes([0x61, 0x29]), bytes([0x61, 0x29, 0x29]))
+
+
+@dataclass
+class Bench:
+    """A unit on its wire; `car`, `requests` and `trouble` are the test's hands and eyes."""
+
+    car: TableCar
+    bus: Bus
+    happenings: list[Happening] = field(default_factory=list)
+    link: VirtualLink | None = None  # of the last session
+
+    def requests(self, first: int | None = None) -> list[bytes]:
+        """The bodies that the unit has heard so far; only those of code `first`, if given."""
+        heard = [h.data for h in self.happenings if h.kind == "request"]
+        return [body for body in heard if first in (None, body[0])]
+
+    def forget(self) -> None:
+        self.happenings.clear()
+
+    def trouble(self, *troubles: Trouble | None) -> None:
+        self.bus.disturbance.next(*troubles)
+
+    def power_cycle(self, ecu: Ecu) -> None:
+        """Off and on again, while nobody asks anything."""
+        self.car.on = False
+        self.bus.ecu.transmit(ecu.tester.link.now())
+        self.car.on = True
+        self.bus.ecu.transmit(ecu.tester.link.now())
+
+
+def bench(
+    data: dict[int, bytes] | None = None,
+    *,
+    identity: Identity = IDENTITY,
+    rpm: float = 850.0,
+    faults: Iterable[int] = FAULTS,
+    car: TableCar | None = None,
+    **assumptions: object,
+) -> Bench:
+    """A unit with `data`, and with the assumptions given by name as in a URL."""
+    car = car or TableCar(DATA if data is None else data, faults=faults, rpm=rpm)
+    told = Assumptions().with_options({name: str(it) for name, it in assumptions.items()})
+    ecu = VirtualEcu(Responder(car, identity, told))
+    made = Bench(car, Bus(ecu, disturbance=Disturbance()))
+    ecu.watcher = made.happenings.append
+    return made
+
+
+def ecu_on(
+    it: Bench,
+    *,
+    journal: Path | None = None,
+    state: Path | None = None,
+    confirm: object = None,
+    reading: str = "corrected",
+    **settings: object,
+) -> Ecu:
+    """A connected `Ecu`; what was asked to connect is forgotten."""
+    # The wire's clock goes on from session to session.
+    link = VirtualLink(it.bus, start=it.link.now() if it.link else 0.0)
+    it.link = link
+    tester = Tester(link, **settings)
+    tester.connect()
+    ecu = Ecu(
+        tester,
+        shipped(),
+        reading=reading,
+        confirm=confirm,
+        journal=Journal(journal) if journal else None,
+        store=LimitsStore(state) if state else None,
+    )
+    it.forget()
+    return ecu
+
+
+def lines(path: Path) -> list[dict[str, object]]:
+    """A journal's entries; each line has to be JSON of its own."""
+    return [json.loads(line) for line in path.read_text("utf-8").splitlines()]

@@ -1,0 +1,173 @@
+"""`connect`: settings, bad settings, and a port that is let go of when it fails."""
+
+from __future__ import annotations
+
+import pytest
+from client_bench import bench
+
+from mikas import errors
+from mikas.client import connect
+from mikas.link import Direction, urls
+from mikas.link.virtual import VirtualLink
+
+SIM = "sim:?clock=simulated"
+
+
+@pytest.fixture
+def links(monkeypatch):
+    """Every link opened as `bench:`, on units queued in `links.units`."""
+
+    class Links(list):
+        units: list = []  # noqa: RUF012
+
+    opened = Links()
+    opened.units = []
+
+    def opener(url, options):
+        link = VirtualLink(opened.units.pop(0).bus, url=url)
+        opened.append(link)
+        return link
+
+    monkeypatch.setitem(urls._openers, "bench", opener)
+    return opened
+
+
+def closed(link):
+    try:
+        link.read(link.now())
+    except errors.LinkLost:
+        return True
+    return False
+
+
+def test_the_unit_is_found_and_ready():
+    with connect(SIM) as ecu:
+        assert (ecu.version_code, ecu.model.known) == (0x0A, True)
+        assert ecu.read("TWAT")["TWAT"].unit == "°C"
+    with pytest.raises(errors.LinkLost):
+        ecu.read("TWAT")
+    ecu.close()
+
+
+@pytest.mark.parametrize(
+    ("setting", "value", "allowed"),
+    [
+        ("echo", "maybe", "auto, on, off"),
+        ("echo", True, "auto, on, off"),
+        ("reading", "both", "corrected, literal, alternative"),
+        ("timeout", -1, "from 0.001"),
+        ("timeout", 0, "from 0.001"),
+        ("timeout", float("nan"), "from 0.001"),
+        ("timeout", float("inf"), "from 0.001"),
+        ("timeout", "0.5", "from 0.001"),
+        ("timeout", None, "from 0.001"),
+        ("between_bytes", 0.0, "from 0.001"),
+        ("retries", -1, "from 0"),
+        ("retries", 1.5, "whole"),
+        ("retries", True, "from 0"),
+    ],
+)
+def test_a_bad_setting_is_named_with_what_is_allowed(links, setting, value, allowed):
+    with pytest.raises(errors.UsageError) as told:
+        connect("bench:", **{setting: value})
+    assert setting in str(told.value)
+    assert str(value) in told.value.text.ru
+    assert allowed in str(told.value)
+    assert links == []  # no port was opened for it
+
+
+def test_an_own_catalog_that_is_wrong_opens_no_port(links, tmp_path):
+    own = tmp_path / "own.toml"
+    own.write_text("[parameter.X]\n")
+    with pytest.raises(errors.CatalogError):
+        connect("bench:", catalogs=[own])
+    assert links == []
+
+
+def test_an_own_catalog_is_used(links, tmp_path):
+    own = tmp_path / "own.toml"
+    own.write_text(
+        '[parameter.BOOST]\ncode = 0x1A\nsize = 1\nunit = "kPa"\ntext = { en = "b", ru = "b" }\n'
+    )
+    links.units.append(bench())
+    with connect("bench:", catalogs=[own]) as ecu:
+        assert ecu.read("BOOST")["BOOST"].unit == "kPa"
+
+
+def test_the_port_is_let_go_of_when_nobody_answers(links):
+    silent = bench()
+    silent.car.on = False
+    links.units.append(silent)
+    with pytest.raises(errors.EchoOnly):
+        connect("bench:", retries=0)
+    assert closed(links[0])
+
+
+def test_the_port_is_let_go_of_when_interrupted(links, monkeypatch):
+    def stop(self):
+        raise KeyboardInterrupt
+
+    links.units.append(bench())
+    monkeypatch.setattr("mikas.tester.Tester.connect", stop)
+    with pytest.raises(KeyboardInterrupt):
+        connect("bench:")
+    assert closed(links[0])
+
+
+def test_no_port_named_and_none_plugged_in(monkeypatch):
+    monkeypatch.setattr("mikas.link.ports.find_ports", lambda _: [])
+    with pytest.raises(errors.NoPortGiven) as told:
+        connect()
+    assert "none" in str(told.value)
+    with pytest.raises(errors.PortNotFound):
+        connect(None)
+    with pytest.raises(errors.BadPortUrl):
+        connect("")
+
+
+def test_bad_urls_are_usage_errors():
+    for url in ("sim:?clock=late", "sim:?nonsense=1", "simm://", "sim:?scenario=moon"):
+        with pytest.raises(errors.UsageError):
+            connect(url)
+
+
+def test_timing_settings_reach_the_tester():
+    with connect(SIM, timeout=0.25, between_bytes=0.05, retries=5) as ecu:
+        assert ecu.tester.timing.first_byte == 0.25
+        assert ecu.tester.timing.between_bytes == 0.05
+        assert ecu.tester.retries == 5
+
+
+def test_echo_off_finds_a_unit_behind_an_adapter_that_keeps_it():
+    with connect(SIM + "&echo=0", echo="off") as ecu:
+        assert not ecu.tester.echoes
+    with connect(SIM + "&echo=0") as ecu:
+        assert not ecu.tester.echoes
+        assert ecu.info().echo is False
+
+
+def test_what_passes_on_the_wire_goes_to_the_sink():
+    seen = []
+
+    class Sink:
+        def record(self, direction, data, time):
+            seen.append((direction, data))
+
+    with connect(SIM, sink=Sink()) as ecu:
+        ecu.read("TWAT")
+    sent = b"".join(data for direction, data in seen if direction is Direction.SENT)
+    assert b"\x61\x1a\x85\x0d" in sent
+    assert any(direction is Direction.RECEIVED for direction, _ in seen)
+
+
+def test_journal_and_state_may_be_given_as_texts(tmp_path):
+    journal = tmp_path / "deep" / "journal.jsonl"
+    with connect(SIM, journal=str(journal), state=str(tmp_path / "units")) as ecu:
+        ecu.set_list("TWAT")
+    assert journal.exists()
+
+
+def test_without_a_journal_named_the_users_own_is_taken(own_state):
+    with connect(SIM) as ecu:
+        ecu.set_list("TWAT")
+    assert (own_state / "journal.jsonl").exists()

@@ -1,0 +1,425 @@
+"""One suite over both clients: what `Ecu` does, `AsyncEcu` does, with equal results and errors."""
+
+from __future__ import annotations
+
+import asyncio
+import inspect
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import asynccontextmanager
+
+import pytest
+from client_bench import bench, ecu_on
+
+from mikas import errors
+from mikas.client import METHODS, AsyncEcu, AsyncMemorySpace, Ecu, MemorySpace
+from mikas.virtual.memory import pattern
+from virtual_bench import DATA, FAULTS
+
+SIM = "sim:?clock=simulated"
+
+
+class Direct:
+    """An `Ecu` under the names of an `AsyncEcu`, so that one test serves both."""
+
+    def __init__(self, ecu):
+        self._there = ecu
+
+    def __getattr__(self, name):
+        return asked(getattr(self._there, name))
+
+
+class Spaces:
+    def __init__(self, memory):
+        self._memory = memory
+
+    def __getitem__(self, name):
+        return Direct(self._memory[name])
+
+
+def asked(it):
+    if hasattr(it, "ram"):
+        return Spaces(it)
+    if not callable(it):
+        return it
+
+    def call(*args, **kwargs):
+        made = it(*args, **kwargs)
+        if hasattr(made, "__next__"):
+            return each(made)
+        if hasattr(made, "__enter__"):
+            return entered(made)
+        return given(made)
+
+    return call
+
+
+async def given(value):
+    return value
+
+
+async def each(iterator):
+    try:
+        for item in iterator:
+            yield item
+    finally:
+        iterator.close()
+
+
+@asynccontextmanager
+async def entered(context):
+    with context as iterator:
+        yield each(iterator)
+
+
+@asynccontextmanager
+async def direct(it, **settings):
+    ecu = ecu_on(it, **settings)
+    yield Direct(ecu)
+    ecu.close()
+
+
+@asynccontextmanager
+async def by_worker(it, **settings):
+    async with AsyncEcu(ecu_on(it, **settings), ThreadPoolExecutor(1)) as ecu:
+        yield ecu
+
+
+@pytest.fixture(params=[direct, by_worker], ids=["Ecu", "AsyncEcu"])
+def client(request):
+    return request.param
+
+
+def run(test):
+    """`test` is a coroutine function: run it in a loop of its own."""
+
+    def runner(client):
+        asyncio.run(test(client))
+
+    runner.__doc__ = test.__doc__
+    return runner
+
+
+@run
+async def test_who_it_is(client):
+    async with client(bench()) as ecu:
+        info = await ecu.info()
+        assert info.version_code == ecu.version_code == 0x0A
+        assert info.model == ecu.model
+        assert await ecu.passport() == info.passport
+        assert ecu.catalog.parameters
+        assert {s.known async for s in ecu.supported()} == {True, None}
+
+
+@run
+async def test_reading(client):
+    async with client(bench()) as ecu:
+        readings = await ecu.read()
+        assert {r.parameter.code: r.raw for r in readings.values()} == DATA
+        assert list(await ecu.read("FREQ", "TWAT")) == ["FREQ", "TWAT"]
+        assert [f.code for f in await ecu.faults()] == FAULTS
+
+
+@run
+async def test_watching_by_every_method(client):
+    async with client(bench()) as ecu:
+        for method in METHODS:
+            got = [s async for s in ecu.watch("TWAT", "INJ", method=method, count=3)]
+            assert [list(s.readings) for s in got] == [["TWAT", "INJ"]] * 3
+        assert await ecu.read("TWAT")
+
+
+@run
+async def test_streaming(client):
+    for stroke in (None, 0, 4):
+        async with client(bench()) as ecu:
+            seen = 0
+            async with ecu.stream("TWAT", "INJ", stroke=stroke) as readings:
+                async for each_of in readings:
+                    assert each_of["INJ"].raw == DATA[0x3F]
+                    seen += 1
+                    if seen == 3:
+                        break
+            assert await ecu.read("TWAT")
+
+
+@run
+async def test_lists(client):
+    async with client(bench()) as ecu:
+        assert await ecu.set_list("TWAT", "INJ") == ("TWAT", "INJ")
+        assert (await ecu.read_list())["INJ"].raw == DATA[0x3F]
+
+
+@run
+async def test_changing(client):
+    asked_for = []
+    async with client(bench(), confirm=lambda c: asked_for.append(c) or True) as ecu:
+        assert (await ecu.write_parameter("SSM", 30)).after.value == 30
+        assert (await ecu.write_parameter("SSM", raw=b"\x1f")).after.value == 31
+        assert (await ecu.erase_faults()).after == ()
+        assert await ecu.goto(0x8000) == b""
+        assert await ecu.raw(b"\x01") == b"\x0a"
+        assert len(asked_for) == 4
+
+
+@run
+async def test_memory(client):
+    async with client(bench(), confirm=lambda _: True) as ecu:
+        for space in ("ram", "xram", "code", "sfr"):
+            memory = ecu.memory[space]
+            assert memory.name == space
+            assert await memory.read(0x40) == pattern(space)[0x40]
+            assert await memory.read_block(3, 20) == pattern(space)[3:23]
+            parts = [part async for part in memory.blocks(0, memory.last - 40, largest=250)]
+            assert b"".join(parts) == pattern(space)[: memory.last - 40]
+            break_at = memory.last - 1
+            assert (await memory.write(break_at, 7)).after == b"\x07"
+            assert (await memory.write_block(0, b"abc")).after == b"abc"
+
+
+@run
+async def test_the_same_errors(client):
+    async with client(bench(missing="stream,sfr")) as ecu:
+        for error, call in (
+            (errors.UnknownParameter, lambda: ecu.read("TWATT")),
+            (errors.NotSupported, lambda: ecu.read("0xEE")),
+            (errors.ValueDoesNotFit, lambda: ecu.write_parameter("SSM", 256)),
+            (errors.UsageError, ecu.read_list),
+            (errors.AddressOutOfRange, lambda: ecu.memory["ram"].read(256)),
+            (errors.NotSupported, lambda: ecu.memory["sfr"].read(0)),
+            (errors.NotConfirmed, lambda: ecu.memory["code"].write(0, 0)),
+            (errors.NotConfirmed, lambda: ecu.goto(0)),
+            (errors.UsageError, lambda: ecu.raw(b"")),
+        ):
+            with pytest.raises(error):
+                await call()
+        for error, watch in (
+            (errors.NotSupported, lambda: ecu.watch("TWAT", method="stream")),
+            (errors.UnknownParameter, lambda: ecu.watch("TWATT")),
+            (errors.UsageError, lambda: ecu.watch("TWAT", rate=0)),
+        ):
+            with pytest.raises(error):
+                [s async for s in watch()]
+        with pytest.raises(errors.UsageError):
+            ecu.memory["flash"]
+
+
+@run
+async def test_a_lost_adapter(client):
+    it = bench()
+    async with client(it) as ecu:
+        samples = ecu.watch("TWAT")
+        await anext(samples)
+        it.link.unplug()
+        with pytest.raises(errors.LinkLost):
+            [s async for s in samples]
+
+
+@run
+async def test_closing_twice(client):
+    async with client(bench()) as ecu:
+        await ecu.close()
+        await ecu.close()
+        with pytest.raises(errors.LinkLost):
+            await ecu.read("TWAT")
+
+
+# What only the asynchronous one has to answer for
+
+
+def public(of):
+    return {name for name in dir(of) if not name.startswith("_")}
+
+
+def test_every_public_name_of_ecu_is_there():
+    made = AsyncEcu(ecu_on(bench()), ThreadPoolExecutor(1))
+    assert public(Ecu) | {"memory", "catalog"} <= public(made)
+    assert public(MemorySpace) <= public(made.memory.ram)
+    assert public(made.ecu.memory) - {"NAMES"} <= public(made.memory)
+    asyncio.run(made.close())
+
+
+def test_nothing_is_copied():
+    for there, here in ((Ecu, AsyncEcu), (MemorySpace, AsyncMemorySpace)):
+        for name in public(there) & public(here) - {"close", "stream", "model", "version_code"}:
+            delegated = inspect.getattr_static(here, name, None)
+            if delegated is not None:
+                assert delegated._method is inspect.getattr_static(there, name)
+                assert delegated.__doc__ == getattr(there, name).__doc__
+
+
+def test_connect_takes_the_same_settings_and_raises_the_same():
+    async def scene():
+        async with await AsyncEcu.connect(SIM, reading="literal", retries=1) as ecu:
+            assert ecu.ecu.tester.retries == 1
+            assert (await ecu.read("UACC"))["UACC"].reading == "literal"
+        with pytest.raises(errors.UsageError, match="maybe"):
+            await AsyncEcu.connect(SIM, echo="maybe")
+        with pytest.raises(errors.EchoOnly):
+            await AsyncEcu.connect(SIM + "&scenario=key-off&lost=1", retries=0)
+
+    asyncio.run(scene())
+
+
+def test_a_cancelled_connect_leaves_no_port_open(monkeypatch):
+    go, made = threading.Event(), []
+
+    def slow(url, **settings):
+        assert go.wait(30)
+        made.append(ecu_on(bench()))
+        return made[0]
+
+    monkeypatch.setattr("mikas.client.asynchronous.connect", slow)
+
+    async def scene():
+        connecting = asyncio.create_task(AsyncEcu.connect("sim:"))
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        connecting.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await connecting
+        go.set()
+        for thread in threading.enumerate():
+            if thread.name.startswith("mikas"):
+                thread.join(30)
+
+    asyncio.run(scene())
+    with pytest.raises(errors.LinkLost):
+        made[0].read("TWAT")
+
+
+@pytest.mark.parametrize("method", METHODS)
+class TestLeavingAWatch:
+    def scene(self, method, act):
+        it = bench()
+
+        async def play():
+            async with by_worker(it) as ecu:
+                await act(ecu, method)
+                assert (await ecu.read("TWAT"))["TWAT"].raw == DATA[0x1A]
+                if method == "stream" or method.startswith("stroke"):
+                    assert any(h.kind == "stream-end" for h in it.happenings)
+
+        asyncio.run(play())
+
+    def test_by_break(self, method):
+        async def act(ecu, method):
+            async for _ in ecu.watch("TWAT", method=method):
+                break
+
+        self.scene(method, act)
+
+    def test_by_an_error(self, method):
+        async def act(ecu, method):
+            try:
+                async for _ in ecu.watch("TWAT", method=method):
+                    raise ZeroDivisionError
+            except ZeroDivisionError:
+                await ecu.read("FREQ")
+
+        self.scene(method, act)
+
+    def test_by_cancelling(self, method):
+        async def act(ecu, method):
+            seen = asyncio.Event()
+
+            async def watch():
+                async for _ in ecu.watch("TWAT", method=method):
+                    seen.set()
+
+            task = asyncio.create_task(watch())
+            await seen.wait()
+            task.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await task
+
+        self.scene(method, act)
+
+    def test_by_cancelling_before_the_first(self, method):
+        async def act(ecu, method):
+            async def watch():
+                async for _ in ecu.watch("TWAT", method=method):
+                    pass
+
+            task = asyncio.create_task(watch())
+            await asyncio.sleep(0)
+            task.cancel()
+            try:
+                await task
+            except asyncio.CancelledError:
+                await ecu.read("FREQ")  # free at once, though the error still holds its frames
+
+        self.scene(method, act)
+
+    def test_by_aclose(self, method):
+        async def act(ecu, method):
+            samples = ecu.watch("TWAT", method=method)
+            await anext(samples)
+            await samples.aclose()
+            await samples.aclose()
+            assert [s async for s in samples] == []
+
+        self.scene(method, act)
+
+    def test_by_a_count(self, method):
+        async def act(ecu, method):
+            samples = ecu.watch("TWAT", method=method, count=1)
+            await anext(samples)
+
+        self.scene(method, act)
+
+
+def test_cancelling_in_a_stream_frees_the_unit():
+    async def play():
+        async with by_worker(bench()) as ecu:
+            for turns in range(6):  # as the worker is still beginning it, and later
+
+                async def stream():
+                    async with ecu.stream("TWAT") as readings:
+                        async for _ in readings:
+                            pass
+
+                task = asyncio.create_task(stream())
+                for _ in range(turns):
+                    await asyncio.sleep(0)
+                task.cancel()
+                with pytest.raises(asyncio.CancelledError):
+                    await task
+                assert await ecu.read("TWAT")
+
+    asyncio.run(play())
+
+
+def test_an_error_in_a_stream_comes_out_as_it_is():
+    it = bench()
+
+    async def play():
+        async with by_worker(it) as ecu:
+
+            async def stream(act):
+                async with ecu.stream("TWAT") as readings:
+                    await anext(readings)
+                    act()
+                    async for _ in readings:
+                        pass
+
+            with pytest.raises(ZeroDivisionError):
+                await stream(lambda: 1 / 0)
+            assert await ecu.read("TWAT")
+            with pytest.raises(errors.LinkLost):
+                await stream(it.link.unplug)
+
+    asyncio.run(play())
+
+
+def test_the_loop_goes_on_while_the_unit_is_asked():
+    it = bench()
+
+    async def play():
+        async with by_worker(it) as ecu:
+            many = await asyncio.gather(*(ecu.read("TWAT") for _ in range(20)))
+            assert all(r["TWAT"].raw == DATA[0x1A] for r in many)
+            statistics = await ecu.run(lambda: ecu.ecu.tester.statistics)
+            assert statistics.requests == 20
+
+    asyncio.run(play())

@@ -1,0 +1,197 @@
+"""How many parameters one request takes (D11): found by halving, kept for the unit, no more than
+that.
+"""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from client_bench import bench, ecu_on
+
+from mikas.client import Limits
+from mikas.client.limits import STARTING_LIST, LimitsStore
+from mikas.virtual.disturbance import Trouble
+from mikas.virtual.responder import Identity
+from virtual_bench import DATA
+
+WAYS = [("silent", "silent"), ("silent", "01"), ("short", "silent"), ("short", "01")]
+
+
+@pytest.mark.parametrize(("long_list", "unknown"), WAYS)
+@pytest.mark.parametrize(("takes", "learnt"), [(1, 1), (2, 2), (3, 3), (6, 6), (8, 6), (10, 10),
+                                               (11, 11), (20, 11), (21, 64)])  # fmt: skip
+def test_what_fits_is_found_by_halving(long_list, unknown, takes, learnt):
+    it = bench(max_list=takes, long_list=long_list, unknown=unknown)
+    ecu = ecu_on(it)
+    readings = ecu.read()
+    assert {r.parameter.code: r.raw for r in readings.values()} == DATA
+    assert ecu.info().limits == Limits(max_list=learnt)
+    it.forget()
+    assert ecu.read().keys() == readings.keys()
+    assert len(it.requests(0x61)) == -(-21 // learnt)  # no request that is too long any more
+    assert ecu.info().limits == Limits(max_list=learnt)
+
+
+@pytest.mark.parametrize(("long_list", "unknown"), WAYS)
+def test_a_short_list_and_refused_codes_together(long_list, unknown):
+    data = {code: raw for code, raw in DATA.items() if code not in (0x07, 0x42, 0x72)}
+    it = bench(data, max_list=10, long_list=long_list, unknown=unknown)
+    ecu = ecu_on(it)
+    for _ in range(3):
+        readings = ecu.read()
+        assert {r.parameter.code: r.raw for r in readings.values()} == data
+    limits = ecu.info().limits
+    assert sorted(limits.refused) == [0x07, 0x42, 0x72]
+    assert 5 <= limits.max_list <= 10
+
+
+@pytest.mark.parametrize("losses", [1, 2])
+@pytest.mark.parametrize("unknown", ["silent", "01"])
+def test_lost_responses_are_no_limit(losses, unknown):
+    it = bench(unknown=unknown)
+    ecu = ecu_on(it)
+    # Every second answer is the one that finds the step again.
+    it.trouble(*[Trouble.LOST, None] * losses)
+    assert len(ecu.read()) == 23
+    assert ecu.info().limits == Limits()
+
+
+def test_a_lost_response_is_no_refusal():
+    it = bench()
+    ecu = ecu_on(it, retries=0)
+    it.trouble(Trouble.LOST)
+    assert ecu.read("TWAT")["TWAT"].raw == DATA[0x1A]
+    assert ecu.info().limits == Limits()
+
+
+def test_a_code_that_answered_once_is_never_refused_by_silence():
+    it = bench()
+    ecu = ecu_on(it)
+    ecu.read()
+    it.trouble(*[Trouble.LOST, None] * 40)
+    for sample in ecu.watch("TWAT", method="single", count=3):
+        assert sample.gap
+    assert ecu.info().limits == Limits()
+
+
+def test_bad_line_for_long_leaves_the_limits_alone():
+    it = bench()
+    it.bus.disturbance.rates = {Trouble.LOST: 0.02, Trouble.DAMAGED: 0.02}
+    ecu = ecu_on(it)
+    came = [sample for sample in ecu.watch(count=500)]  # noqa: C416
+    assert sum(not sample.gap for sample in came) > 490
+    assert ecu.info().limits == Limits()
+
+
+class TestKeptForTheUnit:
+    def learnt(self, tmp_path, **how):
+        it = bench(max_list=10, **how)
+        ecu = ecu_on(it, state=tmp_path)
+        ecu.read()
+        ecu.close()
+        return it
+
+    def test_the_next_session_begins_with_it(self, tmp_path):
+        it = self.learnt(tmp_path)
+        ecu = ecu_on(it, state=tmp_path)
+        assert len(ecu.read()) == 23
+        assert [len(body) - 1 for body in it.requests(0x61)] == [10, 10, 1]
+
+    def test_another_unit_begins_with_nothing(self, tmp_path):
+        self.learnt(tmp_path)
+        other = bench(identity=Identity(0x0A, ("ANOTHER",) + ("",) * 7))
+        ecu = ecu_on(other, state=tmp_path)
+        assert len(ecu.read()) == 23
+        assert ecu.info().limits == Limits()
+        assert len(other.requests(0x61)) == 1
+        same_passport = bench(identity=Identity(0x09, bench().bus.ecu.responder.identity.passports))
+        assert ecu_on(same_passport, state=tmp_path).info().limits == Limits()
+
+    def test_the_passport_is_asked_only_if_there_is_anything_to_know(self, tmp_path):
+        it = bench()
+        ecu_on(it, state=tmp_path).read("TWAT")
+        assert it.requests() == [b"\x61\x1a"]
+
+    @pytest.mark.parametrize(
+        "text",
+        [
+            "",
+            "{",
+            "null",
+            "[]",
+            "{}",
+            "\x00\xff",
+            '{"max_list": "many", "max_block": {}, "refused": []}',
+            '{"max_list": Infinity, "max_block": {}, "refused": []}',
+            '{"max_list": 10, "max_block": [], "refused": []}',
+            '{"max_list": 10, "max_block": {}, "refused": 5}',
+            '{"max_list": 10, "max_block": {}, "refused": [null]}',
+            "[" * 5000,
+        ],
+    )
+    def test_a_corrupt_file_counts_as_nothing_learnt(self, tmp_path, text):
+        it = self.learnt(tmp_path)
+        (kept,) = tmp_path.glob("*.json")
+        kept.write_text(text, "latin-1")
+        ecu = ecu_on(it, state=tmp_path)
+        assert len(ecu.read()) == 23
+        assert json.loads(kept.read_text("utf-8"))["max_list"] == 10  # learnt anew
+
+    def test_nonsense_numbers_are_brought_back_into_bounds(self, tmp_path):
+        it = self.learnt(tmp_path)
+        (kept,) = tmp_path.glob("*.json")
+        stored = json.loads(kept.read_text("utf-8"))
+        kept.write_text(json.dumps(stored | {"max_list": -3, "max_block": {"ram": 9999}}))
+        limits = ecu_on(it, state=tmp_path).info().limits
+        assert (limits.max_list, limits.block("ram")) == (1, 255)
+
+    def test_a_folder_that_cannot_be_written_costs_nothing_else(self, tmp_path):
+        (tmp_path / "file").write_text("")
+        it = bench(max_list=10)
+        for folder in (tmp_path / "file", tmp_path / "file" / "units"):
+            assert len(ecu_on(it, state=folder).read()) == 23
+
+    def test_a_folder_that_may_not_be_looked_into_is_empty(self, tmp_path, monkeypatch):
+        def denied(self, pattern):
+            raise PermissionError(13, "Permission denied")
+
+        monkeypatch.setattr("pathlib.Path.glob", denied)
+        assert LimitsStore(tmp_path).empty
+
+    def test_a_half_written_file_is_never_seen(self, tmp_path):
+        self.learnt(tmp_path)
+        assert [path.suffix for path in tmp_path.iterdir()] == [".json"]
+
+    def test_what_was_read_stands_though_the_unit_does_not_say_who_it_is(self, tmp_path):
+        it = bench(max_list=10, long_list="short")
+        ecu = ecu_on(it, state=tmp_path)
+        # 21 twice, 11, 10 … and the passport's pieces are lost
+        request = it.bus.ecu.responder.answer
+        it.bus.ecu.responder = Mute(it.bus.ecu.responder, request)
+        assert len(ecu.read()) == 23
+
+
+class Mute:
+    """A responder whose passports come damaged, as far as the tester can see."""
+
+    def __init__(self, responder, answer):
+        self._responder = responder
+        self._answer = answer
+
+    def __getattr__(self, name):
+        return getattr(self._responder, name)
+
+    def answer(self, body, now):
+        return b"\x00" * 5 if body[0] in range(0x51, 0x59) else self._answer(body, now)
+
+
+def test_what_info_shows_is_a_copy():
+    ecu = ecu_on(bench())
+    shown = ecu.info().limits
+    shown.refused.append(0x1A)
+    shown.max_block["ram"] = 1
+    shown.max_list = 1
+    assert ecu.info().limits == Limits()
+    assert ecu.info().limits.max_list == STARTING_LIST
+    assert not ecu.info().limits.learnt

@@ -1,0 +1,183 @@
+"""The public interface, pinned: names change only by addition, and importing them is cheap."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from string import Formatter
+
+import pytest
+
+import mikas
+import mikas.client
+from mikas import errors
+
+TREE = {
+    "MikasError": ("Exception", Exception),
+    "UsageError": ("MikasError", ValueError),
+    "UnknownParameter": ("UsageError", ValueError),
+    "AddressOutOfRange": ("UsageError", ValueError),
+    "ValueDoesNotFit": ("UsageError", ValueError),
+    "BadPortUrl": ("UsageError", ValueError),
+    "CatalogError": ("UsageError", ValueError),
+    "CaptureError": ("UsageError", ValueError),
+    "ExportError": ("UsageError", ValueError),
+    "JournalError": ("UsageError", ValueError),
+    "MissingExtra": ("UsageError", ImportError),
+    "NoConnection": ("MikasError", ConnectionError),
+    "PortNotFound": ("NoConnection", ConnectionError),
+    "NoPortGiven": ("PortNotFound", ConnectionError),
+    "PortBusy": ("NoConnection", ConnectionError),
+    "PortDenied": ("NoConnection", ConnectionError),
+    "PortFailed": ("NoConnection", ConnectionError),
+    "LinkLost": ("NoConnection", ConnectionError),
+    "NoEcho": ("NoConnection", ConnectionError),
+    "EchoOnly": ("NoConnection", ConnectionError),
+    "NotAKLineAdapter": ("NoConnection", ConnectionError),
+    "LineError": ("MikasError", Exception),
+    "NoResponse": ("LineError", TimeoutError),
+    "EchoDiffers": ("LineError", Exception),
+    "DamagedResponse": ("LineError", Exception),
+    "WrongLength": ("LineError", Exception),
+    "WrongAddress": ("LineError", Exception),
+    "WrongContent": ("LineError", Exception),
+    "LineNotQuiet": ("LineError", Exception),
+    "OutOfStep": ("LineError", Exception),
+    "EcuRefused": ("MikasError", Exception),
+    "WriteRefused": ("EcuRefused", Exception),
+    "NotSupported": ("EcuRefused", Exception),
+    "ReadBackDiffers": ("EcuRefused", Exception),
+    "NotConfirmed": ("MikasError", Exception),
+}
+# These stand for a whole branch, or carry what to try in their own words.
+WITHOUT_ADVICE = {"MikasError", "UsageError", "CaptureError", "NoConnection", "EcuRefused"}
+
+HEAVY = {"numpy", "pandas", "rich", "click", "serial", "asyncio", "sqlite3", "pyarrow", "starlette",
+         "hypothesis", "platformdirs", "concurrent.futures", "tomllib", "logging"}  # fmt: skip
+
+
+def own_errors():
+    found = {"MikasError": errors.MikasError}
+    waiting = [errors.MikasError]
+    while waiting:
+        for error in waiting.pop().__subclasses__():
+            if error.__module__ == "mikas.errors":
+                found[error.__name__] = error
+                waiting.append(error)
+    return found
+
+
+def test_the_package():
+    assert mikas.__all__ == [
+        "AsyncEcu",
+        "Change",
+        "Ecu",
+        "MikasError",
+        "Reading",
+        "Sample",
+        "connect",
+        "errors",
+    ]
+    for name in mikas.__all__:
+        assert getattr(mikas, name).__doc__
+    assert dir(mikas) == sorted([*mikas.__all__, "__version__"])
+    assert mikas.__version__[0].isdigit()
+    assert mikas.Ecu is mikas.client.Ecu
+    assert mikas.MikasError is errors.MikasError
+    with pytest.raises(AttributeError, match="nonsense"):
+        _ = mikas.nonsense
+
+
+def test_the_client():
+    assert mikas.client.__all__ == [
+        "METHODS",
+        "AsyncEcu",
+        "AsyncItems",
+        "AsyncMemory",
+        "AsyncMemorySpace",
+        "Change",
+        "Confirm",
+        "Ecu",
+        "Erased",
+        "Info",
+        "Limits",
+        "Memory",
+        "MemorySpace",
+        "Method",
+        "Passport",
+        "Reading",
+        "Sample",
+        "Support",
+        "Written",
+        "WrittenParameter",
+        "connect",
+    ]
+    for name in mikas.client.__all__:
+        assert getattr(mikas.client, name) is not None
+    with pytest.raises(AttributeError, match="nonsense"):
+        _ = mikas.client.nonsense
+
+
+def test_every_public_method_says_what_it_is_for():
+    for name in mikas.client.__all__:
+        of = getattr(mikas.client, name)
+        if isinstance(of, type):
+            assert of.__doc__, name
+            for member in (m for m in vars(of) if not m.startswith("_")):
+                described = vars(of)[member]
+                if callable(described) or isinstance(described, (property, classmethod)):
+                    assert described.__doc__, f"{name}.{member}"
+
+
+def test_the_errors_are_one_tree_and_each_is_the_matching_builtin():
+    found = own_errors()
+    assert set(found) == set(TREE)
+    for name, (parent, builtin) in TREE.items():
+        assert found[name].__bases__[0].__name__ == parent
+        assert issubclass(found[name], builtin)
+        assert getattr(errors, name) is found[name]
+        assert found[name].__doc__
+        if name != "MikasError":
+            assert name in errors.__doc__, f"{name} is missing in the drawn tree"
+
+
+def fields_of(text):
+    return {name for _, name, _, _ in Formatter().parse(text) if name is not None}
+
+
+@pytest.mark.parametrize("name", TREE)
+def test_an_error_speaks_both_languages(name):
+    error = getattr(errors, name)
+    for text in (error.what, error.advice):
+        assert bool(text.en) == bool(text.ru)
+        assert fields_of(text.en) == fields_of(text.ru)
+    assert error.what.en
+    assert bool(error.advice.en) is (name not in WITHOUT_ADVICE)
+    words = error.what.ru.split()
+    assert any("а" <= letter <= "я" for letter in error.what.ru) or all("{" in w for w in words)
+
+
+def run(code):
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    return set(done.stdout.split())
+
+
+@pytest.mark.parametrize(
+    ("code", "but"),
+    [
+        ("import mikas", ()),
+        ("import mikas; mikas.errors; mikas.MikasError", ()),
+        ("from mikas.client import connect", ("tomllib",)),
+    ],
+)
+def test_importing_it_imports_nothing_heavy(code, but):
+    bare = run("import sys; print(*sys.modules)")
+    loaded = run(f"{code}\nimport sys; print(*sys.modules)") - bare
+    assert loaded & HEAVY <= set(but)
+
+
+def test_import_mikas_loads_only_itself():
+    loaded = run("import mikas, sys; print(*(m for m in sys.modules if m.startswith('mikas')))")
+    assert loaded == {"mikas"}
