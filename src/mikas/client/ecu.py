@@ -79,7 +79,7 @@ class Ecu:
             ready=tester.check_free,
         )
         data = DataReader(tester, self._known_limits, self._keep_limits)
-        self._parameters = Parameters(tester, catalog, self._gate, data, reading)
+        self.parameters = Parameters(tester, catalog, self._gate, data, reading)
         self.memory = Memory(tester, self._gate, self._known_limits, self._keep_limits)
 
     @property
@@ -106,9 +106,14 @@ class Ecu:
             limits=self._known_limits().copy(),
         )
 
-    def passport(self) -> Passport:
-        """The program's and the data's passport (51–58), asked once a session."""
-        if self._passport is None:
+    def passport(self, *, again: bool = False) -> Passport:
+        """The program's and the data's passport (51–58), asked once a session.
+
+        `again`: ask once more; after a pause it may be another unit that answers.
+        """
+        if again:
+            self._limits = None
+        if again or self._passport is None:
             self._passport = read_passport(self.tester)
         return self._passport
 
@@ -124,7 +129,7 @@ class Ecu:
         A raw code is written `0x1A`, or `0x3F:2`. Raises `UnknownParameter`, `NotSupported` for a
         named one that the unit does not know, or if it knows none, a `LineError`, `NoConnection`.
         """
-        return self._parameters.read(names)
+        return self.parameters.read(names)
 
     def watch(
         self,
@@ -143,7 +148,7 @@ class Ecu:
         and 63, which changes the unit's list; stream: 71; stroke0 … stroke4: 7F … 83. A stream
         keeps the line to itself until what is returned is closed, or has given `count` samples.
         """
-        return Watcher(self.tester, self._parameters, names, rate).samples(method, count)
+        return Watcher(self.tester, self.parameters, names, rate).samples(method, count)
 
     def stream(
         self, *names: str, stroke: int | None = None
@@ -152,21 +157,21 @@ class Ecu:
 
         `stroke`: 0 … 4 for one response an engine cycle (D15). Leaving the `with` ends it (D12).
         """
-        return self._parameters.stream(names, stroke=stroke)
+        return self.parameters.stream(names, stroke=stroke)
 
     def set_list(self, *names: str) -> tuple[str, ...]:
         """Sets the list that `read_list` reads (64); returns the names in it.
 
         Raises `UnknownParameter`, `NotConfirmed`, `WriteRefused`, `NotSupported`.
         """
-        return self._parameters.set_list(names)
+        return self.parameters.set_list(names)
 
     def read_list(self) -> dict[str, Reading]:
         """One reading of each parameter in the list (63), which `set_list` sets.
 
         Raises `UsageError` without a list, and after silence, for then the unit may have lost it.
         """
-        return self._parameters.read_list()
+        return self.parameters.read_list()
 
     def write_parameter(
         self, name: str, value: float | None = None, *, raw: bytes | None = None
@@ -175,7 +180,7 @@ class Ecu:
 
         Raises `ValueDoesNotFit`, `NotConfirmed`, `WriteRefused`, `ReadBackDiffers`.
         """
-        return self._parameters.write(name, value, raw)
+        return self.parameters.write(name, value, raw)
 
     # Faults
 
@@ -246,7 +251,7 @@ class Ecu:
 
         def act() -> bytes | None:
             if command is c.WriteList:
-                self._parameters.forget_list()
+                self.parameters.forget_list()
             return self.tester.raw(body)
 
         return self._gate.make(change, act, hexed)

@@ -1,0 +1,103 @@
+"""What the sampler tells: samples, gaps, and the state of the line in words.
+
+A value is fresh (it came in this cycle), stale (from an earlier one, with its own time) or missing.
+A stale one never stands among the fresh: a wrong reading is worse than a hole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from mikas.client import Passport, Reading
+from mikas.errors import MikasError
+from mikas.language import Text
+
+
+class LineState(Enum):
+    """How far the way to the ECU is open, from worst to best."""
+
+    NO_PORT = "no-port"
+    NO_ECHO = "no-echo"
+    ECHO_ONLY = "echo-only"
+    ECU_ALIVE = "ecu-alive"
+    SAMPLING = "sampling"
+
+    @property
+    def text(self) -> Text:
+        """The state in words."""
+        return _WORDS[self]
+
+
+_WORDS = {
+    LineState.NO_PORT: Text("no adapter", "нет адаптера"),
+    LineState.NO_ECHO: Text(
+        "no echo: no 12 V at the adapter, or the wrong port",
+        "нет эха: на адаптере нет 12 В или не тот порт",
+    ),
+    LineState.ECHO_ONLY: Text(
+        "echo, but the ECU is silent: ignition off?",
+        "эхо есть, блок молчит: выключено зажигание?",
+    ),
+    LineState.ECU_ALIVE: Text("the ECU answers", "блок отвечает"),
+    LineState.SAMPLING: Text("sampling", "идёт опрос"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class StateChanged:
+    """The line's state is another one since `time`; `error` is what showed it, if anything did."""
+
+    time: float
+    state: LineState
+    error: MikasError | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Sampled:
+    """One cycle. `fresh` came in it; `stale` are the last known of those that were not asked."""
+
+    time: float
+    fresh: Mapping[str, Reading]
+    stale: Mapping[str, Reading]
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """A cycle that brought nothing, and why. Several in a row are one hole in the recording."""
+
+    time: float
+    error: MikasError
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """The method in use from here on. `rates`: sets a second of each that was measured."""
+
+    time: float
+    method: str
+    rates: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Dropped:
+    """A parameter that the unit refuses; the others go on."""
+
+    time: float
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class UnitFound:
+    """A unit answers. `another`: its passport is not that of the one before, so it is another
+    car.
+    """
+
+    time: float
+    version_code: int
+    passport: Passport
+    another: bool
+
+
+Event = StateChanged | Sampled | Gap | Chosen | Dropped | UnitFound

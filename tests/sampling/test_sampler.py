@@ -1,0 +1,218 @@
+"""Sampling on simulated time: the method that is chosen, what is told, and what comes back."""
+
+from __future__ import annotations
+
+from contextlib import closing
+
+import pytest
+from sampling_bench import SimulatedPlug, make_sampler, of, take
+
+from mikas.errors import EchoOnly, LinkLost, NotSupported, UnknownParameter
+from mikas.sampling.events import (
+    Chosen,
+    Dropped,
+    Gap,
+    LineState,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
+from mikas.sampling.plan import METHODS
+from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.assumptions import GROUPS, Assumptions, LongList, Unknown
+from mikas.virtual.bus import Bus
+from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.responder import Identity
+from virtual_bench import DATA, IDENTITY, make_bus
+
+SAMPLES = 40
+
+
+def enough(events):
+    return len(of(Sampled, events)) >= SAMPLES
+
+
+def run(bus: Bus, *words: str, **settings: object):
+    with closing(make_sampler(SimulatedPlug(bus), *words, **settings).run()) as events:
+        return take(events, enough)
+
+
+def assert_values_are_the_units(events):
+    for sample in of(Sampled, events):
+        for reading in sample.fresh.values():
+            assert reading.raw == DATA[reading.parameter.code], reading.name
+
+
+def test_it_says_how_the_way_opened():
+    events = run(make_bus(), method="batch")
+    assert [e.state for e in of(StateChanged, events)] == [
+        LineState.ECU_ALIVE,
+        LineState.SAMPLING,
+    ]
+    (found,) = of(UnitFound, events)
+    assert found.passport.program[0] == "МИКАС 7.1"
+    assert not found.another
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_brings_the_units_values(method):
+    events = run(make_bus(rpm=5200), method=method)
+    assert_values_are_the_units(events)
+    assert len(of(Sampled, events)[-1].fresh) == 23
+    assert not of(Gap, events)
+
+
+def test_the_fastest_is_chosen_where_everything_works():
+    (chosen,) = of(Chosen, run(make_bus()))
+    assert chosen.method == "stream"
+    assert list(chosen.rates) == ["stream", "list", "batch"]
+    assert chosen.rates["stream"] > chosen.rates["list"] > chosen.rates["batch"]
+
+
+@pytest.mark.parametrize(
+    ("missing", "method"),
+    [
+        (("stream",), "list"),
+        (("stream", "list"), "batch"),
+    ],
+)
+@pytest.mark.parametrize("unknown", Unknown)
+def test_it_falls_back_step_by_step(missing, method, unknown):
+    lacks = frozenset().union(*(GROUPS[group] for group in missing))
+    events = run(make_bus(assumptions=Assumptions(missing=lacks, unknown=unknown)))
+    assert of(Chosen, events)[0].method == method
+    assert_values_are_the_units(events)
+
+
+@pytest.mark.parametrize("long_list", LongList)
+def test_a_unit_with_short_lists_gets_smaller_batches(long_list):
+    assumptions = Assumptions(
+        max_list=4, long_list=long_list, missing=GROUPS["stream"] | GROUPS["list"]
+    )
+    events = run(make_bus(assumptions=assumptions))
+    assert of(Chosen, events)[0].method == "batch"
+    assert_values_are_the_units(events)
+    assert len(of(Sampled, events)[-1].fresh) == 23
+
+
+def test_an_adapter_that_lumps_is_measured_not_assumed():
+    (chosen,) = of(Chosen, run(make_bus(adapter=AdapterKind(latency=0.016))))
+    best = max(chosen.rates, key=lambda name: chosen.rates[name])
+    assert chosen.method == best
+
+
+def test_slow_ones_are_stale_between_their_turns_and_never_fresh():
+    events = run(make_bus(), "FREQ", "TWAT/10", method="batch")
+    samples = of(Sampled, events)
+    with_coolant = [s for s in samples if "TWAT" in s.fresh]
+    assert len(with_coolant) == pytest.approx(SAMPLES / 10, abs=1)
+    for sample in samples:
+        assert "FREQ" in sample.fresh
+        assert not set(sample.fresh) & set(sample.stale)
+        if "TWAT" in sample.stale:
+            assert sample.stale["TWAT"].time < sample.time
+
+
+def test_a_rate_is_kept():
+    samples = of(Sampled, run(make_bus(), "FREQ", method="batch", rate=5.0))
+    assert (samples[-1].time - samples[0].time) / (SAMPLES - 1) == pytest.approx(0.2, rel=0.02)
+
+
+def test_a_refused_parameter_is_dropped_with_a_notice_and_the_others_go_on():
+    bus = make_bus()
+    del bus.ecu.responder.car._data[0x1A]
+    events = run(bus)
+    assert [d.name for d in of(Dropped, events)] == ["TWAT"]
+    assert "TWAT" not in of(Sampled, events)[-1].fresh
+    assert len(of(Sampled, events)[-1].fresh) == 22
+
+
+def test_if_everything_is_refused_it_says_so_instead_of_an_empty_log():
+    with pytest.raises(NotSupported):
+        run(make_bus(), "0x99", method="batch")
+
+
+def test_an_unknown_name_is_refused_before_anything():
+    with pytest.raises(UnknownParameter):
+        run(make_bus(), "TWTA")
+
+
+def test_line_faults_make_gaps_and_no_wrong_value():
+    disturbance = Disturbance(
+        {Trouble.DAMAGED: 0.1, Trouble.LATE: 0.02, Trouble.LOST: 0.02}, seed=3
+    )
+    events = run(make_bus(disturbance=disturbance))
+    assert_values_are_the_units(events)
+
+
+def test_ignition_off_and_on_again():
+    bus = make_bus()
+    car = bus.ecu.responder.car
+    with closing(make_sampler(SimulatedPlug(bus)).run()) as events:
+        take(events, enough)
+        car.on = False
+        lost = take(events, lambda e: bool(of(StateChanged, e)))
+        assert of(StateChanged, lost)[0].state is LineState.ECHO_ONLY
+        assert isinstance(of(Gap, lost)[-1].error, EchoOnly)
+        car.on = True
+        back = take(events, enough)
+    assert [e.state for e in of(StateChanged, back)] == [LineState.ECU_ALIVE, LineState.SAMPLING]
+    assert not of(UnitFound, back)[0].another
+    assert not of(Chosen, back)  # what was found out once is not found out again
+    assert_values_are_the_units(back)
+
+
+def test_the_adapter_pulled_out_and_put_back():
+    plug = SimulatedPlug(make_bus())
+    with closing(make_sampler(plug).run()) as events:
+        take(events, enough)
+        plug.pull()
+        lost = take(events, lambda e: bool(of(StateChanged, e)))
+        assert of(StateChanged, lost)[0].state is LineState.NO_PORT
+        assert isinstance(of(StateChanged, lost)[0].error, LinkLost)
+        plug.plugged_in = True
+        back = take(events, enough)
+    assert not of(UnitFound, back)[0].another
+    times = [s.time for s in of(Sampled, lost + back)]
+    assert times == sorted(times)
+
+
+def test_another_car_is_noticed_and_its_method_found_out_anew():
+    plug = SimulatedPlug(make_bus())
+    with closing(make_sampler(plug).run()) as events:
+        take(events, enough)
+        plug.pull()
+        take(events, lambda e: bool(of(StateChanged, e)))
+        plug.bus = make_bus(assumptions=Assumptions(missing=GROUPS["stream"]))
+        plug.bus.ecu.responder.identity = Identity(0x09, IDENTITY.passports)
+        plug.bus.advance(plug.now())
+        plug.plugged_in = True
+        back = take(events, enough)
+    assert of(UnitFound, back)[0].another
+    assert of(Chosen, back)[0].method == "list"
+
+
+@pytest.mark.parametrize("method", ["batch", "list", "stream"])
+def test_requests_of_others_go_in_between(method):
+    sampler = make_sampler(SimulatedPlug(make_bus()), method=method)
+    with closing(sampler.run()) as events:
+        take(events, enough)
+        asked = sampler.call(lambda ecu: [fault.code for fault in ecu.faults()])
+        failing = sampler.call(lambda ecu: ecu.read("nonsense"))
+        cancelled = sampler.call(lambda ecu: ecu.faults())
+        cancelled.cancel()
+        after = take(events, enough)
+    assert asked.result(0) == [0x0D, 0x35, 0x40, 0x0D]
+    assert isinstance(failing.exception(0), UnknownParameter)
+    assert_values_are_the_units(after)
+    assert not of(Gap, after)
+
+
+def test_closing_it_leaves_the_line_quiet():
+    bus = make_bus()
+    plug = SimulatedPlug(bus)
+    with closing(make_sampler(plug, method="stream").run()) as events:
+        take(events, enough)
+    carried = bus.bytes_carried
+    bus.advance(plug.now() + 5)
+    assert bus.bytes_carried == carried
