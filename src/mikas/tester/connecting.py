@@ -7,6 +7,7 @@ from enum import Enum
 from mikas.errors import (
     DamagedResponse,
     EchoDiffers,
+    EchoOnly,
     NoEcho,
     NoResponse,
     NotAKLineAdapter,
@@ -27,51 +28,73 @@ class Echo(Enum):
     OFF = "off"
 
 
-def introduce(line: Line, step: Step, echo: Echo) -> int:
+def introduce(line: Line, step: Step, echo: Echo, *, again: bool = False) -> int:
     """Settles `line.echo` and returns the unit's version code, given twice and alike.
 
-    Raises `NoEcho`, `EchoOnly`, `EchoDiffers`, `NotAKLineAdapter`, `OutOfStep` or another
-    `LineError`.
+    `again`: it has failed before, so an earlier session's stream by strokes is looked for, which
+    the pauses of a first, quick try may hide. Raises `NoEcho`, `EchoOnly`, `EchoDiffers`,
+    `NotAKLineAdapter`, `OutOfStep` or another `LineError`.
     """
-    came = step.silence()
-    line.echo = _find_echo(line, came) if echo is Echo.AUTO else echo is Echo.ON
-    first = _ask_who(line)
-    if _ask_who(line) != first:  # one of them was a late answer to somebody else
+    came = step.silence(patient=again)
+    answered = _find_echo(line, echo, came)
+    first = _ask_who(line, line.timing.quiet, answered=answered)
+    # Whatever an earlier session has left behind, a late answer or a stream by strokes, shows
+    # itself in the silence of a whole `first_byte` at the end.
+    if _ask_who(line, line.timing.first_byte, answered=True) != first:
         raise OutOfStep(received=bytes([first]), time=line.link.now())
     return first
 
 
-def _find_echo(line: Line, came_before: bytes) -> bool:
-    """`01` comes back as itself, or is answered by something that it can't be."""
-    link, request = line.link, encode(AVAILABILITY, raw_checksum=line.raw_checksum)
-    link.write(request)
-    deadline = link.now() + len(request) * link.byte_time + line.timing.first_byte
+def _find_echo(line: Line, expected: Echo, came_before: bytes) -> bool:
+    """`01` comes back as itself, or is answered by something that it can't be.
+
+    Settles `line.echo`, against what is `expected`; returns whether there was more than an echo.
+    """
+    request, data = _call(line)
+    if not data:
+        request, data = _call(line)  # without an echo, one lost answer looks like a dead line
+    if not data:
+        raise NoEcho(request=request, received=data, time=line.link.now())
+    refuse_elm(came_before + data)
+    sound = len(data) > 2 and data[-1] == TERMINATOR and sum(data[:-1]) & 0xFF == 0
+    line.echo = data.startswith(request)
+    if data == request and expected is Echo.OFF:
+        raise EchoOnly(request=request, received=data, time=line.link.now())
+    if (not line.echo and not sound) or expected is (Echo.OFF if line.echo else Echo.ON):
+        raise EchoDiffers(request=request, received=data, time=line.link.now())
+    return data != request
+
+
+def _call(line: Line) -> tuple[bytes, bytes]:
+    """Sends `01`; returns it and all that comes then."""
+    link, timing = line.link, line.timing
+    request = line.interject(AVAILABILITY)
+    deadline = line.sent_until + timing.first_byte
+    last = deadline + timing.babble
     received = bytearray()
-    while (chunk := link.read(deadline)).data:
+    while (chunk := link.read(deadline)).data and chunk.time < last:
         received += chunk.data
         if not request.startswith(received):
             # More than the echo has come: that is enough to tell. The rest is waited out.
-            deadline = chunk.time + line.timing.quiet
-    data = bytes(received)
-    if not data:
-        raise NoEcho(request=request, received=data, time=chunk.time)
-    refuse_elm(came_before + data)
-    if data.startswith(request):
-        return True
-    if len(data) > 2 and data[-1] == TERMINATOR and sum(data[:-1]) & 0xFF == 0:
-        return False  # a sound frame and no echo before it
-    raise EchoDiffers(request=request, received=data, time=chunk.time)
+            deadline = min(chunk.time + timing.quiet, last)
+    return request, bytes(received)
 
 
-def _ask_who(line: Line) -> int:
+def _ask_who(line: Line, quiet: float, *, answered: bool) -> int:
+    """The one-byte answer to `01`, with nothing behind it for `quiet` seconds.
+
+    `answered`: the unit has answered before, so its silence is a lost response.
+    """
     try:
         reply = line.exchange(AVAILABILITY)
     except NoResponse as error:
+        if answered:
+            raise
         raise nobody(error, echoes=line.echo) from error
     except DamagedResponse as error:
         refuse_elm(error.received or b"")
         raise
-    came = line.wait_for_quiet(line.timing.quiet)
+    came = line.wait_for_quiet(quiet)
     if came or len(reply.body) != 1:
         raise OutOfStep(request=encode(AVAILABILITY), received=reply.wire + came, time=reply.ended)
     return reply.body[0]

@@ -54,9 +54,7 @@ _DAMAGE = {
     DamageReason.IRREGULAR_ESCAPE: Text("an escape is wrong", "неверна замена байта"),
 }
 _CUT = Text("it ends in the middle", "он обрывается на середине")
-_TOO_SOON = Text(
-    "it began while the request was being sent", "он начался, пока посылался запрос"
-)
+_TOO_SOON = Text("it began while the request was being sent", "он начался, пока посылался запрос")
 _DOUBLED = Text("more than one response came", "пришло больше одного ответа")
 
 
@@ -128,11 +126,10 @@ class Line:
             if not chunk.data:
                 raise self._nothing_more(wire, bytes(received), chunk.time)
             if not received:
-                began = chunk.time - len(chunk.data) * self.link.byte_time
-                if began < sent_at - self.link.byte_time and not self.echo:
+                if chunk.time < sent_at + self.link.byte_time / 2 and not self.echo:
                     # No echo tells of the collision (D2), and the wreck of two frames may be sound.
                     raise self._damaged(wire, chunk.data, chunk.time, _TOO_SOON)
-                began = max(sent_at, began)
+                began = max(sent_at, chunk.time - len(chunk.data) * self.link.byte_time)
             received += chunk.data
             deadline = chunk.time + self._pause()
             events = decoder.feed(chunk.data)

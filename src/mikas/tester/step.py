@@ -19,7 +19,7 @@ from mikas.errors import (
     NoResponse,
     OutOfStep,
 )
-from mikas.framing import TERMINATOR, Decoder, Frame, encode
+from mikas.framing import TERMINATOR, Decoder, Frame
 from mikas.tester.line import WRONG_CHECKSUM, Line
 
 AVAILABILITY = b"\x01"
@@ -38,6 +38,9 @@ class Step:
         self.lost = False
         self.found_again = 0
         self.breaks = 0
+        self.streaming = False
+        """A stream may be running: a pause in it looks like a quiet line, and one of its responses
+        like the unit's answer to `01`."""
         self._awaited = True  # the latest request's response may still come
 
     def lose(self, error: BaseException | None = None) -> None:
@@ -51,7 +54,7 @@ class Step:
 
     def keep(self) -> None:
         """The exchange ended as it should."""
-        self.lost = False
+        self.lost = self.streaming = False
 
     def assure(self, version_code: int) -> None:
         """Comes back in step if there is any doubt; what came unasked is reason enough for one.
@@ -63,6 +66,8 @@ class Step:
                 return
             self.lose()
         self.found_again += 1
+        if self.streaming:
+            self._silence_for_good()
         failure: MikasError = OutOfStep()
         for attempt in range(_ROUNDS):
             self.silence(patient=attempt >= _HASTY_ROUNDS)
@@ -110,18 +115,27 @@ class Step:
 
     def end_stream(self, version_code: int, *, by_strokes: bool, bytes_each: int) -> None:
         """Ends a stream (D12) and comes back in step. Raises as `assure` does."""
-        self.lose()
-        timing = self.line.timing
-        came = self.interrupt(timing.late if by_strokes else timing.quiet)
-        answered = _last_frame(came) == bytes([version_code])
-        if by_strokes:
-            if not answered:
-                # A unit whose engine stands is silent in any case; one that only a break ends
-                # is deaf to `01` too.
-                self._break()
-        elif answered and bytes_each != 1:
-            self._awaited = False  # no datum looks like that: it was the answer to `01`
+        timing, own = self.line.timing, bytes([version_code])
+        if not by_strokes and bytes_each != 1 and _last_frame(self.interrupt(timing.quiet)) == own:
+            # No datum looks like that: it was the answer to `01`, and nothing comes after it.
+            self.streaming = self._awaited = False
+            self.assure(version_code)
+            return
+        self._silence_for_good(None if bytes_each == 1 else own, by_strokes=by_strokes)
         self.assure(version_code)
+
+    def _silence_for_good(self, own: bytes | None = None, *, by_strokes: bool = True) -> None:
+        """Ends what may be a stream with long pauses, or of data like the answer to `01`.
+
+        `own`: that answer, if no datum looks like it.
+        """
+        breaks = self.breaks
+        last = _last_frame(self.interrupt(self.line.timing.late))
+        if by_strokes and self.breaks == breaks and (own is None or last != own):
+            # A unit whose engine stands is silent in any case, and one that only a break ends is
+            # deaf to `01`.
+            self._break()
+        self.streaming = False
 
     def interrupt(self, seconds: float) -> bytes:
         """Ends a stream: `01` in a gap, again if need be, at last after a line break (D12).

@@ -104,7 +104,9 @@ class Tester:
             for attempt in range(self.retries + 1):
                 self._step.lose()
                 try:
-                    self.version_code = introduce(self._line, self._step, self.echo)
+                    self.version_code = introduce(
+                        self._line, self._step, self.echo, again=attempt > 0
+                    )
                     break
                 except LineError as error:
                     self.statistics.failed += 1
@@ -141,21 +143,28 @@ class Tester:
 
         `retries`: other than the tester's own; a command that is not safe to repeat never is.
         """
-        retries = self.retries if retries is None else retries
-        attempts = 1 + (retries if command.repeatable else 0)
         with self._holding():
-            if command.code not in self._known:
-                attempts = min(attempts, _ATTEMPTS_AT_THE_UNKNOWN)
-            while True:
-                self._assure()
-                attempts -= 1
-                try:
-                    return self._once(command)
-                except LineError as error:
-                    self.statistics.failed += 1
-                    if not attempts:
-                        raise self._verdict(command, error) from error
-                    self.statistics.repeated += 1
+            return self._exchange(command, self.retries if retries is None else retries)
+
+    def in_a_row(self, *commands: c.Command[T]) -> list[T]:
+        """As `request` for each of `commands`, with no other thread's request between them."""
+        with self._holding():
+            return [self._exchange(command, self.retries)[0] for command in commands]
+
+    def _exchange(self, command: c.Command[T], retries: int) -> tuple[T, Reply]:
+        attempts = 1 + (retries if command.repeatable else 0)
+        if command.code not in self._known:
+            attempts = min(attempts, _ATTEMPTS_AT_THE_UNKNOWN)
+        while True:
+            self._assure()
+            attempts -= 1
+            try:
+                return self._once(command)
+            except LineError as error:
+                self.statistics.failed += 1
+                if not attempts:
+                    raise self._verdict(command, error) from error
+                self.statistics.repeated += 1
 
     def _once(self, command: c.Command[T]) -> tuple[T, Reply]:
         self.statistics.requests += 1
@@ -193,7 +202,7 @@ class Tester:
         return error
 
     def time_echo(self, body: bytes) -> float:
-        """Seconds from handing `body` to the adapter to the end of its echo; the answer is let pass.
+        """Seconds from handing `body` to the adapter to the end of its echo; the answer passes.
 
         For a harmless `body` on a line that echoes. Raises `NoEcho` or `EchoDiffers`.
         """
@@ -216,11 +225,12 @@ class Tester:
             self._assure()
             self.statistics.requests += 1
             self._step.lose()
+            self._step.streaming = not _STREAM_CODES.isdisjoint(body[:1])
             try:
                 reply = self._line.exchange(body)
             except NoResponse:
                 return None
-            if not body or body[0] not in _STREAM_CODES:
+            if not self._step.streaming:
                 self._step.keep()
             return reply.body
 
@@ -237,6 +247,7 @@ class Tester:
             self._assure()
             self.statistics.requests += 1
             self._step.lose()
+            self._step.streaming = True
             stream = Stream(self._line, command, end=self._end_stream, silence=silence)
             stream.start()
         except BaseException:
@@ -282,7 +293,8 @@ class Tester:
         finally:
             self._lock.release()
 
-    def _acquire(self) -> None:
+    def check_free(self) -> None:
+        """Raises `UsageError` if this thread runs a stream, which has the line to itself."""
         if self._stream_thread == threading.get_ident():
             raise UsageError(
                 problem=Text(
@@ -290,4 +302,7 @@ class Tester:
                     "в этом потоке выполнения идёт поток данных; сначала закройте его",
                 )
             )
+
+    def _acquire(self) -> None:
+        self.check_free()
         self._lock.acquire()

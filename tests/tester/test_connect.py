@@ -1,0 +1,277 @@
+"""Connecting: who is there, and does the line echo (D1)."""
+
+from __future__ import annotations
+
+import pytest
+from tester_rig import (
+    ADAPTERS,
+    DEAD,
+    ECHOING,
+    SILENT_ADAPTER,
+    SLOW,
+    Fate,
+    ScriptedLink,
+    Watched,
+    adapter_name,
+    answering,
+    make,
+    read,
+    right,
+)
+
+from mikas import commands as c
+from mikas.errors import (
+    EchoDiffers,
+    EchoOnly,
+    LineNotQuiet,
+    NoEcho,
+    NoResponse,
+    NotAKLineAdapter,
+    OutOfStep,
+    UsageError,
+)
+from mikas.framing import encode
+from mikas.tester import Echo
+from mikas.virtual.assumptions import StreamEnd
+from mikas.virtual.disturbance import Trouble
+
+each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
+
+
+@each_adapter
+def test_finds_out_by_itself_whether_the_line_echoes(adapter):
+    tester = Watched(adapter=adapter).connected()
+    assert tester.echoes is adapter.echo
+    right(tester)
+
+
+@each_adapter
+def test_takes_the_echo_mode_that_it_is_told(adapter):
+    tester = Watched(adapter=adapter).connected(echo=Echo.ON if adapter.echo else Echo.OFF)
+    assert tester.echoes is adapter.echo
+    right(tester)
+
+
+@pytest.mark.parametrize("version", [0x09, 0x0A, 0x00, 0x0B, 0x0D, 0x40, 0xFF])
+@pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
+def test_an_unknown_model_is_usable(version, adapter):
+    tester = Watched(adapter=adapter, version=version).connected()
+    assert tester.version_code == version
+    right(tester)
+
+
+@pytest.mark.parametrize("raw", [False, True])
+@pytest.mark.parametrize("version", [0xC0, 0xF3])  # whose checksums are 40 and 0D
+def test_a_unit_that_sends_its_checksum_raw(raw, version):
+    unit = Watched(version=version, raw_checksum=raw)
+    right(unit.connected(raw_checksum=raw))
+
+
+@pytest.mark.parametrize("echo", list(Echo))
+def test_an_adapter_without_12_v_gives_no_echo(echo):
+    unit = Watched(adapter=DEAD)
+    with pytest.raises(NoEcho) as caught:
+        unit.tester(echo=echo).connect()
+    assert caught.value.received == b""
+    assert unit.link.now() < 3
+
+
+@pytest.mark.parametrize("echo", [Echo.AUTO, Echo.ON])
+def test_with_the_ignition_off_there_is_only_the_echo(echo):
+    unit = Watched()
+    unit.car.on = False
+    with pytest.raises(EchoOnly) as caught:
+        unit.tester(echo=echo).connect()
+    assert caught.value.received == encode(b"\x01")
+    assert unit.link.now() < 3
+
+
+def test_an_echo_on_a_line_said_to_have_none_is_no_version_code():
+    unit = Watched()
+    unit.car.on = False
+    with pytest.raises(EchoOnly):
+        unit.tester(echo=Echo.OFF).connect()
+
+
+def test_with_the_ignition_off_and_no_echo_there_is_nothing():
+    unit = Watched(adapter=SILENT_ADAPTER)
+    unit.car.on = False
+    with pytest.raises(NoEcho):
+        unit.tester().connect()
+
+
+def test_it_connects_once_the_ignition_is_on():
+    unit = Watched()
+    unit.car.on = False
+    tester = unit.tester()
+    with pytest.raises(EchoOnly):
+        tester.connect()
+    unit.car.on = True
+    tester.connect()
+    right(tester)
+
+
+def test_the_wrong_echo_setting_is_told_as_such():
+    with pytest.raises(EchoDiffers):
+        Watched(adapter=SILENT_ADAPTER).tester(echo=Echo.ON).connect()
+    with pytest.raises(EchoDiffers):
+        Watched().tester(echo=Echo.OFF).connect()
+
+
+def test_an_echo_that_always_differs_is_told():
+    link = ScriptedLink(lambda sent: [(0.0, bytes(b ^ 0x10 for b in sent))], echo=False)
+    with pytest.raises(EchoDiffers) as caught:
+        make(link).connect()
+    assert caught.value.request == encode(b"\x01")
+    assert caught.value.received == b"\x11\xef\x1d"
+
+
+def test_a_single_spoilt_echo_is_not_the_end():
+    unit = Watched(disturbance=Fate([(Trouble.ECHO, 0), (None, 0)]))
+    right(unit.connected())
+
+
+@each_adapter
+@pytest.mark.parametrize("trouble", list(Trouble))
+@pytest.mark.parametrize("healthy", [0, 1, 2])
+def test_one_trouble_while_connecting_is_not_the_end(trouble, healthy, adapter):
+    fates = [(None, 0.0)] * healthy + [(trouble, 0.7)]
+    tester = Watched(disturbance=Fate(fates), adapter=adapter).connected()
+    assert tester.echoes is adapter.echo
+    right(tester)
+
+
+@pytest.mark.parametrize("elm_echo", [True, False])
+@pytest.mark.parametrize("mode", list(Echo))
+@pytest.mark.parametrize("reply", [b"?\r\r>", b"\r?\r\r>", b"?\r\n\r\n>", b"STOPPED\r\r>"])
+@pytest.mark.parametrize("lumps", [True, False])
+def test_an_elm327_is_no_adapter_for_this(elm_echo, mode, reply, lumps):
+    pieces = [reply] if lumps else [bytes([b]) for b in reply]
+    link = ScriptedLink(
+        lambda sent: [(0.02 + 0.001 * i, piece) for i, piece in enumerate(pieces)], echo=elm_echo
+    )
+    with pytest.raises(NotAKLineAdapter) as caught:
+        make(link, echo=mode).connect()
+    assert "ELM327" in str(caught.value)
+
+
+def test_a_mikas_is_not_taken_for_an_elm327():
+    """Its version code may be any character, and the line may be noisy."""
+    for version in b"?>A\r":
+        assert Watched(version=version).connected().version_code == version
+
+
+@each_adapter
+@pytest.mark.parametrize("noise", [b"\x00", b"\r", b"\x40", b"?\x55\xaa", bytes(range(40))])
+def test_noise_before_connecting_is_let_pass(noise, adapter):
+    unit = Watched(adapter=adapter)
+    unit.bus._unit.say(noise, 0.0)
+    right(unit.connected())
+
+
+@each_adapter
+@pytest.mark.parametrize("datum", [b"\x0a", b"\x09", b"\x55", b"\x12\x34"])
+@pytest.mark.parametrize("after", [0.005, 0.05, 0.07, 0.1, 0.13, 0.2, 0.27, 0.35, 0.5, 0.7])
+def test_a_late_answer_to_an_earlier_program_is_nobodys_version(after, datum, adapter):
+    unit = Watched(adapter=adapter)
+    unit.bus._unit.say(encode(datum), after)
+    tester = unit.tester()
+    assert tester.connect() == 0x0A
+    assert tester.echoes is adapter.echo
+    right(tester)
+
+
+@pytest.mark.parametrize("after", [0.1 + 0.01 * i for i in range(60)])
+def test_not_even_if_the_first_request_then_is_lost(after):
+    """The late one comes up to D14's limit after connecting began."""
+    unit = Watched(disturbance=Fate([(None, 0)] * 3 + [(Trouble.LOST, 0)]))
+    unit.bus._unit.say(encode(b"\x55"), min(after, 0.5))
+    right(unit.connected())
+
+
+STREAMS = [
+    c.StreamCyclic((c.Datum(16, 1),)),
+    c.StreamCyclic((c.Datum(16, 1), c.Datum(22, 1), c.Datum(67, 2))),
+    *(c.StreamAtStroke((c.Datum(16, 1),), stroke) for stroke in range(5)),
+    c.StreamAtStroke((c.Datum(22, 1), c.Datum(67, 2)), 0),
+]
+
+
+@each_adapter
+@pytest.mark.parametrize("end", list(StreamEnd))
+@pytest.mark.parametrize("command", STREAMS, ids=lambda s: s.body().hex())
+@pytest.mark.parametrize("rpm", [250.0, 850.0, 5200.0])
+def test_a_stream_left_over_from_an_earlier_session_is_ended(command, end, adapter, rpm):
+    unit = Watched(adapter=adapter, stream_end=end, rpm=rpm)
+    unit.link.write(encode(command.body()))
+    unit.link.read(0.3)
+    tester = unit.tester()
+    assert tester.connect() == 0x0A
+    assert tester.echoes is adapter.echo
+    assert unit.told("stream-end") == 1
+    assert (tester.breaks > 0) >= (end is StreamEnd.BREAK)
+    right(tester)
+    assert unit.link.now() < 12
+
+
+def test_a_line_that_never_becomes_quiet_is_told():
+    class Babbling(ScriptedLink):
+        def read(self, deadline):
+            self.arrive(self._now + self.byte_time, b"\x55")
+            return super().read(deadline)
+
+    link = Babbling(lambda sent: [])
+    with pytest.raises(LineNotQuiet):
+        make(link).connect()
+    assert link.breaks
+    assert link.now() < 30
+
+
+def test_two_units_that_answer_differently_are_not_trusted():
+    codes = iter([0x0A, 0x09] * 20)
+    link = ScriptedLink(lambda sent: [(0.005, encode(bytes([next(codes)])))])
+    with pytest.raises(OutOfStep):
+        make(link).connect()
+
+
+def test_an_answer_of_two_bytes_to_01_is_not_a_version():
+    with pytest.raises(OutOfStep):
+        make(answering({b"\x01": encode(b"\x0a\x0a")})).connect()
+
+
+def test_a_response_lost_for_good_after_the_first_is_silence():
+    answers = iter([encode(b"\x0a")])
+    link = ScriptedLink(lambda sent: [(0.005, a) for a in answers])
+    with pytest.raises((NoResponse, EchoOnly)):
+        make(link).connect()
+
+
+def test_nothing_goes_before_connect():
+    unit = Watched()
+    tester = unit.tester()
+    for use in (
+        lambda: tester.request(read(16)),
+        lambda: tester.raw(b"\x02"),
+        lambda: tester.stream(STREAMS[0]),
+    ):
+        with pytest.raises(UsageError):
+            use()
+    assert unit.bus.bytes_carried == 0
+    right(unit.connected())
+
+
+@pytest.mark.parametrize("adapter", [ECHOING, SLOW], ids=adapter_name)
+def test_connecting_takes_less_than_a_second(adapter):
+    unit = Watched(adapter=adapter)
+    unit.connected()
+    assert unit.link.now() < 1
+    assert unit.heard(b"\x01") == 3
+
+
+def test_closing_closes_the_link_twice_over():
+    unit = Watched()
+    tester = unit.connected()
+    tester.close()
+    tester.close()
+    with pytest.raises(ConnectionError):
+        tester.request(read(16))
