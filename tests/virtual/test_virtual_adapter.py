@@ -7,14 +7,15 @@ from math import ceil
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from raw_tester import BYTE, RawTester
-from virtual_bench import make_bus
 
 from mikas.errors import EchoOnly, NoEcho
 from mikas.framing import encode
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester as Client
 from mikas.virtual.adapter import PACKET, Adapter, AdapterKind
+from virtual_bench import make_bus
+
+from .raw_tester import BYTE, RawTester
 
 LAZY = AdapterKind(latency=0.016)
 

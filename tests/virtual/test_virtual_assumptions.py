@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from raw_tester import BYTE, TURN, RawTester
-from virtual_bench import DATA, make_bus
 
 from mikas.commands import COMMANDS_BY_CODE
 from mikas.errors import UsageError
@@ -16,6 +14,9 @@ from mikas.virtual.assumptions import (
     StreamEnd,
     Unknown,
 )
+from virtual_bench import DATA, make_bus
+
+from .raw_tester import BYTE, TURN, RawTester
 
 NO = encode(b"\x01")
 YES = encode(b"\x00")

@@ -5,12 +5,13 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from raw_tester import BYTE, TURN, RawTester
-from virtual_bench import DATA, make_bus
 
 from mikas.framing import encode
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.assumptions import Assumptions, StreamEnd
+from virtual_bench import DATA, make_bus
+
+from .raw_tester import BYTE, TURN, RawTester
 
 ANSWER_AT = 3 * BYTE + TURN  # the first bit of the response to 01 sent at second 0
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from raw_tester import BYTE, TURN, RawTester
-from virtual_bench import DATA, make_bus
 
 from mikas.errors import UsageError
 from mikas.framing import Damage, Decoder, Frame, encode
 from mikas.virtual.disturbance import LATE_BY, Disturbance, Trouble, parse_rates
+from virtual_bench import DATA, make_bus
+
+from .raw_tester import BYTE, TURN, RawTester
 
 GOOD = encode(DATA[0x3F])
 ASK = b"\x61\x3f"
@@ -154,7 +155,13 @@ def test_rates_as_text():
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("damaged", "1.1"), ("damaged", "-0.1"), ("damaged", "nan"), ("lost", "often"), ("rain", "0.1")],
+    [
+        ("damaged", "1.1"),
+        ("damaged", "-0.1"),
+        ("damaged", "nan"),
+        ("lost", "often"),
+        ("rain", "0.1"),
+    ],
 )
 def test_a_rate_that_makes_no_sense(name, value):
     with pytest.raises(UsageError) as caught:

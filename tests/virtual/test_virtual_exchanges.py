@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from raw_tester import RawTester
-from virtual_bench import EXCHANGES, make_bus
 
 from mikas.framing import encode
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.assumptions import Assumptions
+from virtual_bench import EXCHANGES, make_bus
+
+from .raw_tester import RawTester
 
 
 def hexed(text: str | None) -> bytes:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from raw_tester import BYTE, RawTester
-from virtual_bench import DATA, FAULTS, connected, make_bus
 
 from mikas import commands as c
 from mikas.catalog import shipped
@@ -21,6 +19,9 @@ from mikas.virtual.engine_car import EngineCar, pinned
 from mikas.virtual.memory import SIZES, Memory, pattern
 from mikas.virtual.responder import Responder
 from mikas.virtual.scenario import SCENARIOS
+from virtual_bench import DATA, FAULTS, connected, make_bus
+
+from .raw_tester import BYTE, RawTester
 
 CATALOG = shipped()
 NO, YES = encode(b"\x01"), encode(b"\x00")

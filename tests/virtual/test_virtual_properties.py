@@ -7,8 +7,6 @@ from itertools import pairwise
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from raw_tester import RawTester
-from virtual_bench import EXCHANGES, make_bus
 
 from mikas.framing import encode
 from mikas.virtual.adapter import AdapterKind
@@ -16,6 +14,9 @@ from mikas.virtual.assumptions import Assumptions, LongList, StreamEnd, Unknown
 from mikas.virtual.build import build_bus
 from mikas.virtual.bus import Bus
 from mikas.virtual.disturbance import Disturbance, Trouble
+from virtual_bench import EXCHANGES, make_bus
+
+from .raw_tester import RawTester
 
 REQUESTS = [bytes.fromhex(v["request"]) for v in EXCHANGES] + [
     b"\x71\x1a",
@@ -88,7 +89,7 @@ def test_bytes_follow_each_other_no_faster_than_the_wire(script, kind):
         assert later - earlier >= make_bus().byte_time - 1e-9
 
 
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(
     scripts,
     st.sampled_from(["warm-idle", "key-off", "cranking-dip", "city"]),

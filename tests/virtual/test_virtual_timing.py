@@ -7,8 +7,6 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from raw_tester import BYTE, TURN, RawTester
-from virtual_bench import DATA, IDENTITY, connected, make_bus
 
 from mikas import commands as c
 from mikas.framing import encode
@@ -17,6 +15,9 @@ from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import PARTIAL_REQUEST_LIFE, VirtualEcu
 from mikas.virtual.responder import Responder
 from mikas.virtual.table_car import TableCar
+from virtual_bench import DATA, IDENTITY, connected, make_bus
+
+from .raw_tester import BYTE, TURN, RawTester
 
 EXACT = 1e-9
 DATUMS = tuple(c.Datum(code, len(raw)) for code, raw in DATA.items())
@@ -82,7 +83,7 @@ def test_one_request_a_code():
     wire = (151 + requests_stuffed + data_stuffed) * BYTE + 21 * TURN
     assert requests_stuffed == 1  # so 152, as §5 counts it
     assert seconds_of(single) == pytest.approx(wire, rel=0.01)
-    assert (152 * BYTE + 21 * TURN) == pytest.approx(0.200, rel=0.01)
+    assert pytest.approx(0.200, rel=0.01) == 152 * BYTE + 21 * TURN
 
 
 def test_all_codes_in_one_request():
@@ -92,7 +93,7 @@ def test_all_codes_in_one_request():
     assert len(answer) + 2 == 27
     took = seconds_of(lambda tester: tester.request(c.ReadParameters(DATUMS)))
     assert took == pytest.approx((52 + stuffing(answer)) * BYTE + TURN, rel=0.01)
-    assert (52 * BYTE + TURN) == pytest.approx(0.056, rel=0.01)
+    assert pytest.approx(0.056, rel=0.01) == 52 * BYTE + TURN
 
 
 def test_the_list():
@@ -103,7 +104,7 @@ def test_the_list():
 
     answer = b"".join(DATA.values())
     assert seconds_of(read) == pytest.approx((30 + stuffing(answer)) * BYTE + TURN, rel=0.01)
-    assert (30 * BYTE + TURN) == pytest.approx(0.033, rel=0.01)
+    assert pytest.approx(0.033, rel=0.01) == 30 * BYTE + TURN
 
 
 def test_the_stream():
@@ -114,7 +115,7 @@ def test_the_stream():
     ends = [tester.times[n] for n in range(25 + len(answer), len(tester.heard), len(answer))]
     period = (ends[-1] - ends[0]) / (len(ends) - 1)
     assert period == pytest.approx(len(answer) * BYTE + TURN, rel=0.001)
-    assert (27 * BYTE + TURN) == pytest.approx(0.0301, rel=0.01)
+    assert pytest.approx(0.0301, rel=0.01) == 27 * BYTE + TURN
 
 
 def test_a_stream_begins_and_goes_on_a_turn_round_after_each_end():
@@ -158,7 +159,7 @@ def test_a_stroke_begins_at_its_quarter_of_the_cycle(code, phase, rpm):
 
 
 def test_cycles_are_skipped_while_a_response_is_being_sent():
-    """25 data bytes take 28 ms and more: at 5200 rpm, a cycle of 23 ms, every second one is sent."""
+    """25 data bytes take 28 ms and more: at 5200 rpm, a cycle of 23 ms, every second one."""
     times = stroke_times(5200, 0x7F, bytes(DATA))
     for a, b in pairwise(times):
         assert b - a == pytest.approx(2 * 120 / 5200, abs=1e-6)

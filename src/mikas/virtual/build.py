@@ -120,7 +120,7 @@ def _number(own: Mapping[str, str], name: str, kind: Callable[[str], T], default
     try:
         return kind(own[name]) if name in own else default
     except ValueError:
-        raise _bad(name, own[name], "123") from None
+        raise _bad(name, own[name], "0, 1, 2 …") from None
 
 
 def _seconds(own: Mapping[str, str], name: str, default: float, highest: float) -> float:

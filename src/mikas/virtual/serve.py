@@ -23,6 +23,7 @@ from mikas.virtual.bus import Bus
 
 T = TypeVar("T")
 _READ = 4096
+_AT_ONCE = 64  # bytes of one wire that are made up for before other wires have their turn
 
 
 class ServedBus:
@@ -57,14 +58,16 @@ class ServedBus:
 
     def run_on(self) -> None:
         """Runs the wire to the present, hands out what arrived, and comes back when due."""
-        now = self._clock()
-        data, _ = self._bus.take(now)
+        bus = self._bus
+        enough = max(self._seen, bus.next_event()) + _AT_ONCE * bus.byte_time
+        now = min(self._clock(), enough)
+        data, _ = bus.take(now)
         self._seen = now
         if data:
             self._write(data)
         if self._timer:
             self._timer.cancel()
-        due = self._bus.next_event()
+        due = bus.next_event()
         self._timer = (
             None
             if due == inf
