@@ -20,6 +20,7 @@ from virtual_bench import DATA, IDENTITY, connected, make_bus
 from .raw_tester import BYTE, TURN, RawTester
 
 EXACT = 1e-9
+GAP = Assumptions().stream_gap
 DATUMS = tuple(c.Datum(code, len(raw)) for code, raw in DATA.items())
 
 
@@ -114,16 +115,16 @@ def test_the_stream():
     tester.listen(10.0)
     ends = [tester.times[n] for n in range(25 + len(answer), len(tester.heard), len(answer))]
     period = (ends[-1] - ends[0]) / (len(ends) - 1)
-    assert period == pytest.approx(len(answer) * BYTE + TURN, rel=0.001)
-    assert pytest.approx(0.0301, rel=0.01) == 27 * BYTE + TURN
+    assert period == pytest.approx(len(answer) * BYTE + GAP, rel=0.001)
+    assert pytest.approx(0.028, rel=0.02) == 27 * BYTE + GAP  # §5
 
 
-def test_a_stream_begins_and_goes_on_a_turn_round_after_each_end():
+def test_a_stream_begins_a_turn_round_after_its_request_and_goes_on_after_its_gap():
     tester = RawTester(make_bus())
     tester.say(encode(b"\x71\x1a"))  # 4 bytes; each response has 3
     tester.listen(0.2)
     for number in range(5):
-        start = 4 * BYTE + TURN + number * (3 * BYTE + TURN)
+        start = 4 * BYTE + TURN + number * (3 * BYTE + GAP)
         assert tester.times[4 + 3 * number] == pytest.approx(start + BYTE, abs=EXACT)
 
 

@@ -79,10 +79,13 @@ class Line:
         """When the last byte of the latest request was out."""
         self._ahead = Chunk(b"", 0.0)  # came together with the end of an echo
 
-    def exchange(self, body: bytes) -> Reply:
-        """Sends `body`, returns the one response. Raises `NoEcho` or a `LineError`."""
+    def exchange(self, body: bytes, *, of_many: bool = False) -> Reply:
+        """Sends `body`, returns the one response, or with `of_many` the first.
+
+        Raises `NoEcho` or a `LineError`.
+        """
         wire, sent_at = self.send(body)
-        return self.receive(wire, sent_at)
+        return self.receive(wire, sent_at, of_many=of_many)
 
     def send(self, body: bytes) -> tuple[bytes, float]:
         """Sends `body` and checks the echo; returns its wire form and the time when it was out."""
@@ -115,8 +118,11 @@ class Line:
         self._ahead = Chunk(extra, chunk.time)
         return chunk.time - len(extra) * self.link.byte_time
 
-    def receive(self, wire: bytes, sent_at: float) -> Reply:
-        """The one response to the request `wire`, which was out at `sent_at`."""
+    def receive(self, wire: bytes, sent_at: float, *, of_many: bool = False) -> Reply:
+        """The one response to the request `wire`, which was out at `sent_at`.
+
+        `of_many`: the first of those that a stream request brings; more may have come with it.
+        """
         decoder = Decoder(strict=self.strict)
         received = bytearray()
         began = 0.0
@@ -138,7 +144,7 @@ class Line:
             first = events[0]
             if isinstance(first, Damage):
                 raise self._damaged(wire, bytes(received), chunk.time, _DAMAGE[first.reason])
-            if len(events) > 1 or decoder.pending:
+            if not of_many and (len(events) > 1 or decoder.pending):
                 # One of them answers an earlier request, and nothing says which (D13).
                 raise self._damaged(wire, bytes(received), chunk.time, _DOUBLED)
             return Reply(first.body, first.wire, began, chunk.time)

@@ -227,7 +227,7 @@ class Tester:
             self._step.lose()
             self._step.streaming = not _STREAM_CODES.isdisjoint(body[:1])
             try:
-                reply = self._line.exchange(body)
+                reply = self._line.exchange(body, of_many=self._step.streaming)
             except NoResponse:
                 return None
             if not self._step.streaming:

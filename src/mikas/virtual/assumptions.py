@@ -62,6 +62,7 @@ class Assumptions:
     """How this unit behaves where the source does not say. The defaults follow its letter."""
 
     turn_round: float = 0.002  # s from a request's last byte to the response's first, D14
+    stream_gap: float = 0.0004  # s between two responses of a stream; §5 reckons with none
     max_list: int = 255  # most parameters in one 61, 64, 71, 7F–83; D11
     long_list: LongList = LongList.SILENT
     max_block: int = 255  # most bytes in one 21–26
@@ -83,7 +84,7 @@ ASSUMPTION_NAMES = tuple(f.name for f in fields(Assumptions))
 def _parse(name: str, value: str) -> object:
     try:
         match name:
-            case "turn_round":
+            case "turn_round" | "stream_gap":
                 seconds = float(value)
                 if not 0 <= seconds <= 10:
                     raise ValueError
@@ -122,6 +123,7 @@ def _parse(name: str, value: str) -> object:
 
 _ALLOWED = {
     "turn_round": "0 … 10 (s)",
+    "stream_gap": "0 … 10 (s)",
     "max_list": "1 … 255",
     "max_block": "1 … 255",
     "long_list": "silent, short",

@@ -127,7 +127,7 @@ class VirtualEcu:
         """The frame whose first byte leaves now; empty: none is due."""
         self._follow_supply(now)
         if self._stream and self._stream.due == inf:
-            self._stream.due = self._due(self._stream.command, now)
+            self._stream.due = self._due(self._stream.command, now, 0.0)
         if self.next_transmission() > now:
             return b""
         if self._answers:
@@ -139,22 +139,24 @@ class VirtualEcu:
         wire = encode(body, raw_checksum=self.responder.assumptions.raw_checksum)
         self._free_at = now + len(wire) * 10 / self.baud
         if self._stream:
-            self._stream.due = self._due(self._stream.command, self._free_at)
+            gap = self.responder.assumptions.stream_gap
+            self._stream.due = self._due(self._stream.command, self._free_at, gap)
         return wire
 
     def _take(self, body: bytes, now: float) -> None:
         self._tell("request", now, body)
         answer = self.responder.answer(body, now)
+        turn_round = self.responder.assumptions.turn_round
         if isinstance(answer, bytes):
-            self._answers.append((now + self.responder.assumptions.turn_round, answer))
+            self._answers.append((now + turn_round, answer))
         elif answer is None:
             self._tell("silence", now)
         else:
-            self._stream = _Running(answer, self._due(answer, now))
+            self._stream = _Running(answer, self._due(answer, now, turn_round))
             self._tell("stream", now, body)
 
-    def _due(self, stream: Stream, after: float) -> float:
-        ready = after + self.responder.assumptions.turn_round
+    def _due(self, stream: Stream, after: float, pause: float) -> float:
+        ready = after + pause
         if isinstance(stream, c.StreamAtStroke):
             return self.responder.car.next_stroke(stream.stroke, ready)
         return ready
