@@ -1,0 +1,108 @@
+"""MegaLogViewer's binary log, format version 1 (EFI Analytics, “MLG Binary Log Format 1.0”).
+
+Version 1, because version 2 adds only a category and wider offsets. Numbers are big-endian. `Time`
+is a signed count of milliseconds with the scale 0.001: a float of 32 bits knows the tenth hour only
+to 4 ms. The channels are such floats; a missing value is NaN.
+
+    header   4D 4C 56 4C 47 00, version, UNIX time, where the info is, where the data begins,
+             bytes in a record, number of fields
+    field    type, name (34), unit (10), display style, scale, transform, digits: 55 bytes
+    info     the two lines of `heading`, ended by 00
+    block    00, rolling counter, 16 bits of a 10 µs clock, the fields, the sum of their bytes
+"""
+
+from __future__ import annotations
+
+import struct
+from datetime import UTC
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mikas.errors import ExportError
+from mikas.language import Text
+from mikas.recording.export.heading import heading
+from mikas.recording.export.sheet import Column, Sheet
+from mikas.recording.table import Channel
+
+_HEADER = struct.Struct(">6sHIHIHH")
+_FIELD = struct.Struct(">B34s10sBffb")
+_S32, _F32 = 5, 7
+_FLOAT = 0  # display style
+_MOST = (0xFFFF - _HEADER.size) // _FIELD.size - 1  # the info's place is a number of 16 bits
+
+
+def write(path: Path, sheet: Sheet) -> None:
+    """Write the whole sheet."""
+    if len(sheet.channels) > _MOST:
+        problem = Text(f"an .mlg holds {_MOST} channels", f".mlg вмещает каналов: {_MOST}")
+        raise ExportError(str(path.with_suffix("")), problem)
+    layout = _layout(len(sheet.channels))
+    with path.open("wb") as file:
+        file.write(_head(sheet, layout))
+        written = 0
+        for times, columns in sheet.stretches:
+            file.write(_blocks(layout, written, times, columns).tobytes())
+            written += len(times)
+
+
+def _layout(channels: int) -> np.dtype[np.void]:
+    fields = [("Time", ">i4"), *((f"channel {number}", ">f4") for number in range(channels))]
+    return np.dtype([("type", "u1"), ("number", "u1"), ("clock", ">u2"), *fields, ("sum", "u1")])
+
+
+def _head(sheet: Sheet, layout: np.dtype[np.void]) -> bytes:
+    fields = [_FIELD.pack(_S32, b"Time", b"s", _FLOAT, 0.001, 0.0, 3)]
+    fields += [
+        _FIELD.pack(_F32, name, _fitting(channel.unit, 9), _FLOAT, 1.0, 0.0, _digits(channel))
+        for name, channel in zip(_names(sheet.channels), sheet.channels, strict=True)
+    ]
+    info = "".join(f'"{line}"\n' for line in heading(sheet)).encode() + b"\0"
+    begins = _HEADER.size + _FIELD.size * len(fields)
+    started = 0
+    if sheet.started is not None:
+        started = min(max(int(sheet.started.astimezone(UTC).timestamp()), 0), 0xFFFFFFFF)
+    record = layout.itemsize - 5  # a block's type, number, clock and sum do not count
+    header = _HEADER.pack(b"MLVLG", 1, started, begins, begins + len(info), record, len(fields))
+    return header + b"".join(fields) + info
+
+
+def _blocks(
+    layout: np.dtype[np.void], written: int, times: Column, columns: list[Column]
+) -> NDArray[np.void]:
+    blocks = np.zeros(len(times), layout)
+    blocks["number"] = np.arange(written, written + len(times)) % 256
+    blocks["clock"] = np.floor(times * 100_000).astype(np.int64) % 65_536
+    blocks["Time"] = np.clip(np.rint(times * 1000), -(2**31), 2**31 - 1)
+    with np.errstate(over="ignore"):  # beyond what 32 bits hold: infinite
+        for number, values in enumerate(columns):
+            blocks[f"channel {number}"] = values
+    raw = blocks.view(np.uint8).reshape(len(times), layout.itemsize)
+    blocks["sum"] = raw[:, 4:-1].sum(axis=1, dtype=np.uint64) % 256
+    return blocks
+
+
+def _digits(channel: Channel) -> int:
+    return min(max(channel.decimals, 0), 9)
+
+
+def _names(channels: tuple[Channel, ...]) -> list[bytes]:
+    """Names that fit and are still different."""
+    names: list[bytes] = []
+    taken = {b"Time"}
+    for channel in channels:
+        name = _fitting(channel.name, 33)
+        for number in count(2):
+            if name not in taken:
+                break
+            name = _fitting(channel.name, 29) + f"~{number}".encode()
+        taken.add(name)
+        names.append(name)
+    return names
+
+
+def _fitting(text: str, size: int) -> bytes:
+    """`text` in UTF-8, cut between two characters."""
+    return text.encode()[:size].decode(errors="ignore").encode()

@@ -1,0 +1,35 @@
+"""MegaLogViewer's text log: tab separated, as TunerStudio writes it.
+
+Two quoted lines, the fields' names, their units, then the data; the first field is `Time`, in
+seconds. A missing value is `NaN`: between two tabs some readers see a zero, and at a line's end
+they lose it.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from mikas.language import Text
+from mikas.recording.export.cells import lines, spelled, without
+from mikas.recording.export.heading import heading
+from mikas.recording.export.sheet import Sheet
+from mikas.recording.table import Channel
+
+_TIME = Channel("Time", "s", Text("Time", "Время"), decimals=3)
+
+
+def write(path: Path, sheet: Sheet) -> None:
+    """Write the whole sheet."""
+    fields = (_TIME, *sheet.channels)
+    with path.open("wb") as file:
+        file.write("".join(f'"{line}"\n' for line in heading(sheet)).encode())
+        file.write(lines([[without(field.name, '"')] for field in fields], "\t"))
+        file.write(lines([[without(field.unit, '"')] for field in fields], "\t"))
+        for times, columns in sheet.stretches:
+            cells = [
+                spelled(field, values, missing="NaN")
+                for field, values in zip(fields, (np.asarray(times), *columns), strict=True)
+            ]
+            file.write(lines(cells, "\t"))

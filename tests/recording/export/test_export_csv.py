@@ -1,0 +1,81 @@
+"""CSV: what RomRaider's readers and spreadsheets expect, cell by cell."""
+
+from __future__ import annotations
+
+import csv
+import math
+
+import numpy as np
+import pytest
+from export_tables import CHANNELS, FIXED, MODERATE, TWAT, exported, from_start, rows, tables
+from hypothesis import given
+
+from mikas.language import Text
+from mikas.recording.export import EXCEL, PLAIN, Dialect, export
+from mikas.recording.table import Channel
+
+
+def test_a_file_as_a_person_sees_it(tmp_path):
+    out = tmp_path / "log.csv"
+    export(out, CHANNELS, FIXED)
+    assert out.read_bytes().decode() == (
+        "Time (msec),TWAT Coolant temperature (°C),UACC Board voltage (V),IDLE Idle\n"
+        "0,85,13.8,1\n"
+        "29,,0.0,\n"
+        "1500,-40,,0\n"
+    )
+
+
+def test_a_file_for_excel_in_russia(tmp_path):
+    out = tmp_path / "log.csv"
+    export(out, CHANNELS, FIXED, dialect=EXCEL, language="ru")
+    assert out.read_bytes().decode() == (
+        "\ufeffTime (msec);TWAT Температура охлаждающей жидкости (°C);"
+        "UACC Напряжение бортсети (V);IDLE Холостой ход\n"
+        "0;85;13,8;1\n"
+        "29;;0,0;\n"
+        "1500;-40;;0\n"
+    )
+
+
+@pytest.mark.parametrize(("start", "first"), [(None, "0"), (1.0, "1500"), (4.0, "-1500")])
+def test_time_counts_from_the_start_that_was_given(tmp_path, start, first):
+    out = tmp_path / "log.csv"
+    export(out, [TWAT], [rows([2.5], TWAT=[1])], start=start)
+    assert out.read_text().splitlines()[1] == f"{first},1"
+
+
+def test_no_rows_are_a_header(tmp_path):
+    out = tmp_path / "log.csv"
+    assert export(out, [TWAT], []).rows == 0
+    assert out.read_text() == "Time (msec),TWAT Coolant temperature (°C)\n"
+
+
+def test_a_header_never_needs_quotes(tmp_path):
+    out = tmp_path / "log.csv"
+    export(out, [Channel("A", "m,s", Text('one, "two"\n three', ""))], [])
+    assert out.read_text() == "Time (msec),A one two three (m s)\n"
+
+
+def test_infinity_is_missing(tmp_path):
+    out = tmp_path / "log.csv"
+    export(out, [TWAT], [rows([0, 1, 2], TWAT=[math.inf, -math.inf, 1e300])])
+    assert out.read_text().splitlines()[1:3] == ["0,", "1000,"]
+
+
+@pytest.mark.parametrize("dialect", [PLAIN, EXCEL, Dialect("\t")], ids=["plain", "excel", "tab"])
+@given(drawn=tables(MODERATE))
+def test_what_was_exported_is_read_back(tmp_path_factory, dialect, drawn):
+    out = exported(drawn, tmp_path_factory.getbasetemp() / "log.csv", dialect=dialect)
+    text = out.read_bytes().decode("utf-8-sig" if dialect.mark else "utf-8")
+    _, *cells = csv.reader(text.splitlines(), delimiter=dialect.separator, strict=True)
+    assert [int(row[0]) for row in cells] == np.rint(from_start(drawn) * 1000).tolist()
+    for number, channel in enumerate(drawn.channels, 1):
+        for row, value in zip(cells, drawn.values[channel.name], strict=True):
+            if math.isnan(value):
+                assert row[number] == ""
+            else:
+                read = row[number].replace(dialect.decimal, ".")
+                assert float(read) == float(f"{value:.{channel.decimals}f}")
+                assert len(read.partition(".")[2]) == channel.decimals
+                assert not (read.startswith("-") and float(read) == 0)

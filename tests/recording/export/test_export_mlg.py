@@ -1,0 +1,182 @@
+"""MegaLogViewer's binary log, read back by a reader written from the format's description alone."""
+
+from __future__ import annotations
+
+import struct
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from export_tables import (
+    ALL_FLOATS,
+    CHANNELS,
+    FIXED,
+    NAN,
+    START,
+    TWAT,
+    exported,
+    from_start,
+    rows,
+    tables,
+)
+from hypothesis import given
+
+from mikas.errors import ExportError
+from mikas.language import Text
+from mikas.recording.export import export
+from mikas.recording.export import sheet as sheets
+from mikas.recording.table import Channel
+
+
+class Log(NamedTuple):
+    timestamp: int
+    names: list[str]
+    units: list[str]
+    digits: list[int]
+    info: str
+    clocks: list[int]
+    values: list[tuple[float, ...]]
+
+
+def read(data):
+    """The whole of an .mlg, version 1; anything that does not fit is an error."""
+    assert data[:6] == b"MLVLG\0"
+    assert int.from_bytes(data[6:8]) == 1
+    timestamp, info_at, data_at, record, count = struct.unpack(">IHIHH", data[8:22])
+    names, units, digits, kinds = [], [], [], []
+    at = 22
+    for _ in range(count):
+        kind, name, unit, style, scale, transform, decimals = struct.unpack_from(
+            ">b34s10sbffb", data, at
+        )
+        assert style == 0
+        assert transform == 0
+        assert b"\0" in name
+        assert b"\0" in unit
+        names.append(name.partition(b"\0")[0].decode())
+        units.append(unit.partition(b"\0")[0].decode())
+        digits.append(decimals)
+        kinds.append(({5: "i", 7: "f"}[kind], scale))
+        at += 55
+    assert at == info_at
+    info = data[info_at:data_at]
+    assert info.index(b"\0") == len(info) - 1
+    code = ">" + "".join(kind for kind, _ in kinds)
+    assert struct.calcsize(code) == record
+    clocks, values = [], []
+    at = data_at
+    while at < len(data):
+        block, number, clock = struct.unpack_from(">BBH", data, at)
+        raw = data[at + 4 : at + 4 + record]
+        assert block == 0
+        assert number == len(values) % 256
+        assert data[at + 4 + record] == sum(raw) % 256
+        clocks.append(clock)
+        values.append(
+            tuple(
+                value * scale
+                for value, (_, scale) in zip(struct.unpack(code, raw), kinds, strict=True)
+            )
+        )
+        at += 5 + record
+    assert at == len(data)
+    return Log(timestamp, names, units, digits, info[:-1].decode(), clocks, values)
+
+
+def test_a_file_byte_by_byte(tmp_path):
+    out = tmp_path / "log.mlg"
+    export(out, [TWAT], [rows([START, START + 0.25], TWAT=[85, NAN])])
+    data = out.read_bytes()
+    assert data[:22].hex(" ") == (
+        "4d 4c 56 4c 47 00 00 01 65 53 f1 00 00 84 "  # 22 + 2 × 55 = 0x84
+        f"{len(data) - 26:08x} 00 08 00 02"
+    ).replace(f"{len(data) - 26:08x}", (len(data) - 26).to_bytes(4).hex(" "))
+    assert data[22:77] == (
+        b"\x05"
+        + b"Time".ljust(34, b"\0")
+        + b"s".ljust(10, b"\0")
+        + b"\0"
+        + bytes.fromhex("3a83126f 00000000 03")
+    )
+    assert data[77:132] == (
+        b"\x07"
+        + b"TWAT".ljust(34, b"\0")
+        + "°C".encode().ljust(10, b"\0")
+        + b"\0"
+        + bytes.fromhex("3f800000 00000000 00")
+    )
+    assert data[132:].startswith(b'"mikas ')
+    assert data[-27:-26] == b"\0"
+    assert data[-26:].hex(" ") == (
+        "00 00 00 00 00 00 00 00 42 aa 00 00 ec "  # 0 s, 85
+        "00 01 61 a8 00 00 00 fa 7f c0 00 00 39"  # 25,000 × 10 µs, 250 ms, NaN
+    )
+
+
+def test_the_fixed_table(tmp_path):
+    out = tmp_path / "log.mlg"
+    export(out, CHANNELS, FIXED, about={"unit": "Микас 7.1"})
+    log = read(out.read_bytes())
+    assert log.timestamp == START
+    assert log.names == ["Time", "TWAT", "UACC", "IDLE"]
+    assert log.units == ["s", "°C", "V", ""]
+    assert log.digits == [3, 0, 1, 0]
+    assert "unit: Микас 7.1; TWAT = Coolant temperature / Температура" in log.info
+    assert log.info.endswith('"Capture Date: Tue Nov 14 22:13:20 UTC 2023"\n')
+
+
+def test_no_rows_are_a_header(tmp_path):
+    out = tmp_path / "log.mlg"
+    export(out, [TWAT], [])
+    log = read(out.read_bytes())
+    assert (log.timestamp, log.names, log.values) == (0, ["Time", "TWAT"], [])
+
+
+@given(drawn=tables(ALL_FLOATS))
+def test_what_was_exported_is_read_back(tmp_path_factory, drawn):
+    log = read(exported(drawn, tmp_path_factory.getbasetemp() / "log.mlg").read_bytes())
+    times = from_start(drawn)
+    assert [row[0] for row in log.values] == pytest.approx(times, abs=0.0005, rel=1e-7)
+    assert log.names[1:] == [
+        channel.name.encode()[:33].decode(errors="ignore") for channel in drawn.channels
+    ]
+    assert log.units[1:] == [
+        channel.unit.encode()[:9].decode(errors="ignore") for channel in drawn.channels
+    ]
+    for number, channel in enumerate(drawn.channels, 1):
+        with np.errstate(over="ignore"):
+            expected = drawn.values[channel.name].astype(np.float32)
+        np.testing.assert_array_equal([row[number] for row in log.values], expected)
+
+
+def test_counter_and_clock_roll_over_stretches(tmp_path, monkeypatch):
+    monkeypatch.setattr(sheets, "STRETCH", 100)
+    out = tmp_path / "log.mlg"
+    export(out, [TWAT], [rows([n / 8], TWAT=[n]) for n in range(700)])
+    log = read(out.read_bytes())  # which checks the counter
+    assert [row[1] for row in log.values] == list(range(700))
+    assert log.clocks == [n * 12_500 % 65_536 for n in range(700)]
+
+
+def test_ten_hours_keep_their_milliseconds(tmp_path):
+    out = tmp_path / "log.mlg"
+    export(out, [TWAT], [rows([0, 35_999.971], TWAT=[1, 2])])
+    assert read(out.read_bytes()).values[1][0] == pytest.approx(35_999.971, abs=0.002)
+    assert (35_999_971).to_bytes(4) in out.read_bytes()
+
+
+def test_long_names_are_cut_between_characters_and_stay_different(tmp_path):
+    out = tmp_path / "log.mlg"
+    channels = [Channel("Ж" * 20 + str(n), "ЖЖЖЖЖЖ", Text("", "")) for n in range(3)]
+    export(out, channels, [])
+    log = read(out.read_bytes())
+    assert log.names[1:] == ["Ж" * 16, "Ж" * 14 + "~2", "Ж" * 14 + "~3"]
+    assert log.units[1:] == ["ЖЖЖЖ"] * 3
+
+
+def test_more_channels_than_it_holds(tmp_path):
+    channels = [Channel(f"c{n}", "", Text("", "")) for n in range(1190)]
+    export(tmp_path / "most.mlg", channels, [])
+    assert len(read((tmp_path / "most.mlg").read_bytes()).names) == 1191
+    with pytest.raises(ExportError, match=r"more\.mlg: an \.mlg holds 1190 channels"):
+        export(tmp_path / "more.mlg", [*channels, TWAT], [])

@@ -1,0 +1,94 @@
+"""MegaLogViewer's text log, as a minimal reader of TunerStudio's files takes it."""
+
+from __future__ import annotations
+
+import math
+from datetime import datetime, timedelta, timezone
+
+import pytest
+from export_tables import CHANNELS, FIXED, MODERATE, NAN, TWAT, exported, from_start, rows, tables
+from hypothesis import given
+
+from mikas.language import Text
+from mikas.recording.export import export
+from mikas.recording.table import Channel
+
+
+def read(path):
+    """Two lines in quotation marks, names, units, data: what such readers rely on."""
+    first, second, names, units, *data = path.read_bytes().decode().removesuffix("\n").split("\n")
+    for line in (first, second):
+        assert line[0] == line[-1] == '"'
+        assert line.count('"') == 2
+    table = [names.split("\t"), units.split("\t"), *(line.split("\t") for line in data)]
+    assert {len(row) for row in table} == {len(table[0])}
+    return first[1:-1], second[1:-1], table[0], table[1], table[2:]
+
+
+def test_a_file_as_a_person_sees_it(tmp_path):
+    out = tmp_path / "log.msl"
+    export(out, CHANNELS, FIXED, about={"unit": 'Mikas\n"7.1"'})
+    head, _, body = out.read_text(encoding="utf-8").partition("\n")
+    assert head.startswith('"mikas ')
+    assert head.endswith(
+        ": unit: Mikas '7.1'; TWAT = Coolant temperature / Температура охлаждающей жидкости; "
+        'UACC = Board voltage / Напряжение бортсети; IDLE = Idle / Холостой ход"'
+    )
+    assert body == (
+        '"Capture Date: Tue Nov 14 22:13:20 UTC 2023"\n'
+        "Time\tTWAT\tUACC\tIDLE\n"
+        "s\t°C\tV\t\n"
+        "0.000\t85\t13.8\t1\n"
+        "0.029\tNaN\t0.0\tNaN\n"
+        "1.500\t-40\tNaN\t0\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "date"),
+    [
+        ({}, "unknown"),
+        ({"start": 1.7e9}, "Tue Nov 14 22:13:20 UTC 2023"),
+        (
+            {"started": datetime(2026, 3, 1, 1, 2, 3, tzinfo=timezone(timedelta(hours=3)))},
+            "Sat Feb 28 22:02:03 UTC 2026",
+        ),
+    ],
+)
+def test_the_date_is_the_recording_s_not_today_s(tmp_path, options, date):
+    out = tmp_path / "log.msl"
+    export(out, [TWAT], [rows([12.5], TWAT=[1])], **options)
+    assert read(out)[1] == f"Capture Date: {date}"
+
+
+def test_no_rows_are_a_heading(tmp_path):
+    out = tmp_path / "log.msl"
+    export(out, [TWAT], [])
+    _, date, names, units, data = read(out)
+    assert (date, names, units, data) == (
+        "Capture Date: unknown",
+        ["Time", "TWAT"],
+        ["s", "°C"],
+        [],
+    )
+
+
+def test_a_tab_in_a_name_does_not_make_a_column(tmp_path):
+    out = tmp_path / "log.msl"
+    export(out, [Channel('a\tb"', "m\ts", Text("x\ny", ""))], [rows([0], **{'a\tb"': [NAN]})])
+    assert read(out)[2:] == (["Time", "a b"], ["s", "m s"], [["0.000", "NaN"]])
+
+
+@given(drawn=tables(MODERATE))
+def test_what_was_exported_is_read_back(tmp_path_factory, drawn):
+    out = exported(drawn, tmp_path_factory.getbasetemp() / "log.msl")
+    _, _, names, units, data = read(out)
+    assert names == ["Time", *(" ".join(channel.name.split()) for channel in drawn.channels)]
+    assert units == ["s", *(channel.unit for channel in drawn.channels)]
+    assert [float(row[0]) for row in data] == [float(f"{t:.3f}") for t in from_start(drawn)]
+    for number, channel in enumerate(drawn.channels, 1):
+        for row, value in zip(data, drawn.values[channel.name], strict=True):
+            if math.isnan(value):
+                assert row[number] == "NaN"
+            else:
+                assert float(row[number]) == float(f"{value:.{channel.decimals}f}")
