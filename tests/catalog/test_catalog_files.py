@@ -36,7 +36,8 @@ def write(tmp_path: Path) -> Write:
 def refused(path: Path, *more: Path) -> CatalogError:
     with pytest.raises(CatalogError) as caught:
         load(path, *more)
-    assert str(caught.value).startswith(f"{caught.value.file}:{caught.value.line}: ")
+    place = f":{caught.value.line}" if caught.value.line else ""
+    assert str(caught.value).startswith(f"{caught.value.file}{place}: ")
     return caught.value
 
 
@@ -45,7 +46,7 @@ def refused(path: Path, *more: Path) -> CatalogError:
 
 def test_five_lines_add_a_parameter(write: Write) -> None:
     documented = (Path(__file__).parents[2] / "docs" / "catalog.md").read_text(encoding="utf-8")
-    first, second = re.findall(r"```toml\n(.*?)```", documented, re.DOTALL)
+    first, second, *_ = re.findall(r"```toml\n(.*?)```", documented, re.DOTALL)
     assert len(first.splitlines()) == 5
     catalog = load(write(first), write(second))
     boost = catalog.parameter("boost")
@@ -189,8 +190,8 @@ def test_shipped_is_made_once() -> None:
 
 def test_public_names() -> None:
     assert mikas.catalog.__all__ == [
-        "READINGS", "Catalog", "Confidence", "Conversion", "Erratum", "Fault", "Model",
-        "Parameter", "load", "shipped",
+        "READINGS", "AlarmLimits", "Catalog", "Confidence", "Conversion", "Derived", "Erratum",
+        "Fault", "Level", "Model", "Parameter", "load", "shipped",
     ]  # fmt: skip
 
 
@@ -209,7 +210,7 @@ def test_public_names() -> None:
         (NEW + "scale = " + "[" * 9000, 0, "this is not TOML: "),
         # names and keys
         ("\n[parametr.P]\n", 2, "unknown key `parametr`; the nearest is `parameter`"),
-        ("\nzzz = 1\n", 2, "unknown key `zzz`; known are parameter, fault, model, erratum, unit, "),
+        ("\nzzz = 1\n", 2, "unknown key `zzz`; known are parameter, derived, fault, model, "),
         (NEW + "scal = 2\n", 5, "unknown key `scal`; the nearest is `scale`"),
         (NEW + '"sсаle" = 2\n', 5, "the nearest is `scale`"),
         (NEW + "literal = {\tscal = 2 }\n", 5, "unknown key `scal`; the nearest is `scale`"),

@@ -1,24 +1,31 @@
-"""What the numbers mean: parameters, faults, models, errata, as data (§4).
+"""What the numbers mean: parameters, derived channels, faults, models, errata, as data (§4).
 
     raw bytes ── Parameter.decode ──► value        Catalog.fault(13), .model(0x0A), .errata["E1"]
     raw bytes ◄── Parameter.encode ── value        Catalog.parameter("TWAT"), .size_of(0x1A)
+    values ── Derived.calculation() ──► value      Catalog.derived["FUEL_USED"], .channel(name)
 
 The data are the `.toml` files beside this module, `shipped()`; `load(file, …)` lays a person's own
 files over them. Nothing here knows the wire, a clock or a port.
 """
 
+from mikas.catalog.confidence import Confidence
 from mikas.catalog.conversion import Conversion
+from mikas.catalog.derived import Derived
+from mikas.catalog.limits import AlarmLimits, Level
 from mikas.catalog.loader import load, shipped
 from mikas.catalog.lookup import Catalog
-from mikas.catalog.model import READINGS, Confidence, Erratum, Fault, Model, Parameter
+from mikas.catalog.model import READINGS, Erratum, Fault, Model, Parameter
 
 __all__ = [
     "READINGS",
+    "AlarmLimits",
     "Catalog",
     "Confidence",
     "Conversion",
+    "Derived",
     "Erratum",
     "Fault",
+    "Level",
     "Model",
     "Parameter",
     "load",

@@ -6,9 +6,11 @@ from collections.abc import Iterable, Mapping
 from pathlib import PurePath
 from typing import Any
 
+from mikas.catalog.build_limits import alarm_limits
+from mikas.catalog.confidence import Confidence
 from mikas.catalog.conversion import NO_TEXT, Conversion
 from mikas.catalog.entries import Entries, Entry
-from mikas.catalog.model import Confidence, Erratum, Fault, Model, Parameter
+from mikas.catalog.model import Erratum, Fault, Model, Parameter
 from mikas.catalog.source import KeyPath
 from mikas.catalog.spelling import nearest
 from mikas.language import Text
@@ -54,7 +56,7 @@ def models(entries: Entries) -> dict[int, Model]:
         code: Model(
             code=code,
             text=entry.text("text"),
-            source=_source(entry),
+            source=source_of(entry),
             confidence=entry.values.get("confidence", Confidence.UNCONFIRMED),
         )
         for code, entry in entries["model"].items()
@@ -71,7 +73,7 @@ def errata(entries: Entries) -> dict[str, Erratum]:
             default=entry.text("default"),
             alternative=entry.text("alternative"),
             selected_by=entry.values.get("selected_by", ""),
-            source=_source(entry),
+            source=source_of(entry),
         )
         for name, entry in entries["erratum"].items()
     }
@@ -102,9 +104,10 @@ def _parameter(
         plausible=values.get("range"),
         reference=values.get("reference"),
         reference_confidence=_reference_confidence(values),
-        source=_source(entry),
+        source=source_of(entry),
         confidence=values.get("confidence", Confidence.UNCONFIRMED),
         errata=_names(entry, "errata", entries["erratum"]),
+        alarm_limits=alarm_limits(entry, is_flag=conversion.is_flag),
     )
 
 
@@ -161,7 +164,8 @@ def _reference_confidence(values: Mapping[str, Any]) -> Confidence:
     return Confidence(values.get("reference_confidence", default))
 
 
-def _source(entry: Entry) -> str:
+def source_of(entry: Entry) -> str:
+    """What it says of its source; the last file that speaks of it, if nothing."""
     return str(entry.values.get("source", PurePath(entry.source.name).name))
 
 
@@ -170,14 +174,17 @@ def _names(entry: Entry, key: str, known: Mapping[str, Entry]) -> tuple[str, ...
     names = tuple(name.upper() for name in entry.values.get(key, ()))
     for name in names:
         if name not in known:
-            close = nearest(name, known, 1)
-            problem = Text(
-                f"names {name}, which does not exist"
-                + (f"; the nearest is {close[0]}" if close else ""),
-                f"называет {name}, чего нет" + (f"; ближайшее имя — {close[0]}" if close else ""),
-            )
-            raise entry.wrong((key,), problem)
+            raise entry.wrong((key,), does_not_exist(name, known))
     return names
+
+
+def does_not_exist(name: str, known: Iterable[str]) -> Text:
+    """The problem of an entry that names another that is not there."""
+    close = nearest(name, known, 1)
+    return Text(
+        f"names {name}, which does not exist" + (f"; the nearest is {close[0]}" if close else ""),
+        f"называет {name}, чего нет" + (f"; ближайшее имя — {close[0]}" if close else ""),
+    )
 
 
 def _check_sizes(entries: Mapping[str, Entry]) -> None:

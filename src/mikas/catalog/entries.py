@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from mikas.catalog.fields import FAMILIES, TEXT, Reader, Schema, Unfit, string
+from mikas.catalog.fields import ANY, FAMILIES, TEXT, Reader, Schema, Unfit, constant, string
 from mikas.catalog.source import KeyPath, Source
 from mikas.catalog.spelling import nearest
 from mikas.errors import CatalogError
@@ -24,17 +24,24 @@ Entries: TypeAlias = "dict[str, dict[Any, Entry]]"
 class Entry:
     """One table, of one file or of several. `values` nests where the tables do.
 
-    `source` and `table` are the last file that speaks of it, `places` who gave which key.
+    `source` and `table` are the last file that speaks of it, `first` the one that brought it,
+    `places` who gave which key.
     """
 
     source: Source
     table: KeyPath
+    first: tuple[Source, KeyPath]
     values: dict[str, Any] = field(default_factory=dict)
     places: dict[KeyPath, tuple[Source, KeyPath]] = field(default_factory=dict)
 
     def wrong(self, key: KeyPath, problem: Text) -> CatalogError:
         """The error for one of its keys (for the table, if the key is not written anywhere)."""
         source, path = self.places.get(key, (self.source, self.table))
+        return source.wrong(path, _about(path, problem))
+
+    def wrong_name(self, problem: Text) -> CatalogError:
+        """The error for its name, where it first stands."""
+        source, path = self.first
         return source.wrong(path, _about(path, problem))
 
     def order(self, key: KeyPath) -> int:
@@ -77,7 +84,7 @@ def _add_tables(known: dict[Any, Entry], source: Source, family: str, tables: ob
         if name in here:
             raise source.wrong(path, _about(path, Text("is there twice", "есть дважды")))
         here.add(name)
-        entry = known.setdefault(name, Entry(source, path))
+        entry = known.setdefault(name, Entry(source, path, (source, path)))
         entry.source, entry.table = source, path
         _lay_over(entry, (), entry.values, table, FAMILIES[family].schema)
 
@@ -90,9 +97,11 @@ def _lay_over(
     if schema is TEXT and isinstance(table, str):
         table = {"en": table, "ru": table}
     for key, value in _table(source, path, table).items():
-        rule = schema.get(key)
+        rule = schema.get(key) or schema.get(ANY)
         if rule is None:
             raise source.wrong((*path, key), _unknown(key, schema))
+        if ANY in schema:
+            _read(source, (*path, key), constant, key)
         entry.places[(*inside, key)] = (source, (*path, key))
         if callable(rule):
             values[key] = _read(source, (*path, key), rule, value)

@@ -13,14 +13,20 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import TypeAlias
 
-from mikas.catalog.model import READINGS, Confidence
+from mikas.catalog.confidence import Confidence
+from mikas.catalog.limits import LIMITS, Level
+from mikas.catalog.model import READINGS
 from mikas.language import Text
 
 Reader: TypeAlias = Callable[[object], object]
 Schema: TypeAlias = "Mapping[str, Reader | Schema]"
 
+ANY = "*"
+"""In a schema: the rule for every key that is a constant's name."""
+
 _RATIO = re.compile(r"\s*([+-]?\d{1,15})\s*(?:/\s*(\d{1,15})\s*)?", re.ASCII)
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_CONSTANT = re.compile(r"[a-z][a-z0-9_]*")
 _NUMBER_KEY = re.compile(r"0x[0-9a-f]{1,2}|0|[1-9]\d{0,2}", re.IGNORECASE | re.ASCII)
 
 
@@ -100,6 +106,24 @@ def nonzero(value: object) -> Fraction:
     raise Unfit("must not be 0", "не может быть 0")
 
 
+def number(value: object) -> float:
+    """Any number."""
+    if (exact := _number(value)) is not None:
+        return _plain(exact)
+    raise Unfit("must be a number", "нужно число")
+
+
+def limit(value: object) -> float | None:
+    """A number, or `false` for none."""
+    if value is False:
+        return None
+    if (exact := _number(value)) is not None:
+        return _plain(exact)
+    raise Unfit(
+        "must be a number, or false for no limit", "нужно число, либо false, если предела нет"
+    )
+
+
 def span(value: object) -> tuple[float, float]:
     """`[low, high]`."""
     ends = [_number(item) for item in value] if isinstance(value, list) else []
@@ -141,6 +165,16 @@ def mnemonic(key: object) -> str:
     )
 
 
+def constant(key: object) -> str:
+    """A constant's name: small letters, so that it is told from a channel's at a glance."""
+    if isinstance(key, str) and _CONSTANT.fullmatch(key):
+        return key
+    raise Unfit(
+        "is no name of small Latin letters, digits and _ that begins with a letter",
+        "имя должно состоять из строчных латинских букв, цифр и _ и начинаться с буквы",
+    )
+
+
 def byte_key(key: object) -> int:
     """A number as `13` or `0x0D`."""
     number = int(key, 0) if isinstance(key, str) and _NUMBER_KEY.fullmatch(key) else -1
@@ -170,6 +204,12 @@ CONVERSION: Schema = {
     "offset": rational,
     "unit": string,
 }
+_ALARMS: Schema = {
+    **dict.fromkeys(LIMITS, limit),
+    "hysteresis": number,
+    "source": string,
+    "confidence": CONFIDENCE,
+}
 FAMILIES: Mapping[str, Family] = {
     "parameter": Family(
         mnemonic,
@@ -187,6 +227,21 @@ FAMILIES: Mapping[str, Family] = {
             "source": string,
             "confidence": CONFIDENCE,
             "errata": strings,
+            "limits": {**_ALARMS, "when_true": choice(Level, *Level)},
+        },
+    ),
+    "derived": Family(
+        mnemonic,
+        {
+            "text": TEXT,
+            "formula": string,
+            "constants": {ANY: number},
+            "accumulates": boolean,
+            "unit": string,
+            "decimals": integer(0, 6),
+            "limits": _ALARMS,
+            "source": string,
+            "confidence": CONFIDENCE,
         },
     ),
     "fault": Family(

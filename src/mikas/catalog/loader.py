@@ -1,8 +1,8 @@
 """The shipped catalog, and a person's own files laid over it.
 
-A file has tables named `[parameter.TWAT]`, `[fault.13]`, `[model.0x09]`, `[erratum.E1]` and
-`[unit.rpm]`; an entry that exists already is overridden key by key, so two lines can change one
-text. Adding a parameter takes five lines:
+A file has tables named `[parameter.TWAT]`, `[derived.FUEL_USED]`, `[fault.13]`, `[model.0x09]`,
+`[erratum.E1]` and `[unit.rpm]`; an entry that exists already is overridden key by key, so two lines
+can change one text. Adding a parameter takes five lines:
 
     [parameter.BOOST]
     code = 0x33
@@ -21,12 +21,19 @@ from functools import cache
 from pathlib import Path
 from zlib import crc32
 
-from mikas.catalog import build
+from mikas.catalog import build, build_derived
 from mikas.catalog.entries import merged
 from mikas.catalog.lookup import Catalog
 from mikas.catalog.source import Source, parse_source, read_source
 
-_SHIPPED = ("units.toml", "errata.toml", "parameters.toml", "faults.toml", "models.toml")
+_SHIPPED = (
+    "units.toml",
+    "errata.toml",
+    "parameters.toml",
+    "derived.toml",
+    "faults.toml",
+    "models.toml",
+)
 
 
 def load(*user_files: Path) -> Catalog:
@@ -57,6 +64,7 @@ def _catalog(sources: Sequence[Source]) -> Catalog:
     units = build.units(entries)
     return Catalog(
         parameters=build.parameters(entries, units),
+        derived=build_derived.derived(entries, units),
         faults=build.faults(entries),
         models=build.models(entries),
         errata=build.errata(entries),

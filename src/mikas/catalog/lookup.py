@@ -7,9 +7,10 @@ that says so (a fault with no text, an unknown model), for an ECU may answer any
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from mikas.catalog.conversion import Conversion
+from mikas.catalog.derived import Derived
 from mikas.catalog.model import Erratum, Fault, Model, Parameter
 from mikas.catalog.spelling import in_latin, nearest
 from mikas.errors import UnknownParameter
@@ -22,13 +23,15 @@ _RAW_SIZES = (1, 2, 3, 4)
 class Catalog:
     """Everything that is defined as data. Immutable: the mappings are not to be changed.
 
-    `units` has the text of each unit by its key; `version` names all that was loaded.
+    `derived` has the channels that are computed, by name; they share their names with the
+    parameters. `units` has the text of each unit by its key; `version` names all that was loaded.
     """
 
     def __init__(
         self,
         *,
         parameters: tuple[Parameter, ...],
+        derived: Mapping[str, Derived],
         faults: Mapping[int, Fault],
         models: Mapping[int, Model],
         errata: Mapping[str, Erratum],
@@ -36,6 +39,7 @@ class Catalog:
         version: str,
     ) -> None:
         self.parameters = parameters
+        self.derived = derived
         self.faults = faults
         self.models = models
         self.errata = errata
@@ -64,13 +68,23 @@ class Catalog:
         UnknownParameter (with the nearest names) for anything else.
         """
         name = name.strip()
-        if found := self._by_name.get(name.upper()):
-            return found
+        return self._by_name.get(name.upper()) or self._by_code(name, self._by_name)
+
+    def channel(self, name: str) -> Parameter | Derived:
+        """A parameter as by `parameter`, or a derived channel by name in either case.
+
+        UnknownParameter (with the nearest names of both) for anything else.
+        """
+        name = name.strip()
+        channels: dict[str, Parameter | Derived] = {**self._by_name, **self.derived}
+        return channels.get(name.upper()) or self._by_code(name, channels)
+
+    def _by_code(self, name: str, known: Iterable[str]) -> Parameter:
         if match := _RAW_CODE.fullmatch(name):
             return self._raw(name, int(match[1], 16), match[2])
         if _RAW_CODE.fullmatch(in_latin(name)):
             raise UnknownParameter(name, (in_latin(name),))
-        raise UnknownParameter(name, nearest(name, self._by_name))
+        raise UnknownParameter(name, nearest(name, known))
 
     def _raw(self, name: str, code: int, asked: str | None) -> Parameter:
         size = int(asked) if asked else self._sizes.get(code, 1)

@@ -7,10 +7,11 @@ catalog that it came from.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
 from fractions import Fraction
 
+from mikas.catalog.confidence import Confidence
 from mikas.catalog.conversion import NO_TEXT, Conversion
+from mikas.catalog.limits import AlarmLimits
 from mikas.errors import UsageError
 from mikas.language import Text
 
@@ -19,21 +20,13 @@ READINGS = ("corrected", "literal", "alternative")
 source. alternative: another sense of a letter that is odd, but possible (E3)."""
 
 
-class Confidence(StrEnum):
-    """How well a statement is known."""
-
-    CONFIRMED = "confirmed"  # two independent public sources
-    REPORTED = "reported"  # one source
-    UNCONFIRMED = "unconfirmed"  # commonly printed, no source seen
-    UNKNOWN = "unknown"  # nothing is known; only the number is shown
-
-
 @dataclass(frozen=True, slots=True)
 class Parameter:
     """One parameter of §4, or of a user's file, or a bare code (`0x1A`) with no meaning.
 
     `conversion` is the corrected reading. `literal` and `alternative` are None where they would
-    be the same. `plausible` and `reference` (warm idle) are in the corrected reading's unit.
+    be the same. `plausible`, `reference` (warm idle) and `alarm_limits` are in the unit of the
+    corrected reading.
     """
 
     name: str
@@ -49,6 +42,7 @@ class Parameter:
     source: str = ""
     confidence: Confidence = Confidence.UNKNOWN
     errata: tuple[str, ...] = ()
+    alarm_limits: AlarmLimits | None = None
 
     @property
     def size(self) -> int:

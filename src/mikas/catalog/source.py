@@ -13,7 +13,7 @@ from decimal import Context, Decimal
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from mikas.errors import CatalogError
+from mikas.errors import CatalogError, reason_of
 from mikas.language import Text
 
 KeyPath: TypeAlias = tuple[str, ...]
@@ -45,8 +45,8 @@ def read_source(path: Path, order: int = 0) -> Source:
     try:
         data = path.read_bytes()
     except OSError as error:
-        reason = error.strerror or str(error)
-        problem = Text(f"the file can't be read: {reason}", f"файл не читается: {reason}")
+        reason = reason_of(error)
+        problem = Text(f"the file can't be read: {reason.en}", f"файл не читается: {reason.ru}")
         raise CatalogError(str(path), 0, problem) from error
     return parse_source(str(path), data, order)
 
@@ -67,7 +67,7 @@ def parse_source(name: str, data: bytes, order: int = 0) -> Source:
     except (ValueError, RecursionError) as error:
         place = re.search(r"at line (\d+)", str(error))
         line = int(place[1]) if place else text.count("\n") + 1 if "at end" in str(error) else 0
-        problem = Text(f"this is not TOML: {error}", f"это не TOML: {error}")
+        problem = Text(f"this is not TOML: {error}", "здесь ошибка записи TOML")
         raise CatalogError(name, line, problem) from error
     return Source(name, text, tables, order)
 

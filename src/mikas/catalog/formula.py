@@ -1,0 +1,211 @@
+"""The text of a formula, checked and brought into its plain form, before anything is computed.
+
+A formula is an expression in Python's notation, of which only arithmetic is let in: numbers, names,
+`+ - * / **`, comparisons, `and or not`, `a if c else b`, and calls of the functions in `FUNCTIONS`.
+Everything else is refused by default (there is no list of what is forbidden), and so is what is too
+long or too deep: what passes is computed in a time that its length bounds, for all numbers in it
+become 64-bit floats.
+
+In the plain form every condition is a call of `where`, so that it works on arrays too:
+`a if c else b` is `where(c, a, b)`, `a and b` is `where(a, b, 0)`, `a or b` is `where(a, 1, b)`,
+`not a` is `where(a, 0, 1)`.
+"""
+
+from __future__ import annotations
+
+import ast
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+
+from mikas.catalog.spelling import nearest
+from mikas.language import Text
+
+LONGEST = 1000
+"""Characters."""
+
+DEEPEST = 60
+"""Levels of nesting; `a + b + c` has two."""
+
+FUNCTIONS: Mapping[str, tuple[int, int]] = {
+    "min": (2, LONGEST),
+    "max": (2, LONGEST),
+    "abs": (1, 1),
+    "sqrt": (1, 1),
+    "where": (3, 3),
+    "clip": (3, 3),
+}
+"""What can be called, with the fewest and the most arguments."""
+
+OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
+COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)
+
+_SIGNS = {ast.Mod: "%", ast.FloorDiv: "//", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^"}
+
+
+class FormulaError(Exception):
+    """The formula is wrong; who reads the file adds its name and the line."""
+
+    def __init__(self, en: str, ru: str) -> None:
+        self.problem = Text(en, ru)
+        super().__init__(en)
+
+
+@dataclass(frozen=True, slots=True)
+class Parsed:
+    """The plain form, and the channels that it names (in capitals, in order of appearance)."""
+
+    tree: ast.expr
+    inputs: tuple[str, ...]
+
+
+def parse(text: str, constants: Mapping[str, float]) -> Parsed:
+    """Check a formula; its constants are put in. FormulaError: it is not one, or names nothing.
+
+    A name that is no constant is a channel's, in either case.
+    """
+    if len(text) > LONGEST:
+        raise FormulaError(
+            f"is longer than {LONGEST} signs; split it into several channels",
+            f"длиннее {LONGEST} знаков; разделите на несколько каналов",
+        )
+    line = " ".join(text.split())
+    syntax = _syntax(line)
+    plain = _PlainForm(line, constants)
+    tree = plain.expression(syntax, 0)
+    if not plain.inputs:
+        raise FormulaError(
+            "names no parameter, so it has no time and no value",
+            "не называет ни одного параметра, значит, нет ни времени, ни значения",
+        )
+    return Parsed(tree, tuple(plain.inputs))
+
+
+def _syntax(line: str) -> ast.expr:
+    if "#" in line:  # it would hide the rest, of this line and of all that were joined to it
+        raise FormulaError("has a `#` in it", "содержит `#`")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return ast.parse(line, mode="eval").body
+    except SyntaxError as error:
+        place = error.offset or 0
+        raise FormulaError(
+            f"is no formula: {error.msg} (sign {place})",
+            f"не формула: ошибка в записи (знак {place})",
+        ) from None
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise FormulaError(f"is no formula: {error}", "не формула: ошибка в записи") from None
+
+
+class _PlainForm:
+    """Builds the plain form of an expression, out of nodes that it knows and of no others."""
+
+    def __init__(self, line: str, constants: Mapping[str, float]) -> None:
+        self._line = line.encode()
+        self._constants = constants
+        self.inputs: dict[str, None] = {}
+
+    def expression(self, node: ast.expr, depth: int) -> ast.expr:
+        if depth > DEEPEST:
+            raise FormulaError(
+                f"is nested more than {DEEPEST} levels deep; split it into several channels",
+                f"вложенность больше {DEEPEST} уровней; разделите на несколько каналов",
+            )
+        match node:
+            case ast.Constant(value=int() | float()):
+                return _number(node)
+            case ast.Name():
+                return self._name(node)
+            case ast.BinOp(op=operator) if isinstance(operator, OPERATORS):
+                left, right = self._all([node.left, node.right], depth)
+                return ast.BinOp(left, operator, right)
+            case ast.UnaryOp(op=ast.Not()):
+                return _where(self.expression(node.operand, depth + 1), _value(0), _value(1))
+            case ast.UnaryOp(op=ast.USub() | ast.UAdd()):
+                return ast.UnaryOp(node.op, self.expression(node.operand, depth + 1))
+            case ast.Compare(ops=[operator]) if isinstance(operator, COMPARISONS):
+                left, right = self._all([node.left, *node.comparators], depth)
+                return ast.Compare(left, [operator], [right])
+            case ast.Compare(ops=[_, _, *_]):
+                raise FormulaError(
+                    "has a chain of comparisons; write `a < b and b < c`",
+                    "содержит цепочку сравнений; пишите `a < b and b < c`",
+                )
+            case ast.BoolOp():
+                return self._bool_op(node, depth)
+            case ast.IfExp():
+                condition, then, other = self._all([node.test, node.body, node.orelse], depth)
+                return _where(condition, then, other)
+            case ast.Call(func=ast.Name(id=name), keywords=[]):
+                return self._call(name, node.args, depth)
+        raise self._not_allowed(node)
+
+    def _all(self, nodes: list[ast.expr], depth: int) -> list[ast.expr]:
+        return [self.expression(each, depth + 1) for each in nodes]
+
+    def _name(self, node: ast.Name) -> ast.expr:
+        if (constant := self._constants.get(node.id)) is not None:
+            return _value(constant)
+        name = node.id.upper()
+        self.inputs[name] = None
+        return ast.Name(name, ast.Load())
+
+    def _bool_op(self, node: ast.BoolOp, depth: int) -> ast.expr:
+        # From the right: each value becomes the condition of what follows it. So the plain form
+        # is as deep as there are values.
+        *before, last = self._all(node.values, depth + len(node.values) - 1)
+        for value in reversed(before):
+            if isinstance(node.op, ast.And):
+                last = _where(value, last, _value(0))
+            else:
+                last = _where(value, _value(1), last)
+        return last
+
+    def _call(self, name: str, arguments: list[ast.expr], depth: int) -> ast.expr:
+        if name not in FUNCTIONS:
+            close = nearest(name, FUNCTIONS, 1)
+            known = f"`{close[0]}`" if close else ", ".join(FUNCTIONS)
+            raise FormulaError(
+                f"calls `{name}`, which there is not; there is {known}",
+                f"вызывает `{name}`, чего нет; есть {known}",
+            )
+        fewest, most = FUNCTIONS[name]
+        if not fewest <= len(arguments) <= most:
+            count = f"{fewest}" if fewest == most else f"{fewest}+"
+            raise FormulaError(
+                f"gives `{name}` {len(arguments)} argument(s); it takes {count}",
+                f"даёт `{name}` аргументов: {len(arguments)}, а нужно {count}",
+            )
+        return ast.Call(ast.Name(name, ast.Load()), self._all(arguments, depth), [])
+
+    def _not_allowed(self, node: ast.expr) -> FormulaError:
+        what = self._line[node.col_offset : node.end_col_offset].decode()
+        what = what if len(what) <= 40 else f"{what[:40]}…"
+        if isinstance(node, ast.BinOp):
+            what = _SIGNS.get(type(node.op), what)
+        return FormulaError(
+            f"has `{what}` in it; there are numbers, names, + - * / **, comparisons, and, or, not, "
+            f"if … else, {', '.join(FUNCTIONS)}",
+            f"содержит `{what}`; есть числа, имена, + - * / **, сравнения, and, or, not, "
+            f"if … else, {', '.join(FUNCTIONS)}",
+        )
+
+
+def _number(node: ast.Constant) -> ast.expr:
+    try:
+        number = float(node.value)  # type: ignore[arg-type]
+    except OverflowError:
+        number = float("inf")
+    if isfinite(number):
+        return _value(number)
+    raise FormulaError("has a number that is too large", "содержит слишком большое число")
+
+
+def _value(number: float) -> ast.expr:
+    return ast.Constant(float(number))
+
+
+def _where(condition: ast.expr, then: ast.expr, otherwise: ast.expr) -> ast.expr:
+    return ast.Call(ast.Name("where", ast.Load()), [condition, then, otherwise], [])

@@ -1,0 +1,1 @@
+"""What to ask, how and how often; and what is made of the answers: derived channels, alarms."""

@@ -1,0 +1,220 @@
+"""Alarms: which channel is beyond its limits, since when, and the moments at which that changed.
+
+    values ──► Alarms.update ──► AlarmEvents       at each change of level
+                     └── Alarms.current()          for a display, at any time
+
+A level begins beyond its limit and ends only when the value is back inside by the hysteresis, so
+that a value that trembles at a limit makes one event. A value that is missing changes no level:
+what was last known stays, marked stale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from math import isfinite, nan
+from typing import TypeAlias
+
+from mikas.catalog import AlarmLimits, Catalog, Derived, Level, Parameter
+from mikas.client.reading import Reading
+from mikas.errors import UsageError
+from mikas.language import Text
+from mikas.sampling.derived import DerivedValue, number_of
+
+Value: TypeAlias = Reading | DerivedValue | float | None
+"""A bare number is one in the corrected reading, read just now."""
+
+_LEVELS = tuple(Level)
+_LEVEL_TEXTS = {
+    Level.NONE: Text("no alarm", "тревоги нет"),
+    Level.WARNING: Text("warning", "предупреждение"),
+    Level.DANGER: Text("danger", "опасность"),
+}
+
+
+class Side(StrEnum):
+    """On which side the value is beyond its limit; a flag that is set is HIGH."""
+
+    LOW = "low"
+    HIGH = "high"
+
+
+_BEYOND = {Side.LOW: Text("below", "ниже"), Side.HIGH: Text("above", "выше")}
+
+
+@dataclass(frozen=True, slots=True)
+class AlarmState:
+    """What is known of a channel: `level` since the time `since`, by `value` of the time `time`.
+
+    `side` and `limit` are None while there is no alarm, `value` and both times until the first
+    value came. `stale`: the last sample had none.
+    """
+
+    channel: Parameter | Derived
+    level: Level = Level.NONE
+    side: Side | None = None
+    limit: float | None = None
+    value: float | None = None
+    time: float | None = None
+    since: float | None = None
+    stale: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class AlarmEvent:
+    """A change of level, from `before`, at `time`.
+
+    `side` and `limit` are of the limit that was crossed: the new level's, or, when it got `better`,
+    that of the level that is over. A flag's limit is 1.
+    """
+
+    channel: Parameter | Derived
+    level: Level
+    before: Level
+    better: bool
+    side: Side
+    value: float
+    limit: float
+    time: float
+
+    @property
+    def text(self) -> Text:
+        """One sentence for a person."""
+        level, before = _LEVEL_TEXTS[self.level], _LEVEL_TEXTS[self.before]
+        name, unit = self.channel.text, self.channel.unit_text
+        if self.channel.is_flag:
+            if self.level is Level.NONE:
+                return Text(f"{name.en}: over", f"{name.ru}: прекратилось")
+            return Text(f"{name.en}: {level.en}", f"{name.ru}: {level.ru}")
+        value, limit = f"{self.value:.{self.channel.decimals}f}", f"{self.limit:.10g}"
+        en, ru = f"{name.en} {value} {unit.en}".rstrip(), f"{name.ru} {value} {unit.ru}".rstrip()
+        limit_en, limit_ru = f"{limit} {unit.en}".rstrip(), f"{limit} {unit.ru}".rstrip()
+        if not self.better:
+            where = _BEYOND[self.side]
+            return Text(
+                f"{en} is {where.en} {limit_en}: {level.en}",
+                f"{ru} {where.ru} {limit_ru}: {level.ru}",
+            )
+        if self.level is Level.NONE:
+            return Text(f"{en}: back within {limit_en}", f"{ru}: снова в пределах {limit_ru}")
+        return Text(
+            f"{en}: no longer {before.en}, still {level.en}",
+            f"{ru}: уже не {before.ru}, но ещё {level.ru}",
+        )
+
+
+class Alarms:
+    """Watches each channel that has limits: the catalog's, with those of `limits` instead.
+
+    `limits` is by the channel's name (a raw code too); None switches a channel's alarms off.
+    A value whose time is more than `fresh` seconds from its sample's is missing.
+    UnknownParameter; UsageError: a flag with a number's limits, or the other way round.
+    """
+
+    def __init__(
+        self,
+        catalog: Catalog,
+        limits: Mapping[str, AlarmLimits | None] | None = None,
+        *,
+        fresh: float = 1.0,
+    ) -> None:
+        channels: dict[str, Parameter | Derived] = {each.name: each for each in catalog.parameters}
+        channels |= catalog.derived
+        wanted = {name: each.alarm_limits for name, each in channels.items()}
+        for name, own in (limits or {}).items():
+            channel = catalog.channel(name)
+            channels[channel.name], wanted[channel.name] = channel, own
+        self._fresh = fresh
+        self._limits = {name: each for name, each in wanted.items() if each is not None}
+        for name, each in self._limits.items():
+            _check(channels[name], each)
+        self._states = {name: AlarmState(channels[name]) for name in self._limits}
+
+    @property
+    def channels(self) -> tuple[Parameter | Derived, ...]:
+        """What is watched."""
+        return tuple(state.channel for state in self._states.values())
+
+    def current(self) -> dict[str, AlarmState]:
+        """What is known of each channel that is watched, by name."""
+        return dict(self._states)
+
+    def update(self, values: Mapping[str, Value], time: float) -> list[AlarmEvent]:
+        """What changed with this sample, in the order of the catalog."""
+        events = []
+        for name, limits in self._limits.items():
+            state, value = self._states[name], self._number(values.get(name), time)
+            if not isfinite(value):
+                self._states[name] = replace(state, stale=True)
+                continue
+            level, side, limit = _judged(limits, state, value)
+            changed = (level, side) != (state.level, state.side)
+            self._states[name] = AlarmState(
+                channel=state.channel,
+                level=level,
+                side=side,
+                limit=limit,
+                value=value,
+                time=time,
+                since=time if changed or state.since is None else state.since,
+                stale=False,
+            )
+            if changed:
+                events.append(_event(state, self._states[name], value, time))
+        return events
+
+    def _number(self, value: Value, time: float) -> float:
+        if isinstance(value, Reading | DerivedValue):
+            return number_of(value, time, self._fresh)
+        return nan if value is None else float(value)
+
+
+def _judged(
+    limits: AlarmLimits, state: AlarmState, value: float
+) -> tuple[Level, Side | None, float | None]:
+    """The level of `value`, its side and the limit that it is beyond, coming from `state`."""
+    if limits.for_flag:
+        return (limits.when_true, Side.HIGH, 1.0) if value else (Level.NONE, None, None)
+    for side, sign, on_side in ((Side.HIGH, 1, limits.highs), (Side.LOW, -1, limits.lows)):
+        held = _LEVELS.index(state.level) if state.side is side else 0
+        for level, limit in reversed(on_side):
+            margin = limits.hysteresis if _LEVELS.index(level) <= held else 0
+            if sign * (value - limit) > -margin:
+                return level, side, limit
+    return Level.NONE, None, None
+
+
+def _event(before: AlarmState, after: AlarmState, value: float, time: float) -> AlarmEvent:
+    better = after.side is None or (
+        after.side is before.side and _LEVELS.index(after.level) < _LEVELS.index(before.level)
+    )
+    crossed = before if better else after
+    assert crossed.side is not None
+    assert crossed.limit is not None
+    return AlarmEvent(
+        channel=after.channel,
+        level=after.level,
+        before=before.level,
+        better=better,
+        side=crossed.side,
+        value=value,
+        limit=crossed.limit,
+        time=time,
+    )
+
+
+def _check(channel: Parameter | Derived, limits: AlarmLimits) -> None:
+    if channel.is_flag and limits.for_number:
+        problem = Text(
+            f"{channel.name} is a flag: it has no limits but `when_true`",
+            f"{channel.name} — признак: у него нет пределов, кроме `when_true`",
+        )
+    elif limits.for_flag and not channel.is_flag:
+        problem = Text(
+            f"{channel.name} is a number: `when_true` is for flags",
+            f"{channel.name} — число: `when_true` бывает у признаков",
+        )
+    else:
+        return
+    raise UsageError(problem=problem)

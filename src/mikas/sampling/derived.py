@@ -1,0 +1,246 @@
+"""Derived channels over samples: one at a time while they come, or whole columns for an export.
+
+    readings ──► DerivedChannels.update ──► DerivedValue      live, sample by sample
+    rows ──────► DerivedChannels.columns ─► arrays            the same numbers, bit for bit
+
+What an input does not give, nothing is made of: a derived channel has no value where one of its
+inputs is missing or stale, or where its formula has none (a division by zero).
+
+A channel that accumulates adds up its formula, which is per second, from each of its values to the
+next, along a straight line. A gap adds nothing and is counted. A gap is a sample that brought
+nothing at all, a pause longer than `longest`, or a clock that went back. A sample that brought
+other parameters only (this one is asked less often) is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from math import isfinite, nan
+from typing import TYPE_CHECKING, Protocol, TypeAlias
+
+from mikas.catalog import Catalog, Derived
+from mikas.catalog.calculation import Calculation
+from mikas.catalog.derived import in_order
+from mikas.client.reading import Reading
+from mikas.errors import UsageError
+from mikas.language import Text
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Column: TypeAlias = NDArray[np.float64]
+
+
+class Rows(Protocol):
+    """Columns over time, parameters in the corrected reading; NaN is missing, flags are 0 and 1."""
+
+    @property
+    def times(self) -> Column:
+        """Seconds, one a row."""
+
+    @property
+    def values(self) -> Mapping[str, Column]:
+        """By the parameter's name, as long as `times`."""
+
+
+@dataclass(frozen=True, slots=True)
+class DerivedValue:
+    """One value of a derived channel, at `time`, with the direct inputs that it was made of.
+
+    If the channel accumulates, `since` is when that began, and `gaps` how often it was interrupted.
+    """
+
+    channel: Derived
+    value: float
+    unit: str
+    time: float
+    inputs: Mapping[str, Reading | DerivedValue]
+    since: float | None = None
+    gaps: int = 0
+
+    @property
+    def name(self) -> str:
+        """The channel's name."""
+        return self.channel.name
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.value:.{self.channel.decimals}f} {self.unit}".rstrip()
+
+
+@dataclass(frozen=True, slots=True)
+class Accumulated:
+    """How far a channel has come: its total, since when (None: not begun), over how many gaps.
+
+    A total that grew beyond all bounds is NaN, and stays so.
+    """
+
+    total: float = 0.0
+    since: float | None = None
+    gaps: int = 0
+
+
+class DerivedChannels:
+    """The derived channels `names`, and those that they are made of.
+
+    A reading whose time is more than `fresh` seconds from its sample's is stale. Values further
+    apart than `longest` seconds are no neighbours. UnknownParameter, UsageError: a name is not that
+    of a derived channel.
+    """
+
+    def __init__(
+        self, catalog: Catalog, names: Iterable[str], *, fresh: float = 1.0, longest: float = 2.0
+    ) -> None:
+        named = (_derived(catalog, name) for name in names)
+        self.channels = tuple({channel.name: channel for channel in named}.values())
+        self._fresh = fresh
+        steps = in_order(catalog.derived, [channel.name for channel in self.channels])
+        self._steps = [(channel, channel.calculation()) for channel in steps]
+        self._integrals = {each.name: _Integral(longest) for each in steps if each.accumulates}
+        needed = {name for channel in steps for name in channel.inputs}
+        self.requires = tuple(each.name for each in catalog.parameters if each.name in needed)
+
+    @property
+    def accumulated(self) -> dict[str, Accumulated]:
+        """How far each channel that accumulates has come, also while it has no value."""
+        return {name: integral.state for name, integral in self._integrals.items()}
+
+    def update(self, readings: Mapping[str, Reading], time: float) -> dict[str, DerivedValue]:
+        """The channels that have a value in this sample.
+
+        `readings`: the sample's, by name; those of a cycle before count as long as they are fresh.
+        """
+        there: dict[str, Reading | DerivedValue] = {
+            name: reading
+            for name, reading in readings.items()
+            if isfinite(number_of(reading, time, self._fresh))
+        }
+        if not there:
+            for integral in self._integrals.values():
+                integral.interrupt()
+        for channel, calculation in self._steps:
+            if made := self._made(channel, calculation, there, time):
+                there[channel.name] = made
+        made_now = (there.get(channel.name) for channel in self.channels)
+        return {each.name: each for each in made_now if isinstance(each, DerivedValue)}
+
+    def _made(
+        self,
+        channel: Derived,
+        calculation: Calculation,
+        there: Mapping[str, Reading | DerivedValue],
+        time: float,
+    ) -> DerivedValue | None:
+        inputs = {name: there[name] for name in channel.inputs if name in there}
+        if len(inputs) < len(channel.inputs):
+            return None
+        numbers = {name: number_of(each, time, self._fresh) for name, each in inputs.items()}
+        value, so_far = calculation.number(numbers), Accumulated()
+        if isfinite(value) and (integral := self._integrals.get(channel.name)):
+            value, so_far = integral.add(time, value), integral.state
+        if not isfinite(value):
+            return None
+        return DerivedValue(channel, value, channel.unit, time, inputs, so_far.since, so_far.gaps)
+
+    def columns(self, rows: Rows) -> dict[str, Column]:
+        """The same for a stretch of samples, each row as `update` has it; NaN is missing.
+
+        `rows` has all that was recorded: a row in which nothing is there is a gap. Stretches follow
+        each other, and accumulating goes on from one to the next.
+        """
+        import numpy as np
+
+        missing = np.full(len(rows.times), nan)
+        values = {name: rows.values.get(name, missing) for name in self.requires}
+        nothing = np.ones(len(rows.times), dtype=np.bool_)
+        for column in rows.values.values() if self._integrals else ():
+            nothing &= ~np.isfinite(column)
+        for channel, calculation in self._steps:
+            column = calculation.column(values)
+            if integral := self._integrals.get(channel.name):
+                column = integral.add_column(rows.times, column, nothing)
+            values[channel.name] = column
+        return {channel.name: values[channel.name] for channel in self.channels}
+
+
+class _Integral:
+    """The state of one channel that accumulates."""
+
+    def __init__(self, longest: float) -> None:
+        self.state = Accumulated()
+        self._longest = longest
+        self._last: tuple[float, float] | None = None  # time and rate, unless a gap followed
+
+    def interrupt(self) -> None:
+        """A sample that brought nothing."""
+        if self._last is not None:
+            self._last = None
+            self.state = replace(self.state, gaps=self.state.gaps + 1)
+
+    def add(self, time: float, rate: float) -> float:
+        """The total at `time`."""
+        total, gaps = self.state.total, self.state.gaps
+        if self._last is not None:
+            before, rate_before = self._last
+            if 0 <= time - before <= self._longest:
+                total = _finite(total + (rate_before * 0.5 + rate * 0.5) * (time - before))
+            else:
+                gaps += 1
+        since = time if self.state.since is None else self.state.since
+        self.state = Accumulated(total, since, gaps)
+        self._last = time, rate
+        return total
+
+    def add_column(self, times: Column, rates: Column, nothing: NDArray[np.bool_]) -> Column:
+        """The total at each row, NaN where `rates` is; `nothing`: the rows that are gaps.
+
+        The same operations as `add` and `interrupt`, in the same order.
+        """
+        import numpy as np
+
+        totals, rows = np.full(len(rates), nan), np.flatnonzero(np.isfinite(rates))
+        gaps_before = np.cumsum(nothing)
+        at, rate, gap = times[rows], rates[rows], gaps_before[rows]
+        if self._last is not None:
+            at, rate = np.insert(at, 0, self._last[0]), np.insert(rate, 0, self._last[1])
+            gap = np.insert(gap, 0, 0)
+        if len(at):
+            with np.errstate(all="ignore"):
+                steps = np.diff(at)
+                joined = (steps >= 0) & (steps <= self._longest) & (np.diff(gap) == 0)
+                added = np.where(joined, (rate[:-1] * 0.5 + rate[1:] * 0.5) * steps, 0.0)
+                running = np.add.accumulate(np.insert(added, 0, self.state.total))
+            totals[rows] = running[len(running) - len(rows) :]
+            since = float(at[0]) if self.state.since is None else self.state.since
+            gaps = self.state.gaps + int(np.count_nonzero(~joined))
+            self.state = Accumulated(_finite(float(running[-1])), since, gaps)
+            self._last = float(at[-1]), float(rate[-1])
+            if nothing[rows[-1] + 1 if len(rows) else 0 :].any():
+                self.interrupt()
+        return np.where(np.isfinite(totals), totals, nan)
+
+
+def _finite(number: float) -> float:
+    return number if isfinite(number) else nan
+
+
+def number_of(value: Reading | DerivedValue | None, time: float, fresh: float) -> float:
+    """The number that formulas and limits mean: in the corrected reading; NaN: missing or stale."""
+    if value is None or not abs(time - value.time) <= fresh:
+        return nan
+    if isinstance(value, Reading) and value.reading != "corrected":
+        return float(value.parameter.decode(value.raw))
+    return float(value.value)
+
+
+def _derived(catalog: Catalog, name: str) -> Derived:
+    channel = catalog.channel(name)
+    if isinstance(channel, Derived):
+        return channel
+    raise UsageError(
+        problem=Text(
+            f"{channel.name} is a parameter, not a derived channel",
+            f"{channel.name} — параметр, а не производный канал",
+        )
+    )

@@ -1,0 +1,245 @@
+"""Formulas: what is let in, and what it means for a number and for a column."""
+
+from __future__ import annotations
+
+import ast
+import math
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mikas.catalog.calculation import Calculation
+from mikas.catalog.formula import DEEPEST, FUNCTIONS, LONGEST, FormulaError, parse
+
+NAN = math.nan
+
+
+def number(formula: str, constants: dict[str, float] | None = None, **values: float) -> float:
+    return Calculation(parse(formula, constants or {})).number(values)
+
+
+def same(a: float, b: float) -> bool:
+    return a == b or (math.isnan(a) and math.isnan(b))
+
+
+@pytest.mark.parametrize(
+    ("formula", "x", "y", "value"),
+    [
+        ("x + y * 2 - 1", 3, 4, 10),
+        ("X / y", 3, 4, 0.75),
+        ("-x ** 2", 3, 0, -9),
+        ("+x", 3, 0, 3),
+        ("(x + y)\n  * 2", 3, 4, 14),
+        ("2 ** 0.5 + 0 * x", 0, 0, 2**0.5),
+        ("True + x", 1, 0, 2),
+        ("1_000 + 0x1A + x", 0, 0, 1026),
+        ("min(x, y, 2)", 3, 4, 2),
+        ("max(x, y, 2)", 3, 4, 4),
+        ("min(x, y)", 3, 3, 3),
+        ("abs(x)", -3, 0, 3),
+        ("sqrt(x)", 9, 0, 3),
+        ("clip(x, 0, y)", -3, 4, 0),
+        ("clip(x, 0, y)", 5, 4, 4),
+        ("clip(x, 0, y)", 3, 4, 3),
+        ("where(x > y, x, y)", 3, 4, 4),
+        ("x if x > y else y", 5, 4, 5),
+        *((f"x {sign} y", 3, 3, value) for sign, value in
+          [("<", 0), ("<=", 1), (">", 0), (">=", 1), ("==", 1), ("!=", 0)]),
+        ("x and y", 2, 3, 3),
+        ("x and y", 0, 3, 0),
+        ("x or y", 2, 3, 1),
+        ("x or y", 0, 3, 3),
+        ("0 or x and 1 and y or 0", 2, 3, 1),
+        ("not x", 0, 0, 1),
+        ("not x", 2, 0, 0),
+        # no value
+        ("x / y", 3, 0, NAN),
+        ("sqrt(x)", -1, 0, NAN),
+        ("x ** 0.5", -8, 0, NAN),
+        ("y ** x", -1, 0, NAN),
+        ("9**9**9 + x", 0, 0, NAN),
+        ("1e308 * 10 * x", 1, 0, NAN),
+        ("1 / (1e308 * 10 * x)", 1, 0, NAN),
+        ("-1e308 - 1e308 + x", 1, 0, NAN),
+        ("x / y > 1", 3, 0, NAN),
+        ("not x / y", 3, 0, NAN),
+        ("(x / y) ** 0", 3, 0, NAN),
+        ("1 ** (x / y)", 3, 0, NAN),
+        ("min(x / y, 1)", 3, 0, NAN),
+        ("min(1, x / y)", 3, 0, NAN),
+        ("max(x / y, 1)", 3, 0, NAN),
+        ("max(1, x / y)", 3, 0, NAN),
+        ("clip(1, 0, x / y)", 3, 0, NAN),
+        ("abs(x / y)", 3, 0, NAN),
+        ("sqrt(x / y)", 3, 0, NAN),
+        ("x / y and 0", 3, 0, NAN),
+        ("where(x / y, 1, 2)", 3, 0, NAN),
+        # left aside
+        ("where(y > 0, x / y, -1)", 3, 0, -1),
+        ("x / y if y else -1", 3, 0, -1),
+        ("y > 0 and x / y > 1", 3, 0, 0),
+        ("y == 0 or x / y > 1", 3, 0, 1),
+        # an input that is not there is not left aside
+        ("where(1, x, y)", 3, NAN, NAN),
+        ("where(1, x, y)", 3, math.inf, NAN),
+    ],
+)  # fmt: skip
+def test_meaning(formula: str, x: float, y: float, value: float) -> None:
+    calculation = Calculation(parse(formula, {}))
+    assert same(calculation.number({"X": x, "Y": y}), value)
+    column = calculation.column({"X": np.array([x, x], float), "Y": np.array([y, y], float)})
+    assert column.dtype == np.float64
+    assert column.shape == (2,)
+    assert all(same(each, value) for each in column)
+
+
+def test_constants_are_put_in() -> None:
+    assert number("x * x_max + X", {"x_max": 10}, X=2) == 22
+    assert parse("a * b", {"b": 1}).inputs == ("A",)
+
+
+def test_inputs_in_order_of_appearance() -> None:
+    assert parse("b + a - B * max(c, a)", {}).inputs == ("B", "A", "C")
+
+
+@pytest.mark.parametrize(
+    ("formula", "problem"),
+    [
+        ("", "is no formula: invalid syntax"),
+        ("x +", "is no formula: invalid syntax (sign "),
+        ("x y", "is no formula: invalid syntax"),
+        ("x = 1", "is no formula"),
+        ("x; y", "is no formula"),
+        ("import os", "is no formula"),
+        ("x) + (y", "is no formula: unmatched ')'"),
+        ("x\0", "is no formula"),
+        ("x + \ud800", "is no formula"),
+        ("(" * 300 + "x" + ")" * 300, "is no formula: too many nested parentheses"),
+        ("x # y\n+ 1", "has a `#` in it"),
+        ("1 + 2", "names no parameter"),
+        ("x" * (LONGEST + 1), f"is longer than {LONGEST} signs"),
+        ("x + " * 240 + "x", f"is nested more than {DEEPEST} levels deep"),
+        ("-" * 900 + "x", f"is nested more than {DEEPEST} levels deep"),
+        ("1e999 * x", "has a number that is too large"),
+        ("9" * 900 + " * x", "has a number that is too large"),
+        ("x < y < 3", "has a chain of comparisons"),
+        # what is not arithmetic
+        ("x.real", "has `x.real` in it; there are numbers, names, "),
+        ("x.__class__.__mro__", "has `x.__class__.__mro__` in it"),
+        ("x[0]", "has `x[0]` in it"),
+        ("'a' * 999999999 + x", "has `'a'` in it"),
+        ("b'a'", "has `b'a'` in it"),
+        ("f'{x:>99999999}'", "in it"),
+        ("1j * x", "has `1j` in it"),
+        ("None", "has `None` in it"),
+        ("...", "has `...` in it"),
+        ("[x] * 9", "has `[x]` in it"),
+        ("(x, 1)", "has `(x, 1)` in it"),
+        ("{x: 1}", "has `{x: 1}` in it"),
+        ("[y for y in x]", "has `[y for y in x]` in it"),
+        ("lambda: x", "has `lambda: x` in it"),
+        ("(x := 1)", "has `x := 1` in it"),
+        ("yield x", "is no formula"),
+        ("(yield x)", "has `yield x` in it"),
+        ("await x", "has `await x` in it"),
+        ("x % 2", "has `%` in it"),
+        ("x // 2", "has `//` in it"),
+        ("x & 2", "has `&` in it"),
+        ("1 << 99 << 99", "has `1 << 99 << 99` in it"),
+        ("x @ y", "has `x @ y` in it"),
+        ("~x", "has `~x` in it"),
+        ("x is y", "has `x is y` in it"),
+        ("x in y", "has `x in y` in it"),
+        ("температура.x" + ".x" * 50, "has `температура.x.x"),
+        # calls
+        ("eval(x)", "calls `eval`, which there is not; there is min, max, abs, sqrt, where, clip"),
+        ("mim(x, 1)", "calls `mim`, which there is not; there is `min`"),
+        ("x(1)", "calls `x`"),
+        ("min(x)(1)", "has `min(x)(1)` in it"),
+        ("min(x, key=abs)", "has `min(x, key=abs)` in it"),
+        ("min(*x, *y)", "has `*x` in it"),
+        ("min(x, **y)", "has `min(x, **y)` in it"),
+        ("min(x)", "gives `min` 1 argument(s); it takes 2+"),
+        ("sqrt(x, 1)", "gives `sqrt` 2 argument(s); it takes 1"),
+        ("where(x, 1)", "gives `where` 2 argument(s); it takes 3"),
+    ],
+)
+def test_refused(formula: str, problem: str) -> None:
+    with pytest.raises(FormulaError) as caught:
+        parse(formula, {})
+    assert problem in caught.value.problem.en
+    assert any("а" <= letter <= "я" for letter in caught.value.problem.ru)
+    assert len(caught.value.problem.en) < 300
+
+
+def test_the_deepest_that_is_allowed_is_computed() -> None:
+    assert number("-" * DEEPEST + "x", X=1) == 1
+    assert number(" + ".join("x" * DEEPEST), X=1) == DEEPEST
+    assert number(" and ".join("x" * DEEPEST), X=1) == 1
+
+
+@given(st.text(max_size=60))
+def test_any_text_is_a_formula_or_refused(text: str) -> None:
+    try:
+        inputs = parse(text, {}).inputs
+    except FormulaError:
+        return
+    assert isinstance(number(text, **dict.fromkeys(inputs, 1.5)), float)
+
+
+@given(st.lists(st.sampled_from([*"xy01.+-*/()<>=,# ", "**", "and ", "min(", " if ", " else "])))
+def test_any_jumble_is_a_formula_or_refused(parts: list[str]) -> None:
+    test_any_text_is_a_formula_or_refused.hypothesis.inner_test("".join(parts))  # type: ignore[attr-defined]
+
+
+def formulas() -> st.SearchStrategy[str]:
+    leaves = st.sampled_from(["x", "y", "k", "0", "1", "-2", "0.5", "1e200", "3.7"])
+
+    def grown(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+        signs = ["+", "-", "*", "/", "**", "<", "<=", ">", ">=", "==", "!=", "and", "or"]
+        calls = st.sampled_from([name for name, (fewest, _) in FUNCTIONS.items() for _ in "ab"])
+        return st.one_of(
+            st.tuples(inner, st.sampled_from(signs), inner).map(" ".join).map("({})".format),
+            st.tuples(inner, inner, inner).map(lambda each: "({} if {} else {})".format(*each)),
+            inner.map("(not {})".format),
+            inner.map("(-{})".format),
+            st.tuples(calls, inner, inner, inner).map(
+                lambda each: f"{each[0]}({', '.join(each[1:][: FUNCTIONS[each[0]][0]])})"
+            ),
+        )
+
+    return st.recursive(leaves, grown, max_leaves=12)
+
+
+numbers = st.sampled_from([0.0, 1.0, -1.0, 0.1, 850.0, NAN, math.inf]) | st.floats(width=64)
+
+
+@given(formulas(), st.lists(st.tuples(numbers, numbers), max_size=5))
+def test_a_column_is_its_numbers(formula: str, rows: list[tuple[float, float]]) -> None:
+    try:
+        calculation = Calculation(parse(formula, {"k": 0.3}))
+    except FormulaError as error:
+        assert "names no parameter" in error.problem.en
+        return
+    one_by_one = [calculation.number({"X": x, "Y": y}) for x, y in rows]
+    columns = np.array(rows, float).reshape(-1, 2)
+    column = calculation.column({"X": columns[:, 0], "Y": columns[:, 1]})
+    assert not any(map(math.isinf, one_by_one))
+    np.testing.assert_array_equal(column, np.array(one_by_one))
+
+
+@given(formulas())
+def test_the_plain_form_is_no_longer_than_its_text(formula: str) -> None:
+    try:
+        tree = parse(formula, {"k": 0.3}).tree
+    except FormulaError:
+        return
+    assert sum(isinstance(node, ast.Call | ast.BinOp) for node in ast.walk(tree)) <= len(formula)
+
+
+def test_a_parsed_formula_can_be_pickled() -> None:
+    parsed = pickle.loads(pickle.dumps(parse("x + 1", {})))
+    assert Calculation(parsed).number({"X": 1}) == 2

@@ -1,0 +1,217 @@
+"""Alarms: levels with hysteresis, on both sides; what is missing changes nothing."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mikas.catalog import AlarmLimits, Level, load, shipped
+from mikas.client.reading import decode
+from mikas.errors import UnknownParameter, UsageError
+from mikas.language import Text
+from mikas.sampling.alarms import AlarmEvent, Alarms, AlarmState, Side
+from mikas.sampling.derived import DerivedChannels
+
+NONE, WARNING, DANGER = Level
+BOTH = AlarmLimits(danger_low=9, warning_low=11, warning_high=15, danger_high=16, hysteresis=0.5)
+
+
+def voltage(limits: AlarmLimits = BOTH) -> Alarms:
+    return Alarms(shipped(), {"uacc": limits})
+
+
+def levels(alarms: Alarms, *values: float | None) -> list[tuple[Level, Side | None]]:
+    seen = []
+    for time, value in enumerate(values):
+        alarms.update({"UACC": value}, float(time))
+        state = alarms.current()["UACC"]
+        seen.append((state.level, state.side))
+    return seen
+
+
+def test_levels_with_hysteresis() -> None:
+    low, high = Side.LOW, Side.HIGH
+    assert levels(voltage(), 14, 15, 15.1, 14.6, 14.5, 16.1, 15.6, 15.5, 14.6, 14.5) == [
+        (NONE, None), (NONE, None), (WARNING, high), (WARNING, high), (NONE, None),
+        (DANGER, high), (DANGER, high), (WARNING, high), (WARNING, high), (NONE, None),
+    ]  # fmt: skip
+    assert levels(voltage(), 11, 10.9, 11.4, 11.5, 8.9, 9.4, 9.5, 17, 8) == [
+        (NONE, None), (WARNING, low), (WARNING, low), (NONE, None),
+        (DANGER, low), (DANGER, low), (WARNING, low), (DANGER, high), (DANGER, low),
+    ]  # fmt: skip
+
+
+def test_without_hysteresis_the_limit_itself_is_inside() -> None:
+    alarms = voltage(AlarmLimits(warning_high=15))
+    assert [level for level, _ in levels(alarms, 15, 15.1, 15)] == [NONE, WARNING, NONE]
+
+
+def test_only_danger() -> None:
+    alarms = voltage(AlarmLimits(danger_low=9, hysteresis=1))
+    assert [level for level, _ in levels(alarms, 9.5, 8.9, 9.9, 10)] == [NONE, DANGER, DANGER, NONE]
+
+
+def test_events() -> None:
+    alarms = voltage()
+    events = []
+    for time, value in enumerate([14, 15.5, 16.5, 15.2, 14, 8, 20]):
+        events += alarms.update({"UACC": value}, 100.0 + time)
+    told = [(each.time, each.level, each.before, each.better, each.side, each.value, each.limit)
+            for each in events]  # fmt: skip
+    assert told == [
+        (101, WARNING, NONE, False, Side.HIGH, 15.5, 15),
+        (102, DANGER, WARNING, False, Side.HIGH, 16.5, 16),
+        (103, WARNING, DANGER, True, Side.HIGH, 15.2, 16),
+        (104, NONE, WARNING, True, Side.HIGH, 14, 15),
+        (105, DANGER, NONE, False, Side.LOW, 8, 9),
+        (106, DANGER, DANGER, False, Side.HIGH, 20, 16),
+    ]
+    assert [each.text for each in events[1:5]] == [
+        Text("Board voltage 16.5 V is above 16 V: danger",
+             "Напряжение бортсети 16.5 В выше 16 В: опасность"),
+        Text("Board voltage 15.2 V: no longer danger, still warning",
+             "Напряжение бортсети 15.2 В: уже не опасность, но ещё предупреждение"),
+        Text("Board voltage 14.0 V: back within 15 V",
+             "Напряжение бортсети 14.0 В: снова в пределах 15 В"),
+        Text("Board voltage 8.0 V is below 9 V: danger",
+             "Напряжение бортсети 8.0 В ниже 9 В: опасность"),
+    ]  # fmt: skip
+    assert all(each.channel is shipped().parameter("UACC") for each in events)
+
+
+def test_state_for_a_display() -> None:
+    alarms = voltage()
+    parameter = shipped().parameter("UACC")
+    assert alarms.current()["UACC"] == AlarmState(parameter)
+    assert alarms.current()["UACC"].stale
+    alarms.update({"UACC": 14}, 1.0)
+    alarms.update({"UACC": 15.5}, 2.0)
+    alarms.update({"UACC": 15.4}, 3.0)
+    expected = AlarmState(
+        parameter, WARNING, Side.HIGH, 15, value=15.4, time=3.0, since=2.0, stale=False
+    )
+    assert alarms.current()["UACC"] == expected
+    for missing in ({}, {"UACC": None}, {"UACC": math.nan}, {"UACC": math.inf}):
+        assert alarms.update(missing, 4.0) == []
+        assert alarms.current()["UACC"].stale
+        assert alarms.current()["UACC"].value == 15.4
+    alarms.update({"UACC": 14.6}, 5.0)  # still held: the gap did not end it
+    state = alarms.current()["UACC"]
+    assert (state.level, state.since, state.stale) == (WARNING, 2.0, False)
+
+
+def test_the_catalog_s_limits() -> None:
+    alarms = Alarms(shipped())
+    assert [each.name for each in alarms.channels] == ["TWAT", "FREQ", "UACC", "DUTY"]
+    assert list(alarms.current()) == ["TWAT", "FREQ", "UACC", "DUTY"]
+    events = alarms.update({"TWAT": 101, "FREQ": 840, "UACC": 9.5, "THR": 999}, 0.0)
+    assert [(each.channel.name, each.level) for each in events] == [
+        ("TWAT", WARNING),
+        ("UACC", WARNING),
+    ]
+
+
+def test_limits_of_one_s_own_take_their_place() -> None:
+    alarms = Alarms(shipped(), {"TWAT": None, "0x1a": AlarmLimits(warning_high=140)})
+    assert [each.name for each in alarms.channels] == ["FREQ", "UACC", "DUTY", "0x1A"]
+    assert [each.text.en for each in alarms.update({"0x1A": 141, "TWAT": 200}, 0)] == [
+        "raw number of code 0x1A 141 is above 140: warning"
+    ]
+
+
+def test_a_flag(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text("[parameter.DET.limits]\nwhen_true = 'danger'\n", encoding="utf-8")
+    catalog = load(path)
+    alarms = Alarms(catalog, {"RXX": AlarmLimits(when_true=WARNING)})
+    knock = catalog.parameter("DET")
+    events = []
+    for time, raw in enumerate([b"\0", b"\x40", b"\x40", b"\0"]):
+        events += alarms.update({"DET": decode(knock, raw, time, "corrected"), "RXX": True}, time)
+    assert [(each.time, each.channel.name, each.level, each.side) for each in events] == [
+        (0, "RXX", WARNING, Side.HIGH),
+        (1, "DET", DANGER, Side.HIGH),
+        (3, "DET", NONE, Side.HIGH),
+    ]
+    assert [each.text for each in events[1:]] == [
+        Text("Knock present: danger", "Детонация: опасность"),
+        Text("Knock present: over", "Детонация: прекратилось"),
+    ]
+
+
+def test_readings_in_the_corrected_sense_and_fresh() -> None:
+    alarms = Alarms(shipped(), fresh=0.5)
+    parameter = shipped().parameter("UACC")
+    reading = decode(parameter, parameter.encode(14.2), 10.0, "literal")
+    assert reading.value < 10
+    assert alarms.update({"UACC": reading}, 10.5) == []
+    assert not alarms.current()["UACC"].stale
+    assert alarms.update({"UACC": reading}, 10.6) == []
+    assert alarms.current()["UACC"].stale
+
+
+def test_a_derived_channel() -> None:
+    derived, alarms = DerivedChannels(shipped(), ["DUTY"]), Alarms(shipped())
+    sample = {
+        name: decode(parameter, parameter.encode(value), 0, "corrected")
+        for name, value in {"INJ": 25, "FREQ": 5200}.items()
+        for parameter in [shipped().parameter(name)]
+    }
+    (event,) = alarms.update(derived.update(sample, 0), 0)
+    assert event.channel is shipped().derived["DUTY"]
+    assert event.text.en == "Injector duty 108.3 % is above 100 %: danger"
+
+
+@pytest.mark.parametrize(
+    ("name", "limits", "error", "problem"),
+    [
+        ("TWATT", BOTH, UnknownParameter, "TWATT"),
+        ("DET", BOTH, UsageError, "DET is a flag"),
+        ("TWAT", AlarmLimits(when_true=DANGER), UsageError, "TWAT is a number"),
+        ("DUTY", AlarmLimits(when_true=DANGER), UsageError, "DUTY is a number"),
+    ],
+)
+def test_limits_that_do_not_fit(
+    name: str, limits: AlarmLimits, error: type[UsageError], problem: str
+) -> None:
+    with pytest.raises(error, match=re.escape(problem)):
+        Alarms(shipped(), {name: limits})
+
+
+volts = st.one_of(
+    st.none(), st.floats(5, 20), st.sampled_from([8.9, 9, 9.5, 11, 11.5, 14.5, 15, 15.5, 16, 16.1])
+)
+
+
+@given(st.lists(volts))
+def test_any_course(values: list[float | None]) -> None:
+    alarms = voltage()
+    level, side = NONE, None
+    for time, value in enumerate(values):
+        before = alarms.current()["UACC"]
+        events: list[AlarmEvent] = alarms.update({"UACC": value}, float(time))
+        state = alarms.current()["UACC"]
+        assert state.stale == (value is None)
+        if value is None:
+            assert (state.level, state.value) == (before.level, before.value)
+            assert not events
+            continue
+        # never milder than the value alone, and within the hysteresis never worse than before
+        alone = DANGER if not 9 <= value <= 16 else WARNING if not 11 <= value <= 15 else NONE
+        inside = DANGER if not 9.5 < value < 15.5 else WARNING if not 11.5 < value < 14.5 else NONE
+        order = list(Level)
+        assert order.index(alone) <= order.index(state.level) <= order.index(inside)
+        if order.index(state.level) > order.index(alone):
+            assert order.index(before.level) >= order.index(state.level)
+        # events tell each change, and nothing else
+        assert len(events) == ((state.level, state.side) != (level, side))
+        for event in events:
+            assert (event.before, event.level) == (level, state.level)
+            assert event.text.en
+            assert event.text.ru
+        level, side = state.level, state.side
