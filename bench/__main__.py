@@ -6,7 +6,7 @@ import os
 import platform
 import sys
 
-from bench import decoder, startup, wire
+from bench import bulk, decoder, startup, wire
 
 
 def main() -> None:
@@ -15,6 +15,7 @@ def main() -> None:
     print(f"Python {platform.python_version()}.\n")
     wire.run(quick=quick)
     decoder.run()
+    bulk.run(quick=quick)
     startup.run()
 
 

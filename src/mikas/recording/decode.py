@@ -1,13 +1,8 @@
 """A capture frame by frame: what `mikas decode` shows.
 
-Each direction has a decoder of its own (§2). On a line that echoes (D1), what was received holds
-what was sent as well: the first frame that repeats a sent one byte for byte is marked as its echo.
-An answer can look like that too (`11 11` may be answered `11 11`), so the availability request,
-which is not answered with itself, settles whether the line echoes at all.
-
-A response carries neither its command nor an id (D13): what is no echo counts as the answer to the
-last request before it. What bytes mean is not known here beyond the command's name; a caller that
-does know hands in `describe`.
+Each direction has a decoder of its own (§2). `mikas.recording.matching` tells which frames are echo
+and which request a response answers (D1, D13). What bytes mean is not known here beyond the
+command's name; a caller that does know hands in `describe`.
 """
 
 from __future__ import annotations
@@ -16,10 +11,11 @@ from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from mikas.commands import COMMANDS_BY_CODE, Availability
+from mikas.commands import COMMANDS_BY_CODE
 from mikas.framing import Damage, DamageReason, Decoder, Frame
 from mikas.language import Language, Text
 from mikas.link.tee import Direction
+from mikas.recording.matching import SILENCE, SILENCE_AFTER_SENDING, Matching
 from mikas.recording.reader import Packet, Problem, Source
 
 if TYPE_CHECKING:
@@ -30,13 +26,6 @@ if TYPE_CHECKING:
 
 SCHEMA: Final = 1
 UNFINISHED: Final = "unfinished"  # beside the values of `DamageReason`
-
-# An unfinished frame is given up when the line was silent for so long. Adapters pass bytes on in
-# lumps and networks hold them back, so D14's 20 ms count only if something was sent meanwhile: then
-# the tester has given up too.
-_SILENCE: Final = 0.25
-_SILENCE_AFTER_SENDING: Final = 0.02
-_MOST_UNECHOED: Final = 64
 
 _REASONS: Final = {
     "checksum": Text("wrong checksum", "неверная контрольная сумма"),
@@ -95,6 +84,8 @@ def decode(items: Iterable[Packet | Problem], describe: Describe | None = None) 
     recording = 0
     for item in items:
         if isinstance(item, Problem):
+            for line in lines.values():
+                line.interrupt()
             yield item
             continue
         if item.source.recording != recording:
@@ -167,17 +158,14 @@ class _Line:
         self._byte_time = 10 / (source.baud or 9600)  # §1
         self._streams = {direction: _Stream() for direction in Direction}
         self._sent_last = False
-        self._request: bytes | None = None
-        self._before: bytes | None = None  # the request before that
-        self._unechoed: deque[bytes] = deque(maxlen=_MOST_UNECHOED)
-        self._echoes: bool | None = None  # not known yet
+        self._matching = Matching()
 
     def take(self, packet: Packet) -> Iterator[Item]:
         stream = self._streams[packet.direction]
         if self._is_late(packet, stream):
             yield from self._cut(packet.direction)
         if packet.direction is Direction.SENT and not self._sent_last:
-            self._unechoed.clear()  # what has not come back by now never will
+            self._matching.turn()
         for event, first, last in stream.feed(packet):
             where = (self._source, packet.direction, first.time, last.time, first.offset)
             echo = self._note(packet.direction, event)
@@ -186,6 +174,10 @@ class _Line:
             else:
                 yield self._frame(where, echo, event)
         self._sent_last = packet.direction is Direction.SENT
+
+    def interrupt(self) -> None:
+        """A part of the file is missing here."""
+        self._matching.interrupt()
 
     def finish(self) -> Iterator[Item]:
         for direction in Direction:
@@ -196,7 +188,7 @@ class _Line:
             return False
         begin = packet.time - len(packet.data) * self._byte_time
         answered = packet.direction is Direction.RECEIVED and self._sent_last
-        return begin - stream.last > (_SILENCE_AFTER_SENDING if answered else _SILENCE)
+        return begin - stream.last > (SILENCE_AFTER_SENDING if answered else SILENCE)
 
     def _cut(self, direction: Direction) -> Iterator[Item]:
         cut = self._streams[direction].cut()
@@ -213,22 +205,9 @@ class _Line:
         wire = event.wire if isinstance(event, Frame) else event.data
         body = event.body if isinstance(event, Frame) else None
         if direction is Direction.SENT:
-            self._before, self._request = self._request, body
-            self._unechoed.append(wire)
+            self._matching.sent(wire, body)
             return False
-        if body is None:
-            self._before = self._request  # that may have been the echo
-        came_back = wire in self._unechoed
-        if self._request == _AVAILABILITY and body is not None and len(body) == 1:
-            if came_back:
-                self._echoes = True
-            elif self._echoes is None:
-                self._echoes = False
-        if self._echoes is False or not came_back:
-            return False
-        while self._unechoed.popleft() != wire:
-            pass
-        return True
+        return self._matching.received(wire, body)
 
     def _frame(
         self, where: tuple[Source, Direction, float, float, int], echo: bool, frame: Frame
@@ -242,15 +221,10 @@ class _Line:
             if self._describe is not None and not echo:
                 meaning = self._describe(frame.body, None)
         else:
-            # Before the echo has come, it can't be the answer to what was just sent.
-            too_early = self._echoes and self._unechoed
-            request = self._before if too_early else self._request
+            request = self._matching.answered
             if self._describe is not None and request is not None:
                 meaning = self._describe(request, frame.body)
         return SeenFrame(*where, echo, frame, request, name, meaning)
-
-
-_AVAILABILITY: Final = Availability().body()
 
 
 def _length(event: Frame | Damage) -> int:

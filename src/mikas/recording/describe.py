@@ -11,8 +11,9 @@ from typing import Any
 from mikas import commands as c
 from mikas.catalog import Catalog
 from mikas.errors import MikasError
-from mikas.language import Text
+from mikas.language import Language, Text
 
+_BOTH: tuple[Language, Language] = ("en", "ru")
 _DATA = (c.ReadParameters, c.ReadList, c.StreamCyclic, c.StreamAtStroke)
 
 
@@ -30,7 +31,7 @@ class Describer:
         if command is None:
             return None
         if response is None:
-            return command.TITLE
+            return self._asked(command)
         try:
             value = command.read(response)
         except MikasError as error:
@@ -38,6 +39,17 @@ class Describer:
         if isinstance(command, c.WriteList):
             self._list = command.parameters
         return self._said(command, value)
+
+    def _asked(self, command: c.Command[Any]) -> Text:
+        """The command's title, and the parameters that it names."""
+        data = getattr(command, "parameters", ())
+        if isinstance(command, c.ReadList) or not data:
+            return command.TITLE
+        names = " ".join(
+            "/".join(p.name for p in self._catalog.by_code(datum.code)) or f"0x{datum.code:02X}"
+            for datum in data
+        )
+        return Text(f"{command.TITLE.en}: {names}", f"{command.TITLE.ru}: {names}")
 
     def _command(self, request: bytes) -> c.Command[Any] | None:
         if request == b"\x63":
@@ -57,23 +69,23 @@ class Describer:
             case c.ReadProgramPassport() | c.ReadDataPassport():
                 return Text(f"“{value}”", f"«{value}»")
             case _ if isinstance(command, _DATA):
-                said = " ".join(
-                    self._datum(datum, raw)
-                    for datum, raw in zip(command.parameters, value, strict=True)
+                data = list(zip(command.parameters, value, strict=True))
+                return Text(
+                    *(" ".join(self._datum(*it, language) for it in data) for language in _BOTH)
                 )
-                return Text(said, said)
         if value is None:
             return Text("done", "выполнено")
         shown = value.hex(" ").upper() if isinstance(value, bytes) else f"{value:02X}"
         return Text(shown, shown)
 
-    def _datum(self, datum: c.Datum, raw: bytes) -> str:
+    def _datum(self, datum: c.Datum, raw: bytes, language: Language) -> str:
         named = []
         for parameter in self._catalog.by_code(datum.code):
             conversion = parameter.reading(self._reading)
             value = conversion.decode(raw)
+            unit = conversion.unit_text.to(language)
             if isinstance(value, bool):
                 named.append(f"{parameter.name}={int(value)}")
             else:
-                named.append(f"{parameter.name}={value:.{parameter.decimals}f}{conversion.unit}")
+                named.append(f"{parameter.name}={value:.{parameter.decimals}f}{unit}")
         return " ".join(named)

@@ -14,9 +14,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
 from mikas.errors import CaptureError
+from mikas.errors import reason_of as system_reason_of
 from mikas.language import Text
 from mikas.link.tee import Direction
 from mikas.recording import pcapng
+from mikas.recording.notes import Note, find
 from mikas.recording.scan import Gap, RawBlock, is_section_start, scan
 
 if TYPE_CHECKING:
@@ -82,9 +84,20 @@ class CaptureReader:
     def __iter__(self) -> Iterator[Packet | Problem]:
         try:
             with self.path.open("rb") as file:
-                blocks = _Blocks()
+                blocks = Blocks()
                 for item in scan(file):
                     yield from blocks.read(item)
+        except OSError as error:
+            raise CaptureError(str(self.path), reason_of(error)) from error
+
+    def notes(self) -> Iterator[Note]:
+        """The notes of the file, in its order; those that are damaged, or not ours, are left out.
+
+        They are found without reading the packets: that takes a fraction of the time.
+        """
+        try:
+            with self.path.open("rb") as file:
+                yield from find(file)
         except OSError as error:
             raise CaptureError(str(self.path), reason_of(error)) from error
 
@@ -101,13 +114,18 @@ class CaptureReader:
             raise CaptureError(str(self.path), _OTHER_LINK_TYPE.filled(type=other), 0)
 
 
-class _Blocks:
+class Blocks:
     """What the blocks of one file mean, one after the other."""
 
     def __init__(self) -> None:
         self._recording = -1
         self._section: pcapng.Section | None = None
         self._interfaces: list[tuple[pcapng.Interface, Source]] = []
+
+    @property
+    def interfaces(self) -> list[tuple[pcapng.Interface, Source]]:
+        """By number, in the present section; none if that has an unknown version."""
+        return self._interfaces if self._section else []
 
     def read(self, item: RawBlock | Gap) -> Iterator[Packet | Problem]:
         if isinstance(item, Gap):
@@ -210,8 +228,7 @@ def reason_of(error: OSError) -> Text:
         errno.ENOENT: _NOT_THERE,
         errno.EISDIR: _FOLDER,
     }
-    words = error.strerror or str(error)
-    return known.get(error.errno or 0, Text(words, words))
+    return known.get(error.errno or 0, system_reason_of(error))
 
 
 _EMPTY = Text("the file is empty", "файл пуст")

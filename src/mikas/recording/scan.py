@@ -47,11 +47,14 @@ class Gap(NamedTuple):
     cut: bool
 
 
-def scan(file: BinaryIO) -> Iterator[RawBlock | Gap]:
-    """Every block of `file`, which must be seekable, up to where it ends now."""
+def scan(
+    file: BinaryIO, offset: int = 0, order: pcapng.Order | None = None
+) -> Iterator[RawBlock | Gap]:
+    """Every block of `file`, which must be seekable, up to where it ends now.
+
+    `offset`: where to begin, in a section of that byte `order`.
+    """
     size = file.seek(0, 2)
-    order: pcapng.Order | None = None
-    offset = 0
     while offset < size:
         block = _block_at(file, offset, size, order)
         if block is None:

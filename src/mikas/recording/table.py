@@ -1,7 +1,8 @@
 """Columns over time: what every export is made from, and every notebook gets.
 
-A recording of ten hours does not fit a table at once, so it comes in stretches (`Rows`), each with the
-same columns. A value that is missing (a gap, a parameter asked less often) is NaN, never the last one.
+A recording of ten hours does not fit a table at once, so it comes in stretches (`Rows`), each with
+the same columns. A value that is missing (a gap, a parameter asked less often) is NaN, never the
+last one.
 """
 
 from __future__ import annotations

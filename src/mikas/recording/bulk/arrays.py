@@ -1,0 +1,39 @@
+"""Pieces of unequal length in one array of bytes: taken out, laid side by side, compared."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+Bytes = NDArray[np.uint8]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+Floats = NDArray[np.float64]
+
+
+def joined(buffer: Bytes, starts: Index, lengths: Index) -> Bytes:
+    """The pieces one behind another."""
+    total = int(lengths.sum())
+    shift = starts - (lengths.cumsum() - lengths)
+    taken: Bytes = buffer[np.repeat(shift, lengths) + np.arange(total)]
+    return taken
+
+
+def side_by_side(buffer: Bytes, starts: Index, length: int) -> Bytes:
+    """Pieces of one length as the rows of a table."""
+    if not starts.size or not length:
+        return np.empty((starts.size, length), np.uint8)
+    rows: Bytes = sliding_window_view(buffer, length)[starts]
+    return rows
+
+
+def equal(one: Bytes, one_starts: Index, other: Bytes, other_starts: Index, lengths: Index) -> Mask:
+    """Which pieces of `one` are the same as those of `other`."""
+    same = np.zeros(lengths.size, np.bool_)
+    for length in np.unique(lengths).tolist():
+        chosen = (lengths == length).nonzero()[0]
+        left = side_by_side(one, one_starts[chosen], length)
+        right = side_by_side(other, other_starts[chosen], length)
+        same[chosen] = (left == right).all(axis=1)
+    return same

@@ -1,0 +1,169 @@
+"""Packets as columns: the fields of many Enhanced Packet blocks at once (pcapng)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import BinaryIO, Final
+
+import numpy as np
+
+from mikas.link.tee import Direction
+from mikas.recording import pcapng
+from mikas.recording.bulk.arrays import Bytes, Floats, Index, Mask, joined
+from mikas.recording.reader import FLAGS, Blocks, Packet, Source
+from mikas.recording.scan import LARGEST, RawBlock
+
+_EXACT: Final = 1 << 53  # integers up to here are exact as 64-bit floats
+_HEAD: Final = 28  # bytes of an Enhanced Packet before its data
+_PLAIN: Final = _HEAD + 16  # with the flags option, the end of options and the second length
+_FLAGS_OPTION: Final = {"<": 0x0004_0002, ">": 0x0002_0004}  # code 2, length 4, as one word
+
+
+@dataclass(frozen=True, slots=True)
+class Packets:
+    """Packets of one port in the order of the file. `offsets`: of their blocks in the file.
+
+    `at` and `lengths`: where each one's bytes stand in `buffer`.
+    """
+
+    source: Source
+    times: Floats
+    sent: Mask
+    offsets: Index
+    buffer: Bytes
+    at: Index
+    lengths: Index
+
+    def data(self, chosen: Index) -> Bytes:
+        """The bytes of these packets, one behind another."""
+        return joined(self.buffer, self.at[chosen], self.lengths[chosen])
+
+
+class Window:
+    """A stretch of the file, and every place in it that looks like an Enhanced Packet."""
+
+    def __init__(self, file: BinaryIO, offset: int, size: int, order: pcapng.Order) -> None:
+        file.seek(offset)
+        self.offset = offset
+        self.order = order
+        self.buffer = np.frombuffer(file.read(size), np.uint8)
+        self.words = self.buffer[: self.buffer.size & -4].view(order + "u4")
+        found = (self.words[:-1] == pcapng.ENHANCED).nonzero()[0]
+        totals = self.words[found + 1].astype(np.int64)
+        behind = found + totals // 4
+        fits = (
+            (totals >= _HEAD + 4)
+            & (totals % 4 == 0)
+            & (totals <= LARGEST)
+            & (behind <= self.words.size)
+        )
+        found, totals, behind = found[fits], totals[fits], behind[fits]
+        whole = self.words[behind - 1] == totals
+        self.found: Index = found[whole]
+        self._behind: Index = behind[whole]
+        self._ends = (self._behind[:-1] != self.found[1:]).nonzero()[0] + 1
+
+    def run(self, offset: int) -> tuple[Index, int]:
+        """The blocks from `offset` that follow each other, and the offset behind the last one."""
+        word, odd = divmod(offset - self.offset, 4)
+        first = int(self.found.searchsorted(word))
+        if odd or first == self.found.size or self.found[first] != word:
+            return self.found[:0], offset
+        next_end = int(self._ends.searchsorted(first, "right"))
+        last = int(self._ends[next_end]) if next_end < self._ends.size else self.found.size
+        return self.found[first:last], self.offset + 4 * int(self._behind[last - 1])
+
+    def covers(self, offset: int, order: pcapng.Order) -> bool:
+        """Whether a block at `offset` would be seen here."""
+        inside = self.offset <= offset < self.offset + self.buffer.size - 12
+        return inside and (offset - self.offset) % 4 == 0 and order == self.order
+
+    def may_be_cut(self, offset: int) -> bool:
+        """Whether a packet begins at `offset` that might be whole in another window."""
+        word = (offset - self.offset) // 4
+        return offset > self.offset and bool(self.words[word] == pcapng.ENHANCED)
+
+
+class PacketColumns:
+    """The fields of a run of Enhanced Packets. `unusual`: those that are not read here."""
+
+    def __init__(self, window: Window, found: Index, blocks: Blocks) -> None:
+        self._window = window
+        self._found = found
+        words = window.words
+        interface, high, low, captured, original = (
+            words[found + at].astype(np.int64) for at in range(2, 7)
+        )
+        flags_at = found + _HEAD // 4 + (captured + 3) // 4
+        plain = words[found + 1] == _PLAIN + (captured + 3) // 4 * 4
+        plain &= (interface < len(blocks.interfaces)) & (captured >= original)
+        flags_at[~plain] = 0
+        flags = words[np.minimum(flags_at + 1, words.size - 1)] & 3
+        plain &= words[flags_at] == _FLAGS_OPTION[window.order]
+        plain &= words[np.minimum(flags_at + 2, words.size - 1)] == 0
+        self._sent: Mask = flags == FLAGS[Direction.SENT]
+        plain &= self._sent | (flags == FLAGS[Direction.RECEIVED])
+        self._at: Index = 4 * found + _HEAD
+        self._lengths: Index = captured
+        self._times: Floats = np.zeros(found.size)
+        self._sources: list[Source] = []
+        self._source: Index = np.full(found.size, -1)
+        alike = bool((interface == interface[0]).all())  # nearly always, and quickly seen
+        for number in np.unique(interface[:1] if alike else interface).tolist():
+            chosen = (plain & (interface == number)).nonzero()[0]
+            if not chosen.size:
+                continue
+            described, source = blocks.interfaces[number]
+            if described.link_type != pcapng.LINKTYPE_USER0:
+                continue
+            self._times[chosen] = seconds(described, high[chosen], low[chosen])
+            self._source[chosen] = self._number(source)
+        self.unusual: Index = (~plain).nonzero()[0]
+
+    def _number(self, source: Source) -> int:
+        if source not in self._sources:
+            self._sources.append(source)
+        return self._sources.index(source)
+
+    def block(self, index: int) -> RawBlock:
+        """One block as it stands in the file."""
+        window, start = self._window, 4 * int(self._found[index])
+        end = start + int(window.words[start // 4 + 1])
+        body = window.buffer[start + 8 : end - 4].tobytes()
+        place = window.offset + start, window.offset + end
+        return RawBlock(pcapng.ENHANCED, body, window.order, *place)
+
+    def put(self, index: int, packet: Packet) -> None:
+        """What an unusual block turned out to be."""
+        self._times[index] = packet.time
+        self._sent[index] = packet.direction is Direction.SENT
+        self._lengths[index] = len(packet.data)
+        self._source[index] = self._number(packet.source)
+
+    def packets(self, start: int, stop: int) -> Iterator[Packets]:
+        """From block `start` to before `stop`, by port."""
+        for number, source in enumerate(self._sources):
+            chosen = (self._source[start:stop] == number).nonzero()[0] + start
+            if chosen.size:
+                yield Packets(
+                    source=source,
+                    times=self._times[chosen],
+                    sent=self._sent[chosen],
+                    offsets=self._window.offset + 4 * self._found[chosen],
+                    buffer=self._window.buffer,
+                    at=self._at[chosen],
+                    lengths=self._lengths[chosen],
+                )
+
+
+def seconds(interface: pcapng.Interface, high: Index, low: Index) -> Floats:
+    """`Interface.time` of many ticks, each rounded as there."""
+    per_second = interface.ticks_per_second
+    zero = interface.tsoffset * per_second
+    small = bool((high < _EXACT >> 33).all()) and abs(zero) < _EXACT >> 1
+    if small and per_second <= _EXACT:
+        ticks = (high << 32 | low) + zero
+        return ticks / float(per_second)
+    both = zip(high.tolist(), low.tolist(), strict=True)
+    return np.array([interface.time(upper << 32 | lower) for upper, lower in both])

@@ -1,0 +1,85 @@
+"""One direction of a port: its frames, and which packet brought which byte and when (§1, §2)."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from mikas.recording.bulk.arrays import Floats, Index, Mask
+from mikas.recording.bulk.frames import SOUND, BulkDecoder, FrameBlock
+from mikas.recording.bulk.packets import Packets
+from mikas.recording.matching import SILENCE, SILENCE_AFTER_SENDING
+
+NO_REQUEST: Final = -1
+
+
+class Stream:
+    """Gives up an unfinished frame after a silence, as `mikas.recording.decode` does."""
+
+    def __init__(self, byte_time: float) -> None:
+        self._byte_time = byte_time
+        self._decoder = BulkDecoder()
+        self._last = np.nan  # when the latest packet came
+        # The packets that have brought what is not finished: up to where in the stream, and when.
+        self._ends: Index = np.empty(0, np.int64)
+        self._times: Floats = np.empty(0)
+
+    def feed(self, packets: Packets, chosen: Mask, after_sent: Mask) -> tuple[FrameBlock, Index]:
+        """The events of the `chosen` packets, and the number of the packet that completed each."""
+        numbers = chosen.nonzero()[0]
+        times, lengths = packets.times[numbers], packets.lengths[numbers]
+        decoder = self._decoder
+        before = decoder.offset
+        unfinished = before - len(decoder.pending)
+        ends = lengths.cumsum()
+        cuts = (ends - lengths)[self._late(times, lengths, after_sent[numbers])]
+        block = decoder.feed(packets.data(numbers), cuts)
+        completed = block.needed + (block.origin - before)
+        by = numbers[ends.searchsorted(completed)] if len(block) else numbers[:0]
+
+        still = self._ends > unfinished
+        self._ends = np.concatenate((self._ends[still], before + ends))
+        self._times = np.concatenate((self._times[still], times))
+        return block, by
+
+    def began(self, block: FrameBlock, events: Index) -> Floats:
+        """When the first bytes of these frames of the latest block began on the wire."""
+        starts = block.starts[events] + block.origin
+        first = self._ends.searchsorted(starts, "right")
+        began: Floats = self._times[first] - (self._ends[first] - starts) * self._byte_time
+        return began
+
+    def _late(self, times: Floats, lengths: Index, after_sent: Mask) -> Mask:
+        if not times.size:
+            return np.zeros(0, np.bool_)
+        before = np.concatenate(([self._last], times[:-1]))
+        self._last = times[-1]
+        silence = times - lengths * self._byte_time - before
+        late: Mask = silence > np.where(after_sent, SILENCE_AFTER_SENDING, SILENCE)
+        return late
+
+
+class Events:
+    """The events of one direction that count, each in its turn. `index`: in `block`."""
+
+    def __init__(self, block: FrameBlock, turns: Index) -> None:
+        self.block = block
+        self.index = block.counted
+        self.turns = turns[self.index]
+        self.sound: Mask = block.reasons[self.index] == SOUND
+        self.starts = block.starts[self.index]
+        self.lengths = block.ends[self.index] - self.starts
+        self.numbers: Index = np.full(self.index.size, NO_REQUEST)
+
+    def of_turn(self, turn: int) -> range:
+        """The events of one turn."""
+        first, last = self.turns.searchsorted([turn, turn + 1])
+        return range(first, last)
+
+    def wire(self, event: int) -> bytes:
+        return self.block.wire_of(int(self.index[event]))
+
+    def body(self, event: int) -> bytes | None:
+        """None for damage."""
+        return self.block.body_of(int(self.index[event])) if self.sound[event] else None

@@ -1,0 +1,67 @@
+"""Raw bytes to columns: bit for bit what `Conversion.decode` gives (§4), and numpy missing."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mikas.catalog import Conversion, shipped
+from mikas.errors import MissingExtra
+from mikas.recording.bulk.columns import values
+
+ALL_OF = {
+    1: np.arange(256, dtype=np.uint8).reshape(-1, 1),
+    2: np.arange(65536, dtype="<u2").view(np.uint8).reshape(-1, 2),
+}
+
+
+@pytest.mark.parametrize("reading", ["corrected", "literal", "alternative"])
+@pytest.mark.parametrize("parameter", shipped().parameters, ids=lambda p: p.name)
+def test_every_raw_number_of_the_catalog(parameter, reading):
+    raw = ALL_OF[parameter.size]
+    conversion = parameter.reading(reading)
+    assert values(raw, conversion).tolist() == [
+        float(conversion.decode(row.tobytes())) for row in raw
+    ]
+
+
+def made(**fields):
+    try:
+        return Conversion(**fields)
+    except ValueError:  # too fine to stay exact: there is no such conversion
+        return None
+
+
+numbers = st.fractions(-1000, 1000, max_denominator=99991)
+conversions = st.builds(
+    made,
+    size=st.integers(1, 4),
+    signed=st.booleans(),
+    mask=st.sampled_from([0, 0, 0, 1, 0x40, 0x80]),
+    scale=st.one_of(numbers.filter(bool), st.just(Fraction(1))),
+    bias=st.integers(-300, 300),
+    offset=numbers,
+).filter(bool)
+
+
+@given(conversions, st.lists(st.binary(min_size=4, max_size=4), max_size=20))
+def test_any_conversion(conversion, drawn):
+    size = conversion.size
+    raw = [it[:size] for it in drawn] + [bytes(size), b"\xff" * size, b"\x80" * size]
+    table = np.frombuffer(b"".join(raw), np.uint8).reshape(-1, size)
+    assert values(table, conversion).tolist() == [float(conversion.decode(it)) for it in raw]
+
+
+def test_without_numpy_the_error_names_the_extra(monkeypatch):
+    for name in [name for name in sys.modules if name.startswith("mikas.recording.bulk")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "numpy", None)
+    with pytest.raises(MissingExtra, match=r"mikas\[numpy\]"):
+        importlib.import_module("mikas.recording.bulk")
+    importlib.reload(importlib.import_module("mikas.recording"))
