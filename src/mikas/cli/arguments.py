@@ -1,13 +1,32 @@
-"""Arguments of the command line that are neither words nor plain numbers."""
+"""What the words of a command line may be: bytes, addresses, numbers, choices, files.
+
+All of them are ours, because click says in English only why it does not take a word.
+"""
 
 from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from mikas.cli.words import say
 
+if TYPE_CHECKING:
+    from click import ParamType
+else:
 
-class HexBytes(click.ParamType[bytes]):
+    class ParamType(click.ParamType):
+        """click's own; before its version 8.4 it could not be subscripted."""
+
+        def __class_getitem__(cls, kind: object) -> type[ParamType]:
+            return cls
+
+
+class HexBytes(ParamType[bytes]):
     """Bytes in hex: `61 1A`, `611A`, `61:1a`, `0x611A`."""
 
     name = "hex"
@@ -26,8 +45,9 @@ class HexBytes(click.ParamType[bytes]):
         if not data:
             self.fail(
                 say(
-                    f"“{text}” is not bytes in hex; write them like 611A, two digits a byte",
-                    f"«{text}» — не байты в шестнадцатеричном виде; пишите так: 611A, по две цифры",
+                    f"“{text}” is not bytes in hex; write them like 611A, two digits a byte.",
+                    f"«{text}» — не байты в шестнадцатеричном виде; пишите так: 611A, две цифры "
+                    "на байт.",
                 ),
                 param,
                 ctx,
@@ -35,8 +55,8 @@ class HexBytes(click.ParamType[bytes]):
         return data
 
 
-class Address(click.ParamType[int]):
-    """An address: hex, with or without 0x; `0d64` or `64d` for a decimal one."""
+class Address(ParamType[int]):
+    """An address: hex, with or without 0x before it or h behind it."""
 
     name = "address"
 
@@ -46,20 +66,20 @@ class Address(click.ParamType[int]):
         if isinstance(value, int):
             return value
         text = str(value).strip()
-        try:
-            return int(text.lower().removeprefix("0x").removesuffix("h"), 16)
-        except ValueError:
+        digits = text.lower().removeprefix("0x").removesuffix("h")
+        if not re.fullmatch("[0-9a-f]{1,16}", digits):
             self.fail(
                 say(
-                    f"“{text}” is not an address; write it in hex, like 8000 or 0x8000",
-                    f"«{text}» — не адрес; пишите его в шестнадцатеричном виде: 8000 или 0x8000",
+                    f"“{text}” is not an address; write it in hex, like 8000 or 0x8000.",
+                    f"«{text}» — не адрес; пишите его в шестнадцатеричном виде: 8000 или 0x8000.",
                 ),
                 param,
                 ctx,
             )
+        return int(digits, 16)
 
 
-class Count(click.ParamType[int]):
+class Count(ParamType[int]):
     """A number of bytes: decimal, or hex with 0x."""
 
     name = "count"
@@ -69,17 +89,143 @@ class Count(click.ParamType[int]):
     ) -> int:
         if isinstance(value, int):
             return value
-        try:
-            count = int(str(value), 0)
-        except ValueError:
-            count = 0
+        text = str(value).strip().lower()
+        hexadecimal = re.fullmatch("0x[0-9a-f]{1,8}", text)
+        decimal = re.fullmatch("[0-9]{1,9}", text)
+        count = int(text, 16) if hexadecimal else int(text) if decimal else 0
         if count < 1:
             self.fail(
                 say(
-                    f"“{value}” is not a number of bytes; write 16, or 0x10",
-                    f"«{value}» — не число байтов; пишите 16 или 0x10",
+                    f"“{value}” is not a number of bytes; write 16, or 0x10.",
+                    f"«{value}» — не число байтов; пишите 16 или 0x10.",
                 ),
                 param,
                 ctx,
             )
         return count
+
+
+class Number(ParamType[float]):
+    """A number within limits; a decimal comma is taken as well."""
+
+    name = "number"
+
+    def __init__(self, *, above: float = float("-inf"), most: float = float("inf")) -> None:
+        self._above, self._most = above, most
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        try:
+            number = float(str(value).replace(",", "."))
+        except ValueError:
+            number = float("nan")
+        if not isfinite(number):
+            self._refuse(value, param, ctx)
+        if not self._above < number <= self._most:
+            self._refuse(value, param, ctx)
+        return number
+
+    def _refuse(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> NoReturn:
+        most = say(f", {self._most:g} at most", f", не больше {self._most:g}")
+        limits = say(f"more than {self._above:g}", f"больше {self._above:g}")
+        limits += most if isfinite(self._most) else ""
+        self.fail(
+            say(
+                f"“{value}” does not fit; a number is needed, {limits}.",
+                f"«{value}» не подходит; нужно число {limits}.",
+            ),
+            param,
+            ctx,
+        )
+
+
+class Whole(ParamType[int]):
+    """A whole number within limits."""
+
+    name = "whole"
+
+    def __init__(self, low: int, high: int | None = None) -> None:
+        self._low, self._high = low, high
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> int:
+        text = str(value).strip()
+        number = int(text) if re.fullmatch("[+-]?[0-9]{1,12}", text) else self._low - 1
+        if number < self._low or (self._high is not None and number > self._high):
+            high = "" if self._high is None else say(f" to {self._high}", f" до {self._high}")
+            self.fail(
+                say(
+                    f"“{value}” does not fit; a whole number from {self._low}{high} is needed.",
+                    f"«{value}» не подходит; нужно целое число от {self._low}{high}.",
+                ),
+                param,
+                ctx,
+            )
+        return number
+
+
+class OneOf(ParamType[str]):
+    """One of some words, in upper or lower case."""
+
+    name = "word"
+
+    def __init__(self, words: Sequence[str]) -> None:
+        self.words = tuple(words)
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str:
+        text = str(value).lower()
+        if text not in self.words:
+            listed = ", ".join(self.words)
+            if len(self.words) == 1:
+                said = say(
+                    f"“{value}” is not known; only {listed} is.",
+                    f"«{value}» не подходит; можно только {listed}.",
+                )
+            else:
+                said = say(
+                    f"“{value}” is none of {listed}.",
+                    f"«{value}» не подходит; можно: {listed}.",
+                )
+            self.fail(said, param, ctx)
+        return text
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:  # noqa: ARG002
+        return f"[{'|'.join(self.words)}]"
+
+
+class File(ParamType[Path]):
+    """A file's path. `there`: it has to be there already."""
+
+    name = "file"
+
+    def __init__(self, *, there: bool = False) -> None:
+        self._there = there
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:  # noqa: ANN401
+        path = Path(value)
+        try:
+            folder, found = path.is_dir(), path.exists()
+        except (OSError, ValueError):  # a name that no system takes
+            folder, found = False, False
+        if folder:
+            self.fail(
+                say(
+                    f"“{value}” is a folder; a file is needed.",
+                    f"«{value}» — папка, а нужен файл.",
+                ),
+                param,
+                ctx,
+            )
+        if self._there and not found:
+            self.fail(
+                say(f"there is no file “{value}”.", f"файла «{value}» нет."),
+                param,
+                ctx,
+            )
+        return path

@@ -3,62 +3,110 @@
 # ~/.config/mikas/config.toml (or the system's own place; MIKAS_CONFIG names another)
 port = "/dev/ttyUSB0"
 lang = "ru"
-catalog = ["~/my-catalog.toml"]
+catalog = ["~/my-catalog.toml"]    # a relative path is relative to this file
 """
 
 from __future__ import annotations
 
 import os
+import re
+import sys
 from pathlib import Path
 from typing import Any
 
-from mikas.errors import UsageError
+from mikas.errors import UsageError, reason_of
 from mikas.language import Text
 
-_KINDS: dict[str, tuple[type, ...]] = {
-    "port": (str,),
-    "echo": (str,),
-    "timeout": (int, float),
-    "retries": (int,),
-    "reading": (str,),
-    "lang": (str,),
-    "catalog": (list,),
+_WORDS = {
+    "echo": ("auto", "on", "off"),
+    "reading": ("corrected", "literal", "alternative"),
+    "lang": ("en", "ru"),
 }
+_KNOWN = ("port", "echo", "timeout", "retries", "reading", "lang", "catalog")
 
 
 def path() -> Path:
     """Where the file is, whether or not it exists."""
     if named := os.environ.get("MIKAS_CONFIG"):
         return Path(named)
+    if sys.platform not in ("win32", "darwin"):  # what platformdirs says, without its import
+        base = os.environ.get("XDG_CONFIG_HOME", "").strip()
+        folder = Path(base) if base else Path("~/.config").expanduser()
+        return folder / "mikas" / "config.toml"
     from platformdirs import user_config_path
 
     return user_config_path("mikas", appauthor=False) / "config.toml"
 
 
+def language() -> str:
+    """The file's `lang`; empty if there is none, or the file is wrong, which `load` then says."""
+    try:
+        return str(_parsed(path()).get("lang", ""))
+    except (UsageError, RuntimeError):
+        return ""
+
+
 def load() -> dict[str, Any]:
     """The settings in the file; none if there is no file. Raises `UsageError` if it is wrong."""
     file = path()
-    if not file.is_file():
-        return {}
-    import tomllib
-
-    try:
-        settings = tomllib.loads(file.read_text("utf-8"))
-    except (OSError, ValueError) as error:
-        raise _wrong(file, str(error), str(error)) from error
+    settings = _parsed(file)
     for name, value in settings.items():
-        if name not in _KINDS:
-            known = ", ".join(_KINDS)
+        if name not in _KNOWN:
+            known = ", ".join(_KNOWN)
             raise _wrong(
                 file,
                 f"there is no setting “{name}”; there are {known}",
                 f"настройки «{name}» нет; есть {known}",
             )
-        if not isinstance(value, _KINDS[name]) or isinstance(value, bool):
-            raise _wrong(file, f"{name} is of the wrong kind", f"значение {name} не того вида")
-    settings["catalog"] = [str(Path(name).expanduser()) for name in settings.get("catalog", ())]
+        wanted = _wanted(name, value)
+        if wanted is not None:
+            raise _wrong(file, f"{name} has to be {wanted.en}", f"{name} — это {wanted.ru}")
+    settings["catalog"] = [
+        str(file.parent / Path(name).expanduser()) for name in settings.get("catalog", ())
+    ]
     return settings
 
 
+def _wanted(name: str, value: object) -> Text | None:
+    """What `value` should have been; None if it is right."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if name in _WORDS:
+        words = ", ".join(_WORDS[name])
+        return None if value in _WORDS[name] else Text(f"one of {words}", f"одно из {words}")
+    if name == "port":
+        good = isinstance(value, str) and bool(value.strip())
+        return None if good else Text('a port in quotes, like "COM3"', 'порт в кавычках: "COM3"')
+    if name == "timeout":
+        good = number and 0 < value <= 60  # type: ignore[operator]
+        return None if good else Text("seconds, up to 60", "число секунд, до 60")
+    if name == "retries":
+        good = number and isinstance(value, int) and 0 <= value <= 100
+        return None if good else Text("a whole number, 0 to 100", "целое число от 0 до 100")
+    good = isinstance(value, list) and all(isinstance(item, str) and item for item in value)
+    return None if good else Text('a list of files, ["my.toml"]', 'список файлов: ["my.toml"]')
+
+
+def _parsed(file: Path) -> dict[str, Any]:
+    if not file.is_file():
+        return {}
+    import tomllib
+
+    try:
+        return tomllib.loads(file.read_text("utf-8-sig"))
+    except OSError as error:
+        reason = reason_of(error)
+        raise _wrong(file, reason.en, reason.ru) from error
+    except UnicodeDecodeError as error:
+        raise _wrong(
+            file,
+            "it is not UTF-8; save it in this encoding",
+            "он не в кодировке UTF-8; сохраните его в ней",
+        ) from error
+    except ValueError as error:
+        place = re.search(r"at line (\d+), column (\d+)", str(error))
+        where = f", строка {place[1]}, знак {place[2]}" if place else ""
+        raise _wrong(file, f"it is not TOML: {error}", f"ошибка записи TOML{where}") from error
+
+
 def _wrong(file: Path, en: str, ru: str) -> UsageError:
-    return UsageError(problem=Text(f"{file}: {en}", f"{file}: {ru}"))
+    return UsageError(problem=Text(f"The config file {file}: {en}", f"Файл настроек {file}: {ru}"))

@@ -8,26 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
-from typing import Any, TypeVar
+from typing import Any
 
 import click
 
+from mikas.cli.options import YES, CommonOption, Option, common_options, option
 from mikas.cli.words import say, shown
 from mikas.language import Text
 
-F = TypeVar("F", bound=Callable[..., Any])
-
-
-class Option(click.Option):
-    """An option whose help is a `Text`."""
-
-    def __init__(self, *args: Any, text: Text, **kwargs: Any) -> None:  # noqa: ANN401
-        super().__init__(*args, **kwargs)
-        self.text = text
-
-    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
-        self.help = shown(self.text)
-        return super().get_help_record(ctx)
+__all__ = ["YES", "Command", "Group", "Option", "command", "common_options", "option"]
 
 
 class Command(click.Command):
@@ -47,6 +36,36 @@ class Command(click.Command):
     def get_short_help_str(self, limit: int = 45) -> str:  # noqa: ARG002  (never cut)
         return shown(self.text).split(". ")[0].rstrip(".")
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        takes_more = ctx.allow_extra_args
+        ctx.allow_extra_args = True  # it is us who complain of what is too much
+        try:
+            rest = super().parse_args(ctx, args)
+        except click.UsageError as error:
+            error.ctx = error.ctx or ctx
+            raise
+        if rest and not takes_more and not ctx.resilient_parsing:
+            said = " ".join(rest)
+            raise click.UsageError(
+                say(f"There is no place for “{said}” here.", f"«{said}» здесь лишнее."), ctx
+            )
+        return rest
+
+    def get_help_option(self, ctx: click.Context) -> click.Option | None:
+        option = super().get_help_option(ctx)
+        if option:
+            option.help = say("this text", "этот текст")
+        return option
+
+    def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
+        arguments = [
+            piece
+            for parameter in self.get_params(ctx)
+            if isinstance(parameter, click.Argument)
+            for piece in parameter.get_usage_pieces(ctx)
+        ]
+        return [say("[OPTIONS]", "[КЛЮЧИ]"), *arguments]
+
     def format_usage(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         pieces = " ".join(self.collect_usage_pieces(ctx))
         formatter.write_usage(ctx.command_path, pieces, prefix=say("Usage: ", "Вызов: "))
@@ -56,11 +75,12 @@ class Command(click.Command):
         formatter.write_text(shown(self.text))
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        own = [p for p in self.get_params(ctx) if not isinstance(p, CommonOption)]
-        common = [p for p in self.get_params(ctx) if isinstance(p, CommonOption)]
+        options = [p for p in self.get_params(ctx) if isinstance(p, click.Option)]
+        own = [p for p in options if not isinstance(p, CommonOption)]
+        common = [p for p in options if isinstance(p, CommonOption)]
         for title, parameters in (
-            (say("Options", "Параметры"), own),
-            (say("Common options", "Общие параметры"), common),
+            (say("Options", "Ключи"), own),
+            (say("Common options", "Общие ключи"), common),
         ):
             records = [r for p in parameters if (r := p.get_help_record(ctx))]
             if records:
@@ -100,91 +120,50 @@ class Group(Command, click.Group):
         command: click.Command = getattr(import_module(module), attribute)
         return command
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        if not args and not ctx.resilient_parsing:
+            click.echo(ctx.get_help(), err=True)
+            ctx.exit(2)
+        return super().parse_args(ctx, args)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        command = self.get_command(ctx, args[0])
+        if command is None and not ctx.resilient_parsing:
+            raise click.UsageError(self._unknown(args[0]), ctx)
+        return (args[0] if command else None), command, args[1:]
+
+    def _unknown(self, name: str) -> str:
+        from difflib import get_close_matches
+
+        nearest = get_close_matches(name.lower(), self.homes, n=2)
+        known = ", ".join(nearest or self.homes)
+        said = say(f"There is no command “{name}”.", f"Команды «{name}» нет.")
+        if nearest:
+            return f"{said} {say(f'Did you mean {known}?', f'Может быть, {known}?')}"
+        return f"{said} {say(f'There are {known}.', f'Есть {known}.')}"
+
+    def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401  (as the command)
+        # click changed the attribute's name in 8.2, and warns of the old one.
+        first = "_protected_args" if hasattr(ctx, "_protected_args") else "protected_args"
+        if not getattr(ctx, first) and not ctx.args:
+            raise click.UsageError(
+                say("Say what to do: a command is missing.", "Что делать? Не хватает команды."),
+                ctx,
+            )
+        return super().invoke(ctx)
+
+    def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
+        return [
+            *Command.collect_usage_pieces(self, ctx),
+            say("COMMAND [ARGUMENTS]...", "КОМАНДА [АРГУМЕНТЫ]..."),
+        ]
+
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         Command.format_options(self, ctx, formatter)
         with formatter.section(say("Commands", "Команды")):
             formatter.write_dl([(name, shown(text)) for name, (_, text) in self.homes.items()])
-
-
-class CommonOption(Option):
-    """An option that every command has, before or after its name."""
-
-    def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401
-        super().__init__(*args, expose_value=False, callback=_keep, **kwargs)
-
-
-def _keep(ctx: click.Context, option: click.Parameter, value: object) -> object:
-    """Puts what was given into the settings of this run, nearest to the end of the line wins."""
-    given = ctx.get_parameter_source(option.name or "")
-    if given is click.core.ParameterSource.COMMANDLINE:
-        ctx.find_root().ensure_object(dict)[option.name] = value
-    return value
-
-
-ECHO = click.Choice(["auto", "on", "off"])
-READING = click.Choice(["corrected", "literal", "alternative"])
-
-
-def common_options() -> list[click.Parameter]:
-    """Fresh instances of the common options, for one command."""
-    return [
-        CommonOption(
-            ["--port"],
-            metavar="URL",
-            text=Text(
-                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: …",
-                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: …",
-            ),
-        ),
-        CommonOption(
-            ["--echo"],
-            type=ECHO,
-            text=Text(
-                "whether the adapter returns what it sends (auto finds out)",
-                "возвращает ли адаптер посланное (auto определяет сам)",
-            ),
-        ),
-        CommonOption(
-            ["--timeout"],
-            type=click.FloatRange(min=0, min_open=True, max=60),
-            metavar="SECONDS",
-            text=Text("first byte of a response (0.5)", "ожидание первого байта ответа (0.5)"),
-        ),
-        CommonOption(
-            ["--retries"],
-            type=click.IntRange(0, 100),
-            metavar="N",
-            text=Text("of what is safe to repeat (2)", "повторы безопасных запросов (2)"),
-        ),
-        CommonOption(
-            ["--capture"],
-            type=click.Path(dir_okay=False),
-            metavar="FILE",
-            text=Text(
-                "record everything on the wire (.pcapng)",
-                "записать всё, что было на линии (.pcapng)",
-            ),
-        ),
-        CommonOption(
-            ["--reading"],
-            type=READING,
-            text=Text("of the source's doubtful places", "толкование сомнительных мест источника"),
-        ),
-        CommonOption(
-            ["--catalog"],
-            type=click.Path(dir_okay=False),
-            multiple=True,
-            metavar="FILE",
-            text=Text("your own definitions, over ours", "свои определения поверх наших"),
-        ),
-        CommonOption(["--lang"], type=click.Choice(["en", "ru"]), text=Text("language", "язык")),
-        CommonOption(
-            ["--json"], is_flag=True, text=Text("JSON on stdout", "JSON на стандартный вывод")
-        ),
-        CommonOption(
-            ["-v", "--verbose"], is_flag=True, text=Text("more on stderr", "подробности в stderr")
-        ),
-    ]
 
 
 def command(
@@ -216,11 +195,3 @@ def _with_run(function: Callable[..., Any]) -> Callable[..., Any]:
         return function(Run.of(ctx.find_root().ensure_object(dict)), *args, **kwargs)
 
     return call
-
-
-def option(*names: str, text: Text, **settings: Any) -> Callable[[F], F]:  # noqa: ANN401
-    """`click.option` with a `Text`."""
-    return click.option(*names, cls=Option, text=text, **settings)
-
-
-YES = option("--yes", is_flag=True, text=Text("do not ask", "не спрашивать"))

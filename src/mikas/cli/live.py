@@ -8,14 +8,15 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, Self
 
 from mikas.catalog import Parameter
-from mikas.cli.output import Output, make_table, stdout_console
+from mikas.cli import layout
+from mikas.cli.output import Output, stdout_console
 from mikas.cli.readings import reference, shown_unit, shown_value
-from mikas.cli.words import language, say, shown
+from mikas.cli.words import decimal, language, say, shown
 from mikas.client import Ecu, Reading, Sample
 from mikas.errors import MikasError
 
 if TYPE_CHECKING:
-    from rich.console import Group
+    from rich.console import Console, RenderableType
 
 _PER_SECOND = 10  # refreshes: more than an eye reads, and the wire's time is not spent on drawing
 _SPARK = "▁▂▃▄▅▆▇█"
@@ -45,16 +46,20 @@ class PlainLines:
     def __init__(self, output: Output, wanted: Sequence[Parameter]) -> None:
         self._output = output
         self._wanted = wanted
+        self._begun = False
 
     def show(self, sample: Sample) -> None:
-        cells = [f"{sample.time:.3f}"]
+        if not self._begun:  # not before there is something: an error needs no heading
+            self._begun = True
+            names = (p.name for p in self._wanted)
+            self._output.line("\t".join([say("time", "время"), *names]))
+        cells = [decimal(f"{sample.time:.3f}")]
         for parameter in self._wanted:
             reading = sample.readings.get(parameter.name)
             cells.append(shown_value(reading) if reading else "–")
         self._output.line("\t".join(cells))
 
     def __enter__(self) -> Self:
-        self._output.line("\t".join([say("time", "время"), *(p.name for p in self._wanted)]))
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -62,23 +67,30 @@ class PlainLines:
 
 
 class LiveTable:
-    """A table that is redrawn in place, with a line on what the wire does above it."""
+    """A table that is redrawn in place, with a line on what the wire does above it.
 
-    def __init__(self, ecu: Ecu, wanted: Sequence[Parameter]) -> None:
+    It has the terminal's other screen, so that a change of its size leaves no rubbish; at the end
+    the last state is left on the usual one.
+    """
+
+    def __init__(
+        self, ecu: Ecu, wanted: Sequence[Parameter], console: Console | None = None
+    ) -> None:
         from rich.live import Live
 
         self._ecu = ecu
         self._wanted = wanted
+        self._console = console or stdout_console()
         self._past: dict[str, deque[float]] = {p.name: deque(maxlen=_MEMORY) for p in wanted}
         self._lowest: dict[str, Reading] = {}
         self._highest: dict[str, Reading] = {}
         self._times: deque[float] = deque(maxlen=100)
         self._drawn = float("-inf")
-        self._live = Live(
-            console=stdout_console(), auto_refresh=False, vertical_overflow="crop", transient=False
-        )
+        self._sample: Sample | None = None
+        self._live = Live(self._drawing(), console=self._console, auto_refresh=False, screen=True)
 
     def show(self, sample: Sample) -> None:
+        self._sample = sample
         self._times.append(sample.time)
         for name, reading in sample.readings.items():
             self._past[name].append(float(reading.value))
@@ -89,47 +101,43 @@ class LiveTable:
         now = self._ecu.tester.link.now()
         if now - self._drawn >= 1 / _PER_SECOND:
             self._drawn = now
-            self._live.update(self._drawing(sample), refresh=True)
+            self._live.update(self._drawing(), refresh=True)
 
-    def _drawing(self, sample: Sample) -> Group:
-        from rich.console import Group
-        from rich.text import Text as RichText
+    def _drawing(self, lines: int | None = None) -> RenderableType:
+        rows = [self._row(parameter) for parameter in self._wanted]
+        width, height = self._console.size
+        height = lines or height
+        style = "red" if self._sample and self._sample.gap else "green"
+        return layout.draw(self._state(), style, rows, width, height)
 
-        table = make_table(
-            [
-                say("name", "имя"), say("value", "значение"), say("unit", "ед."), say("min", "мин"),
-                say("max", "макс"), "", say("warm idle", "на хх"), say("meaning", "что это"),
-            ],
-            [self._row(parameter, sample) for parameter in self._wanted],
-            right="134",
-        )  # fmt: skip
-        style = "red" if sample.gap else "green"
-        return Group(RichText(self._state(sample), style=style), table)
-
-    def _row(self, parameter: Parameter, sample: Sample) -> list[str]:
+    def _row(self, parameter: Parameter) -> layout.Row:
         name = parameter.name
-        reading = sample.readings.get(name)
+        reading = self._sample.readings.get(name) if self._sample else None
         told = self._lowest.get(name)
-        return [
-            name,
-            shown_value(reading) if reading else "–",
-            shown_unit(told) if told else parameter.unit_text.to(language()),
-            shown_value(told) if told and not parameter.is_flag else "",
-            shown_value(self._highest[name]) if told and not parameter.is_flag else "",
-            sparkline(self._past[name]),
-            reference(parameter),
-            shown(parameter.text),
-        ]
+        ranged = told if not parameter.is_flag else None
+        return layout.Row(
+            name=name,
+            value=shown_value(reading) if reading else "–",
+            unit=shown_unit(told) if told else parameter.unit_text.to(language()),
+            reference=reference(parameter),
+            lowest=shown_value(ranged) if ranged else "",
+            highest=shown_value(self._highest[name]) if ranged else "",
+            meaning=shown(parameter.text),
+            curve=sparkline(self._past[name]),
+        )
 
-    def _state(self, sample: Sample) -> str:
-        statistics = self._ecu.tester.statistics
+    def _state(self) -> str:
         model = shown(self._ecu.model.text)
-        failed = say(f"errors {statistics.failed}", f"ошибок {statistics.failed}")
-        if sample.gap:
-            reason = sample.reason
-            why = reason.reason.to(language()) if isinstance(reason, MikasError) else str(reason)
+        if self._sample is None:
+            return f"… {say('waiting for the first answer', 'ждём первого ответа')} · {model}"
+        errors = self._ecu.tester.statistics.failed
+        failed = say(f"errors {errors}", f"ошибок {errors}")
+        if self._sample.gap:
+            reason = self._sample.reason
+            why = shown(reason.reason) if isinstance(reason, MikasError) else str(reason)
             return f"○ {why} · {model} · {failed}"
-        rate = say(f"{self._rate():.1f} sets/s", f"{self._rate():.1f} наб/с")
+        sets = decimal(f"{self._rate():.1f}")
+        rate = say(f"{sets} sets/s", f"{sets} раз/с")
         return f"● {say('ECU answers', 'блок отвечает')} · {model} · {rate} · {failed}"
 
     def _rate(self) -> float:
@@ -138,11 +146,13 @@ class LiveTable:
         return (len(self._times) - 1) / (self._times[-1] - self._times[0])
 
     def __enter__(self) -> Self:
-        self._live.start()
+        self._live.start(refresh=True)
         return self
 
     def __exit__(self, *_: object) -> None:
         self._live.stop()
+        if self._sample:
+            self._console.print(self._drawing(layout.UNLIMITED))
 
 
 def sparkline(values: Sequence[float]) -> str:

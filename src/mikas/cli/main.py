@@ -5,14 +5,16 @@ Nothing heavy is imported here: `mikas --help` has to be there at once.
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 import click
 
 from mikas.cli import words
-from mikas.cli.grammar import Group, common_options
+from mikas.cli.grammar import Group, Option, common_options
 from mikas.cli.words import say, shown
 from mikas.language import Text
 
@@ -23,7 +25,7 @@ _HERE = "mikas.cli.commands"
 COMMANDS: dict[str, tuple[str, Text]] = {
     "ports": (
         f"{_HERE}.ports:ports",
-        Text("adapters that are plugged in", "подключённые адаптеры"),
+        Text("adapters that are plugged in", "какие адаптеры подключены"),
     ),
     "doctor": (
         f"{_HERE}.doctor:doctor",
@@ -31,7 +33,7 @@ COMMANDS: dict[str, tuple[str, Text]] = {
     ),
     "info": (
         f"{_HERE}.info:info",
-        Text("model, passports, what this unit supports", "модель, паспорта, что умеет этот блок"),
+        Text("model, passports, what this unit supports", "модель, паспорта, что блок умеет"),
     ),
     "params": (
         f"{_HERE}.params:params",
@@ -39,7 +41,7 @@ COMMANDS: dict[str, tuple[str, Text]] = {
     ),
     "read": (f"{_HERE}.read:read", Text("one reading each", "прочесть параметры один раз")),
     "watch": (f"{_HERE}.watch:watch", Text("live table", "живая таблица")),
-    "log": (f"{_HERE}.log:log", Text("record to a file", "записать в файл")),
+    "log": (f"{_HERE}.log:log", Text("record to a file", "записывать в файл")),
     "faults": (
         f"{_HERE}.faults:faults",
         Text("stored faults; `faults erase` erases them", "ошибки; `faults erase` стирает их"),
@@ -47,12 +49,17 @@ COMMANDS: dict[str, tuple[str, Text]] = {
     "write": (f"{_HERE}.write:write", Text("write a parameter", "записать параметр")),
     "mem": (
         f"{_HERE}.mem:mem",
-        Text("read, write, dump and compare memory", "чтение, запись, образ и сравнение памяти"),
+        Text(
+            "read, write, dump and compare memory", "память блока: чтение, запись, образ, сравнение"
+        ),
     ),
     "raw": (f"{_HERE}.raw:raw", Text("send any request", "послать любой запрос")),
     "decode": (
         f"{_HERE}.decode:decode",
-        Text("a capture, frame by frame (needs no port)", "запись линии по кадрам (порт не нужен)"),
+        Text(
+            "a capture, frame by frame (needs no port)",
+            "показать запись линии по кадрам (порт не нужен)",
+        ),
     ),
     "sim": (
         f"{_HERE}.sim:sim",
@@ -80,13 +87,18 @@ cli = Group(
         "Diagnostics for the Mikas 5.4 and 7.1 engine control units over K-Line. "
         "No cable at hand? Try: mikas demo",
         "Диагностика блоков управления Микас 5.4 и 7.1 по K-Line. "
-        "Нет кабеля? Попробуйте: mikas demo",
+        "Нет кабеля под рукой? Попробуйте: mikas demo",
     ),
     examples=("mikas doctor", "mikas read TWAT FREQ", "mikas watch --port sim:"),
     params=[
         *common_options(),
-        click.Option(
-            ["--version"], is_flag=True, is_eager=True, expose_value=False, callback=_version
+        Option(
+            ["--version"],
+            is_flag=True,
+            is_eager=True,
+            expose_value=False,
+            callback=_version,
+            text=Text("this program's version", "версия программы"),
         ),
     ],
 )
@@ -94,13 +106,24 @@ cli = Group(
 
 def main(argv: Sequence[str] | None = None) -> None:
     """The `mikas` command. Ends the process with the status that docs/cli.md lays down."""
+    _make_writable()
     sys.exit(run(sys.argv[1:] if argv is None else list(argv)))
+
+
+def _make_writable() -> None:
+    """Closed streams swallow what is written; a character that one can't show costs no crash."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open(mode, encoding="utf-8"))  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
 
 
 def run(argv: list[str]) -> int:
     """Runs one command line; returns the exit status."""
-    words.choose(words.from_surroundings(argv))
     try:
+        words.choose(words.from_surroundings(argv))
         # Not `cli.main`: it would end the process by itself when a pipe's reader is gone.
         with cli.make_context("mikas", argv) as context:
             result = cli.invoke(context)
@@ -109,49 +132,79 @@ def run(argv: list[str]) -> int:
     except click.exceptions.Exit as ended:
         return ended.exit_code
     except (KeyboardInterrupt, click.Abort):
-        sys.stderr.write("\n")
+        _tell("")
         return INTERRUPTED
     except BrokenPipeError:
         # Whoever read our output has had enough; nothing to complain about, nor at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _let_go()
         return DONE
     except click.ClickException as error:
-        return _usage(error)
-    except (
-        Exception
-    ) as error:  # every other way out is either ours, or a bug that is said to be one
+        _tell(_usage(error))
+        return USAGE
+    except Exception as error:  # ours, or a bug that is said to be one
         return _failed(error, verbose="-v" in argv or "--verbose" in argv)
 
 
-def _usage(error: click.ClickException) -> int:
+def _tell(text: str) -> None:
+    try:
+        sys.stdout.flush()
+        sys.stderr.write(f"{text}\n")
+        sys.stderr.flush()
+    except BrokenPipeError:
+        _let_go()
+
+
+def _let_go() -> None:
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _usage(error: click.ClickException) -> str:
+    """What was wrong, and where the help is."""
     context = getattr(error, "ctx", None)
     path = context.command_path if context else "mikas"
-    sys.stderr.write(f"{_in_words(error)}\n")
-    sys.stderr.write(say(f"Try: {path} --help\n", f"Справка: {path} --help\n"))
-    return USAGE
+    said = _in_words(error)
+    said = said if said.endswith((".", "?")) else f"{said}."
+    return f"{said} {say(f'Help: {path} --help', f'Справка: {path} --help')}"
 
 
 def _in_words(error: click.ClickException) -> str:
-    possibilities = getattr(error, "possibilities", None)
-    hint = (
-        f" {say('Did you mean', 'Может быть')} {', '.join(possibilities)}?" if possibilities else ""
-    )
+    context = getattr(error, "ctx", None)
     match error:
         case click.NoSuchOption():
-            return (
-                say(
-                    f"There is no option {error.option_name}.",
-                    f"Параметра {error.option_name} нет.",
-                )
-                + hint
+            said = say(
+                f"There is no option {error.option_name}.", f"Ключа {error.option_name} нет."
             )
+            nearest = ", ".join(error.possibilities or ())
+            hint = say(f" Did you mean {nearest}?", f" Может быть, {nearest}?")
+            return said + (hint if nearest else "")
         case click.MissingParameter():
-            name = error.param.human_readable_name if error.param else ""
+            name = _name(error.param)
             return say(f"{name} is missing.", f"Не хватает {name}.")
-        case click.BadParameter() if error.param is not None:
-            name = error.param.get_error_hint(error.ctx) if error.ctx else error.param.name
-            return say(f"{name}: {error.message}", f"{name}: {error.message}")
+        case click.BadParameter():
+            return f"{_name(error.param)}: {error.message}"
+        case click.BadOptionUsage():
+            name = error.option_name
+            if _is_flag(name, context):
+                return say(f"{name} takes no value.", f"У {name} не бывает значения.")
+            return say(f"{name} needs a value after it.", f"После {name} нужно значение.")
     return error.format_message()
+
+
+def _name(parameter: click.Parameter | None) -> str:
+    """As the user writes it: `--out`, `FILE`."""
+    if isinstance(parameter, click.Option):
+        return max(parameter.opts, key=len)
+    metavar = (parameter.metavar if isinstance(parameter, click.Argument) else None) or ""
+    return metavar.strip("[].")
+
+
+def _is_flag(name: str, context: click.Context | None) -> bool:
+    parameters = context.command.params if context else []
+    return any(name in p.opts and getattr(p, "is_flag", False) for p in parameters)
 
 
 def _failed(error: Exception, *, verbose: bool) -> int:
@@ -164,32 +217,31 @@ def _failed(error: Exception, *, verbose: bool) -> int:
         UsageError,
     )
 
-    if isinstance(error, MikasError):
-        sys.stderr.write(shown(error.text) + "\n")
-        if verbose and error.__cause__:
-            sys.stderr.write(f"  ({type(error).__name__} ← {error.__cause__})\n")
-        for kind, status in (
-            (UsageError, USAGE),
-            (NoConnection, NO_CONNECTION),
-            (LineError, LINE),
-            (EcuRefused, REFUSED),
-            (NotConfirmed, NOT_CONFIRMED),
-        ):
-            if isinstance(error, kind):
-                return status
-    else:
-        sys.stderr.write(
+    if not isinstance(error, MikasError):
+        kind = f"{type(error).__name__}: {error}"
+        _tell(
             say(
-                f"This is a bug in mikas: {type(error).__name__}: {error}. Please report it with "
-                f"the "
-                "output of the same command with -v.\n",
-                f"Это ошибка в mikas: {type(error).__name__}: {error}. Сообщите о ней, приложив "
-                f"вывод "
-                "той же команды с -v.\n",
+                f"This is a bug in mikas ({kind}). Please report it with the output of the same "
+                "command with -v.",
+                f"Это ошибка в самой программе mikas ({kind}). Сообщите о ней, приложив вывод той "
+                "же команды с -v.",
             )
         )
         if verbose:
             import traceback
 
             traceback.print_exception(error)
+        return BUG
+    _tell(shown(error.text))
+    if verbose and error.__cause__:
+        _tell(f"  ({type(error).__name__} ← {type(error.__cause__).__name__}: {error.__cause__})")
+    for tree, status in (
+        (UsageError, USAGE),
+        (NoConnection, NO_CONNECTION),
+        (LineError, LINE),
+        (EcuRefused, REFUSED),
+        (NotConfirmed, NOT_CONFIRMED),
+    ):
+        if isinstance(error, tree):
+            return status
     return BUG

@@ -9,7 +9,7 @@ import json
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -27,8 +27,10 @@ class Output:
 
     def data(self, value: Mapping[str, Any]) -> None:
         """One JSON object on a line of stdout, flushed: a pipe's reader sees it at once."""
-        text = json.dumps({"schema": SCHEMA, **value}, ensure_ascii=False, default=_plain)
-        self.line(text)
+        # Where the stream is not UTF-8, \\u00b0 says the same and can't be spoilt.
+        escaped = (sys.stdout.encoding or "").lower().replace("-", "") != "utf8"
+        whole = {"schema": SCHEMA, **value}
+        self.line(json.dumps(whole, ensure_ascii=escaped, allow_nan=False, default=_plain))
 
     def line(self, text: str = "") -> None:
         """One line of stdout."""
@@ -43,7 +45,7 @@ class Output:
     def detail(self, *words: str) -> None:
         """A note that only `-v` shows."""
         if self.verbose:
-            self.note(" ".join(words))
+            self.note(" ".join(word for word in words if word))
 
     def table(self, headers: Sequence[str], rows: Sequence[Sequence[str]], right: str = "") -> None:
         """A table on stdout. `right`: indices of the columns to be set right, as digits."""
@@ -60,9 +62,12 @@ def make_table(headers: Sequence[str], rows: Sequence[Sequence[str]], right: str
     from rich.table import Table
     from rich.text import Text as RichText
 
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_header=bool(headers))
-    for index, header in enumerate(headers):
-        table.add_column(header, justify="right" if str(index) in right else "left")
+    table = Table(
+        box=box.SIMPLE_HEAD, show_edge=False, padding=(0, 1, 0, 0), show_header=bool(headers)
+    )
+    for index, header in enumerate(headers):  # a long word is folded: never cut
+        side: Literal["left", "right"] = "right" if str(index) in right else "left"
+        table.add_column(header, justify=side, overflow="fold")
     for row in rows:
         table.add_row(*map(RichText, row))
     return table

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from mikas.catalog import Parameter
-from mikas.cli.words import language, say
+from mikas.cli.words import decimal, language, say
 from mikas.client import Reading
 
 
@@ -23,8 +23,7 @@ def shown_value(reading: Reading) -> str:
     """The value with the parameter's decimals; a flag as yes or no."""
     if isinstance(reading.value, bool):
         return say("yes", "да") if reading.value else say("no", "нет")
-    text = f"{reading.value:.{reading.parameter.decimals}f}"
-    return text.replace(".", ",") if language() == "ru" else text
+    return decimal(f"{reading.value:.{reading.parameter.decimals}f}")
 
 
 def shown_unit(reading: Reading) -> str:
@@ -37,7 +36,7 @@ def reference(parameter: Parameter) -> str:
     if parameter.reference is None:
         return ""
     low, high = parameter.reference
-    return f"{low:g} … {high:g}"
+    return decimal(f"{low:g} … {high:g}" if high > low else f"{low:g}")
 
 
 def verdict(reading: Reading) -> str:

@@ -17,18 +17,19 @@ from typing import TYPE_CHECKING, Any
 from mikas.cli import config
 from mikas.cli.output import Output
 from mikas.cli.words import say, shown
-from mikas.errors import NotConfirmed
+from mikas.errors import MikasError, NotConfirmed
 from mikas.language import Text
 
 if TYPE_CHECKING:
     from mikas.catalog import Catalog
     from mikas.client import Change, Confirm, Ecu
+    from mikas.link import Link, Sink
 
 _HOW = Text(
     "There is no terminal to ask at; --yes says yes beforehand.",
-    "Спросить не у кого (нет терминала); заранее согласиться: --yes.",
+    "Спросить негде: это не терминал; согласиться заранее можно ключом --yes.",
 )
-_NO = Text("Nothing was sent.", "Ничего не послано.")
+_NO = Text("The answer was no.", "Ответ был «нет».")
 
 
 @dataclass(slots=True)
@@ -42,7 +43,6 @@ class Run:
     capture: Path | None = None
     reading: str = "corrected"
     catalogs: tuple[Path, ...] = ()
-    verbose: bool = False
     output: Output = field(default_factory=Output)
 
     @classmethod
@@ -50,7 +50,8 @@ class Run:
         """From the command line's common options, the environment and the config file."""
         stored = config.load()
         settings = {**stored, **_environment(), **given}
-        run = cls(output=Output(json=bool(given.get("json"))), verbose=bool(given.get("verbose")))
+        json, verbose = bool(given.get("json")), bool(given.get("verbose"))
+        run = cls(output=Output(json=json, verbose=verbose))
         run.port = settings.get("port")
         run.echo = settings.get("echo", run.echo)
         run.timeout = settings.get("timeout", run.timeout)
@@ -74,7 +75,7 @@ class Run:
 
         port = self.port or choose_port()
         with (
-            self._capturing(port) as sink,
+            self.capturing(port) as sink,
             connect(
                 port,
                 echo=self.echo,
@@ -87,15 +88,17 @@ class Run:
             ) as ecu,
         ):
             self.output.detail(
-                say("port", "порт"), ecu.tester.link.description,
-                say("echo", "эхо"), say("yes", "есть") if ecu.tester.echoes else say("no",
-                "нет"),
+                say("port", "порт"), port,
+                say("echo", "эхо"), say("yes", "есть") if ecu.tester.echoes else say("no", "нет"),
             )  # fmt: skip
-            yield ecu
-            self._check_capture(ecu)
+            try:
+                yield ecu
+            finally:
+                self.check_capture(ecu.tester.link)
 
     @contextmanager
-    def _capturing(self, port: str) -> Iterator[Any]:
+    def capturing(self, port: str) -> Iterator[Sink | None]:
+        """What `--capture` names, ready to be given all that passes on the wire."""
         if self.capture is None:
             yield None
             return
@@ -104,47 +107,68 @@ class Run:
         with CaptureWriter(self.capture, url=port) as writer:
             yield writer
 
-    def _check_capture(self, ecu: Ecu) -> None:
-        failure = getattr(ecu.tester.link, "failure", None)
-        if failure is not None:
-            self.output.note(
-                say(f"The capture stopped early: {failure}", f"Запись оборвалась: {failure}")
-            )
+    def check_capture(self, link: Link) -> None:
+        """Says if the capture on `link` has broken off."""
+        failure = getattr(link, "failure", None)
+        if failure is not None and failure is not sys.exception():  # else it is told anyway
+            why = shown(failure.text) if isinstance(failure, MikasError) else str(failure)
+            self.output.note(say(f"The capture stopped early: {why}", f"Запись оборвалась: {why}"))
 
-    def confirm(self, *, yes: bool) -> Callable[[Change], bool]:
-        """Asks at the terminal before a change; `yes` answers beforehand."""
+    def confirm(
+        self, *, yes: bool, meaning: Callable[[str], str] | None = None
+    ) -> Callable[[Change], bool]:
+        """Asks at the terminal before a change; `yes` answers beforehand.
+
+        `meaning`: says what the hex before and after a change stands for.
+        """
 
         def ask(change: Change) -> bool:
-            self.output.note(_described(change))
+            self.output.note(_described(change, meaning))
             if yes:
                 return True
             if not sys.stdin.isatty():
                 raise NotConfirmed(change=change.what, how=_HOW)
-            import click
-
-            if not click.confirm(say("Do it?", "Выполнить?"), default=False, err=True):
+            if not _says_yes():
                 raise NotConfirmed(change=change.what, how=_NO)
             return True
 
         return ask
 
 
-def _described(change: Change) -> str:
-    lines = [shown(change.what)]
+def _says_yes() -> bool:
+    """The answer at the terminal; what is neither yes nor no is no."""
+    sys.stderr.write(say("Do it? [y/N] ", "Выполнить? [д/Н] "))
+    sys.stderr.flush()
+    answer = sys.stdin.readline()
+    if not answer.endswith("\n"):
+        sys.stderr.write("\n")  # Ctrl-D leaves the cursor behind the question
+    return answer.strip().lower() in ("y", "yes", "д", "да")
+
+
+def _described(change: Change, meaning: Callable[[str], str] | None) -> str:
+    lines = [_capital(shown(change.what))]
     if change.before is not None:
-        lines.append(f"  {say('before', 'было')}: {change.before or '–'}")
-    if change.after is not None:
-        lines.append(f"  {say('after', 'будет')}:  {change.after or '–'}")
+        told = (meaning(change.before) if meaning else change.before) or "–"
+        lines.append(say(f"  before: {told}", f"  было:  {told}"))
+    if change.after is not None and change.after not in change.what.en:
+        told = (meaning(change.after) if meaning else change.after) or "–"
+        known = change.before is not None
+        label = say("after: ", "будет:") if known else say("bytes:", "байты:")
+        lines.append(f"  {label} {told}")
     if change.safety.name == "DANGEROUS":
         lines.append(
             say(
-                "  DANGER: this can leave the unit unable to run the engine.",
-                "  ОПАСНО: после этого блок может не завести двигатель.",
+                "  DANGER: after this the unit may no longer run the engine.",
+                "  ОПАСНО: после этого двигатель может больше не завестись.",
             )
         )
     return "\n".join(lines)
 
 
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
 def _environment() -> dict[str, Any]:
-    port = os.environ.get("MIKAS_PORT")
+    port = os.environ.get("MIKAS_PORT", "").strip()
     return {"port": port} if port else {}

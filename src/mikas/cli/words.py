@@ -32,22 +32,44 @@ def shown(text: Text) -> str:
     return text.to(_chosen)
 
 
+def decimal(text: str) -> str:
+    """A number's digits with the decimal sign of the language in force."""
+    return text.replace(".", ",") if _chosen == "ru" else text
+
+
 def from_surroundings(argv: Sequence[str]) -> Language:
-    """`--lang` wherever it stands, else MIKAS_LANG, else the system's locale.
+    """`--lang` wherever it stands, else MIKAS_LANG, else the config file, else the locale.
 
     Looked up before the arguments are parsed, because the help itself speaks it. What is wrong with
-    `--lang` the parser says.
+    `--lang`, or with the config file, is said later, by whoever reads it in earnest.
     """
-    wanted = ""
-    for index, word in enumerate(argv):
-        if word == "--lang" and index + 1 < len(argv):
-            wanted = argv[index + 1]
-        elif word.startswith("--lang="):
-            wanted = word.partition("=")[2]
-    for value in (wanted, *(os.environ.get(name, "") for name in _VARIABLES)):
-        if value:
-            return "ru" if value.lower().startswith("ru") else "en"
-    return "en"
+    named = _in_arguments(argv) or os.environ.get("MIKAS_LANG") or _in_config() or _of_locale()
+    return "ru" if named.lower().startswith("ru") else "en"
 
 
-_VARIABLES = ("MIKAS_LANG", "LC_ALL", "LC_MESSAGES", "LANG")
+def _in_arguments(argv: Sequence[str]) -> str:
+    named = ""
+    for word, following in zip(argv, [*argv[1:], ""], strict=False):
+        if word == "--":
+            break
+        wanted = following if word == "--lang" else word.removeprefix("--lang=")
+        if wanted != word and wanted.lower() in ("en", "ru"):
+            named = wanted
+    return named
+
+
+def _in_config() -> str:
+    from mikas.cli import config
+
+    return config.language()
+
+
+def _of_locale() -> str:
+    for name in ("LC_ALL", "LC_MESSAGES", "LANG"):
+        if value := os.environ.get(name):
+            return value
+    if os.name == "nt":  # Windows keeps it elsewhere
+        import locale
+
+        return locale.getlocale()[0] or ""
+    return ""

@@ -14,7 +14,15 @@ from statistics import median
 from mikas import commands as c
 from mikas.catalog import Catalog
 from mikas.client.identity import try_commands
-from mikas.errors import EchoDiffers, EchoOnly, LineError, MikasError, NoEcho, NotAKLineAdapter
+from mikas.errors import (
+    EchoDiffers,
+    EchoOnly,
+    LineError,
+    MikasError,
+    NoConnection,
+    NoEcho,
+    NotAKLineAdapter,
+)
 from mikas.language import Text
 from mikas.link import Link
 from mikas.tester import Tester
@@ -44,10 +52,13 @@ class Step:
 def examine(
     open_port: Callable[[], Link], make_tester: Callable[[Link], Tester], catalog: Catalog
 ) -> Iterator[Step]:
-    """The steps in the order of `STEPS`, until one finds nobody to talk to. Closes the port."""
+    """The steps in the order of `STEPS`, until one finds nobody to talk to. Closes the port.
+
+    Raises what `open_port` does, unless it is a `NoConnection`, which is a finding.
+    """
     try:
         link = open_port()
-    except MikasError as error:
+    except NoConnection as error:
         yield Step("port", False, error.text)
         return
     with link:
@@ -78,10 +89,13 @@ def _on_the_line(tester: Tester, catalog: Catalog) -> Iterator[Step]:
     yield Step("echo", True, _ECHO if tester.echoes else _NO_ECHO)
     name = "baud"
     try:
+        pace = float(tester.link.baud)
         if tester.echoes:
-            yield _baud(tester)
+            measured = _measured_baud(tester)
+            yield _baud(measured, tester.link.baud)
+            pace = min(pace, measured) if measured else pace
         name = "line"
-        yield from _availability(tester)
+        yield from _availability(tester, 10 / pace)
         yield Step("ecu", True, catalog.model(version_code).text)
         name = "commands"
         yield _commands(tester)
@@ -104,15 +118,24 @@ def _advice(error: MikasError) -> Text:
 _DOCTOR = re.compile(r"(?: \(`mikas doctor`\)|[,;.] [^,;.]*`mikas doctor`[^,;.]*)(?=\.)")
 
 
-def _baud(tester: Tester) -> Step:
+def _measured_baud(tester: Tester) -> float | None:
     """The wire's pace, from how much longer a long request's echo takes than a short one's."""
     short, long = (c.ReadParameters((_RPM,) * count) for count in (1, _LONG))
     try:
         times = [tester.time_echo(command.body()) for command in (short, long)]
-    except LineError as error:
-        return Step("baud", None, error.reason)
-    measured = 10 * (_LONG - 1) / max(times[1] - times[0], 1e-6)
-    wanted = tester.link.baud
+    except LineError:  # the next step tells how bad the line is
+        return None
+    return 10 * (_LONG - 1) / max(times[1] - times[0], 1e-6)
+
+
+def _baud(measured: float | None, wanted: int) -> Step:
+    """Whether that is as fast as it should be."""
+    if measured is None:
+        return Step(
+            "baud",
+            None,
+            Text("not measured: the echo came spoilt", "не измерена: эхо пришло испорченным"),
+        )
     told = Text(f"about {measured:.0f} bit/s", f"около {measured:.0f} бит/с")
     if measured > wanted * 2:
         return Step(
@@ -141,7 +164,7 @@ def _baud(tester: Tester) -> Step:
     return Step("baud", True, told)
 
 
-def _availability(tester: Tester) -> Iterator[Step]:
+def _availability(tester: Tester, byte_time: float) -> Iterator[Step]:
     """The adapter's delay and how clean the line is, from the same small exchanges."""
     delays, spoilt = [], []
     for _ in range(_TRIES):
@@ -154,7 +177,7 @@ def _availability(tester: Tester) -> Iterator[Step]:
                 break
             continue
         bytes_passed = len(reply.wire) + 3
-        delays.append(reply.ended - began - bytes_passed * tester.link.byte_time)
+        delays.append(reply.ended - began - bytes_passed * byte_time)
     if delays:
         yield _latency(max(0.0, median(delays)))
     yield _line(len(delays) + len(spoilt), spoilt)

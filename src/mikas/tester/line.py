@@ -77,6 +77,8 @@ class Line:
         self.strict = strict
         self.sent_until = -inf
         """When the last byte of the latest request was out."""
+        self.echo_heard = -inf
+        """When its echo had come; an adapter may make that itself, before the bytes are out."""
         self._ahead = Chunk(b"", 0.0)  # came together with the end of an echo
 
     def exchange(self, body: bytes, *, of_many: bool = False) -> Reply:
@@ -91,8 +93,8 @@ class Line:
         """Sends `body` and checks the echo; returns its wire form and the time when it was out."""
         wire = self.interject(body)
         if self.echo:
-            heard = self._check_echo(wire, self.sent_until + self.timing.first_byte)
-            self.sent_until = max(self.sent_until, heard)
+            self.echo_heard = self._check_echo(wire, self.sent_until + self.timing.first_byte)
+            self.sent_until = max(self.sent_until, self.echo_heard)
         return wire, self.sent_until
 
     def interject(self, body: bytes) -> bytes:

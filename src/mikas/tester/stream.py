@@ -112,7 +112,7 @@ class Stream:
         )
 
     def _unknown(self, body: bytes) -> NotSupported:
-        return NotSupported(command=self.command.name, request=self._request, received=body)
+        return NotSupported(command=self.command.told_name, request=self._request, received=body)
 
     def close(self) -> None:
         """Ends the stream (D12) and gives the tester free. A second call does nothing.

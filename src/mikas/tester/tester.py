@@ -192,7 +192,7 @@ class Tester:
         if isinstance(error, NoResponse) and command.code not in self._known:
             self._assure()  # raises NoEcho or EchoOnly if nobody is there any more
             return NotSupported(
-                command=command.name, request=error.request, received=b"", time=error.time
+                command=command.told_name, request=error.request, received=b"", time=error.time
             )
         if isinstance(error, NoResponse):
             try:
@@ -214,7 +214,7 @@ class Tester:
             with suppress(LineError):
                 self._line.receive(wire, ended)
                 self._step.keep()
-            return ended - began
+            return self._line.echo_heard - began
 
     def raw(self, body: bytes) -> bytes | None:
         """Sends any body once; returns the response's body, None for silence.

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from mikas.cli.arguments import File
 from mikas.cli.grammar import command
 from mikas.cli.run import Run
 from mikas.cli.words import language
@@ -26,7 +27,7 @@ from mikas.recording.describe import Describer
     ),
     examples=("mikas decode drive.pcapng", "mikas decode drive.pcapng --json"),
 )
-@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@click.argument("file", metavar="FILE", type=File(there=True))
 def decode(run: Run, file: Path) -> None:
     describe = Describer(run.catalog(), run.reading)
     zero: float | None = None

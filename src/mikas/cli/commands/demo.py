@@ -23,13 +23,18 @@ from mikas.language import Text
     "--scenario",
     default="cold-start",
     metavar="NAME|FILE",
-    text=Text("what the virtual car does", "что делает виртуальная машина"),
+    text=Text("what the car does (cold-start)", "что делает машина (cold-start)"),
 )
-@option("--seed", default="1", metavar="N", text=Text("of its chances", "для её случайностей"))
+@option(
+    "--seed",
+    default="1",
+    metavar="N",
+    text=Text("another number, other chances (1)", "другое число — другие случайности (1)"),
+)
 @option(
     "--no-browser",
     is_flag=True,
-    text=Text("nothing to open yet: a table in this terminal", "таблица в этом терминале"),
+    text=Text("the table in this terminal", "таблица в этом терминале"),
 )
 @sampling_options
 def demo(
@@ -45,13 +50,13 @@ def demo(
     no_browser: bool,  # noqa: ARG001  (the contract has it; there is no browser to open yet)
 ) -> None:
     run.port = f"sim:?{urlencode({'scenario': scenario, 'seed': seed})}"
-    run.output.note(
-        say(
-            f"A virtual car ({scenario}). Ctrl-C ends it. With a real one: mikas doctor",
-            f"Виртуальная машина ({scenario}). Выход: Ctrl-C. С настоящей: mikas doctor",
-        )
-    )
-    if run.output.json:
-        run.output.data({"url": run.port})
     with run.ecu() as ecu:
+        run.output.note(
+            say(
+                f"A virtual car ({scenario}). Ctrl-C ends it. With a real one: mikas doctor",
+                f"Виртуальная машина ({scenario}). Выход: Ctrl-C. С настоящей: mikas doctor",
+            )
+        )
+        if run.output.json:
+            run.output.data({"url": run.port})
         show(run, ecu, samples(ecu, names, method, rate, count, duration), names)

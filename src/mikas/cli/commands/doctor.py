@@ -2,43 +2,62 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
+from functools import partial
+
 from mikas.cli.grammar import command
 from mikas.cli.main import NO_CONNECTION
 from mikas.cli.run import Run
 from mikas.cli.words import say, shown
 from mikas.client.doctor import STEPS, Step, examine
 from mikas.language import Text
-from mikas.link import Link, choose_port, open_link
+from mikas.link import CaptureTee, Link, choose_port, open_link
 from mikas.tester import Echo, Tester, Timing
 
 
 @command(
     "doctor",
     Text(
-        "Examines the connection step by step: port, echo, baud by echo timing, latency, ECU, "
-        "supported commands; says what to fix. Nothing is changed.",
-        "Проверяет связь по шагам: порт, эхо, скорость по эху, задержка, блок, команды; говорит, "
-        "что исправить. Ничего не меняет.",
+        "Examines the connection step by step: port, echo, baud by echo timing, latency, errors "
+        "on the line, ECU, supported commands; says what to fix. Nothing is changed.",
+        "Проверяет связь по шагам: порт, эхо, скорость по эху, задержка, ошибки на линии, блок, "
+        "команды; говорит, что исправить. Ничего не меняет.",
     ),
     examples=("mikas doctor", "mikas doctor --port /dev/ttyUSB0"),
 )
 def doctor(run: Run) -> int:
     steps = []
-    for step in examine(lambda: _open(run), lambda link: _tester(run, link), run.catalog()):
-        steps.append(step)
-        if not run.output.json:
-            run.output.line(_line(step))
+    with ExitStack() as stack:
+        for step in examine(lambda: _open(run, stack), partial(_tester, run), run.catalog()):
+            steps.append(step)
+            if not run.output.json:
+                run.output.line(_line(step))
     if run.output.json:
         listed = [{"name": s.name, "ok": s.ok, "detail": shown(s.detail)} for s in steps]
         run.output.data({"steps": listed})
     failed = any(step.ok is False for step in steps)
     if not failed and not run.output.json:
-        run.output.line(say("All is well. Next: mikas read", "Всё в порядке. Дальше: mikas read"))
+        run.output.line(_end(all(step.ok for step in steps)))
     return NO_CONNECTION if failed else 0
 
 
-def _open(run: Run) -> Link:
-    return open_link(run.port or choose_port())
+def _end(well: bool) -> str:
+    if well:
+        return say("All is well. Next: mikas read", "Всё в порядке. Дальше: mikas read")
+    return say(
+        "It works; see • above. Next: mikas read", "Связь есть; см. • выше. Дальше: mikas read"
+    )
+
+
+def _open(run: Run, stack: ExitStack) -> Link:
+    port = run.port or choose_port()
+    sink = stack.enter_context(run.capturing(port))
+    link = open_link(port)
+    if sink is None:
+        return link
+    tee = CaptureTee(link, sink)
+    stack.callback(run.check_capture, tee)
+    return tee
 
 
 def _tester(run: Run, link: Link) -> Tester:
@@ -57,6 +76,7 @@ def _line(step: Step) -> str:
                 say("echo", "эхо"),
                 say("baud", "скорость"),
                 say("latency", "задержка"),
+                say("line", "линия"),
                 say("ECU", "блок"),
                 say("commands", "команды"),
             ),

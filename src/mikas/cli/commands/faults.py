@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from mikas.catalog import Confidence, Fault
+from mikas.cli.arguments import OneOf
 from mikas.cli.grammar import YES, command
 from mikas.cli.run import Run
 from mikas.cli.words import say, shown
@@ -19,12 +20,12 @@ from mikas.language import Text
     Text(
         "Shows the stored faults with their text, how sure that text is, and what to check. "
         "`faults erase` erases them and reads back.",
-        "Показывает запомненные ошибки: текст, насколько он достоверен, что проверить. "
+        "Показывает запомненные ошибки: что они значат, насколько это достоверно, что проверить. "
         "`faults erase` стирает их и перечитывает.",
     ),
     examples=("mikas faults", "mikas faults erase", "mikas faults erase --yes --json"),
 )
-@click.argument("action", type=click.Choice(["erase"]), required=False)
+@click.argument("action", metavar="[erase]", type=OneOf(["erase"]), required=False)
 @YES
 def faults(run: Run, action: str | None, *, yes: bool) -> None:
     if action == "erase":
@@ -75,7 +76,8 @@ def _show(run: Run, stored: Sequence[Fault]) -> None:
         [
             [
                 str(fault.code),
-                shown(fault.text) or say("no text is known for this number", "текст неизвестен"),
+                shown(fault.text)
+                or say("what this number means is not known", "что значит этот номер, неизвестно"),
                 _sure(fault.confidence),
                 shown(fault.check),
                 " ".join(fault.parameters),
@@ -98,8 +100,8 @@ def _sure(confidence: Confidence) -> str:
 def _as_json(fault: Fault) -> dict[str, Any]:
     return {
         "code": fault.code,
-        "text": {"en": fault.text.en, "ru": fault.text.ru} if fault.known else None,
+        "text": {"en": fault.text.en, "ru": fault.text.ru},  # empty for an unknown one
         "confidence": fault.confidence,
-        "check": {"en": fault.check.en, "ru": fault.check.ru} if fault.check.en else None,
+        "check": {"en": fault.check.en, "ru": fault.check.ru},
         "parameters": fault.parameters,
     }

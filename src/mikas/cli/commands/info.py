@@ -15,7 +15,7 @@ from mikas.language import Text
         "Shows who the ECU is and which commands it knows. Every harmless command is tried once, "
         "which takes a second for each that the unit leaves unanswered.",
         "Показывает, что это за блок и какие команды он знает. Каждая безвредная команда "
-        "пробуется один раз; на каждую оставшуюся без ответа уходит секунда.",
+        "пробуется один раз; на каждую, что осталась без ответа, уходит секунда.",
     ),
     examples=("mikas info", "mikas info --quick", "mikas info --port socket://192.168.1.5:2000"),
 )
@@ -86,6 +86,11 @@ def _pieces(pieces: tuple[str | None, ...]) -> str:
     return " · ".join(piece for piece in pieces if piece)
 
 
+def _named(support: Support) -> str:
+    code = f"{support.command.CODES[0]:02X}"
+    return f"{code} {shown(support.command.TITLE)}"
+
+
 def _support_rows(supported: list[Support]) -> list[list[str]]:
     words = {
         True: say("knows", "знает"),
@@ -94,7 +99,7 @@ def _support_rows(supported: list[Support]) -> list[list[str]]:
     }
     rows = []
     for known, word in words.items():
-        names = [s.name for s in supported if s.known is known]
+        names = [_named(s) for s in supported if s.known is known]
         if names:
-            rows.append([word, ", ".join(names)])
+            rows.append([word, "; ".join(names)])
     return rows

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
-import click
-
+from mikas.cli.arguments import File
 from mikas.cli.commands.watch import samples, sampling_options, show
 from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
-from mikas.cli.words import say
+from mikas.cli.words import decimal, say
 from mikas.client import Ecu, Sample
 from mikas.errors import UsageError
 from mikas.language import Text
@@ -31,9 +31,9 @@ from mikas.language import Text
     "-o",
     "--out",
     required=True,
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=File(),
     metavar="FILE",
-    text=Text("the recording", "файл записи"),
+    text=Text("where to record; needed", "куда записывать; обязательно"),
 )
 @sampling_options
 def log(
@@ -48,8 +48,8 @@ def log(
     if run.capture is not None:
         raise UsageError(
             problem=Text(
-                "log records already; leave --capture out",
-                "log и так записывает; уберите --capture",
+                "log records already, to the file after -o; leave --capture out",
+                "Команда log и так записывает, в файл после -o; уберите --capture",
             )
         )
     run.capture = out
@@ -78,6 +78,9 @@ def _counted(run: Run, ecu: Ecu, out: Path, taken: Iterator[Sample]) -> Iterator
                 sys.stderr.write("\r\x1b[K" + _told(ecu, out, count, gaps, last - began))
                 sys.stderr.flush()
             yield sample
+            failure = getattr(ecu.tester.link, "failure", None)
+            if failure is not None:
+                raise failure
     finally:
         if sys.stderr.isatty():
             sys.stderr.write("\r\x1b[K")
@@ -85,12 +88,15 @@ def _counted(run: Run, ecu: Ecu, out: Path, taken: Iterator[Sample]) -> Iterator
 
 
 def _told(ecu: Ecu, out: Path, count: int, gaps: int, seconds: float) -> str:
-    rate = count / seconds if seconds > 0 else 0.0
-    size = out.stat().st_size / 1024
+    rate = f"{count / seconds if seconds > 0 else 0.0:.1f}"
+    size = 0.0
+    with suppress(OSError):
+        size = out.stat().st_size / 1024
     failed = ecu.tester.statistics.failed
     return say(
-        f"{out}: {count} samples, {rate:.1f} a second, {gaps} gaps, {failed} line errors, "
+        f"{out}: {count} samples, {rate} a second, {gaps} gaps, {failed} line errors, "
         f"{size:.0f} KiB, {seconds:.0f} s",
-        f"{out}: отсчётов {count}, {rate:.1f} в секунду, пропусков {gaps}, ошибок линии {failed}, "
+        f"{out}: отсчётов {count}, {decimal(rate)} в секунду, пропусков {gaps}, ошибок линии "
+        f"{failed}, "
         f"{size:.0f} КиБ, {seconds:.0f} с",
     )

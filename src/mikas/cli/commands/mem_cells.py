@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from mikas.cli.arguments import Address, Count, HexBytes
+from mikas.cli.arguments import Address, Count, HexBytes, OneOf
 from mikas.cli.grammar import YES, command, option
 from mikas.cli.hexdump import hexdump
 from mikas.cli.run import Run
@@ -12,7 +12,7 @@ from mikas.cli.words import say
 from mikas.errors import NotConfirmed
 from mikas.language import Text
 
-SPACE = click.Choice(["ram", "xram", "code", "sfr"], case_sensitive=False)
+SPACE = OneOf(("ram", "xram", "code", "sfr"))
 
 
 @command(

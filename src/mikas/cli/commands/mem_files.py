@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from mikas.cli.arguments import Address, Count
+from mikas.cli.arguments import Address, Count, File
 from mikas.cli.commands.mem_cells import SPACE
 from mikas.cli.grammar import command, option
 from mikas.cli.output import stderr_console
@@ -19,12 +19,12 @@ from mikas.client.dump import Difference, Dump, compare, differences, read_manif
 from mikas.errors import UsageError
 from mikas.language import Text
 
-FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+FILE = File(there=True)
 BLOCK = option(
     "--block",
     type=Count(),
     metavar="N",
-    text=Text("bytes a request at most (255)", "байтов в запросе, не больше (255)"),
+    text=Text("bytes a request, at most (255)", "не больше стольких байтов за запрос (255)"),
 )
 
 
@@ -47,9 +47,9 @@ BLOCK = option(
     "-o",
     "--out",
     required=True,
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=File(),
     metavar="FILE",
-    text=Text("the file", "файл"),
+    text=Text("the file to write; needed", "в какой файл; обязательно"),
 )
 @option(
     "--from",
@@ -57,14 +57,14 @@ BLOCK = option(
     type=Address(),
     default=0,
     metavar="ADDR",
-    text=Text("first (0)", "первый (0)"),
+    text=Text("first address (0)", "первый адрес (0)"),
 )
 @option(
     "--to",
     "last",
     type=Address(),
     metavar="ADDR",
-    text=Text("last, inclusive", "последний включительно"),
+    text=Text("last address, inclusive", "последний адрес, включительно"),
 )
 @BLOCK
 @option("--verify", is_flag=True, text=Text("read it all a second time", "прочесть всё второй раз"))
@@ -89,7 +89,8 @@ def dump(
             with _progress(say("reading", "чтение"), manifest.size, manifest.bytes_read) as done:
                 job.advance(block=block, progress=done)
         except BaseException:
-            run.output.note(_stopped(job, out))
+            if manifest.bytes_read:
+                run.output.note(_stopped(job, out))
             raise
         if verify:
             with _progress(say("second pass", "второй проход"), manifest.size) as done:
@@ -141,7 +142,7 @@ def _tell(run: Run, found: Sequence[Difference], what: str) -> None:
 def verify(run: Run, space: str, file: Path, first: int | None, block: int | None) -> None:
     data, manifest = file.read_bytes(), read_manifest(file)
     if not data:
-        raise UsageError(problem=Text(f"{file} is empty", f"{file} пуст"))
+        raise UsageError(problem=Text(f"{file}: the file is empty", f"{file}: файл пуст"))
     if manifest and manifest.space != space:
         raise UsageError(
             problem=Text(
@@ -201,18 +202,26 @@ def _progress(what: str, total: int, already: int = 0) -> Iterator[Callable[[int
         return
     from rich.progress import (
         BarColumn,
-        DownloadColumn,
         Progress,
+        ProgressColumn,
+        Task,
         TextColumn,
         TimeRemainingColumn,
-        TransferSpeedColumn,
     )
+    from rich.text import Text as RichText
+
+    class Speed(ProgressColumn):
+        """rich's own speaks English."""
+
+        def render(self, task: Task) -> RichText:
+            speed = f"{task.finished_speed or task.speed or 0:.0f}"
+            return RichText(say(f"{speed} bytes/s", f"{speed} байт/с"))
 
     with Progress(
         TextColumn("{task.description}"),
         BarColumn(),
-        DownloadColumn(),
-        TransferSpeedColumn(),
+        TextColumn("{task.completed:.0f}/{task.total:.0f}"),
+        Speed(),
         TimeRemainingColumn(),
         console=stderr_console(),
     ) as bar:

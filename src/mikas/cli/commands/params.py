@@ -6,6 +6,7 @@ from typing import Any
 
 from mikas.catalog import Catalog, Parameter
 from mikas.cli.grammar import command
+from mikas.cli.readings import reference
 from mikas.cli.run import Run
 from mikas.cli.words import say, shown
 from mikas.language import Text
@@ -33,8 +34,7 @@ def params(run: Run) -> None:
         return
     headers = [
         say("name", "имя"), say("code", "код"), say("bytes", "байт"), say("formula", "формула"),
-        say("unit", "ед."), say("warm idle", "на хх"), say("meaning", "значение"), say("errata",
-        "сомнения"),
+        say("unit", "ед."), say("warm idle", "на хх"), say("meaning", "что это"), say("see", "см."),
     ]  # fmt: skip
     run.output.table(headers, [_row(p, run.reading) for p in catalog.parameters], right="2")
     used = sorted({name for p in catalog.parameters for name in p.errata})
@@ -44,14 +44,13 @@ def params(run: Run) -> None:
 
 
 def _row(parameter: Parameter, reading: str) -> list[str]:
-    reference = parameter.reference
     return [
         parameter.name,
         f"{parameter.code:02X}",
         str(parameter.size),
         parameter.formula(reading),
         shown(parameter.reading(reading).unit_text),
-        f"{reference[0]:g} … {reference[1]:g}" if reference else "",
+        reference(parameter),
         shown(parameter.text),
         " ".join(parameter.errata),
     ]

@@ -13,7 +13,7 @@ from mikas.link import find_ports
     "ports",
     Text(
         "Lists the serial adapters that the system sees, the likeliest first.",
-        "Показывает последовательные адаптеры, которые видит система; вероятный — первый.",
+        "Показывает последовательные адаптеры, которые видит система; самый вероятный — первый.",
     ),
     examples=("mikas ports", "mikas ports --json"),
 )

@@ -22,7 +22,7 @@ from mikas.language import Text
     ),
     examples=("mikas read", "mikas read TWAT FREQ UACC", "mikas read 0x3F:2 --json"),
 )
-@click.argument("names", metavar="NAME", nargs=-1)
+@click.argument("names", metavar="[NAME]...", nargs=-1)
 def read(run: Run, names: tuple[str, ...]) -> None:
     with run.ecu() as ecu:
         readings = ecu.read(*names)
@@ -33,9 +33,13 @@ def read(run: Run, names: tuple[str, ...]) -> None:
         headers = [
             say("name", "имя"), say("value", "значение"), say("unit", "ед."),
             say("raw", "байты"), say("warm idle", "на хх"), say("meaning", "что это"),
-            say("errata", "сомнения"),
+            say("see", "см."),
         ]  # fmt: skip
         run.output.table(headers, [_row(name, r) for name, r in readings.items()], right="1")
+        if any(r.parameter.errata for r in readings.values()):
+            run.output.note(
+                say("E1 … are explained by: mikas params", "Что значат E1 …, скажет: mikas params")
+            )
     if missing and not names:
         run.output.note(
             say("This unit does not know: ", "Этот блок не знает: ") + ", ".join(missing)

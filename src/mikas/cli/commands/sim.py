@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 
-import click
-
+from mikas.cli.arguments import File, OneOf
 from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
 from mikas.cli.words import say
@@ -15,9 +15,12 @@ from mikas.errors import UsageError
 from mikas.language import Text
 from mikas.link import WallClock
 from mikas.virtual import serve
-from mikas.virtual.build import MODELS, SETTINGS, build_bus
+from mikas.virtual.build import CAR_SETTINGS, MODELS, SETTINGS, build_bus
 from mikas.virtual.bus import Bus
+from mikas.virtual.disturbance import Trouble
 from mikas.virtual.ecu import Happening
+
+_TROUBLES = ", ".join(it.value for it in Trouble if it is not Trouble.DAMAGED)
 
 
 @command(
@@ -32,19 +35,37 @@ from mikas.virtual.ecu import Happening
         "mikas sim",
         "mikas sim --scenario city --faults 13,53",
         "mikas sim --tcp 127.0.0.1:2000 --set unknown=01 --line-fault damaged=0.01",
+        "mikas sim --replay drive.pcapng --set seek=600",
     ),
 )
-@option("--tcp", metavar="HOST:PORT", text=Text("on TCP, not a pty", "по TCP вместо pty"))
-@option("--model", type=click.Choice(list(MODELS)), text=Text("the unit (7.1)", "блок (7.1)"))
+@option(
+    "--replay",
+    type=File(),
+    metavar="FILE",
+    text=Text(
+        "a recorded unit, which answers as it did then; --set takes speed, seek and loop too",
+        "записанный блок: отвечает, как отвечал тогда; --set понимает ещё speed, seek и loop",
+    ),
+)
+@option(
+    "--tcp",
+    metavar="HOST:PORT",
+    text=Text("on TCP instead of a pty (port 0: any)", "по TCP вместо pty (порт 0: любой)"),
+)
+@option("--model", type=OneOf(tuple(MODELS)), text=Text("which unit (7.1)", "какой блок (7.1)"))
 @option(
     "--scenario",
     metavar="NAME|FILE",
     text=Text("what the car does (warm-idle)", "что делает машина (warm-idle)"),
 )
-@option("--faults", metavar="LIST", text=Text("stored faults, 13,53", "ошибки, 13,53"))
+@option("--faults", metavar="LIST", text=Text("stored faults: 13,53", "запомненные ошибки: 13,53"))
 @option("--no-echo", is_flag=True, text=Text("an adapter without echo", "адаптер без эха"))
-@option("--baud", metavar="N", text=Text("pace of the wire (9600)", "темп линии (9600)"))
-@option("--seed", metavar="N", text=Text("of its chances (0)", "для случайностей (0)"))
+@option("--baud", metavar="N", text=Text("bit/s on the wire (9600)", "бит/с на линии (9600)"))
+@option(
+    "--seed",
+    metavar="N",
+    text=Text("another number, other chances (0)", "другое число — другие случайности (0)"),
+)
 @option(
     "--latency-ms",
     metavar="MS",
@@ -56,8 +77,8 @@ from mikas.virtual.ecu import Happening
     multiple=True,
     metavar="KIND=RATE",
     text=Text(
-        "damaged=0.01; also lost, late, cut, missing-byte, doubled, foreign, noise, echo",
-        "damaged=0.01; ещё lost, late, cut, missing-byte, doubled, foreign, noise, echo",
+        f"damaged=0.01; also {_TROUBLES}",
+        f"damaged=0.01; ещё {_TROUBLES}",
     ),
 )
 @option(
@@ -66,12 +87,13 @@ from mikas.virtual.ecu import Happening
     multiple=True,
     metavar="NAME=VALUE",
     text=Text(
-        "any other setting: unknown=01, max_list=8, missing=stream+list …",
-        "любая другая настройка: unknown=01, max_list=8, missing=stream+list …",
+        "any other setting, as unknown=01, max_list=8, missing=stream+list, supplied=0",
+        "любая другая настройка: unknown=01, max_list=8, missing=stream+list, supplied=0",
     ),
 )
 def sim(
     run: Run,
+    replay: Path | None,
     tcp: str | None,
     line_faults: Sequence[str],
     settings: Sequence[str],
@@ -84,8 +106,36 @@ def sim(
     if no_echo:
         wanted["echo"] = "0"
     clock = WallClock()
-    bus = build_bus(wanted, start=clock.now(), watcher=_watcher(run))
+    if replay is None:
+        bus = build_bus(wanted, start=clock.now(), watcher=_watcher(run))
+    else:
+        bus = _recorded(run, replay, wanted)
     serve.run(_serve(run, bus, clock, _host_and_port(tcp) if tcp else None))
+
+
+def _recorded(run: Run, path: Path, wanted: Mapping[str, str]) -> Bus:
+    """The unit of a recording; it begins when the first request comes."""
+    from mikas.recording.replay import car_on, replay_bus
+
+    for name in CAR_SETTINGS:
+        if name in wanted:
+            raise UsageError(
+                problem=Text(
+                    f"--{name} and --replay exclude each other: the car is the recorded one",
+                    f"--{name} и --replay несовместимы: машина — та, что записана",
+                )
+            )
+    bus = replay_bus(path, wanted, catalog=run.catalog(), watcher=_watcher(run))
+    car = car_on(bus)
+    if car is not None and car.recorded.problems:
+        count = car.recorded.problems
+        run.output.note(
+            say(
+                f"{path}: {count} damaged part(s) passed over; mikas decode shows where",
+                f"{path}: пропущено повреждённых мест: {count}; где они, покажет mikas decode",
+            )
+        )
+    return bus
 
 
 async def _serve(run: Run, bus: Bus, clock: WallClock, tcp: tuple[str, int] | None) -> None:
@@ -93,8 +143,8 @@ async def _serve(run: Run, bus: Bus, clock: WallClock, tcp: tuple[str, int] | No
         if os.name != "posix":
             raise UsageError(
                 problem=Text(
-                    "this system has no pseudo-terminals; use --tcp 127.0.0.1:2000",
-                    "в этой системе нет псевдотерминалов; используйте --tcp 127.0.0.1:2000",
+                    "This system has no pseudo-terminals; use --tcp 127.0.0.1:2000",
+                    "В этой системе нет псевдотерминалов; используйте --tcp 127.0.0.1:2000",
                 )
             )
         port: serve.PtyPort | serve.TcpPort = serve.PtyPort(bus, clock.now)
@@ -129,8 +179,8 @@ def _pair(word: str) -> tuple[str, str]:
     if not equals:
         raise UsageError(
             problem=Text(
-                f"write NAME=VALUE, not “{word}”; names: {', '.join(SETTINGS)}",
-                f"пишите ИМЯ=ЗНАЧЕНИЕ, а не «{word}»; имена: {', '.join(SETTINGS)}",
+                f"Write NAME=VALUE, not “{word}”; names: {', '.join(SETTINGS)}",
+                f"Пишите NAME=VALUE, а не «{word}»; имена: {', '.join(SETTINGS)}",
             )
         )
     return name.strip(), value.strip()

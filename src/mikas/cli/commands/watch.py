@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import click
 
+from mikas.cli.arguments import Number, OneOf, Whole
 from mikas.cli.grammar import command, option
 from mikas.cli.live import LiveTable, PlainLines
 from mikas.cli.run import Run
@@ -20,31 +22,35 @@ def sampling_options(function: Callable[..., Any]) -> Callable[..., Any]:
     for add in (
         option(
             "--duration",
-            type=click.FloatRange(min=0, min_open=True),
+            type=Number(above=0),
             metavar="S",
             text=Text("stop after so many seconds", "остановиться через столько секунд"),
         ),
         option(
             "--count",
-            type=click.IntRange(min=1),
+            type=Whole(1),
             metavar="N",
             text=Text("stop after so many samples", "остановиться после стольких отсчётов"),
         ),
         option(
             "--rate",
-            type=click.FloatRange(min=0, min_open=True),
+            type=Number(above=0),
             metavar="HZ",
             text=Text("samples a second at most", "не больше отсчётов в секунду"),
         ),
         option(
             "--method",
-            type=click.Choice(METHODS),
+            type=OneOf(METHODS),
+            metavar="METHOD",
             default="auto",
-            text=Text("how the unit is asked", "как спрашивать блок"),
+            text=Text(
+                "how the unit is asked: auto, single, batch, list, stream, stroke0 … stroke4",
+                "как спрашивать блок: auto, single, batch, list, stream, stroke0 … stroke4",
+            ),
         ),
     ):
         function = add(function)
-    return click.argument("names", metavar="NAME", nargs=-1)(function)
+    return click.argument("names", metavar="[NAME]...", nargs=-1)(function)
 
 
 @command(
@@ -84,6 +90,9 @@ def samples(
 ) -> Iterator[Sample]:
     """The samples asked for, ended by count or duration, and closed however the loop is left."""
     began = ecu.tester.link.now()
+    if rate is not None and duration is not None:  # lest it waits for one that comes too late
+        most = int(rate * duration) + 1
+        count = most if count is None else min(count, most)
     taken = ecu.watch(*names, method=method, rate=rate, count=count)
     for sample in taken:
         yield sample
@@ -102,7 +111,8 @@ def show(run: Run, ecu: Ecu, taken: Iterator[Sample], names: tuple[str, ...]) ->
             }
             run.output.data({"time": round(sample.time, 6), "values": values, "gap": sample.gap})
         return
-    table = LiveTable(ecu, wanted) if sys.stdout.isatty() else PlainLines(run.output, wanted)
+    live = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
+    table = LiveTable(ecu, wanted) if live else PlainLines(run.output, wanted)
     with table:
         for sample in taken:
             table.show(sample)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import click
 
+from mikas.catalog import Parameter
 from mikas.cli.arguments import HexBytes
 from mikas.cli.grammar import YES, command, option
 from mikas.cli.readings import shown_unit, shown_value
 from mikas.cli.run import Run
 from mikas.cli.words import say
 from mikas.client import Reading
+from mikas.client.reading import decode
 from mikas.errors import UsageError
 from mikas.language import Text
 
@@ -19,23 +23,31 @@ from mikas.language import Text
     Text(
         "Writes parameter NAME by its physical VALUE, or by raw bytes (low byte first), asks "
         "first, and reads it back.",
-        "Записывает параметр NAME по физическому значению VALUE или исходными байтами (младший "
-        "первым); сначала спрашивает, потом перечитывает.",
+        "Записывает в параметр NAME физическое значение VALUE или сами байты (младший первым); "
+        "сначала спрашивает, потом перечитывает.",
     ),
     examples=("mikas write UOZ 12.5", "mikas write INJ --raw 5802", "mikas write UOZ 12.5 --yes"),
     context_settings={"ignore_unknown_options": True},
 )
 @click.argument("name", metavar="NAME")
 @click.argument("value", metavar="[VALUE]", required=False)
-@option("--raw", type=HexBytes(), metavar="HEX", text=Text("the bytes as they are", "сами байты"))
+@option(
+    "--raw",
+    type=HexBytes(),
+    metavar="HEX",
+    text=Text("the bytes themselves instead of VALUE", "сами байты вместо VALUE"),
+)
 @YES
 def write(run: Run, name: str, value: str | None, raw: bytes | None, *, yes: bool) -> None:
     number = None if value is None else _number(value)
     if (number is None) == (raw is None):
         raise UsageError(
-            problem=Text("give a VALUE, or --raw HEX, and not both", "нужно VALUE или --raw HEX")
+            problem=Text(
+                "Give either a VALUE or --raw HEX", "Нужно либо значение VALUE, либо --raw HEX"
+            )
         )
-    with run.ecu(run.confirm(yes=yes)) as ecu:
+    meaning = partial(_meaning, run.catalog().parameter(name), run.reading)
+    with run.ecu(run.confirm(yes=yes, meaning=meaning)) as ecu:
         written = ecu.write_parameter(name, number, raw=raw)
     if run.output.json:
         run.output.data(
@@ -53,11 +65,18 @@ def write(run: Run, name: str, value: str | None, raw: bytes | None, *, yes: boo
 
 def _number(text: str) -> float:
     try:
-        return float(text.replace(",", "."))
+        number = float(text.replace(",", "."))
     except ValueError:
         raise UsageError(
             problem=Text(f"“{text}” is not a number", f"«{text}» — не число")
         ) from None
+    return int(number) if number.is_integer() else number
+
+
+def _meaning(parameter: Parameter, reading: str, hexed: str) -> str:
+    """`13.5 ° crank (1B)`."""
+    told = _told(decode(parameter, bytes.fromhex(hexed), 0.0, reading))
+    return f"{told} ({hexed})"
 
 
 def _told(reading: Reading | None) -> str:

@@ -1,0 +1,136 @@
+"""How the live table fits a terminal: fewer columns on a narrow one, two tables on a low one.
+
+What has no room even so is named in the last line: a value never disappears silently.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mikas.cli.words import say
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.table import Table
+
+UNLIMITED = 1 << 20  # lines of what is printed once, and may scroll
+_GAP = 2  # between columns
+_BETWEEN = 3  # between tables
+_HEAD = 3  # lines that are no parameter: the state, the headings, Ctrl-C
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One parameter in words."""
+
+    name: str
+    value: str
+    unit: str
+    reference: str
+    lowest: str
+    highest: str
+    meaning: str
+    curve: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """`narrowest`: with less it is left out; 0: as wide as what is in it. `right`: as digits."""
+
+    title: str
+    cell: Callable[[Row], str]
+    narrowest: int = 0
+    right: bool = False
+    least: int = 0  # lest the table jumps with every digit
+    spare: bool = False  # left out if it would be empty
+
+
+def _columns() -> list[_Column]:
+    """All, the most important first; the first three are never left out."""
+    return [
+        _Column(say("name", "имя"), lambda row: row.name),
+        _Column(say("value", "значение"), lambda row: row.value, right=True, least=6),
+        _Column(say("unit", "ед."), lambda row: row.unit),
+        _Column(say("warm idle", "на хх"), lambda row: row.reference, spare=True),
+        _Column(say("meaning", "что это"), lambda row: row.meaning, narrowest=20),
+        _Column(say("min", "мин"), lambda row: row.lowest, right=True, least=6),
+        _Column(say("max", "макс"), lambda row: row.highest, right=True, least=6),
+        _Column(say("lately", "недавно"), lambda row: row.curve, least=20),
+    ]
+
+
+_ORDER = (0, 1, 2, 5, 6, 7, 3, 4)  # from left to right
+_NEEDED = 3
+
+
+def draw(state: str, style: str, rows: Sequence[Row], width: int, height: int) -> RenderableType:
+    """`state` in `style`, then `rows`, in `width` by `height` characters."""
+    from rich.console import Group
+    from rich.table import Table
+    from rich.text import Text as RichText
+
+    room = max(1, height - _HEAD)
+    tables = _tables(rows, width, room)
+    shown_rows, left_out = rows[: tables * room], rows[tables * room :]
+    each = -(-len(shown_rows) // tables) if shown_rows else 0
+    grid = Table.grid(padding=(0, _BETWEEN, 0, 0))
+    parts = [shown_rows[start : start + each] for start in range(0, len(shown_rows), each or 1)]
+    inner = (width + _BETWEEN) // tables - _BETWEEN
+    if parts:
+        grid.add_row(*(_table(part, rows, inner) for part in parts))
+    names = " ".join(row.name for row in left_out)
+    end = say("Ctrl-C ends it", "Выход: Ctrl-C")
+    if names:
+        end = say(f"No room for {names}", f"Не поместились: {names}")
+    first = RichText(state, style=style, no_wrap=True, overflow="ellipsis")
+    last = RichText(end, style="dim", no_wrap=True, overflow="ellipsis")
+    return Group(first, grid) if height == UNLIMITED else Group(first, grid, last)
+
+
+def _tables(rows: Sequence[Row], width: int, room: int) -> int:
+    """How many side by side: as few as show all rows, and no more than there is width for."""
+    least = sum(_width(column, rows) + _GAP for column in _columns()[:_NEEDED]) - _GAP
+    most = max(1, (width + _BETWEEN) // (least + _BETWEEN))
+    return min(most, max(1, -(-len(rows) // room)))
+
+
+def _width(column: _Column, rows: Sequence[Row]) -> int:
+    longest = max((len(column.cell(row)) for row in rows), default=0)
+    return max(longest, len(column.title), column.least)
+
+
+def _table(part: Sequence[Row], rows: Sequence[Row], width: int) -> Table:
+    """One table of `part`; its columns are as wide as in those of the other `rows`."""
+    from rich.table import Table
+    from rich.text import Text as RichText
+
+    columns, free = _columns(), width
+    chosen: dict[int, int] = {}
+    for index, column in enumerate(columns):
+        wanted = _width(column, rows)
+        needed = min(wanted, column.narrowest or wanted) + (_GAP if chosen else 0)
+        empty = column.spare and not any(column.cell(row) for row in rows)
+        if index >= _NEEDED and (needed > free or empty):
+            continue
+        chosen[index] = needed - (_GAP if chosen else 0)
+        free -= needed
+    for index, given in list(chosen.items()):  # what is left goes to those that could be wider
+        wider = min(_width(columns[index], rows) - given, free)
+        chosen[index] = given + wider
+        free -= wider
+    table = Table(box=None, pad_edge=False, padding=(0, _GAP, 0, 0), header_style="bold")
+    for index in _ORDER:
+        if index in chosen:
+            column = columns[index]
+            table.add_column(
+                column.title,
+                justify="right" if column.right else "left",
+                width=chosen[index],
+                no_wrap=True,
+                overflow="ellipsis",
+            )
+    for row in part:
+        table.add_row(*(RichText(columns[i].cell(row)) for i in _ORDER if i in chosen))
+    return table

@@ -1,0 +1,131 @@
+"""Options with a text in two languages; those that every command has (docs/cli.md, Everywhere)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import click
+
+from mikas.cli.arguments import File, Number, OneOf, Whole
+from mikas.cli.words import shown
+from mikas.language import Text
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+class Option(click.Option):
+    """An option whose help is a `Text`."""
+
+    def __init__(self, *args: Any, text: Text, **kwargs: Any) -> None:  # noqa: ANN401
+        super().__init__(*args, **kwargs)
+        self.text = text
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        record = super().get_help_record(ctx)
+        # What click adds in brackets is English; limits and "needed" stand in our own text.
+        return (record[0], shown(self.text)) if record else None
+
+
+class CommonOption(Option):
+    """An option that every command has, before or after its name."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401
+        super().__init__(*args, expose_value=False, callback=_keep, **kwargs)
+
+
+def _keep(ctx: click.Context, option: click.Parameter, value: object) -> object:
+    """Puts what was given into the settings of this run, nearest to the end of the line wins."""
+    given = ctx.get_parameter_source(option.name or "")
+    if given is click.core.ParameterSource.COMMANDLINE:
+        ctx.find_root().ensure_object(dict)[option.name] = value
+    return value
+
+
+ECHO = ("auto", "on", "off")
+READING = ("corrected", "literal", "alternative")
+LANGUAGES = ("en", "ru")
+LONGEST_TIMEOUT = 60
+MOST_RETRIES = 100
+
+
+def common_options() -> list[click.Parameter]:
+    """Fresh instances of the common options, for one command."""
+    return [
+        CommonOption(
+            ["--port"],
+            metavar="URL",
+            text=Text(
+                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: …",
+                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: …",
+            ),
+        ),
+        CommonOption(
+            ["--echo"],
+            type=OneOf(ECHO),
+            text=Text(
+                "whether the adapter returns what it sends (auto finds out)",
+                "возвращает ли адаптер посланное (auto определяет сам)",
+            ),
+        ),
+        CommonOption(
+            ["--timeout"],
+            type=Number(above=0, most=LONGEST_TIMEOUT),
+            metavar="SECONDS",
+            text=Text(
+                "how long to wait for an answer to begin (0.5)",
+                "сколько ждать начала ответа, в секундах (0.5)",
+            ),
+        ),
+        CommonOption(
+            ["--retries"],
+            type=Whole(0, MOST_RETRIES),
+            metavar="N",
+            text=Text(
+                "how often to repeat what is safe to repeat (2)",
+                "сколько раз повторять то, что повторять безопасно (2)",
+            ),
+        ),
+        CommonOption(
+            ["--capture"],
+            type=File(),
+            metavar="FILE",
+            text=Text(
+                "record everything on the wire (.pcapng)",
+                "записать всё, что было на линии (.pcapng)",
+            ),
+        ),
+        CommonOption(
+            ["--reading"],
+            type=OneOf(READING),
+            text=Text(
+                "how the source's doubtful places are read (corrected)",
+                "как понимать сомнительные места источника (corrected)",
+            ),
+        ),
+        CommonOption(
+            ["--catalog"],
+            type=File(),
+            multiple=True,
+            metavar="FILE",
+            text=Text(
+                "your own parameters and faults, added to ours",
+                "свои параметры и ошибки в дополнение к нашим",
+            ),
+        ),
+        CommonOption(["--lang"], type=OneOf(LANGUAGES), text=Text("language", "язык: en или ru")),
+        CommonOption(["--json"], is_flag=True, text=Text("JSON on stdout", "вывод в виде JSON")),
+        CommonOption(
+            ["-v", "--verbose"],
+            is_flag=True,
+            text=Text("more details (on stderr)", "больше подробностей (в stderr)"),
+        ),
+    ]
+
+
+def option(*names: str, text: Text, **settings: Any) -> Callable[[F], F]:  # noqa: ANN401
+    """`click.option` with a `Text`."""
+    return click.option(*names, cls=Option, text=text, **settings)
+
+
+YES = option("--yes", is_flag=True, text=Text("do not ask", "не спрашивать"))

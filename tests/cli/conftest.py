@@ -1,0 +1,30 @@
+"""`mikas`: a fixture that runs command lines against a virtual ECU on simulated time."""
+
+from __future__ import annotations
+
+import pytest
+from cli_bench import SIM, Mikas, NoTerminal
+
+from mikas.cli import words
+
+
+@pytest.fixture
+def mikas(capsys, monkeypatch, tmp_path):
+    home = tmp_path / "home"
+    home.mkdir()
+    for name in ("MIKAS_CONFIG", "MIKAS_LANG", "LC_ALL", "LC_MESSAGES", "NO_COLOR"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.setenv("USERPROFILE", str(home))
+    monkeypatch.setenv("XDG_STATE_HOME", str(home / "state"))
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(home / "config"))
+    monkeypatch.setenv("MIKAS_PORT", SIM)
+    monkeypatch.setenv("LANG", "C.UTF-8")
+    monkeypatch.setattr(
+        "mikas.client.journal.default_path", lambda: home / "state/mikas/journal.jsonl"
+    )
+    monkeypatch.setattr("mikas.client.limits.default_folder", lambda: home / "state/mikas/units")
+    monkeypatch.setattr("sys.stdin", NoTerminal())
+    monkeypatch.chdir(tmp_path)
+    yield Mikas(capsys, monkeypatch, home)
+    words.choose("en")

@@ -1,0 +1,222 @@
+"""The program as it is run: in processes of its own, on ptys, with signals and broken pipes."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import pty
+import re
+import select
+import signal
+import struct
+import subprocess
+import sys
+import termios
+import time
+from contextlib import contextmanager
+
+import pytest
+
+from mikas.recording import CaptureReader
+from mikas.recording.reader import Packet, Problem
+
+pytestmark = pytest.mark.realtime
+PATIENCE = 20
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Starts `mikas` in an environment of its own; whatever is left is ended."""
+    environment = {
+        "PATH": os.environ["PATH"], "HOME": str(tmp_path), "LANG": "C.UTF-8",
+        "XDG_STATE_HOME": str(tmp_path / "state"), "XDG_CONFIG_HOME": str(tmp_path / "config"),
+    }  # fmt: skip
+    running = []
+
+    def started(*argv: str, TERM: str = "xterm", **settings) -> subprocess.Popen:  # noqa: N803
+        process = subprocess.Popen(
+            [sys.executable, "-c", "from mikas.cli.main import main; main()", *argv],
+            cwd=tmp_path,
+            env=environment | {"TERM": TERM},
+            **{"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE,
+               "text": True, "encoding": "utf-8", **settings},
+        )  # fmt: skip
+        running.append(process)
+        return process
+
+    yield started
+    for process in running:
+        process.kill()
+        process.wait()
+        for stream in (process.stdout, process.stderr):
+            if stream:
+                stream.close()
+
+
+@pytest.fixture
+def sim(start):
+    """A virtual ECU on a pty; its process and address."""
+    process = start("sim")
+    return process, process.stdout.readline().strip()
+
+
+def test_the_address_of_sim_is_the_first_line(start, sim):
+    process, url = sim
+    assert re.fullmatch(r"/dev/\S+", url)
+    out, err = start("read", "TWAT", "--json", "--port", url).communicate(timeout=PATIENCE)
+    assert json.loads(out)["readings"]["TWAT"]["value"] > 0, err
+    process.send_signal(signal.SIGINT)
+    assert process.wait(PATIENCE) == 130
+
+
+def test_sim_on_tcp_tells_events(start):
+    process = start("sim", "--tcp", "127.0.0.1:0", "--json")
+    url = json.loads(process.stdout.readline())["url"]
+    assert url.startswith("socket://127.0.0.1:")
+    client = start("raw", "611A", "--port", url)
+    out, err = client.communicate(timeout=PATIENCE)
+    assert re.fullmatch("[0-9A-F]{2}\n", out), err
+    process.send_signal(signal.SIGINT)
+    events = [json.loads(line) for line in process.communicate(timeout=PATIENCE)[0].splitlines()]
+    assert process.returncode == 130
+    assert events
+    assert all({"schema", "time", "event", "data"} == set(event) for event in events)
+
+
+def test_ctrl_c_ends_watch_and_log(start, sim, tmp_path):
+    _, url = sim
+    watch = start("watch", "TWAT", "--port", url, "--json")
+    assert json.loads(watch.stdout.readline())["values"]["TWAT"] > 0
+    watch.send_signal(signal.SIGINT)
+    out, err = watch.communicate(timeout=PATIENCE)
+    assert (watch.returncode, err.strip()) == (130, "")
+    assert [json.loads(line)["schema"] for line in out.splitlines()] == [1] * len(out.splitlines())
+
+    log = start("log", "-o", "a.pcapng", "TWAT", "--port", url, "--json")
+    log.stdout.readline()
+    log.send_signal(signal.SIGINT)
+    _, err = log.communicate(timeout=PATIENCE)
+    assert log.returncode == 130
+    assert "a.pcapng:" in err
+    assert all(isinstance(it, Packet) for it in CaptureReader(tmp_path / "a.pcapng"))
+
+
+def test_a_killed_log_leaves_a_valid_file(start, sim, tmp_path):
+    _, url = sim
+    log = start("log", "-o", "a.pcapng", "TWAT", "--port", url, "--json")
+    for _ in range(5):
+        log.stdout.readline()
+    log.kill()
+    assert log.wait(PATIENCE) == -signal.SIGKILL
+    items = list(CaptureReader(tmp_path / "a.pcapng"))
+    assert len([it for it in items if isinstance(it, Packet)]) > 10
+    assert not [it for it in items if isinstance(it, Problem)]
+
+
+def test_the_other_end_goes_away(start, sim):
+    process, url = sim
+    watch = start("watch", "TWAT", "--port", url)
+    watch.stdout.readline()
+    process.kill()
+    _, err = watch.communicate(timeout=PATIENCE)
+    assert watch.returncode == 3
+    assert url in err
+    assert len(err.splitlines()) == 1
+
+
+def test_a_reader_that_has_had_enough(start, sim):
+    _, url = sim
+    watch = start("watch", "TWAT", "--port", url)
+    watch.stdout.readline()
+    watch.stdout.close()
+    watch.stdout = None
+    assert watch.wait(PATIENCE) == 0
+    assert watch.stderr.read() == ""
+
+
+def test_closed_streams(start):
+    for closed in ((1,), (0, 1), (0, 1, 2)):
+        process = start(
+            "read", "TWAT", "--port", "sim:?clock=simulated",
+            preexec_fn=lambda closed=closed: [os.close(number) for number in closed],
+            stdin=None, stdout=None, stderr=None if 2 in closed else subprocess.PIPE,
+        )  # fmt: skip
+        assert process.wait(PATIENCE) == 0
+
+
+def test_doctor_on_a_wire_of_another_pace(start):
+    process = start("sim", "--baud", "4800")
+    url = process.stdout.readline().strip()
+    doctor = start("doctor", "--port", url, "--json")
+    out, err = doctor.communicate(timeout=PATIENCE)
+    steps = {step["name"]: step for step in json.loads(out)["steps"]}
+    assert doctor.returncode == 3, err
+    assert steps["baud"]["ok"] is False
+    assert "instead of 9600" in steps["baud"]["detail"]
+    measured = int(re.search(r"about (\d+)", steps["baud"]["detail"])[1])
+    assert 4000 < measured < 5200
+    assert steps["ecu"]["ok"] is True
+
+
+@contextmanager
+def terminal(rows: int = 24, columns: int = 80):
+    """A terminal of this size: what is behind it, and what a program gets."""
+    behind, front = pty.openpty()
+    fcntl.ioctl(front, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+    try:
+        yield behind, front
+    finally:
+        os.close(behind)
+        os.close(front)
+
+
+def read_until(behind: int, wanted: str) -> str:
+    """What comes from the terminal, up to `wanted`."""
+    got = ""
+    deadline = time.monotonic() + PATIENCE
+    while wanted not in got:
+        assert select.select([behind], [], [], deadline - time.monotonic())[0], got
+        got += os.read(behind, 65536).decode("utf-8", "replace")
+    return got
+
+
+def test_demo_on_a_terminal(start):
+    with terminal() as (behind, front):
+        demo = start("demo", "--lang", "ru", stdin=front, stdout=front, stderr=front,
+                     start_new_session=True)  # fmt: skip
+        got = read_until(behind, "блок отвечает")
+        assert "\x1b[?1049h" in got
+        demo.send_signal(signal.SIGINT)
+        got += read_until(behind, "\x1b[?1049l")
+        got += read_until(behind, "TWATI")
+        assert "\x1b[?25h" in got
+        assert "Traceback" not in got
+        assert demo.wait(PATIENCE) == 130
+
+
+def test_a_question_at_a_terminal(start, tmp_path):
+    argv = ("write", "UOZ", "10", "--port", "sim:?clock=simulated")
+    for answer, status in (("n\n", 6), ("y\n", 0), ("\x04", 6), ("\x03", 130)):
+        with terminal() as (behind, front):
+            process = start(
+                *argv, stdin=front, stdout=front, stderr=front, start_new_session=True,
+                preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+            )  # fmt: skip
+            got = read_until(behind, "Do it? [y/N]")
+            assert "10.0 ° crank (14)" in got
+            os.write(behind, answer.encode())
+            assert process.wait(PATIENCE) == status
+    (journal,) = tmp_path.glob("state/mikas/journal.jsonl")
+    assert len(journal.read_text("utf-8").splitlines()) == 2
+
+
+def test_a_dumb_terminal_gets_plain_lines(start):
+    with terminal() as (behind, front):
+        process = start(
+            "watch", "TWAT", "--count", "2", "--port", "sim:?clock=simulated", stdout=front,
+            TERM="dumb",
+        )  # fmt: skip
+        got = read_until(behind, "time\tTWAT")
+        assert process.wait(PATIENCE) == 0
+        assert "\x1b" not in got

@@ -1,0 +1,191 @@
+"""`--json`: every command's keys are those of docs/cli.md, every value of the kind it says."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+HEX = re.compile("([0-9A-F]{2})*")
+
+
+def is_hex(text: object) -> bool:
+    return isinstance(text, str) and HEX.fullmatch(text) is not None
+
+
+def test_read(mikas):
+    readings = mikas("read", "TWAT", "RXX", "0x3F:2", "--json").object["readings"]
+    assert set(readings) == {"TWAT", "RXX", "0x3F:2"}
+    assert readings["TWAT"]["unit"] == "°C"
+    assert type(readings["TWAT"]["value"]) in (int, float)
+    assert readings["RXX"]["value"] in (True, False)
+    assert type(readings["RXX"]["value"]) is bool
+    for reading in readings.values():
+        assert set(reading) == {"value", "unit", "raw", "time"}
+        assert is_hex(reading["raw"])
+        assert type(reading["time"]) is float
+    assert len(readings["0x3F:2"]["raw"]) == 4
+
+
+def test_every_parameter_is_read_when_none_is_named(mikas):
+    names = {it["name"] for it in mikas("params", "--json").object["parameters"]}
+    assert set(mikas("read", "--json").object["readings"]) == names
+    assert len(names) >= 23
+
+
+def test_params(mikas):
+    ran = mikas("params", "--json", sim="&supplied=0")  # needs no port
+    parameters = {it["name"]: it for it in ran.object["parameters"]}
+    inj = parameters["INJ"]
+    assert {"name", "code", "size", "unit", "formula", "text", "errata"} <= set(inj)
+    assert (inj["code"], inj["size"], inj["unit"]) == ("3F", 2, "ms")
+    assert set(inj["text"]) == {"en", "ru"}
+    assert parameters["FREQ"]["errata"][0]["name"] == "E1"
+
+
+def test_info(mikas):
+    found = mikas("info", "--json", sim="&model=5.4").object
+    assert found["model"] == "Mikas 5.4"
+    assert found["version_code"] == "09"
+    assert len(found["program_passport"]) == 3
+    assert len(found["data_passport"]) == 5
+    assert found["parameter_count"] == 21
+    assert found["echo"] is True
+    assert found["supported"]["CREADP (61)"] is True
+    assert found["supported"]["CGOTO (41)"] is None
+    assert "supported" in mikas("info", "--quick", "--json").object
+
+
+def test_info_of_a_unit_that_tells_little(mikas):
+    found = mikas("info", "--json", sim="&missing=passports,count&echo=0").object
+    assert found["program_passport"] == [None] * 3
+    assert found["data_passport"] == [None] * 5
+    assert found["parameter_count"] is None
+    assert found["echo"] is False
+    assert found["supported"]["CPASP (51)"] is False
+
+
+def test_faults(mikas):
+    ran = mikas("faults", "--json", sim="&faults=13,200").object
+    assert ran["count"] == 2
+    known, unknown = ran["faults"]
+    assert {"code", "text", "confidence"} <= set(known)
+    assert known["code"] == 13
+    assert "Air mass" in known["text"]["en"]
+    assert "расхода воздуха" in known["text"]["ru"]
+    assert known["confidence"] == "reported"
+    assert unknown["text"] == {"en": "", "ru": ""}
+    assert unknown["confidence"] == "unknown"
+
+
+def test_erased_faults(mikas):
+    ran = mikas("faults", "erase", "--yes", "--json", sim="&faults=13,53").object
+    assert ran == {"schema": 1, "before": [13, 53], "after": []}
+
+
+def test_write(mikas):
+    ran = mikas("write", "UOZ", "10", "--yes", "--json").object
+    assert set(ran) == {"schema", "name", "before", "after", "raw_before", "raw_after"}
+    assert (ran["name"], ran["after"], ran["raw_after"]) == ("UOZ", 10, "14")
+    assert is_hex(ran["raw_before"])
+
+
+def test_memory(mikas):
+    ran = mikas("mem", "read", "ram", "40", "3", "--json").object
+    assert set(ran) == {"schema", "space", "address", "data"}
+    assert (ran["space"], ran["address"], len(ran["data"])) == ("ram", 0x40, 6)
+    assert is_hex(ran["data"])
+    written = mikas("mem", "write", "ram", "40", "0D40", "--yes", "--json").object
+    assert set(written) == {"schema", "space", "address", "before", "after"}
+    assert (written["before"], written["after"]) == (ran["data"][:4], "0D40")
+
+
+def test_goto(mikas):
+    ran = mikas("mem", "goto", "8000", "--yes", "--i-know-what-this-does", "--json")
+    assert ran.object == {"schema": 1, "address": 0x8000, "response": None}
+
+
+@pytest.mark.parametrize(
+    ("body", "sim", "response"),
+    [
+        ("02", "&faults=13", "010DE0"),
+        ("01", "", "0A"),
+        ("fe", "", None),
+        ("fe", "&unknown=01", "01"),
+    ],
+)
+def test_raw(mikas, body, sim, response):
+    ran = mikas("raw", body, "--yes", "--json", sim=sim).object
+    assert ran == {"schema": 1, "request": body.upper(), "response": response}
+
+
+def test_watch_gives_a_line_a_sample(mikas):
+    samples = mikas("watch", "TWAT", "RXX", "--count", "3", "--json").objects
+    assert len(samples) == 3
+    for sample in samples:
+        assert set(sample) == {"schema", "time", "values", "gap"}
+        assert sample["schema"] == 1
+        assert set(sample["values"]) == {"TWAT", "RXX"}
+        assert sample["gap"] is False
+        assert type(sample["values"]["RXX"]) is bool
+    assert [s["time"] for s in samples] == sorted(s["time"] for s in samples)
+
+
+def test_doctor(mikas):
+    steps = mikas("doctor", "--json").object["steps"]
+    assert [step["name"] for step in steps] == [
+        "port", "echo", "baud", "latency", "line", "ecu", "commands",
+    ]  # fmt: skip
+    for step in steps:
+        assert set(step) == {"name", "ok", "detail"}
+        assert step["ok"] is True
+
+
+def test_ports(mikas):
+    assert isinstance(mikas("ports", "--json").object["ports"], list)
+
+
+def test_ports_with_an_adapter(mikas, monkeypatch):
+    from mikas.cli.commands import ports as module
+    from mikas.link import ports as link_ports
+
+    port = link_ports.Port(
+        url="COM3", description="USB Serial", chip="FT232R", likely=True, quirks=()
+    )
+    monkeypatch.setattr(module, "find_ports", lambda: [port])
+    (found,) = mikas("ports", "--json").object["ports"]
+    assert {"url", "description", "chip"} <= set(found)
+    assert (found["url"], found["chip"], found["likely"]) == ("COM3", "FT232R", True)
+
+
+def test_demo_tells_its_address_first(mikas):
+    first, *samples = mikas("demo", "TWAT", "--count", "2", "--json").objects
+    assert set(first) == {"schema", "url"}
+    assert first["url"].startswith("sim:?scenario=cold-start")
+    assert [set(s) for s in samples] == [{"schema", "time", "values", "gap"}] * 2
+
+
+def test_the_manifest_is_what_dump_tells(mikas, tmp_path):
+    ran = mikas("mem", "dump", "ram", "-o", "ram.bin", "--json")
+    manifest = ran.object
+    assert (manifest["space"], manifest["first"], manifest["last"]) == ("ram", 0, 255)
+    assert manifest["complete"] is True
+    assert len(manifest["sha256"]) == 64
+    same = mikas("mem", "verify", "ram", "ram.bin", "--json").object
+    assert same == {"schema": 1, "differences": []}
+
+
+def test_what_is_no_ascii_survives_a_stream_that_is(mikas, monkeypatch):
+    import io
+    import sys
+
+    stream = io.TextIOWrapper(io.BytesIO(), encoding="cp1251", errors="replace")
+    monkeypatch.setattr(sys, "stdout", stream)
+    from mikas.cli.output import Output
+
+    Output(json=True).data({"unit": "°C", "text": "обороты λ"})
+    stream.flush()
+    written = stream.buffer.getvalue().decode("ascii")
+    import json
+
+    assert json.loads(written) == {"schema": 1, "unit": "°C", "text": "обороты λ"}

@@ -1,0 +1,194 @@
+"""Common options, the environment and the config file: where each may stand, and which one wins."""
+
+from __future__ import annotations
+
+import pytest
+
+SIM = "sim:?clock=simulated"
+FIVE = SIM + "&model=5.4"
+
+
+def model(ran) -> str:
+    assert ran.status == 0, ran.err
+    return ran.object["model"]
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [
+        ["--port", FIVE, "--json", "info", "--quick"],
+        ["info", "--quick", "--json", "--port", FIVE],
+        ["--json", "info", "--port=" + FIVE, "--quick"],
+        ["--port", SIM, "info", "--quick", "--json", "--port", FIVE],
+        ["--port", SIM, "--json", "info", "--port", SIM, "--quick", "--port", FIVE],
+    ],
+)
+def test_before_or_after_the_command_and_the_last_one_wins(mikas, argv):
+    assert model(mikas(*argv)) == "Mikas 5.4"
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_at_each_place_of_a_memory_command(mikas, place):
+    argv = ["mem", "read", "ram", "40"]
+    argv[place:place] = ["--json", "--port", SIM]
+    assert mikas(*argv, sim="&lost=1").object["space"] == "ram"
+
+
+def test_the_command_line_wins_over_the_environment_and_that_over_the_file(mikas):
+    config(mikas, f'port = "{SIM}&supplied=0"')
+    assert model(mikas("info", "--quick", "--json", sim="")) == "Mikas 7.1"
+    assert model(mikas("info", "--quick", "--json", "--port", FIVE, sim="&lost=1")) == "Mikas 5.4"
+
+
+def test_the_config_file(mikas, monkeypatch):
+    monkeypatch.delenv("MIKAS_PORT")
+    config(mikas, f'port = "{FIVE}"\ntimeout = 1\nretries = 0\necho = "on"\nreading = "literal"')
+    assert model(mikas("info", "--quick", "--json")) == "Mikas 5.4"
+
+
+def test_the_config_file_named_by_the_environment(mikas, monkeypatch, tmp_path):
+    monkeypatch.delenv("MIKAS_PORT")
+    file = tmp_path / "elsewhere.toml"
+    file.write_text(f'port = "{FIVE}"', "utf-8")
+    monkeypatch.setenv("MIKAS_CONFIG", str(file))
+    assert model(mikas("info", "--quick", "--json")) == "Mikas 5.4"
+
+
+def test_an_empty_port_in_the_environment_is_none(mikas, monkeypatch):
+    monkeypatch.setenv("MIKAS_PORT", " ")
+    config(mikas, f'port = "{FIVE}"')
+    assert model(mikas("info", "--quick", "--json")) == "Mikas 5.4"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("port = ", "not TOML"),
+        ("prot = 'COM3'", "no setting “prot”"),
+        ("port = 3", "port has to be"),
+        ("port = ''", "port has to be"),
+        ("echo = 'maybe'", "auto, on, off"),
+        ("echo = true", "auto, on, off"),
+        ("reading = 'other'", "corrected, literal, alternative"),
+        ("lang = 'de'", "en, ru"),
+        ("timeout = 'long'", "seconds"),
+        ("timeout = true", "seconds"),
+        ("timeout = 0", "seconds"),
+        ("timeout = nan", "seconds"),
+        ("retries = 1.5", "whole number"),
+        ("retries = -1", "whole number"),
+        ("catalog = 'my.toml'", "list of files"),
+        ("catalog = [1]", "list of files"),
+        ("[port]\na = 1", "port has to be"),
+    ],
+)
+def test_a_wrong_config_file_says_where_and_what(mikas, text, said):
+    file = config(mikas, text)
+    for argv in (["params"], ["read", "TWAT"], ["--json", "info"]):
+        ran = mikas(*argv)
+        assert (ran.status, ran.out) == (2, "")
+        assert str(file) in ran.err
+        assert said in ran.err
+        assert len(ran.err.splitlines()) == 1
+    assert mikas("--help").status == 0
+
+
+def test_a_config_file_that_is_no_text(mikas):
+    file = config(mikas, "")
+    file.write_bytes(b"port = '\xff\xfe'")
+    ran = mikas("params")
+    assert (ran.status, "UTF-8" in ran.err) == (2, True)
+
+
+def test_a_relative_catalog_is_beside_the_config_file(mikas):
+    file = config(mikas, 'catalog = ["mine.toml"]')
+    (file.parent / "mine.toml").write_text(OWN, "utf-8")
+    assert mikas("read", "BARO", "--json").object["readings"]["BARO"]["unit"] == "kPa"
+
+
+@pytest.mark.parametrize(
+    ("argv", "environment", "file", "russian"),
+    [
+        ([], {"LANG": "C.UTF-8"}, "", False),
+        ([], {"LANG": "ru_RU.UTF-8"}, "", True),
+        ([], {"LANG": "ru_RU.UTF-8", "LC_ALL": "C"}, "", False),
+        ([], {"LANG": "en_GB.UTF-8", "LC_MESSAGES": "ru_RU"}, "", True),
+        ([], {"LANG": "ru_RU.UTF-8", "MIKAS_LANG": "en"}, "", False),
+        ([], {"MIKAS_LANG": "ru"}, "", True),
+        ([], {"LANG": "de_DE.UTF-8"}, "", False),
+        ([], {"LANG": "C"}, "lang = 'ru'", True),
+        ([], {"LANG": "C", "MIKAS_LANG": "en"}, "lang = 'ru'", False),
+        (["--lang", "ru"], {"MIKAS_LANG": "en"}, "lang = 'en'", True),
+        (["--lang=ru"], {}, "", True),
+        (["--lang", "en"], {"LANG": "ru_RU.UTF-8"}, "lang = 'ru'", False),
+        (["--lang", "ru", "--lang", "en"], {}, "", False),
+    ],
+)
+def test_the_language(mikas, monkeypatch, argv, environment, file, russian):
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    if file:
+        config(mikas, file)
+    for command in (["--help"], ["params", "--help"], ["params"], ["read", "TWAAT"]):
+        for line in (argv + command, command + argv):
+            ran = mikas(*line)
+            said = ran.out + ran.err
+            assert any("а" <= letter <= "я" for letter in said) is russian, said
+
+
+def test_literal_and_corrected_readings(mikas):
+    corrected = mikas("read", "UACC", "--json").object["readings"]["UACC"]
+    literal = mikas("read", "UACC", "--reading", "literal", "--json").object["readings"]["UACC"]
+    assert corrected["value"] > 13
+    assert literal["value"] < 0
+    assert mikas("params", "--reading", "literal").out != mikas("params").out
+
+
+OWN = """
+[parameter.BARO]
+code = 0x1A
+size = 1
+scale = 0.5
+unit = "kPa"
+text.en = "Pressure"
+text.ru = "Давление"
+source = "own"
+confidence = "unconfirmed"
+"""
+
+
+def test_a_parameter_of_ones_own(mikas, tmp_path):
+    file = tmp_path / "own.toml"
+    file.write_text(OWN, "utf-8")
+    names = {
+        p["name"] for p in mikas("params", "--catalog", "own.toml", "--json").object["parameters"]
+    }
+    assert "BARO" in names
+    reading = mikas("--catalog", "own.toml", "read", "BARO", "--json").object["readings"]["BARO"]
+    assert (reading["unit"], reading["value"]) == ("kPa", int(reading["raw"], 16) / 2)
+    assert "BARO" in mikas("watch", "--count", "1", "--catalog", "own.toml").lines[0]
+
+
+def test_a_broken_catalog_says_file_and_line(mikas, tmp_path):
+    (tmp_path / "bad.toml").write_text(OWN + "\ncolour = 3\n", "utf-8")
+    for argv in (["params"], ["read"], ["decode", "bad.toml"]):
+        ran = mikas(*argv, "--catalog", "bad.toml")
+        assert (ran.status, ran.out) == (2, "")
+        assert "bad.toml:12:" in ran.err
+    ran = mikas("params", "--catalog", "absent.toml", "--lang", "ru")
+    assert ran.status == 2
+    assert ran.err.startswith("absent.toml: файл не читается: нет такого файла")
+
+
+def test_more_is_told_with_v(mikas):
+    quiet, loud = mikas("read", "TWAT"), mikas("read", "TWAT", "-v")
+    assert quiet.out.split("\t")[0] == loud.out.split("\t")[0]
+    assert "sim:?clock=simulated" not in quiet.err
+    assert "sim:?clock=simulated" in loud.err
+
+
+def config(mikas, text: str):
+    file = mikas.home / "config" / "mikas" / "config.toml"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text, "utf-8")
+    return file

@@ -1,0 +1,277 @@
+"""Exit statuses and the words of each error, in both languages (docs/cli.md, Everywhere)."""
+
+from __future__ import annotations
+
+import pytest
+from cli_bench import is_one_short_paragraph, is_russian
+
+USAGE = [
+    [],
+    ["--json"],
+    ["nosuch"],
+    ["mem"],
+    ["mem", "nosuch"],
+    ["--bad"],
+    ["read", "--por", "x"],
+    ["read", "--json=1"],
+    ["read", "--port"],
+    ["read", "TWAT", "--lang", "de"],
+    ["read", "--timeout", "0"],
+    ["read", "--timeout", "nan"],
+    ["read", "--timeout", "61"],
+    ["read", "--retries", "-1"],
+    ["read", "--retries", "many"],
+    ["read", "--echo", "maybe"],
+    ["read", "--reading", "other"],
+    ["params", "extra", "more"],
+    ["faults", "zap"],
+    ["watch", "--method", "foo"],
+    ["watch", "--rate", "0"],
+    ["watch", "--rate", "inf"],
+    ["watch", "--count", "0"],
+    ["watch", "--count", "x"],
+    ["watch", "--duration", "-1"],
+    ["watch", "NOSUCH"],
+    ["log"],
+    ["log", "-o"],
+    ["log", "-o", "."],
+    ["read", "TWAAT"],
+    ["read", "0x"],
+    ["read", "0x1A:9"],
+    ["write"],
+    ["write", "UOZ"],
+    ["write", "UOZ", "1", "--raw", "14"],
+    ["write", "UOZ", "abc"],
+    ["write", "UOZ", "1000"],
+    ["write", "UOZ", "nan"],
+    ["write", "UOZ", "inf"],
+    ["write", "UOZ", "--nosuch"],
+    ["write", "UOZ", "5", "--nosuch"],
+    ["write", "NOSUCH", "5"],
+    ["write", "DET", "1"],
+    ["write", "INJ", "--raw", "14"],
+    ["mem", "read"],
+    ["mem", "read", "rom", "40"],
+    ["mem", "read", "ram"],
+    ["mem", "read", "ram", "zz"],
+    ["mem", "read", "ram", "4_0"],
+    ["mem", "read", "ram", "-1"],
+    ["mem", "read", "ram", "100"],
+    ["mem", "read", "ram", "F0", "0x20"],
+    ["mem", "read", "ram", "40", "0"],
+    ["mem", "read", "code", "FFFF", "2"],
+    ["mem", "write", "ram", "40", "0"],
+    ["mem", "write", "ram", "FF", "0102"],
+    ["mem", "write", "ram", "40", "xy"],
+    ["mem", "goto", "10000", "--yes", "--i-know-what-this-does"],
+    ["mem", "dump", "ram"],
+    ["mem", "dump", "ram", "-o", "x", "--from", "80", "--to", "7F"],
+    ["mem", "dump", "ram", "-o", "x", "--to", "100"],
+    ["mem", "dump", "ram", "-o", "x", "--block", "0"],
+    ["mem", "dump", "ram", "-o", "nosuch/x"],
+    ["mem", "verify", "ram", "absent"],
+    ["mem", "verify", "ram", "empty"],
+    ["mem", "diff", "absent", "empty"],
+    ["mem", "diff", "."],
+    ["raw"],
+    ["raw", "xyz"],
+    ["raw", ""],
+    ["raw", "123"],
+    ["decode"],
+    ["decode", "absent"],
+    ["decode", "."],
+    ["decode", "empty"],
+    ["decode", "note.txt"],
+    ["read", "--capture", "note.txt"],
+    ["read", "--capture", "nosuch/x.pcapng"],
+    ["log", "-o", "note.txt"],
+    ["log", "-o", "a.pcapng", "--capture", "b.pcapng"],
+    ["sim", "--model", "9"],
+    ["sim", "--scenario", "nosuch"],
+    ["sim", "--set", "x"],
+    ["sim", "--set", "nosuch=1"],
+    ["sim", "--baud", "x"],
+    ["sim", "--faults", "999"],
+    ["sim", "--line-fault", "damaged=2"],
+    ["sim", "--tcp", "nowhere"],
+    ["sim", "--tcp", "127.0.0.1:70000"],
+    ["demo", "--scenario", "nosuch"],
+    ["read", "--port", "nosuch://x"],
+    ["read", "--port", "sim:?nosuch=1"],
+    ["read", "--port", "sim:?clock=9"],
+]  # fmt: skip
+
+
+@pytest.fixture
+def bad_files(tmp_path):
+    (tmp_path / "empty").touch()
+    (tmp_path / "note.txt").write_text("not a capture\n" * 10, "utf-8")
+
+
+@pytest.mark.parametrize("language", ["en", "ru"])
+@pytest.mark.parametrize("argv", USAGE, ids=" ".join)
+def test_wrong_usage(mikas, bad_files, argv, language):
+    mikas.speaks(language)
+    ran = mikas(*argv)
+    assert ran.status == 2
+    assert ran.out == ""
+    if argv not in ([], ["mem"]):  # those get the whole help
+        is_one_short_paragraph(ran.err)
+        if language == "ru":
+            is_russian(ran.err)
+
+
+NOBODY = [
+    ("&supplied=0", "not even the echo", "01 FF 0D"),
+    ("&lost=1", "the ECU does not answer", "01 FF 0D"),
+    ("&lost=1&echo=0", "not even the echo", "01 FF 0D"),
+    ("&adapter=elm327", "ELM327", "3F"),
+]
+
+
+@pytest.mark.parametrize(("sim", "said", "wire"), NOBODY)
+def test_nobody_answers(mikas, sim, said, wire):
+    for argv in (["read", "TWAT"], ["watch", "--count", "1"], ["faults", "erase", "--yes"]):
+        ran = mikas(*argv, sim=sim)
+        assert (ran.status, ran.out) == (3, "")
+        assert said in ran.err
+        assert wire in ran.err
+        is_one_short_paragraph(ran.err)
+        is_russian(mikas(*argv, "--lang", "ru").err)
+
+
+@pytest.mark.parametrize(
+    "port",
+    ["/dev/nosuch", "socket://127.0.0.1:1", "rfc2217://127.0.0.1:1", "socket://no.invalid:1"],
+)
+def test_a_port_that_does_not_open(mikas, port):
+    ran = mikas("read", "--port", port)
+    assert (ran.status, ran.out) == (3, "")
+    assert port in ran.err
+    is_one_short_paragraph(ran.err)
+    is_russian(mikas("read", "--port", port, "--lang", "ru").err)
+
+
+def test_no_port_named_and_none_there(mikas, monkeypatch):
+    monkeypatch.delenv("MIKAS_PORT")
+    monkeypatch.setattr("mikas.link.ports.find_ports", lambda *_: [])
+    ran = mikas("read", "TWAT")
+    assert ran.status == 3
+    assert "No port was named" in ran.err
+    is_russian(mikas("read", "TWAT", "--lang", "ru").err)
+
+
+@pytest.mark.parametrize("trouble", ["damaged", "noise", "cut", "foreign", "doubled", "late"])
+def test_line_trouble_that_retries_do_not_cure(mikas, trouble):
+    ran = mikas("read", "TWAT", sim=f"&{trouble}=1")
+    assert (ran.status, ran.out) == (4, "")
+    assert "sent 01 FF 0D" in ran.err
+    is_one_short_paragraph(ran.err)
+    is_russian(mikas("read", "TWAT", "--lang", "ru").err)
+
+
+def test_line_trouble_that_retries_cure(mikas):
+    assert mikas("read", "TWAT", "--retries", "20", sim="&damaged=0.3&seed=5").status == 0
+
+
+@pytest.mark.parametrize(
+    ("argv", "sim"),
+    [
+        (["read", "TWAT"], "&missing=61"),
+        (["read", "0x55"], ""),
+        (["read", "0x55"], "&unknown=01"),
+        (["faults"], "&missing=02"),
+        (["write", "UOZ", "10", "--yes"], "&missing=write"),
+        (["write", "UOZ", "10", "--yes"], "&missing=write&unknown=01"),
+        (["faults", "erase", "--yes"], "&missing=write&faults=13"),
+        (["mem", "read", "ram", "40", "4"], "&missing=bytes,blocks"),
+        (["mem", "read", "sfr", "81"], "&missing=sfr"),
+        (["mem", "dump", "ram", "-o", "x"], "&missing=bytes,blocks"),
+        (["watch", "TWAT", "--method", "list", "--count", "1"], "&missing=list"),
+        (["watch", "TWAT", "--method", "stream", "--count", "1"], "&missing=stream"),
+        (["watch", "TWAT", "--method", "stroke1", "--count", "1"], "&missing=stroke"),
+    ],
+)
+def test_what_the_unit_refuses_or_does_not_know(mikas, argv, sim):
+    ran = mikas(*argv, sim=sim)
+    assert ran.status == 5, ran.err
+    assert ran.out == "" or "erase" in argv
+    is_one_short_paragraph(ran.err.splitlines()[-1])
+    is_russian(mikas(*argv, "--lang", "ru").err)
+
+
+CHANGES = [
+    ["faults", "erase"],
+    ["write", "UOZ", "10"],
+    ["write", "UOZ", "--raw", "14"],
+    ["mem", "write", "ram", "40", "0D"],
+    ["mem", "write", "code", "8000", "0D"],
+    ["mem", "goto", "8000"],
+    ["raw", "620E08"],
+    ["raw", "99"],
+]
+
+
+@pytest.mark.parametrize("argv", CHANGES, ids=" ".join)
+def test_nobody_to_ask(mikas, argv):
+    ran = mikas(*argv, "--json", sim="&faults=13")
+    assert (ran.status, ran.out) == (6, "")
+    assert "--yes" in ran.err
+    assert not list(mikas.home.glob("state/mikas/journal*"))
+    is_russian(mikas(*argv, "--lang", "ru").err)
+
+
+@pytest.mark.parametrize("answer", ["n\n", "\n", "", "maybe\n", "нет\n"])
+@pytest.mark.parametrize("argv", CHANGES[:1] + CHANGES[5:6], ids=" ".join)
+def test_the_answer_is_no(mikas, argv, answer):
+    mikas.answers(answer)
+    ran = mikas(*argv, sim="&faults=13")
+    assert ran.status == 6
+    assert "Do it?" in ran.err
+    assert not list(mikas.home.glob("state/mikas/journal*"))
+
+
+@pytest.mark.parametrize("answer", ["y\n", "YES\n", "д\n", " Да \n"])
+def test_the_answer_is_yes(mikas, answer):
+    for argv in CHANGES:
+        mikas.answers(answer)
+        ran = mikas(*argv, "--lang", "ru", sim="&faults=13")
+        assert ran.status == 0, ran.err
+        assert "Выполнить?" in ran.err
+        is_russian(ran.err)
+        is_russian(ran.out, wordy=False)
+
+
+def test_goto_takes_two_yeses(mikas):
+    assert mikas("mem", "goto", "8000", "--yes", sim="&supplied=0").status == 6  # not even tried
+    assert mikas("mem", "goto", "8000", "--i-know-what-this-does", sim="").status == 6
+    both = ["--yes", "--i-know-what-this-does"]
+    assert mikas("mem", "goto", "8000", *both).status == 0
+    assert [it["state"] for it in mikas.journal] == ["started", "done"]
+
+
+@pytest.mark.parametrize("verbose", [False, True])
+def test_a_bug_says_that_it_is_one(mikas, monkeypatch, verbose):
+    def broken(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("by nothing")
+
+    monkeypatch.setattr("mikas.cli.run.Run.catalog", broken)
+    ran = mikas("params", *(["-v"] if verbose else []))
+    assert (ran.status, ran.out) == (1, "")
+    assert "a bug in mikas" in ran.err
+    assert ("Traceback" in ran.err) is verbose
+
+
+def test_interrupted(mikas, monkeypatch):
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("mikas.cli.run.Run.catalog", interrupted)
+    assert mikas("params").status == 130
+
+
+def test_suggestions(mikas):
+    assert "Did you mean TWAT" in mikas("read", "TWAAT").err
+    assert "Did you mean read" in mikas("raed").err
+    assert "Did you mean dump" in mikas("mem", "dmup").err
+    assert "--port" in mikas("read", "--prot", "x").err

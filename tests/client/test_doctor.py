@@ -1,0 +1,181 @@
+"""The connection examined step by step, against everything that can be wrong with it."""
+
+from __future__ import annotations
+
+import pytest
+
+from mikas.catalog import shipped
+from mikas.client.doctor import STEPS, Step, examine
+from mikas.errors import BadPortUrl
+from mikas.link import Link, open_link
+from mikas.tester import Tester as TheTester
+
+ALL = list(STEPS)
+
+
+class Examined:
+    def __init__(self, settings: str = "", url: str = "") -> None:
+        self.links: list[Link] = []
+        self.steps = {
+            step.name: step
+            for step in examine(
+                lambda: self._opened(url or f"sim:?clock=simulated{settings}"),
+                TheTester,
+                shipped(),
+            )
+        }
+
+    def _opened(self, url: str) -> Link:
+        self.links.append(open_link(url))
+        return self.links[-1]
+
+    @property
+    def names(self) -> list[str]:
+        return list(self.steps)
+
+    def failed(self) -> Step:
+        (step,) = (step for step in self.steps.values() if step.ok is False)
+        return step
+
+
+def test_all_is_well():
+    found = Examined()
+    assert found.names == ALL
+    assert all(step.ok for step in found.steps.values())
+    assert found.steps["baud"].detail.en == "about 9600 bit/s"
+    assert found.steps["latency"].detail == ("2.0 ms a request", "2,0 мс на запрос")
+    assert found.steps["ecu"].detail.en == "Mikas 7.1"
+    assert found.steps["port"].detail == ("virtual ECU", "виртуальный блок")
+
+
+def test_the_port_is_let_go():
+    link = Examined().links[0]
+    with pytest.raises(ConnectionError):
+        link.write(b"\x01")
+
+
+def test_an_adapter_without_echo():
+    found = Examined("&echo=0")
+    assert found.names == [name for name in ALL if name != "baud"]
+    assert all(step.ok for step in found.steps.values())
+    assert "keeps the echo" in found.steps["echo"].detail.en
+
+
+@pytest.mark.parametrize(
+    ("settings", "step", "said"),
+    [
+        ("&supplied=0", "echo", "12 V"),
+        ("&lost=1", "ecu", "ignition is off"),
+        ("&lost=1&echo=0", "echo", "ignition is off"),
+        ("&adapter=elm327", "echo", "ELM327"),
+        ("&damaged=1", "ecu", "ground"),
+        ("&late=1", "ecu", "did not answer within"),
+    ],
+)
+def test_nobody_to_talk_to(settings, step, said):
+    found = Examined(settings)
+    failed = found.failed()
+    assert failed.name == step == found.names[-1]
+    assert said in failed.detail.en
+    for text in failed.detail:
+        assert "mikas doctor" not in text  # that is what is running
+        assert ". ." not in text
+        assert text.rstrip().endswith(".")
+
+
+def test_no_such_port():
+    found = Examined(url="/dev/nosuch")
+    assert found.names == ["port"]
+    assert "There is no port /dev/nosuch" in found.failed().detail.en
+
+
+def test_a_url_that_makes_no_sense_is_the_caller_s_mistake():
+    with pytest.raises(BadPortUrl):
+        Examined(url="nosuch://x")
+
+
+@pytest.mark.parametrize("milliseconds", [16, 20])
+def test_an_adapter_that_hands_bytes_over_in_lumps(milliseconds):
+    found = Examined(f"&latency_ms={milliseconds}")
+    assert found.steps["latency"].ok is None
+    assert "latency timer" in found.steps["latency"].detail.en
+    assert found.steps["ecu"].ok is True
+    assert found.steps["baud"].ok is True
+
+
+@pytest.mark.parametrize("unknown", ["silent", "01"])
+def test_a_unit_that_lacks_commands(unknown):
+    found = Examined(f"&missing=blocks,stream&unknown={unknown}")
+    assert found.names == ALL
+    commands = found.steps["commands"]
+    assert commands.ok is None
+    assert "21 read RAM bytes" in commands.detail.en
+    assert "71 циклический поток" in commands.detail.ru
+
+
+def test_a_clean_unit_that_answers_01_to_what_it_does_not_know():
+    assert all(step.ok for step in Examined("&unknown=01").steps.values())
+
+
+@pytest.mark.parametrize("trouble", ["damaged", "noise", "cut", "bad-echo"])
+def test_a_noisy_line_is_told(trouble):
+    judged = set()
+    for seed in range(6):
+        found = Examined(f"&{trouble}=0.3&seed={seed}")
+        if "line" in found.steps:
+            judged.add(found.steps["line"].ok)
+            assert found.steps["line"].ok or "ground" in found.steps["line"].detail.en
+    assert False in judged
+
+
+def test_a_little_noise_is_no_failure():
+    judged = [Examined(f"&damaged=0.05&seed={seed}").steps for seed in range(8)]
+    lines = [steps["line"] for steps in judged if "line" in steps]
+    assert None in {line.ok for line in lines}
+    for line in lines:
+        if line.ok is None:
+            assert "of 20 exchanges were spoilt" in line.detail.en
+            assert "из 20" in line.detail.ru
+
+
+def test_another_pace_than_was_asked_for():
+    """As with a wire at 4800 behind a port that says 9600."""
+
+    def opened() -> Link:
+        link = open_link("sim:?clock=simulated&baud=4800")
+        link.baud = 9600
+        return link
+
+    steps = {step.name: step for step in examine(opened, TheTester, shipped())}
+    assert steps["baud"].ok is False
+    assert steps["baud"].detail.en.startswith("about 4800 bit/s instead of 9600")
+    assert steps["latency"].ok is True  # measured by the wire's own pace
+    assert steps["ecu"].ok is True
+
+
+def test_an_echo_that_no_wire_makes():
+    def opened() -> Link:
+        link = open_link("sim:?clock=simulated&baud=115200")
+        link.baud = 9600
+        return link
+
+    steps = {step.name: step for step in examine(opened, TheTester, shipped())}
+    assert steps["baud"].ok is None
+    assert "faster than a wire" in steps["baud"].detail.en
+
+
+def test_the_adapter_is_pulled_out_in_the_middle():
+    links = []
+
+    def opened() -> Link:
+        links.append(open_link("sim:?clock=simulated"))
+        return links[0]
+
+    steps = []
+    for step in examine(opened, TheTester, shipped()):
+        steps.append(step)
+        if step.name == "ecu":
+            links[0].unplug()
+    assert steps[-1].name == "commands"
+    assert steps[-1].ok is False
+    assert "is gone" in steps[-1].detail.en
