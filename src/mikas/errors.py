@@ -201,7 +201,9 @@ class CaptureError(UsageError):
 
 
 class ExportError(UsageError):
-    """An export can't be made: its name, what is in its way, or the disk. Nothing was left behind."""
+    """An export can't be made: its name, what is in its way, or the disk. Nothing was left
+    behind.
+    """
 
     what = Text("{file}: {problem}", "{file}: {problem}")
     advice = Text(

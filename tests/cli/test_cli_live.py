@@ -34,7 +34,7 @@ def drawn(ecu, width: int, height: int, *samples: Sample) -> list[str]:
     for sample in samples:
         table.show(sample)
     plain = console(width, height)
-    plain.print(table._drawing())
+    plain.print(table.drawing())
     return plain.file.getvalue().splitlines()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections import deque
 from collections.abc import Sequence
 from types import TracebackType
@@ -18,7 +19,7 @@ from mikas.errors import MikasError
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-_PER_SECOND = 10  # refreshes: more than an eye reads, and the wire's time is not spent on drawing
+_PER_SECOND = 5  # refreshes, as many as an eye can follow
 _SPARK = "▁▂▃▄▅▆▇█"
 _MEMORY = 60  # samples that the small curve shows, joined to its width
 _WIDTH = 20
@@ -69,6 +70,9 @@ class PlainLines:
 class LiveTable:
     """A table that is redrawn in place, with a line on what the wire does above it.
 
+    It is drawn in a thread of its own: a drawing takes longer than a request's turn-round, and the
+    wire must not wait for it.
+
     It has the terminal's other screen, so that a change of its size leaves no rubbish; at the end
     the last state is left on the usual one.
     """
@@ -85,11 +89,20 @@ class LiveTable:
         self._lowest: dict[str, Reading] = {}
         self._highest: dict[str, Reading] = {}
         self._times: deque[float] = deque(maxlen=100)
-        self._drawn = float("-inf")
         self._sample: Sample | None = None
-        self._live = Live(self._drawing(), console=self._console, auto_refresh=False, screen=True)
+        self._changing = threading.Lock()
+        self._live = Live(
+            console=self._console,
+            get_renderable=self.drawing,
+            refresh_per_second=_PER_SECOND,
+            screen=True,
+        )
 
     def show(self, sample: Sample) -> None:
+        with self._changing:
+            self._take(sample)
+
+    def _take(self, sample: Sample) -> None:
         self._sample = sample
         self._times.append(sample.time)
         for name, reading in sample.readings.items():
@@ -98,17 +111,15 @@ class LiveTable:
             highest = self._highest.setdefault(name, reading)
             self._lowest[name] = min(lowest, reading, key=lambda r: r.value)
             self._highest[name] = max(highest, reading, key=lambda r: r.value)
-        now = self._ecu.tester.link.now()
-        if now - self._drawn >= 1 / _PER_SECOND:
-            self._drawn = now
-            self._live.update(self._drawing(), refresh=True)
 
-    def _drawing(self, lines: int | None = None) -> RenderableType:
-        rows = [self._row(parameter) for parameter in self._wanted]
+    def drawing(self, lines: int | None = None) -> RenderableType:
+        """The table as it is now, for the console's size, or for so many lines."""
+        with self._changing:
+            rows = [self._row(parameter) for parameter in self._wanted]
+            state = self._state()
+            style = "red" if self._sample and self._sample.gap else "green"
         width, height = self._console.size
-        height = lines or height
-        style = "red" if self._sample and self._sample.gap else "green"
-        return layout.draw(self._state(), style, rows, width, height)
+        return layout.draw(state, style, rows, width, lines or height)
 
     def _row(self, parameter: Parameter) -> layout.Row:
         name = parameter.name
@@ -152,7 +163,7 @@ class LiveTable:
     def __exit__(self, *_: object) -> None:
         self._live.stop()
         if self._sample:
-            self._console.print(self._drawing(layout.UNLIMITED))
+            self._console.print(self.drawing(layout.UNLIMITED))
 
 
 def sparkline(values: Sequence[float]) -> str:
