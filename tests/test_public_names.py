@@ -77,6 +77,7 @@ def test_the_package():
         "Sample",
         "connect",
         "errors",
+        "open",
     ]
     for name in mikas.__all__:
         assert getattr(mikas, name).__doc__

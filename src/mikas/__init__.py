@@ -3,6 +3,7 @@
     import mikas
     with mikas.connect("/dev/ttyUSB0") as ecu:
         print(ecu.read("TWAT", "FREQ"))
+    frame = mikas.open("drive.pcapng").to_pandas()
 
 What is named here is the public interface; it is imported when it is first used, so that a program
 that only wants to print its help does not wait for all of it.
@@ -17,10 +18,24 @@ if TYPE_CHECKING:
     from mikas import errors
     from mikas.client import AsyncEcu, Change, Ecu, Reading, Sample, connect
     from mikas.errors import MikasError
+    from mikas.recording.opening import open  # noqa: A004  (read as `mikas.open`)
 
-__all__ = ["AsyncEcu", "Change", "Ecu", "MikasError", "Reading", "Sample", "connect", "errors"]
+__all__ = [
+    "AsyncEcu",
+    "Change",
+    "Ecu",
+    "MikasError",
+    "Reading",
+    "Sample",
+    "connect",
+    "errors",
+    "open",
+]
 
-_HOMES = dict.fromkeys(__all__, "mikas.client") | {"MikasError": "mikas.errors"}
+_HOMES = dict.fromkeys(__all__, "mikas.client") | {
+    "MikasError": "mikas.errors",
+    "open": "mikas.recording.opening",
+}
 
 
 def __getattr__(name: str) -> object:

@@ -61,6 +61,13 @@ COMMANDS: dict[str, tuple[str, Text]] = {
             "показать запись линии по кадрам (порт не нужен)",
         ),
     ),
+    "export": (
+        f"{_HERE}.export:export",
+        Text(
+            "a recording as a table for other programs (needs no port)",
+            "запись в виде таблицы для других программ (порт не нужен)",
+        ),
+    ),
     "sim": (
         f"{_HERE}.sim:sim",
         Text("a virtual ECU for other programs", "виртуальный блок для других программ"),

@@ -43,8 +43,8 @@ _TROUBLES = ", ".join(it.value for it in Trouble if it is not Trouble.DAMAGED)
     type=File(),
     metavar="FILE",
     text=Text(
-        "a recorded unit, which answers as it did then; --set takes speed, seek and loop too",
-        "записанный блок: отвечает, как отвечал тогда; --set понимает ещё speed, seek и loop",
+        "a recorded unit, which answers as it did; more by --set seek=600, speed=2, loop=1",
+        "записанный блок: отвечает, как тогда; ещё --set seek=600, speed=2, loop=1",
     ),
 )
 @option(

@@ -1,0 +1,68 @@
+"""Derived channels of a recording: computed row by row, where its parameters came in several rows.
+
+A row is one response. If a unit takes only small requests (D11), or one parameter at a time, the
+inputs of a formula stand in different rows; then each holds for a second, as it does live, and the
+formula has a value in the rows in which one of its inputs is new. A row in which nothing came is a
+gap and stays one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+import numpy as np
+
+from mikas.catalog import Catalog
+from mikas.recording.table import Rows
+from mikas.sampling.derived import DerivedChannels
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Column: TypeAlias = NDArray[np.float64]
+
+FRESH: Final = 1.0  # s; as long as DerivedChannels takes a reading of an earlier cycle
+
+
+class Deriver:
+    """The derived channels `names` of one port in one session, stretch after stretch."""
+
+    def __init__(self, catalog: Catalog, names: Iterable[str]) -> None:
+        names = list(names)
+        self._channels = DerivedChannels(catalog, names, fresh=FRESH)
+        self._inputs = {
+            channel.name: DerivedChannels(catalog, [channel.name]).requires
+            for channel in self._channels.channels
+        }
+        self._last: dict[str, tuple[float, float]] = {}  # when, and what
+
+    def columns(self, rows: Rows) -> dict[str, Column]:
+        """A column for each of the names; `rows` has all that was recorded, corrected."""
+        missing = np.full(len(rows.times), np.nan)
+        came = {name: rows.values.get(name, missing) for name in self._channels.requires}
+        something = np.zeros(len(rows.times), np.bool_)
+        for column in rows.values.values():
+            something |= np.isfinite(column)
+        held = {
+            name: np.where(something, self._held(name, rows.times, column), np.nan)
+            for name, column in came.items()
+        }
+        derived = self._channels.columns(Rows(rows.times, {**rows.values, **held}))
+        for name, column in derived.items():
+            new = np.zeros(len(column), np.bool_)
+            for source in self._inputs[name]:
+                new |= np.isfinite(came[source])
+            derived[name] = np.where(new, column, np.nan)
+        return derived
+
+    def _held(self, name: str, times: Column, column: Column) -> Column:
+        """`column` with each value standing until the next, a second at most."""
+        at, value = self._last.get(name, (-np.inf, np.nan))
+        all_times = np.concatenate(([at], times))
+        values = np.concatenate(([value], column))
+        known = np.where(np.isfinite(values), np.arange(values.size), 0)
+        latest = np.maximum.accumulate(known)
+        self._last[name] = float(all_times[latest[-1]]), float(values[latest[-1]])
+        age = times - all_times[latest[1:]]
+        return np.where((age >= 0) & (age <= FRESH), values[latest[1:]], np.nan)

@@ -1,0 +1,98 @@
+"""A recording as a data frame: pandas, polars or Arrow, whichever is installed.
+
+Each has its columns named as the channels; `time` counts in seconds from the first row. What is
+missing is NaN in numbers and null in flags (polars and Arrow: null in both). Units and texts go
+where the library keeps such things: `attrs` of a pandas frame, the fields' and the schema's
+metadata in Arrow; polars has no such place.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from mikas.errors import MissingExtra
+from mikas.language import Text
+from mikas.recording.table import Channel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Column: TypeAlias = NDArray[np.float64]
+
+_TIME_TEXT = Text("Time since the start", "Время от начала")
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """The whole recording in memory. `facts`: what is known of it, as JSON can hold it."""
+
+    channels: Sequence[Channel]
+    times: Column
+    values: dict[str, Column]
+    facts: dict[str, Any]
+
+
+def library(name: str) -> Any:  # noqa: ANN401  (a module that may not be installed)
+    """The library; MissingExtra that says how to get it."""
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise MissingExtra(
+            feature=Text(f"A table for {name}", f"Таблица для {name}"),
+            advice=Text(
+                f"Install it with: pip install {name}.", f"Установите: pip install {name}."
+            ),
+        ) from error
+
+
+def pandas_frame(table: Table) -> Any:  # noqa: ANN401
+    """A `pandas.DataFrame`, its index `time`."""
+    pandas = library("pandas")
+    columns = {
+        channel.name: _flags(pandas, table.values[channel.name])
+        if channel.is_flag
+        else table.values[channel.name]
+        for channel in table.channels
+    }
+    frame = pandas.DataFrame(columns, index=pandas.Index(table.times, name="time"))
+    frame.attrs.update(table.facts)
+    return frame
+
+
+def _flags(pandas: Any, values: Column) -> Any:  # noqa: ANN401
+    return pandas.arrays.BooleanArray(values == 1, np.isnan(values))
+
+
+def polars_frame(table: Table) -> Any:  # noqa: ANN401
+    """A `polars.DataFrame`."""
+    polars = library("polars")
+    columns = [polars.Series("time", table.times)]
+    for channel in table.channels:
+        column = polars.Series(channel.name, table.values[channel.name], nan_to_null=True)
+        columns.append(column.cast(polars.Boolean) if channel.is_flag else column)
+    return polars.DataFrame(columns)
+
+
+def arrow_table(table: Table) -> Any:  # noqa: ANN401
+    """A `pyarrow.Table`; its schema's metadata has the facts as JSON, under the key `mikas`."""
+    arrow = library("pyarrow")
+    fields = [arrow.field("time", arrow.float64(), metadata=_about("s", _TIME_TEXT))]
+    arrays = [arrow.array(table.times)]
+    for channel in table.channels:
+        values = table.values[channel.name]
+        kind = arrow.bool_() if channel.is_flag else arrow.float64()
+        data = values == 1 if channel.is_flag else values
+        arrays.append(arrow.array(data, kind, mask=np.isnan(values)))
+        fields.append(arrow.field(channel.name, kind, metadata=_about(channel.unit, channel.text)))
+    facts = json.dumps(table.facts, ensure_ascii=False)
+    return arrow.Table.from_arrays(arrays, schema=arrow.schema(fields, {"mikas": facts}))
+
+
+def _about(unit: str, text: Text) -> dict[str, str]:
+    return {"unit": unit, "en": text.en, "ru": text.ru}

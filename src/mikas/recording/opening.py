@@ -1,0 +1,254 @@
+"""A recording as a table, for notebooks and for exports: `mikas.open("drive.pcapng")`.
+
+    recording = mikas.open("drive.pcapng")
+    frame = recording.to_pandas()          # or to_polars(), to_arrow(), rows()
+
+Parameters come from the raw bytes by the catalog of today, derived channels from the parameters.
+numpy and the data frames' libraries are imported when they are used.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from mikas.catalog import Catalog, Derived, load
+from mikas.errors import UsageError
+from mikas.language import Text
+from mikas.recording.capture import CaptureReader
+from mikas.recording.reader import Packet, Problem, Source
+from mikas.recording.table import Channel, Rows
+
+if TYPE_CHECKING:
+    from mikas.recording.bulk import TableReader
+    from mikas.recording.notebook import Table
+
+_PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
+
+
+def open(  # noqa: A001  (read as `mikas.open`)
+    path: str | os.PathLike[str],
+    *,
+    reading: str = "corrected",
+    catalogs: Iterable[str | os.PathLike[str]] = (),
+    names: Iterable[str] = (),
+) -> Recording:
+    """Looks through a recording (.pcapng) and returns it as a table.
+
+    `reading`: corrected, literal or alternative (errata). `catalogs`: your own files, laid over the
+    shipped definitions. `names`: the channels wanted, in that order; none: all that it holds.
+
+    Raises `CaptureError` for a file that is no capture, `UsageError` for a name or a setting that
+    makes no sense, `MissingExtra` without numpy. What is damaged in the file is in `problems`.
+    """
+    return Recording(path, load(*map(Path, catalogs)), reading, names)
+
+
+class Recording:
+    """One recording. `channels`: its columns, parameters first, then those derived from them.
+
+    `problems`: what could not be read of the file, with offsets, up to a thousand; `problem_count`
+    counts them all. `absent`: those of the wanted channels that nothing was recorded for; their
+    columns are empty. `about`: what it says of itself, by title.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        catalog: Catalog,
+        reading: str = "corrected",
+        names: Iterable[str] = (),
+    ) -> None:
+        if isinstance(names, str):
+            names = (names,)
+        wanted = [_named(catalog, name) for name in names]
+        capture = CaptureReader(path)
+        self.path = capture.path
+        self.catalog = catalog
+        self.reading = reading
+        self._reader = _reader(self.path, catalog, reading)
+        self._corrected = self._reader
+        recorded = {channel.name: channel for channel in self._reader.channels}
+        known = _all_channels(self._reader.channels, catalog, recorded, wanted)
+        self.channels = tuple(known[name] for name in dict.fromkeys(wanted or known))
+        self._derived = [each.name for each in self.channels if each.name in catalog.derived]
+        if self._derived and reading != "corrected":
+            self._corrected = _reader(self.path, catalog, "corrected")
+        self.absent = tuple(
+            each.name for each in self.channels if not _has(each.name, catalog, recorded)
+        )
+        self.about = _about(capture, catalog, reading)
+
+    @property
+    def problems(self) -> tuple[Problem, ...]:
+        """The places of the file that could not be read."""
+        return tuple(self._reader.problems)
+
+    @property
+    def problem_count(self) -> int:
+        """How many there are, also of those beyond the first thousand."""
+        return self._reader.problem_count
+
+    def __repr__(self) -> str:
+        return f"<Recording {str(self.path)!r}: {len(self.channels)} channels>"
+
+    def rows(self) -> Iterator[Rows]:
+        """The recording in stretches, from the file every time anew.
+
+        A row is a response, its time on the link's clock (UNIX time of a real one) when that began;
+        what was not in it is NaN, flags are 0 and 1. Times rise within a stretch. They may run back
+        between two: another port, another session.
+        """
+        if not self._derived:
+            for _, rows in self._reader.stretches():
+                yield self._chosen(rows)
+            return
+        from mikas.recording.deriving import Deriver
+
+        derivers: dict[Source, Deriver] = {}
+        for source, rows, corrected in self._stretches():
+            if source not in derivers:
+                derivers[source] = Deriver(self.catalog, self._derived)
+            derived = derivers[source].columns(corrected)
+            yield self._chosen(Rows(rows.times, {**rows.values, **derived}))
+
+    def to_pandas(self) -> Any:  # noqa: ANN401  (pandas may not be installed)
+        """A `pandas.DataFrame`, its index the seconds since the start; units are in `attrs`."""
+        from mikas.recording import notebook
+
+        notebook.library("pandas")
+        return notebook.pandas_frame(self._table())
+
+    def to_polars(self) -> Any:  # noqa: ANN401
+        """A `polars.DataFrame`; what is missing is null."""
+        from mikas.recording import notebook
+
+        notebook.library("polars")
+        return notebook.polars_frame(self._table())
+
+    def to_arrow(self) -> Any:  # noqa: ANN401
+        """A `pyarrow.Table`; units and texts are in the metadata of its fields."""
+        from mikas.recording import notebook
+
+        notebook.library("pyarrow")
+        return notebook.arrow_table(self._table())
+
+    def _stretches(self) -> Iterator[tuple[Source, Rows, Rows]]:
+        """Each stretch with the same one in the corrected reading, which formulas take."""
+        if self._corrected is self._reader:
+            for source, rows in self._reader.stretches():
+                yield source, rows, rows
+            return
+        both = zip(self._reader.stretches(), self._corrected.stretches(), strict=True)
+        for (source, rows), (_, corrected) in both:
+            yield source, rows, corrected
+
+    def _chosen(self, rows: Rows) -> Rows:
+        import numpy as np
+
+        missing = np.full(len(rows.times), np.nan)
+        values = {each.name: rows.values.get(each.name, missing) for each in self.channels}
+        return Rows(rows.times, values)
+
+    def _table(self) -> Table:
+        import numpy as np
+
+        from mikas.recording.notebook import Table
+
+        stretches = list(self.rows())
+        times = np.concatenate([np.empty(0), *(rows.times for rows in stretches)])
+        values = {
+            each.name: np.concatenate(
+                [np.empty(0), *(rows.values[each.name] for rows in stretches)]
+            )
+            for each in self.channels
+        }
+        zero = float(times[0]) if times.size else 0.0
+        return Table(self.channels, times - zero, values, self._facts(zero))
+
+    def _facts(self, zero: float) -> dict[str, Any]:
+        started = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=zero)
+        return {
+            "started": started.isoformat() if zero >= _PLAINLY_UNIX else None,
+            "about": dict(self.about),
+            "units": {channel.name: channel.unit for channel in self.channels},
+            "channels": {
+                channel.name: {
+                    "unit": channel.unit,
+                    "en": channel.text.en,
+                    "ru": channel.text.ru,
+                    "decimals": channel.decimals,
+                }
+                for channel in self.channels
+            },
+        }
+
+
+def _reader(path: Path, catalog: Catalog, reading: str) -> TableReader:
+    from mikas.recording.bulk import TableReader
+
+    return TableReader(path, catalog, reading)
+
+
+def _named(catalog: Catalog, name: str) -> str:
+    found = catalog.channel(name).name
+    if found not in catalog.derived and all(found != each.name for each in catalog.parameters):
+        raise UsageError(
+            problem=Text(
+                f"{name}: a bare code has no column; name a parameter, or describe the code in a "
+                "catalog file of your own",
+                f"{name}: у голого кода нет столбца; назовите параметр или опишите код в своём "
+                "файле каталога",
+            )
+        )
+    return found
+
+
+def _has(name: str, catalog: Catalog, recorded: Iterable[str]) -> bool:
+    """Whether all is recorded that this channel is made of."""
+    if name not in catalog.derived:
+        return name in recorded
+    from mikas.sampling.derived import DerivedChannels
+
+    return set(DerivedChannels(catalog, [name]).requires) <= set(recorded)
+
+
+def _all_channels(
+    read: Iterable[Channel], catalog: Catalog, recorded: Iterable[str], wanted: Iterable[str]
+) -> dict[str, Channel]:
+    """What was recorded, what follows from it, and what is wanted all the same."""
+    known = {channel.name: channel for channel in read}
+    for derived in catalog.derived.values():
+        if _has(derived.name, catalog, recorded):
+            known[derived.name] = _column(derived)
+    for name in wanted:
+        if name not in known:
+            channel = catalog.channel(name)
+            known[name] = (
+                _column(channel)
+                if isinstance(channel, Derived)
+                else Channel(name, channel.unit, channel.text, channel.is_flag, channel.decimals)
+            )
+    return known
+
+
+def _column(derived: Derived) -> Channel:
+    return Channel(derived.name, derived.unit, derived.text, decimals=derived.decimals)
+
+
+def _about(capture: CaptureReader, catalog: Catalog, reading: str) -> dict[str, str]:
+    """Of the file's first recording; what it does not say is left out."""
+    source = next((it.source for it in capture if isinstance(it, Packet)), Source(0))
+    facts = {
+        "recording": capture.path.name,
+        "port": source.url,
+        "adapter": source.description,
+        "computer": source.hardware,
+        "recorded by": source.application,
+        "catalog": catalog.version,
+        "reading": reading,
+    }
+    return {title: text for title, text in facts.items() if text}

@@ -1,0 +1,205 @@
+"""`mikas.open`: a recording in a notebook; derived channels over rows that hold a part each."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+import mikas
+from mikas.catalog import shipped
+from mikas.errors import CaptureError, CatalogError, MissingExtra, UnknownParameter, UsageError
+from mikas.language import Text
+from mikas.recording import CaptureWriter
+from mikas.recording.deriving import FRESH, Deriver
+from mikas.recording.notebook import Table, arrow_table, pandas_frame, polars_frame
+from mikas.recording.table import Channel, Rows
+
+NAN = np.nan
+PORT = "sim:?clock=simulated"
+RPM = Channel("FREQ", "rpm", Text("Speed", "Обороты"))
+IDLE = Channel("RXX", "", Text("Idle", "Холостой ход"), is_flag=True)
+SMALL = Table(
+    (RPM, IDLE),
+    np.array([0.0, 0.1, 0.2]),
+    {"FREQ": np.array([840.0, NAN, 880.0]), "RXX": np.array([1.0, 0.0, NAN])},
+    {"started": None, "units": {"FREQ": "rpm", "RXX": ""}},
+)
+
+
+def record(path, *names, method="batch", count=30):
+    with CaptureWriter(path, url=PORT) as sink, mikas.connect(PORT, sink=sink) as ecu:
+        for _ in ecu.watch(*names, method=method, count=count):
+            pass
+    return path
+
+
+@pytest.fixture
+def drive(tmp_path):
+    return record(tmp_path / "drive.pcapng", "TWAT", "FREQ", "INJ", "RXX", "UACC")
+
+
+def test_what_it_holds(drive):
+    recording = mikas.open(drive)
+    assert [channel.name for channel in recording.channels] == [
+        "TWAT", "FREQ", "UACC", "INJ", "RXX", "BITPOW", "RDET",
+        "FUEL_STROKE", "FUEL_FLOW", "FUEL_USED", "DUTY",
+    ]  # fmt: skip
+    assert (recording.problems, recording.problem_count, recording.absent) == ((), 0, ())
+    assert recording.about["port"] == PORT
+    assert "drive.pcapng" in repr(recording)
+    (rows,) = recording.rows()
+    assert len(rows.times) == 30
+    assert set(rows.values) == {channel.name for channel in recording.channels}
+    (again,) = recording.rows()
+    for name, values in rows.values.items():
+        np.testing.assert_array_equal(values, again.values[name])
+    assert (np.diff(rows.values["FUEL_USED"]) > 0).all()
+
+
+def test_pandas(drive):
+    frame = mikas.open(str(drive)).to_pandas()
+    assert frame.index.name == "time"
+    assert frame.index[0] == 0
+    assert len(frame) == 30
+    assert frame.attrs["units"]["TWAT"] == "°C"
+    assert frame.attrs["channels"]["TWAT"]["ru"].startswith("Температура")
+    assert frame.attrs["started"] is None  # a simulated clock knows no calendar
+    assert frame.RXX.dtype == "boolean"
+
+
+def test_polars(drive):
+    frame = mikas.open(drive, names=["FUEL_FLOW", "TWAT"]).to_polars()
+    assert frame.columns == ["time", "FUEL_FLOW", "TWAT"]
+    assert frame.height == 30
+
+
+def test_arrow(drive):
+    table = mikas.open(drive).to_arrow()
+    assert table.schema.field("TWAT").metadata[b"unit"].decode() == "°C"
+    assert table.schema.field("time").metadata[b"unit"] == b"s"
+    facts = json.loads(table.schema.metadata[b"mikas"])
+    assert facts["about"]["recording"] == "drive.pcapng"
+    assert table.num_rows == 30
+
+
+def test_all_three_have_the_same_values(drive):
+    recording = mikas.open(drive)
+    pandas, polars, arrow = recording.to_pandas(), recording.to_polars(), recording.to_arrow()
+    for name in ("TWAT", "FUEL_FLOW"):
+        np.testing.assert_array_equal(pandas[name].to_numpy(), polars[name].to_numpy())
+        np.testing.assert_array_equal(pandas[name].to_numpy(), arrow[name].to_numpy())
+    np.testing.assert_array_equal(pandas.index.to_numpy(), arrow["time"].to_numpy())
+
+
+def test_what_is_missing_is_nan_or_null():
+    frame = pandas_frame(SMALL)
+    assert frame["FREQ"].isna().tolist() == [False, True, False]
+    assert frame["RXX"].isna().tolist() == [False, False, True]
+    assert frame["RXX"].iloc[0]
+    assert polars_frame(SMALL)["FREQ"].to_list() == [840, None, 880]
+    assert polars_frame(SMALL)["RXX"].to_list() == [True, False, None]
+    assert arrow_table(SMALL)["FREQ"].to_pylist() == [840, None, 880]
+    assert arrow_table(SMALL)["RXX"].to_pylist() == [True, False, None]
+
+
+@pytest.mark.parametrize("library", ["pandas", "polars", "pyarrow"])
+def test_a_missing_library_is_named(drive, monkeypatch, library):
+    recording = mikas.open(drive)
+    monkeypatch.setitem(sys.modules, library, None)
+    convert = getattr(recording, f"to_{library.replace('pyarrow', 'arrow')}")
+    with pytest.raises(MissingExtra, match=f"pip install {library}") as caught:
+        convert()
+    assert isinstance(caught.value, ImportError)
+    assert f"pip install {library}" in caught.value.text.ru
+
+
+def test_a_recording_without_readings(tmp_path):
+    path = tmp_path / "empty.pcapng"
+    with CaptureWriter(path, url=PORT):
+        pass
+    recording = mikas.open(path)
+    assert recording.channels == ()
+    assert list(recording.rows()) == []
+    recording = mikas.open(path, names="TWAT")
+    assert recording.absent == ("TWAT",)
+    for frame in (recording.to_pandas(), recording.to_polars(), recording.to_arrow()):
+        assert len(frame) == 0
+        assert "TWAT" in list(getattr(frame, "column_names", frame.columns))
+
+
+def test_what_is_refused(drive, tmp_path):
+    with pytest.raises(UnknownParameter, match="TWAT"):
+        mikas.open(drive, names=["TWATT"])
+    with pytest.raises(UsageError, match="0x1A"):
+        mikas.open(drive, names=["0x1A"])
+    with pytest.raises(UsageError, match="sideways"):
+        mikas.open(drive, reading="sideways")
+    with pytest.raises(CaptureError, match="nowhere"):
+        mikas.open(tmp_path / "nowhere.pcapng")
+    with pytest.raises(CatalogError, match=r"none\.toml"):
+        mikas.open(drive, catalogs=[tmp_path / "none.toml"])
+
+
+def test_a_cut_recording(drive):
+    whole = len(mikas.open(drive).to_pandas())
+    drive.write_bytes(drive.read_bytes()[:-3001])
+    recording = mikas.open(drive)
+    assert 0 < len(recording.to_pandas()) < whole
+    assert recording.problem_count == len(recording.problems) == 1
+    assert 0 < recording.problems[0].offset < drive.stat().st_size
+
+
+def test_formulas_take_the_corrected_reading_whatever_is_shown(drive, tmp_path):
+    own = tmp_path / "own.toml"
+    own.write_text(
+        '[derived.HALF]\nformula = "UACC / 2"\nunit = "V"\n'
+        'text = { en = "Half", ru = "Половина" }\n',
+        "utf-8",
+    )
+    corrected = mikas.open(drive, catalogs=[own]).to_pandas()
+    literal = mikas.open(drive, catalogs=[str(own)], reading="literal").to_pandas()
+    assert (corrected.UACC > 10).all()
+    assert (literal.UACC < 0).all()  # E2: a signed byte
+    np.testing.assert_array_equal(literal.HALF, corrected.UACC / 2)
+
+
+def test_inputs_that_come_one_by_one(tmp_path):
+    path = record(tmp_path / "one.pcapng", "FREQ", "INJ", "TWAT", method="single", count=10)
+    frame = mikas.open(path).to_pandas()
+    assert len(frame) == 30
+    assert frame.FREQ.notna().sum() == 10  # nothing recorded is repeated
+    assert frame.FUEL_FLOW.notna().sum() == 19  # from the second row on, where an input is new
+    assert not (frame.FUEL_FLOW.notna() & frame.TWAT.notna()).any()
+    assert frame.FUEL_USED.max() > 0
+
+
+def rows(times, **values):
+    return Rows(np.array(times), {name: np.array(column) for name, column in values.items()})
+
+
+def test_an_input_holds_for_a_second_and_across_stretches():
+    whole = rows(
+        [0.0, 0.5, FRESH + 0.1, 1.2, 1.3],
+        FREQ=[800.0, NAN, NAN, NAN, 900.0],
+        INJ=[NAN, 4.0, 5.0, NAN, NAN],
+    )
+    at_once = Deriver(shipped(), ["DUTY"]).columns(whole)["DUTY"]
+    expected = [NAN, 100 * 4 * 800 / 120_000, NAN, NAN, 100 * 5 * 900 / 120_000]
+    np.testing.assert_allclose(at_once, expected)
+    deriver = Deriver(shipped(), ["DUTY"])
+    parts = [
+        deriver.columns(
+            Rows(whole.times[i : i + 1], {n: v[i : i + 1] for n, v in whole.values.items()})
+        )
+        for i in range(5)
+    ]
+    np.testing.assert_array_equal(np.concatenate([part["DUTY"] for part in parts]), at_once)
+
+
+def test_a_clock_that_runs_back_holds_nothing():
+    deriver = Deriver(shipped(), ["DUTY"])
+    deriver.columns(rows([10.0], FREQ=[800.0], INJ=[NAN]))
+    assert np.isnan(deriver.columns(rows([5.0], FREQ=[NAN], INJ=[4.0]))["DUTY"]).all()
