@@ -1,8 +1,9 @@
 """Recording a capture: everything that passes on the wire, in a pcapng file.
 
 `CaptureWriter` is the sink behind `mikas.link.tee`: one packet a chunk of one direction, with the
-link's time in microseconds; chunks are never merged. `mikas.recording.reader` gives them back, and
-so do other tools: `docs/capture.md` has the format field by field.
+link's time in microseconds; chunks are never merged here (`mikas.recording.coalescing` can stand in
+front). Notes on the session go in between as custom blocks. `mikas.recording.reader` gives them
+back, and so do other tools: `docs/capture.md` has the format field by field.
 
 Every packet goes to the operating system at once, unbuffered: the line brings 960 bytes a second
 (§1) and a write costs microseconds. So there is nothing that a `kill -9` could lose, and no timer
@@ -12,6 +13,7 @@ is needed to flush in time.
 from __future__ import annotations
 
 import os
+import threading
 from contextlib import suppress
 from dataclasses import replace
 from importlib.metadata import version
@@ -21,6 +23,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final, Self
 from mikas.errors import CaptureError
 from mikas.language import Text
 from mikas.recording import pcapng
+from mikas.recording.notes import Note, block_of
 from mikas.recording.reader import FLAGS, CaptureReader, Packet, Problem, Source, reason_of
 from mikas.recording.scan import RawBlock, scan
 
@@ -29,7 +32,7 @@ if TYPE_CHECKING:
 
     from mikas.link.tee import Direction
 
-__all__ = ["CaptureReader", "CaptureWriter", "Packet", "Problem", "Source"]
+__all__ = ["CaptureReader", "CaptureWriter", "Note", "Packet", "Problem", "Source"]
 
 _LARGEST_CHUNK: Final = 1 << 16  # tools refuse packets over 256 KiB; a longer chunk is split
 _MICROSECOND = 1_000_000
@@ -45,7 +48,7 @@ class CaptureWriter:
 
     Every method that touches the file raises `CaptureError` when it can't be written: no room, no
     right, medium gone, file deleted meanwhile. What was recorded before stays valid: a half-written
-    packet is taken back.
+    packet is taken back. Any thread may add a note.
     """
 
     def __init__(
@@ -69,6 +72,7 @@ class CaptureWriter:
         self._end = 0  # of the last whole block
         self._checked = 0.0  # when, in the link's time, the file was last seen to exist
         self._broken = False  # a half-written block could not be taken back
+        self._lock = threading.RLock()
         try:
             self._file = self._open(overwrite=overwrite, append=append)
             self._links = os.fstat(self._file.fileno()).st_nlink
@@ -84,6 +88,20 @@ class CaptureWriter:
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
         """Keep one chunk. It is with the operating system when this returns."""
+        with self._lock:
+            self._record(direction, data, time)
+
+    def note(self, note: Note) -> None:
+        """Keep a note, behind what was recorded so far; it is safe when this returns.
+
+        Raises `ValueError` for data that JSON can't hold.
+        """
+        block = block_of(note)
+        with self._lock:
+            self._check_it_goes_on()
+            self._append(block)
+
+    def _record(self, direction: Direction, data: bytes, time: float) -> None:
         self._check_it_goes_on()
         ticks = round(time * _MICROSECOND) - self._interface.tsoffset * _MICROSECOND
         if ticks < 0:
@@ -104,7 +122,8 @@ class CaptureWriter:
     def close(self) -> None:
         """End the recording. A second call does nothing."""
         try:
-            self._file.close()
+            with self._lock:
+                self._file.close()
         except OSError as error:
             raise self._failure(error) from error
 

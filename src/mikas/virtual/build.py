@@ -6,7 +6,7 @@ one is refused with the list of those that there are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import TypeVar
 
@@ -14,7 +14,7 @@ from mikas.catalog import shipped
 from mikas.errors import UsageError
 from mikas.language import Text
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.assumptions import ASSUMPTION_NAMES, SWITCH, Assumptions, words
+from mikas.virtual.assumptions import ASSUMPTION_NAMES, SWITCH, words
 from mikas.virtual.bus import Bus
 from mikas.virtual.disturbance import LATE_BY, Disturbance, Trouble, parse_rates
 from mikas.virtual.ecu import Happening, VirtualEcu
@@ -49,6 +49,9 @@ SETTINGS = (*_OWN, *ASSUMPTION_NAMES, *_TROUBLES)
 timer; `supplied=0`: it has no 12 V; a line fault's name with its chance, `damaged=0.01`; the
 switches of `Assumptions`.
 """
+CAR_SETTINGS = ("scenario", "model", "faults")
+WIRE_SETTINGS = tuple(name for name in SETTINGS if name not in CAR_SETTINGS)
+"""Those that hold for any unit, wherever its data come from."""
 
 
 def build_bus(
@@ -61,25 +64,37 @@ def build_bus(
 
     Raises `UsageError` for a setting that does not exist or makes no sense.
     """
-    for name in settings:
-        if name not in SETTINGS:
-            raise _unknown(name)
+    check_names(settings, SETTINGS)
     own = {name: settings[name] for name in _OWN if name in settings}
     seed = _number(own, "seed", int, 0)
     scenario = find(own.get("scenario", DEFAULT))
     car = EngineCar(
         Engine(scenario, seed), shipped(), faults=_faults(own.get("faults", "")), start=start
     )
-    assumptions = Assumptions().with_options(
-        {name: settings[name] for name in ASSUMPTION_NAMES if name in settings}
-    )
     model = own.get("model", "7.1")
     if model not in MODELS:
         raise _bad("model", model, ", ".join(MODELS))
     passports = scenario.passports or _passports(model)
-    responder = Responder(
-        car, Identity(MODELS[model], passports), assumptions, Memory(scenario.memory)
+    identity = Identity(MODELS[model], passports)
+    responder = Responder(car, identity, memory=Memory(scenario.memory))
+    return wired(responder, settings, watcher=watcher)
+
+
+def wired(
+    responder: Responder,
+    settings: Mapping[str, str],
+    *,
+    watcher: Callable[[Happening], None] | None = None,
+) -> Bus:
+    """The unit on a wire and behind an adapter, as the `WIRE_SETTINGS` among `settings` say.
+
+    What they say of the unit's assumptions stands over what those are. Raises `UsageError`.
+    """
+    own = {name: settings[name] for name in _OWN if name in settings}
+    responder.assumptions = responder.assumptions.with_options(
+        {name: settings[name] for name in ASSUMPTION_NAMES if name in settings}
     )
+    seed = _number(own, "seed", int, 0)
     baud = _number(own, "baud", int, 9600)
     if not 50 <= baud <= 4_000_000:
         raise _bad("baud", own["baud"], "50 … 4000000")
@@ -100,6 +115,13 @@ def build_bus(
     if adapter not in ADAPTERS:
         raise _bad("adapter", adapter, ", ".join(ADAPTERS))
     return bus if adapter == "kkl" else Elm327(bus.ecu)
+
+
+def check_names(settings: Mapping[str, str], allowed: Sequence[str]) -> None:
+    """Raises `UsageError` for a setting that is not `allowed`."""
+    for name in settings:
+        if name not in allowed:
+            raise _unknown(name, allowed)
 
 
 def _passports(model: str) -> tuple[str, ...]:
@@ -146,8 +168,8 @@ def _bad(name: str, value: str, allowed: str) -> UsageError:
     )
 
 
-def _unknown(name: str) -> UsageError:
-    nearest = ", ".join(get_close_matches(name, SETTINGS) or SETTINGS)
+def _unknown(name: str, allowed: Sequence[str]) -> UsageError:
+    nearest = ", ".join(get_close_matches(name, allowed) or allowed)
     return UsageError(
         problem=Text(
             f"the virtual ECU has no setting “{name}”; there is {nearest}",

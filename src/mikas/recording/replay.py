@@ -1,0 +1,212 @@
+"""`replay:` — a recording as a port: a virtual unit that answers as the recorded one did.
+
+The unit stands on the usual virtual wire: 9600 baud, an echo if the recorded adapter gave one, line
+faults if asked for. Only the car's time is another one: it can be scaled, and moved while it runs.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from mikas.catalog import Catalog, shipped
+from mikas.errors import BadPortUrl, CaptureError, UsageError
+from mikas.language import Text
+from mikas.link.base import Link
+from mikas.link.tee import CaptureTee
+from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
+from mikas.recording.notes import Kind
+from mikas.recording.reader import CaptureReader
+from mikas.recording.replay_car import ReplayCar, ReplayResponder
+from mikas.recording.replay_index import index
+from mikas.recording.replay_recorded import Recorded
+from mikas.virtual.assumptions import SWITCH
+from mikas.virtual.build import WIRE_SETTINGS, check_names, wired
+
+if TYPE_CHECKING:
+    from mikas.virtual.bus import Bus
+    from mikas.virtual.ecu import Happening
+
+__all__ = ["SETTINGS", "ReplayCar", "car_on", "load", "open_replay", "playing", "replay_bus"]
+
+SETTINGS: Final = ("speed", "seek", "loop", *WIRE_SETTINGS)
+"""Names of all settings, as texts: those of this module, and those of `mikas.virtual.build`.
+
+`speed`: of the car, 1 by default; `seek`: where to begin, in seconds; `loop=1`: begin again at the
+end. `echo`, `baud` and the switches of `Assumptions` are as recorded unless given.
+"""
+_FASTEST: Final = 1000.0
+_BAUDS: Final = range(50, 4_000_001)
+
+
+def load(path: str | os.PathLike[str], catalog: Catalog | None = None) -> Recorded:
+    """What can be replayed of a capture. Raises `CaptureError` if that is nothing at all.
+
+    Damaged parts are passed over; `problems` counts them.
+    """
+    reader = CaptureReader(path)
+    recorded = index(reader, catalog or shipped())
+    if not recorded.frames:
+        raise CaptureError(str(Path(path)), _NOTHING)
+    _add_noted_identity(recorded, reader)
+    return recorded
+
+
+def replay_bus(
+    path: str | os.PathLike[str],
+    settings: Mapping[str, str] | None = None,
+    *,
+    start: float | None = None,
+    catalog: Catalog | None = None,
+    watcher: Callable[[Happening], None] | None = None,
+) -> Bus:
+    """The wire with the recorded unit on it. The recording begins at `start` of the owner's clock;
+    with None, when the first byte of a request is heard.
+
+    Raises `UsageError` for a setting that does not exist or makes no sense, `CaptureError` for a
+    file that can't be read or holds no response.
+    """
+    settings = settings or {}
+    check_names(settings, SETTINGS)
+    seek = _number(settings, "seek", 0.0, highest=1e9)
+    speed = _number(settings, "speed", 1.0, highest=_FASTEST)
+    loop = _switch(settings, "loop")
+    return _bus_of(
+        load(path, catalog),
+        settings,
+        catalog or shipped(),
+        start=start,
+        seek=seek,
+        speed=speed,
+        loop=loop,
+        watcher=watcher,
+    )
+
+
+def _bus_of(
+    recorded: Recorded,
+    settings: Mapping[str, str],
+    catalog: Catalog,
+    *,
+    start: float | None,
+    seek: float,
+    speed: float,
+    loop: bool,
+    watcher: Callable[[Happening], None] | None,
+) -> Bus:
+    if seek >= recorded.duration:
+        length = f"{recorded.duration:.1f}"
+        raise UsageError(
+            problem=Text(
+                f"seek={seek:g} is behind the end: the recording has {length} s",
+                f"seek={seek:g} — за концом: в записи {length} с",
+            )
+        )
+    car = ReplayCar(recorded, catalog, start=start, seek=seek, speed=speed, loop=loop)
+    as_recorded = {"echo": "1" if recorded.echo else "0"}
+    if recorded.baud in _BAUDS:
+        as_recorded["baud"] = str(recorded.baud)
+    given = {name: value for name, value in settings.items() if name in WIRE_SETTINGS}
+    return wired(ReplayResponder(car), as_recorded | given, watcher=watcher)
+
+
+def open_replay(url: str, options: dict[str, str]) -> Link:
+    """Opens `replay:FILE?speed=2&seek=600&loop=1&clock=real|simulated&…`.
+
+    On the simulated clock, times begin with the recording's own. Raises `BadPortUrl` for an option
+    that does not exist or makes no sense, `CaptureError` for the file.
+    """
+    settings = dict(options)
+    clock = settings.pop("clock", "real")
+    if clock not in ("real", "simulated"):
+        raise BadPortUrl(
+            url=url,
+            problem=Text(
+                f"clock is real or simulated, not “{clock}”",
+                f"clock — real или simulated, а не «{clock}»",
+            ),
+        )
+    place = url.partition("?")[0].partition(":")[2].removeprefix("//")
+    if not place:
+        problem = Text("it names no file: replay:FILE", "в нём нет файла: replay:ФАЙЛ")
+        raise BadPortUrl(url=url, problem=problem)
+    try:
+        bus = replay_bus(place, settings)
+    except UsageError as error:
+        if type(error) is not UsageError:
+            raise
+        raise BadPortUrl(url=url, problem=error.reason) from error
+    if clock == "real":
+        return RealTimeVirtualLink(bus, url=url)
+    car = car_on(bus)
+    assert car is not None
+    return VirtualLink(bus, url=url, start=car.recorded.begin + car.position())
+
+
+def playing(link: Link) -> ReplayCar | None:
+    """The recording that is played on `link`, to seek in it; None if it is another kind of link."""
+    while isinstance(link, CaptureTee):
+        link = link.link
+    return car_on(getattr(link, "bus", None))
+
+
+def car_on(bus: object) -> ReplayCar | None:
+    """The recording that is played on `bus`; None if it is another kind of bus."""
+    responder = getattr(getattr(bus, "ecu", None), "responder", None)
+    car = getattr(responder, "car", None)
+    return car if isinstance(car, ReplayCar) else None
+
+
+def _add_noted_identity(recorded: Recorded, reader: CaptureReader) -> None:
+    """What a note tells of the unit, where the wire does not: it may have been asked before."""
+    for note in reader.notes():
+        if note.kind != Kind.UNIT:
+            continue
+        version = note.data.get("version_code")
+        if isinstance(version, int) and 0 <= version <= 0xFF and not recorded.version.values:
+            recorded.version.add(0.0, version)
+        pieces = note.data.get("passports")
+        codes = range(0x51, 0x59)
+        for code, piece, known in zip(codes, pieces or (), recorded.passports, strict=False):
+            if isinstance(piece, str) and not known.values:
+                known.add(0.0, piece)
+                recorded.refusals.pop(code, None)
+
+
+def _number(settings: Mapping[str, str], name: str, default: float, *, highest: float) -> float:
+    text = settings.get(name)
+    if text is None:
+        return default
+    try:
+        number = float(text)
+    except ValueError:
+        number = -1.0
+    if not (isfinite(number) and 0 <= number <= highest):
+        raise UsageError(
+            problem=Text(
+                f"“{text}” is no value for {name}; allowed: 0 … {highest:g}",
+                f"«{text}» не подходит для {name}; можно: 0 … {highest:g}",
+            )
+        )
+    return number
+
+
+def _switch(settings: Mapping[str, str], name: str) -> bool:
+    text = settings.get(name, "0").lower()
+    if text not in SWITCH:
+        raise UsageError(
+            problem=Text(
+                f"“{text}” is no value for {name}; allowed: 0, 1",
+                f"«{text}» не подходит для {name}; можно: 0, 1",
+            )
+        )
+    return SWITCH[text]
+
+
+_NOTHING: Final = Text(
+    "there is no response of an ECU in it, so there is nothing to replay",
+    "в записи нет ни одного ответа блока, воспроизводить нечего",
+)

@@ -1,0 +1,302 @@
+"""A recorded car behind the virtual unit: what was last recorded is what it answers.
+
+Between two recorded data the earlier one stands; before the first, the first. Where the recording
+shows that the unit had no supply, and behind its end, the unit is silent. What is in no recording
+is not made up: a parameter, a passport or a memory space that was never read is not answered, and a
+write is accepted only where the recorded unit accepted one to the same parameter.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass
+from math import ceil, floor, inf
+from typing import Final
+
+from mikas import commands as c
+from mikas.catalog import Catalog
+from mikas.errors import MikasError
+from mikas.link.base import BITS_PER_BYTE
+from mikas.recording.replay_recorded import Recorded
+from mikas.virtual.memory import Memory
+from mikas.virtual.responder import Answer, Identity, Responder
+
+UNKNOWN_VERSION: Final = 0xFF
+_STROKES_APART: Final = 2.0  # s; a longer pause between recorded strokes is no stream
+_ROUNDING: Final = 0.0001  # s
+
+
+@dataclass(frozen=True, slots=True)
+class _Playing:
+    """At `now` of the owner's clock, second `position` of the recording was, at this speed."""
+
+    now: float
+    position: float
+    speed: float
+
+
+class ReplayCar:
+    """Data from a recording; implements `mikas.virtual.responder.Car`.
+
+    At `start` of the owner's clock the recording is at second `seek`; None: when the first byte of
+    a request is heard, so that it waits for its tester. `speed`: of the car, never of the wire; 0
+    holds it. `loop`: begin again at the end, instead of silence.
+    """
+
+    def __init__(
+        self,
+        recorded: Recorded,
+        catalog: Catalog,
+        *,
+        start: float | None = None,
+        seek: float = 0.0,
+        speed: float = 1.0,
+        loop: bool = False,
+    ) -> None:
+        self.recorded = recorded
+        self.codes = tuple(recorded.places)
+        self.loop = loop
+        self.speed = speed
+        self._catalog = catalog
+        self._waiting = start is None
+        self._now = 0.0 if start is None else start
+        self._playing = _Playing(self._now, seek, 0.0 if self._waiting else speed)
+        self._written: dict[int, bytes] = {}
+        self._faults: list[int] = []
+        self._told: int | None = None  # which recorded list of faults `_faults` was
+        self._stroke_at: dict[int, float] = {}
+        edges = {edge for silence in recorded.silences for edge in silence}
+        self._edges = sorted({*edges, recorded.duration} - {0.0})
+
+    # Playing
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the recording's begin to its end."""
+        return self.recorded.duration
+
+    def position(self, now: float | None = None) -> float:
+        """Which second of the recording it is at `now`; when it was asked last, by default."""
+        return self._in_lap(self._unrolled(self._now if now is None else now))
+
+    def seek(self, seconds: float, now: float | None = None) -> None:
+        """Goes to this second of the recording, from whatever thread."""
+        now = self._now if now is None else now
+        self._playing = _Playing(now, max(0.0, seconds), self._playing.speed)
+        self._stroke_at.clear()
+
+    def set_speed(self, speed: float, now: float | None = None) -> None:
+        """Goes on from here at this speed; 0 holds the car as it is."""
+        if not 0 <= speed < inf:
+            raise ValueError("the speed is 0 or more")
+        now = self._now if now is None else now
+        self.speed = speed
+        if not self._waiting:
+            self._playing = _Playing(now, self._unrolled(now), speed)
+
+    def _unrolled(self, now: float) -> float:
+        """The position, laps counted on."""
+        playing = self._playing
+        return playing.position + (now - playing.now) * playing.speed
+
+    def _in_lap(self, unrolled: float) -> float:
+        if self.loop and self.duration > 0:
+            return unrolled % self.duration
+        return min(unrolled, self.duration)
+
+    def _when(self, unrolled: float) -> float:
+        """When the position is reached; infinity while the car is held."""
+        playing = self._playing
+        if not playing.speed or unrolled == inf:
+            return inf
+        return playing.now + (unrolled - playing.position) / playing.speed
+
+    def look(self, now: float) -> None:
+        """The owner's clock shows `now`."""
+        self._now = now
+
+    # What the unit asks
+
+    @property
+    def faults(self) -> list[int]:
+        """The faults as read last; an erase holds until they were read again."""
+        faults = self.recorded.faults
+        index = faults.index(self.position())
+        if faults.values and index != self._told:
+            self._told = index
+            self._faults = list(faults.values[index])
+        return self._faults
+
+    @faults.setter
+    def faults(self, faults: list[int]) -> None:
+        self._faults = faults
+
+    def identity(self) -> Identity:
+        """Who the recorded unit was."""
+        position = self.position()
+        recorded = self.recorded
+        version = recorded.version.at(position)
+        return Identity(
+            UNKNOWN_VERSION if version is None else version,
+            tuple(passport.at(position) or "" for passport in recorded.passports),
+            recorded.count.at(position),
+        )
+
+    def size_of(self, code: int) -> int | None:
+        """Bytes of the datum; None: it was never recorded."""
+        return self.recorded.size_of(code)
+
+    def raw(self, code: int, now: float) -> bytes:
+        """What was recorded last."""
+        written = self._written.get(code)
+        return self._recorded(code, self.position(now)) if written is None else written
+
+    def _recorded(self, code: int, position: float) -> bytes:
+        places = self.recorded.places[code]
+        latest, when = None, -inf
+        for series, begin, size in places:
+            index = bisect_right(series.times, position) - 1
+            if index >= 0 and series.times[index] >= when:
+                latest, when = (series, index, begin, size), series.times[index]
+        if latest is None:
+            series, begin, size = min(places, key=lambda place: place[0].times[0])
+            latest = series, 0, begin, size
+        series, index, begin, size = latest
+        return series.datum(index, begin, size)
+
+    def write(self, code: int, data: bytes) -> bool:
+        """Taken, until the next power cycle, if the recorded unit took one."""
+        if code not in self.recorded.writable:
+            return False
+        self._written[code] = data
+        return True
+
+    def powered(self, now: float) -> bool:
+        """Whether the recorded unit was alive."""
+        if self._waiting:
+            self._waiting = False
+            byte_time = BITS_PER_BYTE / self.recorded.baud
+            self._playing = _Playing(now - byte_time, self._playing.position, self.speed)
+        self._now = now
+        unrolled = self._unrolled(now)
+        if not self.loop and unrolled >= self.duration:
+            return False
+        return self.recorded.has_supply(self._in_lap(unrolled))
+
+    def next_change(self, after: float) -> float:
+        """When a silence begins or ends next, or the recording ends; infinity while it waits."""
+        if not self._playing.speed:
+            return inf
+        unrolled = self._unrolled(max(after, self._playing.now))
+        lap = floor(unrolled / self.duration) if self.loop and self.duration > 0 else 0
+        position = unrolled - lap * self.duration
+        index = bisect_right(self._edges, position)
+        if index < len(self._edges):
+            return self._when(lap * self.duration + self._edges[index])
+        return self._when((lap + 1) * self.duration + self._edges[0]) if self.loop else inf
+
+    def next_stroke(self, stroke: int, after: float) -> float:
+        """As recorded, where strokes were; else as the recorded speed makes them."""
+        unrolled = self._unrolled(after)
+        position = self._in_lap(unrolled)
+        strokes = self.recorded.strokes.get(stroke)
+        if strokes:
+            index = bisect_left(strokes, position - _ROUNDING)
+            if index < len(strokes) and strokes[index] - position < _STROKES_APART:
+                return max(after, self._when(unrolled + strokes[index] - position))
+        cycle = self._cycle(position)
+        if cycle is None:
+            return inf
+        offset = max(0, stroke - 1) * cycle / 4
+        known = self._stroke_at.get(stroke, offset)
+        count = ceil((unrolled - known) / cycle - 1e-9)
+        self._stroke_at[stroke] = known + count * cycle
+        return max(after, self._when(self._stroke_at[stroke]))
+
+    def _cycle(self, position: float) -> float | None:
+        """Seconds of two turns (D15); None while the engine stands, or if its speed is unknown."""
+        for name in ("FREQ", "FREQX"):
+            try:
+                parameter = self._catalog.parameter(name)
+                if self.size_of(parameter.code) == parameter.size:
+                    rpm = float(parameter.decode(self._recorded(parameter.code, position)))
+                    return 120 / rpm if rpm > 0 else None
+            except MikasError:  # a catalog without it
+                continue
+        return None
+
+    def silences_past(self) -> int:
+        """How many silences of the recording lie before the present position."""
+        return bisect_right(self.recorded.silences, self.position(), key=lambda silence: silence[1])
+
+    def power_cycle(self) -> None:
+        """Written data are forgotten."""
+        self._written.clear()
+
+
+class ReplayMemory(Memory):
+    """Cells as they were read or written last; those that never were hold the usual pattern."""
+
+    def __init__(self, car: ReplayCar) -> None:
+        self._car = car
+        self._applied = 0
+        self._until = 0.0
+        contents: dict[str, dict[int, bytes]] = {}
+        for cells in reversed(car.recorded.cells):  # the first one that was recorded stays
+            space = contents.setdefault(cells.space, {})
+            for address, value in enumerate(cells.data, cells.address):
+                space[address] = bytes([value])
+        super().__init__(contents)
+
+    def read(self, space: str, address: int, count: int = 1) -> bytes:
+        """The cells at the present position."""
+        self._follow()
+        return super().read(space, address, count)
+
+    def write(self, space: str, address: int, data: bytes) -> None:
+        """Stays until another value of the cell was recorded."""
+        self._follow()
+        super().write(space, address, data)
+
+    def power_cycle(self) -> None:
+        """Not what a tester wrote, but what was recorded, is there again."""
+        super().power_cycle()
+        self._applied = 0
+
+    def _follow(self) -> None:
+        position = self._car.position()
+        recorded = self._car.recorded.cells
+        if position < self._until:
+            super().power_cycle()
+            self._applied = 0
+        self._until = position
+        while self._applied < len(recorded) and recorded[self._applied].time <= position:
+            cells = recorded[self._applied]
+            super().write(cells.space, cells.address, cells.data)
+            self._applied += 1
+
+
+class ReplayResponder(Responder):
+    """Answers as the recorded unit did, refusals included."""
+
+    def __init__(self, car: ReplayCar) -> None:
+        recorded = car.recorded
+        super().__init__(car, car.identity(), recorded.assumptions, ReplayMemory(car))
+        self._replayed = car
+        self._silences_past = 0
+
+    def answer(self, body: bytes, now: float) -> Answer:
+        """What was recorded, else what this unit would say."""
+        car = self._replayed
+        car.look(now)
+        if car.silences_past() != self._silences_past:
+            # The unit may have been off and on again while nobody listened, or was sought past it.
+            self._silences_past = car.silences_past()
+            self.power_cycle()
+        recorded = car.recorded
+        if body and body[0] in recorded.refusals:
+            return recorded.refusals[body[0]]
+        if body and body[0] not in c.COMMANDS_BY_CODE and body in recorded.others:
+            return recorded.others[body].at(car.position())
+        self.identity = car.identity()
+        return super().answer(body, now)

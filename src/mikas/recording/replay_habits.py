@@ -1,0 +1,123 @@
+"""What a recording shows of a unit's ways: what it lacks, how long a list it takes, how fast it is.
+
+Fed with how each request ended; `conclude` makes of it what the virtual unit needs to do likewise
+(D3, D7, D10, D11, D14). Nothing is concluded from what a unit did not do while it had no supply,
+nor from a single lost answer of something that it has answered at other times.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection
+from statistics import median
+from typing import Final
+
+from mikas import commands as c
+from mikas.commands.base import ERROR
+from mikas.virtual.assumptions import Assumptions, LongList, Unknown
+
+ENOUGH: Final = 2  # a unit that does not take a request fails it each time
+_MOST_DELAYS: Final = 1000
+_LONGEST_TURN: Final = 1.0  # s
+
+_LISTS: Final = frozenset(
+    [0x61, 0x64, *c.StreamCyclic.CODES, *c.StreamAtStroke.CODES]
+)  # each with one code behind another
+_BLOCKS: Final = frozenset([0x21, 0x23, 0x25])  # the count is the last byte
+
+
+class Habits:
+    """Counts what becomes of requests."""
+
+    def __init__(self) -> None:
+        self.raw_checksum = False
+        self.counted_blocks = False
+        self._answered: dict[int, int] = {}  # command code → the longest list or block
+        self._failed: list[tuple[float, bytes, bytes | None]] = []
+        self._delays: list[float] = []
+        self._gaps: list[float] = []
+
+    def answered(self, request: bytes, delay: float | None) -> None:
+        """`request` was answered as it should, `delay` seconds after its end, if known."""
+        code = request[0]
+        size = _size(request)
+        if size >= self._answered.get(code, 0):
+            self._answered[code] = size
+        if delay is not None and len(self._delays) < _MOST_DELAYS:
+            self._delays.append(delay)
+
+    def streamed(self, gap: float) -> None:
+        """A stream went on, `gap` seconds after the end of its last response."""
+        if len(self._gaps) < _MOST_DELAYS:
+            self._gaps.append(gap)
+
+    def failed(self, time: float, request: bytes, response: bytes | None) -> None:
+        """`request` got no answer, or `response`, which says no or too little."""
+        self._failed.append((time, request, response))
+
+    def conclude(
+        self, has_supply: Callable[[float], bool], known: Collection[int]
+    ) -> tuple[Assumptions, dict[int, bytes | None]]:
+        """The unit's assumptions, and what it says to each command code that it lacks.
+
+        `known`: the parameter codes that it has; a list with another one in it is refused for that.
+        """
+        failed = [
+            (request, response)
+            for time, request, response in self._failed
+            if request and has_supply(time) and _asks_known(request, known)
+        ]
+        saying: dict[int, Counter[bytes | None]] = {}
+        for request, response in failed:
+            if request[0] not in self._answered and response in (None, ERROR):
+                saying.setdefault(request[0], Counter())[response] += 1
+        refusals = {code: said.most_common(1)[0][0] for code, said in saying.items()}
+        refusals.pop(c.Availability.CODES[0], None)  # else there is nothing to talk to
+        tried = [(request, said) for request, said in failed if request[0] in self._answered]
+        max_list, short = self._limit(_LISTS, tried)
+        assumptions = Assumptions(
+            turn_round=_typical(self._delays, Assumptions().turn_round),
+            stream_gap=_typical(self._gaps, Assumptions().stream_gap),
+            max_list=max_list,
+            long_list=LongList.SHORT if short else LongList.SILENT,
+            max_block=self._limit(_BLOCKS, tried)[0],
+            unknown=self._unknown(),
+            missing=frozenset(refusals),
+            counted_blocks=self.counted_blocks,
+            raw_checksum=self.raw_checksum,
+        )
+        return assumptions, refusals
+
+    def _limit(
+        self, codes: Collection[int], tried: list[tuple[bytes, bytes | None]]
+    ) -> tuple[int, bool]:
+        """The longest list or block that was answered, if longer ones were not; and whether those
+        brought too little.
+        """
+        longest = max((size for code, size in self._answered.items() if code in codes), default=0)
+        over = [
+            response
+            for request, response in tried
+            if request[0] in codes and _size(request) > longest
+        ]
+        if not longest or len(over) < ENOUGH:
+            return 255, False
+        return longest, any(response not in (None, ERROR) for response in over)
+
+    def _unknown(self) -> Unknown:
+        said = Counter(response == ERROR for _, _, response in self._failed)
+        return Unknown.ERROR if said[True] > said[False] else Unknown.SILENT
+
+
+def _typical(seconds: list[float], default: float) -> float:
+    return round(min(max(median(seconds), 0.0), _LONGEST_TURN), 6) if seconds else default
+
+
+def _size(request: bytes) -> int:
+    if request[0] in _LISTS:
+        return len(request) - 1
+    return request[-1] if request[0] in _BLOCKS else 0
+
+
+def _asks_known(request: bytes, known: Collection[int]) -> bool:
+    return request[0] not in _LISTS or all(code in known for code in request[1:])

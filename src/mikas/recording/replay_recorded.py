@@ -1,0 +1,110 @@
+"""What can be played back of a recording, by time: a datum is found by bisection.
+
+Bodies are kept as they came, those with the same parameters in one series: ten hours at the full
+rate of a stream are 1.3 million responses, here 35 bytes each.
+"""
+
+from __future__ import annotations
+
+from array import array
+from bisect import bisect_right
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+from mikas import commands as c
+from mikas.virtual.assumptions import Assumptions
+
+T = TypeVar("T")
+
+
+class Latest(Generic[T]):
+    """Something that was told now and then."""
+
+    def __init__(self) -> None:
+        self.times = array("d")
+        self.values: list[T] = []
+
+    def add(self, time: float, value: T) -> None:
+        """It was `value` at `time`; the same as before is not kept."""
+        if not self.values or self.values[-1] != value:
+            self.times.append(time)
+            self.values.append(value)
+
+    def index(self, time: float) -> int:
+        """Which of `values` held at `time`; before the first one, that one."""
+        return max(0, bisect_right(self.times, time) - 1)
+
+    def at(self, time: float) -> T | None:
+        """The value at `time`; None if it was never told."""
+        return self.values[self.index(time)] if self.values else None
+
+
+class Series:
+    """Responses with the same parameters in them. `begins`: where in a body each one's datum is."""
+
+    def __init__(self, layout: tuple[c.Datum, ...]) -> None:
+        self.layout = layout
+        self.size = sum(datum.size for datum in layout)
+        self.times = array("d")
+        self._bodies = bytearray()
+
+    def add(self, time: float, body: bytes) -> None:
+        """The response of `time`, never before the one before."""
+        self.times.append(max(time, self.times[-1]) if self.times else time)
+        self._bodies += body
+
+    def datum(self, index: int, begin: int, size: int) -> bytes:
+        """The bytes from `begin` of response number `index`."""
+        start = index * self.size + begin
+        return bytes(self._bodies[start : start + size])
+
+
+@dataclass(frozen=True, slots=True)
+class Cells:
+    """Memory as it was read or written at a time."""
+
+    time: float
+    space: str
+    address: int
+    data: bytes
+
+
+@dataclass(slots=True)
+class Recorded:
+    """Everything that can be played back.
+
+    `places`: by parameter code, where its data are: series, place in the body, size. `silences`:
+    when the unit had no supply, in order. `refusals`: what it says to commands that it lacks, or of
+    which nothing was recorded. `others`: answers to commands that §3 does not have.
+    """
+
+    begin: float = 0.0
+    duration: float = 0.0
+    baud: int = 9600
+    echo: bool = True
+    frames: int = 0
+    problems: int = 0
+    places: dict[int, list[tuple[Series, int, int]]] = field(default_factory=dict)
+    version: Latest[int] = field(default_factory=Latest)
+    passports: tuple[Latest[str], ...] = field(
+        default_factory=lambda: tuple(Latest() for _ in range(8))
+    )
+    count: Latest[int] = field(default_factory=Latest)
+    faults: Latest[tuple[int, ...]] = field(default_factory=Latest)
+    cells: list[Cells] = field(default_factory=list)
+    strokes: dict[int, array[float]] = field(default_factory=dict)
+    others: dict[bytes, Latest[bytes]] = field(default_factory=dict)
+    writable: set[int] = field(default_factory=set)
+    silences: list[tuple[float, float]] = field(default_factory=list)
+    assumptions: Assumptions = field(default_factory=Assumptions)
+    refusals: dict[int, bytes | None] = field(default_factory=dict)
+
+    def has_supply(self, time: float) -> bool:
+        """Whether the unit was alive at `time`."""
+        index = bisect_right(self.silences, time, key=lambda silence: silence[0]) - 1
+        return index < 0 or time >= self.silences[index][1]
+
+    def size_of(self, code: int) -> int | None:
+        """Bytes of a parameter's datum; None if it was never recorded."""
+        places = self.places.get(code)
+        return places[0][2] if places else None
