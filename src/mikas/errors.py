@@ -171,8 +171,10 @@ class BadPortUrl(UsageError):
 
     what = Text("“{url}” is not a port: {problem}", "«{url}» — не порт: {problem}")
     advice = Text(
-        "Ports look like /dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port or sim:.",
-        "Порты пишутся так: /dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim:.",
+        "Ports look like /dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: or "
+        "replay:FILE.",
+        "Порты пишутся так: /dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim:, "
+        "replay:FILE.",
     )
 
 

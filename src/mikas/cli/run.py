@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from mikas.catalog import Catalog
     from mikas.client import Change, Confirm, Ecu
     from mikas.link import Link, Sink
+    from mikas.recording import Coalescer
 
 _HOW = Text(
     "There is no terminal to ask at; --yes says yes beforehand.",
@@ -44,6 +45,8 @@ class Run:
     reading: str = "corrected"
     catalogs: tuple[Path, ...] = ()
     output: Output = field(default_factory=Output)
+    records: bool = False  # the capture is a recording: a packet a response, and notes
+    recorder: Coalescer | None = None
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Run:
@@ -102,10 +105,14 @@ class Run:
         if self.capture is None:
             yield None
             return
-        from mikas.recording import CaptureWriter
+        from mikas.recording import CaptureWriter, Coalescer
 
         with CaptureWriter(self.capture, url=port) as writer:
-            yield writer
+            if not self.records:
+                yield writer
+                return
+            with Coalescer(writer) as self.recorder:
+                yield self.recorder
 
     def check_capture(self, link: Link) -> None:
         """Says if the capture on `link` has broken off."""

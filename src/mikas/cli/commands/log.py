@@ -15,6 +15,7 @@ from mikas.cli.words import decimal, say
 from mikas.client import Ecu, Sample
 from mikas.errors import UsageError
 from mikas.language import Text
+from mikas.recording.notes import write_session_header
 
 
 @command(
@@ -52,14 +53,31 @@ def log(
                 "Команда log и так записывает, в файл после -o; уберите --capture",
             )
         )
-    run.capture = out
+    run.capture, run.records = out, True
     with run.ecu() as ecu:
+        _write_head(run, ecu)
         taken = _counted(run, ecu, out, samples(ecu, names, method, rate, count, duration))
         if run.output.json:
             show(run, ecu, taken, names)
         else:
             for _ in taken:
                 pass
+
+
+def _write_head(run: Run, ecu: Ecu) -> None:
+    """Whose recording it is and what it is to be read with, before the first sample."""
+    assert run.recorder is not None  # `records` asked for it
+    write_session_header(
+        run.recorder,
+        ecu.tester.link.now(),
+        version_code=ecu.version_code,
+        passports=ecu.passport().pieces,
+        catalog_version=ecu.catalog.version,
+        adapter=ecu.tester.link.description,
+        baud=ecu.tester.link.baud,
+        echo=ecu.tester.echoes,
+        reading=run.reading,
+    )
 
 
 def _counted(run: Run, ecu: Ecu, out: Path, taken: Iterator[Sample]) -> Iterator[Sample]:
