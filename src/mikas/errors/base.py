@@ -1,0 +1,97 @@
+"""The root of the tree, and how an error tells what was on the wire."""
+
+from __future__ import annotations
+
+import errno
+from typing import ClassVar
+
+from mikas.language import Language, Text
+
+
+class MikasError(Exception):
+    """The root. `request` and `received` are bytes as on the wire, `time` is the link's clock.
+
+    `what` says what failed; `advice` gives the likely causes in order and what to try. Both may
+    hold `str.format` fields, filled from the keyword arguments.
+    """
+
+    what: ClassVar[Text] = Text("Something failed", "Что-то не получилось")
+    advice: ClassVar[Text] = Text("", "")
+
+    def __init__(
+        self,
+        *,
+        request: bytes | None = None,
+        received: bytes | None = None,
+        time: float | None = None,
+        advice: Text | None = None,
+        **fields: object,
+    ) -> None:
+        self.request = request
+        self.received = received
+        self.time = time
+        self.fields = fields
+        self.reason = self.what.filled(**fields)
+        self.to_try = (advice or self.advice).filled(**fields)
+        super().__init__(self.reason.en)
+
+    def __str__(self) -> str:
+        # Not fixed when raised: a higher layer may still add what was on the wire.
+        return self.text.en
+
+    @property
+    def text(self) -> Text:
+        """One short paragraph: what failed, what was sent and received (hex), what to try."""
+        return Text(
+            _paragraph(self.reason.en, self.to_try.en, *self._wire("en")),
+            _paragraph(self.reason.ru, self.to_try.ru, *self._wire("ru")),
+        )
+
+    def _wire(self, language: Language) -> list[str]:
+        sent, received, nothing, unit = _WIRE[language]
+        parts = []
+        if self.request is not None:
+            parts.append(f"{sent} {in_hex(self.request, unit)}")
+        if self.received is not None:
+            came = f"{received} {in_hex(self.received, unit)}"
+            parts.append(came if self.received else nothing)
+        return parts
+
+
+_WIRE: dict[Language, tuple[str, str, str, str]] = {
+    "en": ("sent", "received", "received nothing", "bytes"),
+    "ru": ("послано", "принято", "не принято ничего", "байт"),
+}
+_LONGEST = 48
+
+
+def in_hex(data: bytes, unit: str = "bytes") -> str:
+    """`01 FF 0D`, cut only when it would fill the screen."""
+    if len(data) <= _LONGEST:
+        return data.hex(" ").upper()
+    return f"{data[:_LONGEST].hex(' ').upper()} … ({len(data)} {unit})"
+
+
+def _paragraph(reason: str, advice: str, *wire: str) -> str:
+    text = f"{reason} ({', '.join(wire)})." if wire else f"{reason}."
+    return f"{text} {advice}".strip()
+
+
+_IN_RUSSIAN = {
+    errno.ENOENT: "нет такого файла или папки",
+    errno.EACCES: "система не разрешает",
+    errno.EPERM: "система не разрешает",
+    errno.EROFS: "запись туда невозможна",
+    errno.EISDIR: "это папка",
+    errno.ENOTDIR: "часть пути — не папка",
+    errno.EEXIST: "уже существует",
+    errno.ENOSPC: "диск заполнен",
+    errno.EADDRINUSE: "этот адрес уже занят",
+    errno.EADDRNOTAVAIL: "у этой машины нет такого адреса",
+}
+
+
+def reason_of(error: OSError) -> Text:
+    """Why the system refused, in its own words; in Russian where they are known."""
+    words = error.strerror or str(error)
+    return Text(words, _IN_RUSSIAN.get(error.errno or 0, words))

@@ -1,0 +1,95 @@
+"""The ECU is there, but the exchange was spoilt (§2, D12–D14)."""
+
+from __future__ import annotations
+
+from mikas.errors.base import MikasError
+from mikas.language import Text
+
+
+class LineError(MikasError):
+    """The ECU was there, but this exchange was spoilt, and repeating it did not help."""
+
+    advice = Text(
+        "Check ground and plug of the adapter, keep its cable away from the ignition leads; "
+        "`mikas doctor` looks at the line step by step.",
+        "Проверьте массу и разъём адаптера, отведите кабель от высоковольтных проводов; "
+        "`mikas doctor` проверит линию по шагам.",
+    )
+
+
+class NoResponse(LineError, TimeoutError):
+    """Silence for longer than the limits of D14."""
+
+    what = Text("The ECU did not answer within {seconds:g} s", "Блок не ответил за {seconds:g} с")
+    advice = Text(
+        "Either this unit does not know the command (`mikas info` shows what it knows), or the "
+        "ignition went off, or the line is bad (`mikas doctor`). `--timeout` makes it wait longer.",
+        "Либо блок не знает этой команды (что он знает, показывает `mikas info`), либо выключилось "
+        "зажигание, либо плоха линия (`mikas doctor`). Ждать дольше: `--timeout`.",
+    )
+
+
+class EchoDiffers(LineError):
+    """What came back is not what was sent: a second talker or a bad line (D1, D2)."""
+
+    what = Text("The echo differs from what was sent", "Эхо отличается от посланного")
+    advice = Text(
+        "Likely, in order: another tester or unit talks on the same wire; a bad ground; a wrong "
+        "baud rate or `--echo` setting. Disconnect other devices, then try `mikas doctor`.",
+        "Скорее всего, по порядку: на том же проводе говорит другой прибор или блок; плохая масса; "
+        "неверная скорость или `--echo`. Отключите остальные приборы, затем `mikas doctor`.",
+    )
+
+
+class DamagedResponse(LineError):
+    """The response's frame is damaged: checksum, cut short, or too long (§2)."""
+
+    what = Text("The response came damaged: {damage}", "Ответ пришёл с повреждением: {damage}")
+
+
+class WrongLength(LineError):
+    """A sound frame of a length that does not fit the request (D13)."""
+
+    what = Text(
+        "The response has {length} byte(s), this request's has {expected}",
+        "В ответе байтов: {length}; на этот запрос должно быть: {expected}",
+    )
+
+
+class WrongAddress(LineError):
+    """A sound frame that repeats another address than the request's (D13)."""
+
+    what = Text(
+        "The response speaks of address {got}, the request of {asked}",
+        "В ответе адрес {got}, а в запросе {asked}",
+    )
+
+
+class WrongContent(LineError):
+    """A sound frame of the right length whose content breaks the response's own rules (§3)."""
+
+    what = Text("The response makes no sense: {problem}", "Ответ не имеет смысла: {problem}")
+
+
+class LineNotQuiet(LineError):
+    """Bytes keep coming although nothing was asked (D2, D12)."""
+
+    what = Text(
+        "The line does not become quiet: something keeps sending",
+        "Линия не смолкает: кто-то продолжает передавать",
+    )
+    advice = Text(
+        "Another tester on the wire, or a stream that the unit does not end: switch the ignition "
+        "off for ten seconds and on again.",
+        "На проводе другой прибор, либо блок не прекращает поток: выключите зажигание на десять "
+        "секунд и включите снова.",
+    )
+
+
+class OutOfStep(LineError):
+    """After a failed exchange the ECU could not be brought back in step (D13)."""
+
+    what = Text(
+        "The ECU could not be brought back in step after a spoilt exchange",
+        "После сбоя обмена не удалось снова согласоваться с блоком",
+    )
