@@ -33,6 +33,12 @@ def test_faults():
     assert len(c.ReadFaults().respond((1,) * 300)) == 511
 
 
+def test_d10_01_is_no_list_of_faults():
+    """One fault would have its number and E0 behind it."""
+    with pytest.raises(NotSupported, match="02"):
+        c.ReadFaults().read(b"\x01")
+
+
 def test_the_echoed_address_must_match():
     with pytest.raises(WrongAddress, match="8001"):
         c.ReadCodeByte(0x8000).read(hexed("01 80 4F"))
