@@ -165,6 +165,7 @@ def test_an_over_long_frame_is_reported_once_and_the_next_one_is_read():
     assert events[0] == Damage(DamageReason.TOO_LONG, b"\x22" * 10, 0)
     assert [e.body for e in events[1:]] == [b"\x01"]
     assert decoder.discarded == 20
+    assert decoder.offset == len(wire)
 
 
 def test_a_frame_of_exactly_the_limit_is_sound():

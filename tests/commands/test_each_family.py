@@ -178,3 +178,19 @@ def test_the_list_of_63_is_known_to_nobody_from_its_bytes():
 def test_lengths_in_words():
     assert lengths_in_words((4,)) == "4"
     assert lengths_in_words(range(1, 512, 2)) == "1, 3, 5 …"
+
+
+def test_what_the_ecu_does_not_know_is_no_request():
+    with pytest.raises(c.MalformedRequest):
+        c.parse(hexed("61 1A"), lambda _: None)
+
+
+def test_a_stream_is_parsed_with_its_stroke():
+    stream = c.parse(hexed("82 29"), lambda _: 1)
+    assert stream == c.StreamAtStroke((c.Datum(0x29, 1),), 3)
+    assert not stream.repeatable
+
+
+def test_goto_says_what_it_is_told_to():
+    assert c.GoTo(0x8000).respond(b"\x55") == b"\x55"
+    assert not c.GoTo(0x8000).repeatable
