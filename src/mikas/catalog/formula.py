@@ -195,7 +195,7 @@ class _PlainForm:
 
 def _number(node: ast.Constant) -> ast.expr:
     try:
-        number = float(node.value)  # type: ignore[arg-type]
+        number = float(node.value)  # type: ignore[arg-type]  # its caller matched a number
     except OverflowError:
         number = float("inf")
     if isfinite(number):

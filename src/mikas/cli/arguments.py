@@ -195,7 +195,7 @@ class OneOf(ParamType[str]):
             self.fail(said, param, ctx)
         return text
 
-    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:  # noqa: ARG002
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
         return f"[{'|'.join(self.words)}]"
 
 

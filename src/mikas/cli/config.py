@@ -77,7 +77,7 @@ def _wanted(name: str, value: object) -> Text | None:
         good = isinstance(value, str) and bool(value.strip())
         return None if good else Text('a port in quotes, like "COM3"', 'порт в кавычках: "COM3"')
     if name == "timeout":
-        good = number and 0 < value <= 60  # type: ignore[operator]
+        good = number and 0 < value <= 60  # type: ignore[operator]  # a number, as tested
         return None if good else Text("seconds, up to 60", "число секунд, до 60")
     if name == "retries":
         good = number and isinstance(value, int) and 0 <= value <= 100

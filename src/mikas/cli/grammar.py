@@ -24,16 +24,16 @@ class Command(click.Command):
 
     def __init__(
         self,
-        *args: Any,  # noqa: ANN401
+        *args: Any,
         text: Text,
         examples: tuple[str, ...] = (),
-        **kwargs: Any,  # noqa: ANN401
+        **kwargs: Any,
     ) -> None:
         super().__init__(*args, **kwargs)
         self.text = text
         self.examples = examples
 
-    def get_short_help_str(self, limit: int = 45) -> str:  # noqa: ARG002  (never cut)
+    def get_short_help_str(self, limit: int = 45) -> str:
         return shown(self.text).split(". ")[0].rstrip(".")
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -70,7 +70,7 @@ class Command(click.Command):
         pieces = " ".join(self.collect_usage_pieces(ctx))
         formatter.write_usage(ctx.command_path, pieces, prefix=say("Usage: ", "Вызов: "))
 
-    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         formatter.write_paragraph()
         formatter.write_text(shown(self.text))
 
@@ -87,7 +87,7 @@ class Command(click.Command):
                 with formatter.section(title):
                     formatter.write_dl(records)
 
-    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         if self.examples:
             with formatter.section(say("Examples", "Примеры")):
                 for example in self.examples:
@@ -103,17 +103,17 @@ class Group(Command, click.Group):
 
     def __init__(
         self,
-        *args: Any,  # noqa: ANN401
+        *args: Any,
         homes: Mapping[str, tuple[str, Text]],
-        **kwargs: Any,  # noqa: ANN401
+        **kwargs: Any,
     ) -> None:
         super().__init__(*args, **kwargs)
         self.homes = homes
 
-    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
+    def list_commands(self, ctx: click.Context) -> list[str]:
         return list(self.homes)
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in self.homes:
             return None
         module, _, attribute = self.homes[cmd_name][0].partition(":")
@@ -171,7 +171,7 @@ def command(
     text: Text,
     *,
     examples: tuple[str, ...] = (),
-    **settings: Any,  # noqa: ANN401
+    **settings: Any,
 ) -> Callable[[Callable[..., Any]], Command]:
     """Makes a function a command with the common options. It gets `run`, then its own arguments."""
 

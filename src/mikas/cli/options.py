@@ -17,7 +17,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 class Option(click.Option):
     """An option whose help is a `Text`."""
 
-    def __init__(self, *args: Any, text: Text, **kwargs: Any) -> None:  # noqa: ANN401
+    def __init__(self, *args: Any, text: Text, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self.text = text
 
@@ -30,7 +30,7 @@ class Option(click.Option):
 class CommonOption(Option):
     """An option that every command has, before or after its name."""
 
-    def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, expose_value=False, callback=_keep, **kwargs)
 
 
@@ -123,7 +123,7 @@ def common_options() -> list[click.Parameter]:
     ]
 
 
-def option(*names: str, text: Text, **settings: Any) -> Callable[[F], F]:  # noqa: ANN401
+def option(*names: str, text: Text, **settings: Any) -> Callable[[F], F]:
     """`click.option` with a `Text`."""
     return click.option(*names, cls=Option, text=text, **settings)
 

@@ -188,7 +188,7 @@ class AsyncEcu:
         self._closed = False
 
     @classmethod
-    async def connect(cls, url: str | None = None, **settings: Any) -> Self:  # noqa: ANN401
+    async def connect(cls, url: str | None = None, **settings: Any) -> Self:
         """As `mikas.connect`, with the same settings, and the same errors."""
         worker = ThreadPoolExecutor(1, thread_name_prefix="mikas")
         opening = worker.submit(partial(connect, url, **settings))
