@@ -14,7 +14,15 @@ from mikas.catalog.derived import Derived
 from mikas.catalog.limits import AlarmLimits, Level
 from mikas.catalog.loader import load, shipped
 from mikas.catalog.lookup import Catalog
-from mikas.catalog.model import READINGS, Erratum, Fault, Model, Parameter
+from mikas.catalog.model import (
+    READINGS,
+    Erratum,
+    Fault,
+    Lamp,
+    Meaning,
+    Model,
+    Parameter,
+)
 
 __all__ = [
     "READINGS",
@@ -25,7 +33,9 @@ __all__ = [
     "Derived",
     "Erratum",
     "Fault",
+    "Lamp",
     "Level",
+    "Meaning",
     "Model",
     "Parameter",
     "load",

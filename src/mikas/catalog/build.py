@@ -6,16 +6,15 @@ from collections.abc import Iterable, Mapping
 from pathlib import PurePath
 from typing import Any
 
-from mikas.catalog.build_limits import alarm_limits
+from mikas.catalog.build_limits import NOT_FOR_FLAGS, alarm_limits
+from mikas.catalog.build_words import lamp, meaning, optional
 from mikas.catalog.confidence import Confidence
-from mikas.catalog.conversion import NO_TEXT, Conversion
+from mikas.catalog.conversion import Conversion
 from mikas.catalog.entries import Entries, Entry
 from mikas.catalog.model import Erratum, Fault, Model, Parameter
 from mikas.catalog.source import KeyPath
 from mikas.catalog.spelling import nearest
 from mikas.language import Text
-
-_NOT_FOR_FLAGS = Text("makes no sense for a flag", "для признака не имеет смысла")
 
 _NUMERIC = ("signed", "scale", "bias", "offset", "unit")
 
@@ -40,7 +39,8 @@ def faults(entries: Entries) -> dict[int, Fault]:
         code: Fault(
             code=code,
             text=entry.text("text"),
-            check=entry.text("check") if "check" in entry.values else NO_TEXT,
+            check=optional(entry, "check"),
+            check_confidence=_said_of(entry.values, "check"),
             parameters=_names(entry, "parameters", entries["parameter"]),
             confidence=entry.values.get("confidence", Confidence.UNCONFIRMED),
             sources=entry.values.get("sources", ()),
@@ -103,11 +103,13 @@ def _parameter(
         decimals=values.get("decimals", _decimals(conversion)),
         plausible=values.get("range"),
         reference=values.get("reference"),
-        reference_confidence=_reference_confidence(values),
+        reference_confidence=_said_of(values, "reference"),
         source=source_of(entry),
         confidence=values.get("confidence", Confidence.UNCONFIRMED),
         errata=_names(entry, "errata", entries["erratum"]),
         alarm_limits=alarm_limits(entry, is_flag=conversion.is_flag),
+        lamp=lamp(entry, is_flag=conversion.is_flag),
+        meaning=meaning(entry, is_flag=conversion.is_flag),
     )
 
 
@@ -144,7 +146,7 @@ def _refuse_for_flag(entry: Entry, inside: KeyPath, keys: Iterable[str]) -> None
     since = entry.order(_where(entry, inside, "mask"))
     for key in keys:
         if entry.order((*inside, key)) >= since:
-            raise entry.wrong((*inside, key), _NOT_FOR_FLAGS)
+            raise entry.wrong((*inside, key), NOT_FOR_FLAGS)
 
 
 def _where(entry: Entry, inside: KeyPath, *keys: str) -> KeyPath:
@@ -159,9 +161,10 @@ def _decimals(conversion: Conversion) -> int:
     return next((places for places in (1, 2) if abs(conversion.scale) * 10**places >= 1), 3)
 
 
-def _reference_confidence(values: Mapping[str, Any]) -> Confidence:
-    default = Confidence.UNCONFIRMED if "reference" in values else Confidence.UNKNOWN
-    return Confidence(values.get("reference_confidence", default))
+def _said_of(values: Mapping[str, Any], key: str) -> Confidence:
+    """The confidence of `key`; where nothing is said, there is none to have."""
+    default = Confidence.UNCONFIRMED if key in values else Confidence.UNKNOWN
+    return Confidence(values.get(f"{key}_confidence", default))
 
 
 def source_of(entry: Entry) -> str:

@@ -13,14 +13,14 @@ from mikas.language import Text
 _OF_NUMBERS = (*LIMITS, "hysteresis")
 _OF_FLAGS = ("when_true",)
 
-_NOT_FOR_FLAGS = Text("makes no sense for a flag", "для признака не имеет смысла")
-_ONLY_FOR_FLAGS = Text("makes sense for a flag only", "имеет смысл только для признака")
+NOT_FOR_FLAGS = Text("makes no sense for a flag", "для признака не имеет смысла")
+ONLY_FOR_FLAGS = Text("makes sense for a flag only", "имеет смысл только для признака")
 
 
 def alarm_limits(entry: Entry, *, is_flag: bool) -> AlarmLimits | None:
     """What its table `limits` says; None if no limit is left in it."""
     table = entry.values.get("limits", {})
-    unfit, problem = (_OF_NUMBERS, _NOT_FOR_FLAGS) if is_flag else (_OF_FLAGS, _ONLY_FOR_FLAGS)
+    unfit, problem = (_OF_NUMBERS, NOT_FOR_FLAGS) if is_flag else (_OF_FLAGS, ONLY_FOR_FLAGS)
     for key in unfit:
         # What an earlier file said, before a later one made a flag of it (or a number), is dropped.
         if key in table and entry.order(("limits", key)) >= entry.order(("mask",)):

@@ -53,13 +53,14 @@ class Entry:
         if key not in self.values:
             raise self.wrong((), Text(f"has no `{key}`", f"нет `{key}`"))
 
-    def text(self, key: str) -> Text:
-        """A text that must be there, in both languages."""
-        self.require(key)
-        for language in ("en", "ru"):
-            if language not in self.values[key]:
-                raise self.wrong((key,), Text(f"has no `{language}`", f"нет `{language}`"))
-        return Text(**self.values[key])
+    def text(self, *path: str) -> Text:
+        """A text that must be there, in both languages. `path`: its key, after those around it."""
+        found = self.values
+        for depth, key in enumerate((*path, "en", "ru")):
+            if key not in found:
+                raise self.wrong(path[:depth], Text(f"has no `{key}`", f"нет `{key}`"))
+            found = found if depth >= len(path) else found[key]
+        return Text(**found)
 
 
 def merged(sources: Iterable[Source]) -> Entries:

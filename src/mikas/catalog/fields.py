@@ -228,6 +228,8 @@ FAMILIES: Mapping[str, Family] = {
             "confidence": CONFIDENCE,
             "errata": strings,
             "limits": {**_ALARMS, "when_true": choice(Level, *Level)},
+            "lamp": {"on": TEXT, "off": TEXT},
+            "meaning": {"low": TEXT, "high": TEXT, "source": string, "confidence": CONFIDENCE},
         },
     ),
     "derived": Family(
@@ -249,6 +251,7 @@ FAMILIES: Mapping[str, Family] = {
         {
             "text": TEXT,
             "check": TEXT,
+            "check_confidence": CONFIDENCE,
             "parameters": strings,
             "confidence": CONFIDENCE,
             "sources": strings,

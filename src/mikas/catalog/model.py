@@ -21,12 +21,31 @@ source. alternative: another sense of a letter that is odd, but possible (E3).""
 
 
 @dataclass(frozen=True, slots=True)
+class Lamp:
+    """What stands on a flag's lamp while it is set, and while it is not."""
+
+    on: Text
+    off: Text
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """What a value below or above its reference may mean, and what to check; empty: not said."""
+
+    low: Text = NO_TEXT
+    high: Text = NO_TEXT
+    source: str = ""
+    confidence: Confidence = Confidence.UNCONFIRMED
+
+
+@dataclass(frozen=True, slots=True)
 class Parameter:
     """One parameter of §4, or of a user's file, or a bare code (`0x1A`) with no meaning.
 
     `conversion` is the corrected reading. `literal` and `alternative` are None where they would
     be the same. `plausible`, `reference` (warm idle) and `alarm_limits` are in the unit of the
-    corrected reading.
+    corrected reading. `lamp` is a flag's, `meaning` says what it means to be off the reference;
+    None: nothing is said.
     """
 
     name: str
@@ -43,6 +62,8 @@ class Parameter:
     confidence: Confidence = Confidence.UNKNOWN
     errata: tuple[str, ...] = ()
     alarm_limits: AlarmLimits | None = None
+    lamp: Lamp | None = None
+    meaning: Meaning | None = None
 
     @property
     def size(self) -> int:
@@ -121,7 +142,7 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A fault number of command 02. `check`: what to look at first.
+    """A fault number of command 02. `check`: what to look at first. `parameters` bear on it.
 
     `informational`: the number is a message, not a fault (12). An unknown number has no text.
     """
@@ -129,6 +150,7 @@ class Fault:
     code: int
     text: Text = NO_TEXT
     check: Text = NO_TEXT
+    check_confidence: Confidence = Confidence.UNKNOWN
     parameters: tuple[str, ...] = ()
     confidence: Confidence = Confidence.UNKNOWN
     sources: tuple[str, ...] = ()

@@ -1,0 +1,140 @@
+"""The words of a flag's lamp, of a value off its reference, and of what to check."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from mikas.catalog import Confidence, Lamp, Meaning, load, shipped
+from mikas.errors import CatalogError
+from mikas.language import Text
+
+Write = Callable[[str], Path]
+
+FLAG = '[parameter.F]\ncode = 0x33\nsize = 1\nmask = 1\ntext = "f"\n'
+NUMBER = '[parameter.N]\ncode = 0x34\nsize = 1\ntext = "n"\n'
+LAMP = 'lamp = { on = "yes", off = "no" }\n'
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    count = 0
+
+    def to_file(text: str) -> Path:
+        nonlocal count
+        count += 1
+        path = tmp_path / f"own{count}.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return to_file
+
+
+def in_both_languages(text: Text) -> bool:
+    return bool(text.en and not re.search("[А-яЁё]", text.en) and re.search("[А-яЁё]", text.ru))
+
+
+# --- what is shipped
+
+
+def test_every_flag_has_two_different_texts() -> None:
+    for parameter in shipped().parameters:
+        assert (parameter.lamp is not None) == parameter.is_flag, parameter.name
+        if parameter.lamp:
+            assert in_both_languages(parameter.lamp.on)
+            assert in_both_languages(parameter.lamp.off)
+            assert parameter.lamp.on != parameter.lamp.off
+
+
+def test_every_reference_says_what_it_means_to_be_off_it() -> None:
+    for parameter in shipped().parameters:
+        assert (parameter.meaning is None) == (parameter.reference is None), parameter.name
+        if parameter.meaning is None:
+            continue
+        assert parameter.reference is not None
+        assert parameter.limits() is not None
+        # What can't be lower than its reference needs no word for that.
+        possible = parameter.limits()[0] < parameter.reference[0]
+        assert in_both_languages(parameter.meaning.low) == possible
+        assert in_both_languages(parameter.meaning.high)
+        assert parameter.meaning.confidence is Confidence.UNCONFIRMED
+        assert parameter.meaning.source == "own knowledge"
+
+
+def test_what_to_check_is_never_surer_than_we_are() -> None:
+    for fault in shipped().faults.values():
+        assert fault.check_confidence is Confidence.UNCONFIRMED
+
+
+# --- a person's own
+
+
+def test_a_lamp_of_ones_own(write: Write) -> None:
+    catalog = load(write(FLAG + LAMP), write('[parameter.RXX]\nlamp.on.ru = "ХХ"\n'))
+    assert catalog.parameter("F").lamp == Lamp(on=Text("yes", "yes"), off=Text("no", "no"))
+    before = shipped().parameter("RXX").lamp
+    assert before is not None
+    assert catalog.parameter("RXX").lamp == Lamp(Text(before.on.en, "ХХ"), before.off)
+
+
+def test_a_meaning_of_ones_own(write: Write) -> None:
+    catalog = load(
+        write(NUMBER + '[parameter.N.meaning]\nlow = "check it"\nconfidence = "reported"\n'),
+        write('[parameter.TWAT.meaning]\nhigh = "hot"\nsource = "me"\n'),
+    )
+    own = Meaning(Text("check it", "check it"), Text("", ""), "own1.toml", Confidence.REPORTED)
+    assert catalog.parameter("N").meaning == own
+    changed, before = catalog.parameter("TWAT").meaning, shipped().parameter("TWAT").meaning
+    assert changed is not None
+    assert before is not None
+    assert (changed.high, changed.low, changed.source) == (Text("hot", "hot"), before.low, "me")
+
+
+def test_no_words_are_none(write: Write) -> None:
+    catalog = load(write(FLAG + NUMBER + '[fault.99]\ntext = "f"\n'))
+    assert catalog.parameter("F").lamp is None
+    assert catalog.parameter("N").meaning is None
+    assert catalog.fault(99).check_confidence is Confidence.UNKNOWN
+    assert catalog.fault(98).check_confidence is Confidence.UNKNOWN
+
+
+def test_what_to_check_has_its_own_confidence(write: Write) -> None:
+    fault = load(write('[fault.13]\ncheck_confidence = "confirmed"\n')).fault(13)
+    assert (fault.check_confidence, fault.confidence) == (
+        Confidence.CONFIRMED,
+        Confidence.REPORTED,
+    )
+
+
+def test_a_number_made_of_a_flag_has_no_lamp_any_more(write: Write) -> None:
+    catalog = load(write(FLAG + LAMP), write("[parameter.F]\nmask = 0\n"))
+    assert catalog.parameter("F").lamp is None
+    assert not catalog.parameter("F").is_flag
+
+
+def test_a_flag_made_of_a_number_has_no_meaning_any_more(write: Write) -> None:
+    numbered = write(NUMBER + 'meaning = { low = "l" }\n')
+    assert load(numbered, write("[parameter.N]\nmask = 1\n")).parameter("N").meaning is None
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "problem"),
+    [
+        (NUMBER + LAMP, 5, "`parameter.N.lamp` makes sense for a flag only"),
+        (FLAG + 'meaning.low = "l"\n', 6, "`parameter.F.meaning` makes no sense for a flag"),
+        (FLAG + 'lamp = { on = "yes" }\n', 6, "`parameter.F.lamp` has no `off`"),
+        (FLAG + 'lamp.on = "yes"\nlamp.off.en = "no"\n', 7, "`parameter.F.lamp.off` has no `ru`"),
+        (NUMBER + 'meaning.low.ru = "l"\n', 5, "`parameter.N.meaning.low` has no `en`"),
+        (NUMBER + 'meaning.lower = "l"\n', 5, "unknown key `lower`; the nearest is `low`"),
+        (NUMBER + 'meaning.confidence = "sure"\n', 5, "must be one of"),
+        ('[fault.99]\ntext = "f"\ncheck_confidence = 1\n', 3, "must be one of"),
+    ],
+)
+def test_what_is_refused(write: Write, text: str, line: int, problem: str) -> None:
+    with pytest.raises(CatalogError) as caught:
+        load(write(text))
+    assert caught.value.line == line
+    assert problem in str(caught.value)
