@@ -82,6 +82,7 @@ class LinkContract:
     """For every link."""
 
     can_break = True
+    gathers = True  # whether it lets bytes come together
 
     def test_names_what_it_is(self, rig):
         assert rig.link.url
@@ -138,6 +139,24 @@ class LinkContract:
 
     def let_time_pass(self, link: Link) -> None:
         """For a simulated clock, which stands still between reads: move it on, reading nothing."""
+
+    def test_what_gathers_meanwhile_is_there_afterwards(self, rig):
+        rig.peer.send(b"\x09\xf7\r")
+        until = rig.link.now() + SOON
+        rig.link.gather(until)
+        assert (rig.link.now() >= until) is self.gathers
+        assert collect(rig.link, 3) == b"\x09\xf7\r"
+
+    def test_gathering_until_a_time_that_is_over_does_not_wait(self, rig):
+        before = rig.link.now()
+        rig.link.gather(before - FAR)
+        assert rig.link.now() < before + FAR / 2
+
+    def test_a_loss_does_not_show_while_bytes_gather(self, rig):
+        rig.link.close()
+        rig.link.gather(rig.link.now() + SOON)
+        with pytest.raises(LinkLost):
+            rig.link.read(rig.link.now())
 
     def test_the_clock_never_runs_back(self, rig):
         times = []

@@ -30,6 +30,7 @@ class TestAskedPort(RealTimeContract):
 
 class TestSocket(RealTimeContract):
     can_break = False
+    gathers = False
 
     @pytest.fixture
     def rig(self):
@@ -38,6 +39,8 @@ class TestSocket(RealTimeContract):
 
 
 class TestRfc2217(RealTimeContract):
+    gathers = False
+
     @pytest.fixture
     def rig(self, monkeypatch):
         hurry_pyserial(monkeypatch)
@@ -54,6 +57,7 @@ class TestTeeOverAskedPort(RealTimeContract):
 
 class TestTeeOverSocket(RealTimeContract):
     can_break = False
+    gathers = False
 
     @pytest.fixture
     def rig(self):

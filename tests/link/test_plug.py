@@ -2,11 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from mikas.errors import PortNotFound
+from mikas.link import CaptureTee, Chunk, Link
 from mikas.link.plug import Plug
 from mikas.link.ports import Port
+
+
+class QuietLink(Link):
+    """Opened when the computer's date was `date`; `ago()` seconds have passed since."""
+
+    def __init__(self, url: str, date: float, ago: Callable[[], float]) -> None:
+        self.url = url
+        self._date = date
+        self._ago = ago
+        self.written: list[bytes] = []
+        self.broken = 0.0
+        self.closed = False
+
+    def write(self, data: bytes) -> None:
+        self.written.append(data)
+
+    def read(self, deadline: float) -> Chunk:
+        return Chunk(b"", max(deadline, self.now()))
+
+    def gather(self, until: float) -> None:
+        self.gathered = until
+
+    def now(self) -> float:
+        return self._date + self._ago()
+
+    def send_break(self, seconds: float) -> None:
+        self.broken += seconds
+
+    def close(self) -> None:
+        self.closed = True
 
 
 class Desk:
@@ -16,23 +49,28 @@ class Desk:
         self.ports = list(ports)
         self.opened: list[str] = []
         self.slept = 0.0
+        self.date_set = 0.0  # by how much somebody has set the computer's date
+        self.links: list[QuietLink] = []
 
-    def open(self, url: str) -> str:
+    def open(self, url: str) -> QuietLink:
         if url.partition("?")[0] not in [port.url for port in self.ports] and ":" not in url:
             raise PortNotFound(url=url, found="")
         self.opened.append(url)
-        return url
+        began = self.slept
+        self.links.append(QuietLink(url, began + self.date_set, lambda: self.slept - began))
+        return self.links[-1]
 
     def nap(self, seconds: float) -> None:
         self.slept += seconds
 
-    def plug(self, url: str) -> Plug:
+    def plug(self, url: str, **settings: object) -> Plug:
         return Plug(
             url,
             find=lambda: self.ports,
             open_port=self.open,
             clock=lambda: self.slept,
             nap=self.nap,
+            **settings,
         )
 
 
@@ -83,3 +121,65 @@ def test_what_has_no_identity_is_opened_by_its_name():
     network.open()
     network.open()
     assert desk.opened == ["/dev/ttyS0"] * 2 + ["socket://car:2000"] * 2
+
+
+def test_a_sink_gets_what_passes_on_every_link():
+    desk = Desk(ftdi("/dev/ttyUSB0"))
+    came = []
+
+    class Sink:
+        def record(self, direction, data, time):
+            came.append((direction.value, data))
+
+    plug = desk.plug("/dev/ttyUSB0", sink=Sink())
+    for data in (b"one", b"two"):
+        link = plug.open()
+        assert isinstance(link, CaptureTee)
+        link.write(data)
+    assert came == [("sent", b"one"), ("sent", b"two")]
+
+
+@pytest.mark.parametrize("hours", [-1, 0, 1])
+def test_time_goes_on_though_the_date_is_set_between_two_links(hours):
+    desk = Desk(ftdi("/dev/ttyUSB0"))
+    plug = desk.plug("/dev/ttyUSB0")
+    seen = [plug.now()]
+    for _ in range(3):
+        link = plug.open()
+        desk.nap(5)
+        seen += [link.now(), plug.now(), link.read(link.now()).time]
+        desk.date_set += hours * 3600
+        desk.nap(1)
+        seen.append(plug.now())
+    assert seen == sorted(seen)
+    if hours <= 0:
+        assert seen[-1] == desk.slept  # and none of it was lost or made up
+
+
+def test_a_link_whose_clock_was_put_ahead_is_the_link_in_all_else():
+    desk = Desk(ftdi("/dev/ttyUSB0"))
+    plug = desk.plug("/dev/ttyUSB0")
+    plug.open()
+    desk.nap(5)
+    desk.date_set = -3600
+    link, behind = plug.open(), desk.links[-1]
+    assert link is not behind
+    link.write(b"data")
+    link.send_break(0.5)
+    assert (behind.written, behind.broken) == ([b"data"], 0.5)
+    assert link.read(12.0) == Chunk(b"", 12.0)
+    link.gather(link.now() + 1)
+    assert behind.gathered == behind.now() + 1
+    assert (link.url, link.baud, link.can_break) == (behind.url, behind.baud, behind.can_break)
+    assert link.description == behind.description
+    link.close()
+    assert behind.closed
+
+
+def test_a_simulated_links_clock_is_followed():
+    times = iter([100.0, 150.0])
+    plug = Plug(
+        "sim:", open_port=lambda url: QuietLink(url, 0.0, lambda: 7.0), clock=times.__next__
+    )
+    plug.open()
+    assert plug.now() == 57.0

@@ -41,6 +41,9 @@ class ScriptedLink(Link):
     def now(self) -> float:
         return self.time
 
+    def gather(self, until: float) -> None:
+        self.done.append(("gather", until))
+
     def send_break(self, seconds: float) -> None:
         self.done.append(seconds)
 
@@ -111,5 +114,6 @@ def test_everything_else_is_the_links():
     assert not tee.can_break
     assert tee.now() == 100.0
     with tee:
+        tee.gather(200.0)
         tee.send_break(0.3)
-    assert link.done == [0.3, "closed"]
+    assert link.done == [("gather", 200.0), 0.3, "closed"]

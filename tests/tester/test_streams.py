@@ -24,7 +24,9 @@ from tester_rig import (
 
 from mikas import commands as c
 from mikas.errors import (
+    DamagedResponse,
     EchoOnly,
+    LineError,
     LineNotQuiet,
     LinkLost,
     MikasError,
@@ -32,7 +34,10 @@ from mikas.errors import (
     NoResponse,
     NotSupported,
     UsageError,
+    WrongLength,
 )
+from mikas.framing import encode
+from mikas.tester import Failure
 from mikas.virtual.assumptions import StreamEnd, Unknown
 from mikas.virtual.disturbance import Disturbance, Trouble
 
@@ -364,3 +369,22 @@ def test_reads_and_streams_by_turns_in_heavy_weather(seed):
                     for _ in range(random.randrange(4)):
                         next(stream)
             right(tester, random.choice(sorted(ONE_BYTE)))
+
+
+def test_a_response_that_is_left_out_is_told_to_who_asks_for_it():
+    unit = Watched()
+    tester = unit.connected()
+    with tester.stream(c.StreamCyclic(SEVERAL)) as stream:
+        next(stream)
+        unit.disturbance.next(None, Trouble.DAMAGED, None, Trouble.FOREIGN)
+        told = []
+        for _ in range(8):
+            try:
+                assert stream.read(unit.link.now() + 1, tell=True).data == expected(stream.command)
+            except LineError as error:
+                told.append(error)
+        assert next(stream).data == expected(stream.command)
+    assert [type(error) for error in told] == [DamagedResponse, WrongLength]
+    assert all(error.request == encode(stream.command.body()) for error in told)
+    assert list(tester.statistics.failures) == [Failure.of(error) for error in told]
+    assert tester.statistics.failed == 2

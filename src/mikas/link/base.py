@@ -88,6 +88,15 @@ class Link(ABC):
         Works on a closed or lost link too.
         """
 
+    def gather(self, until: float) -> None:  # noqa: B027  (a back end may leave it at that)
+        """Let bytes come together until this time of the link's clock, then return.
+
+        For a caller that can do nothing with what comes before: the next `read` brings it all at
+        once, and the computer is woken once and not for every byte. A link that does better to hand
+        over each byte as it comes does not wait here at all, which is the default. Never raises
+        `LinkLost`; the next `read` does.
+        """
+
     @abstractmethod
     def send_break(self, seconds: float) -> None:
         """Hold the wire low for `seconds`, the way to silence a talker (D12); return after that.

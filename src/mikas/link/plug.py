@@ -4,6 +4,9 @@ A `Link` that is lost stays lost; whoever wants to go on opens a new one here. A
 known by vendor, product and serial number, not by its name: `/dev/ttyUSB0` may come back as
 `/dev/ttyUSB1`. While there is no link there is no link's clock either, so a plug has one, and is
 the only way to wait for the adapter.
+
+Each link begins with the computer's date of that moment. If that was set back meanwhile, the new
+link's clock would run through times that have been: it goes on from the plug's instead.
 """
 
 from __future__ import annotations
@@ -11,16 +14,16 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from mikas.link.base import Link, WallClock
+from mikas.link.base import Chunk, Link, WallClock
 from mikas.link.ports import Port, find_ports
+from mikas.link.tee import CaptureTee, Sink
 from mikas.link.urls import open_link, parse
 
 
 class Plug:
-    """Opens the same port again and again.
+    """Opens the same port again and again. `sink` gets what passes on every link (a `CaptureTee`).
 
-    `clock` and `nap` are for tests; the links' own clocks go on from this one's time, being UNIX
-    time both.
+    `clock` and `nap` are for tests.
     """
 
     def __init__(
@@ -31,12 +34,16 @@ class Plug:
         open_port: Callable[[str], Link] = open_link,
         clock: Callable[[], float] | None = None,
         nap: Callable[[float], None] = time.sleep,
+        sink: Sink | None = None,
     ) -> None:
         self.url = url
         self._find = find
         self._open_port = open_port
         self._clock = clock or WallClock().now
         self._nap = nap
+        self._sink = sink
+        self._link: Link | None = None
+        self._ahead = 0.0  # of the latest link's clock, before this one's
         self._identity: tuple[int, int, str | None] | None = None
 
     def open(self) -> Link:
@@ -44,11 +51,16 @@ class Plug:
         self.url = self._where()
         link = self._open_port(self.url)
         self._identity = self._identity or self._identify()
-        return link
+        if self._link is not None and (behind := self.now() - link.now()) > 0:
+            link = _AheadLink(link, behind)
+        self._link = link
+        self._ahead = link.now() - self._clock()
+        return link if self._sink is None else CaptureTee(link, self._sink)
 
     def now(self) -> float:
-        """Seconds on a clock that goes on while there is no link."""
-        return self._clock()
+        """Seconds on a clock that goes on while there is no link, and never runs back."""
+        now = self._clock() + self._ahead
+        return now if self._link is None else max(now, self._link.now())
 
     def wait(self, seconds: float) -> None:
         """Lets time pass. Ctrl-C interrupts it."""
@@ -69,6 +81,43 @@ class Plug:
         if address.scheme != "serial":
             return None
         return next((_identity(p) for p in self._find() if p.url == address.address), None)
+
+
+class _AheadLink(Link):
+    """`link`, with a clock that is `ahead` of its own."""
+
+    def __init__(self, link: Link, ahead: float) -> None:
+        self.link = link
+        self.url = link.url
+        self.baud = link.baud
+        self._ahead = ahead
+
+    @property
+    def can_break(self) -> bool:
+        return self.link.can_break
+
+    @property
+    def description(self) -> str:
+        return self.link.description
+
+    def write(self, data: bytes) -> None:
+        self.link.write(data)
+
+    def read(self, deadline: float) -> Chunk:
+        chunk = self.link.read(deadline - self._ahead)
+        return Chunk(chunk.data, chunk.time + self._ahead)
+
+    def gather(self, until: float) -> None:
+        self.link.gather(until - self._ahead)
+
+    def now(self) -> float:
+        return self.link.now() + self._ahead
+
+    def send_break(self, seconds: float) -> None:
+        self.link.send_break(seconds)
+
+    def close(self) -> None:
+        self.link.close()
 
 
 def _identity(port: Port) -> tuple[int, int, str | None] | None:

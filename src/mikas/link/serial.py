@@ -1,11 +1,13 @@
 """The link over a serial port: an adapter on USB, or one behind a network (§1).
 
-9600 8N1 unless the URL says otherwise, no flow control. Three rules:
+9600 8N1 unless the URL says otherwise, no flow control. Four rules:
 
 - **Nothing waits for ever.** Writing is bounded by a time-out, reading by its deadline, and nothing
   calls `flush`, which on a dead USB adapter or an unread pty does not return.
 - **Deadlines are exact.** Where the system can wait on the port it waits for just the time left.
   pyserial's own `timeout` is set once before opening: each change of it reconfigures the port.
+- **No byte is waited for that can't be there yet.** At 960 of them a second, to be woken for each
+  would be most of what a whole recording costs the computer; see `gather`.
 - **A lost adapter is lost at once and for good.** The port is closed on the first sign, so that an
   adapter that is plugged in again gets its old name back.
 
@@ -69,7 +71,9 @@ class SerialLink(Link):
     A port with `timeout` 0 has a `fileno` that the system can wait on; it is waited for exactly.
     Any other has `timeout` `TICK` and is asked again and again: deadlines are kept to about 1 ms.
 
-    `low_latency` tells that the system was asked, and agreed, to hand over bytes at once.
+    `low_latency` tells that the system was asked, and agreed, to hand over bytes at once. `paced`:
+    bytes come as the wire brings them; through a network they come late and then all together, and
+    `gather` would wait in vain.
     """
 
     def __init__(
@@ -81,12 +85,14 @@ class SerialLink(Link):
         about: str = "",
         low_latency: bool = False,
         can_break: bool = True,
+        paced: bool = True,
     ) -> None:
         self.url = url
         self.baud = baud
         self.low_latency = low_latency
         self._about = about
         self._can_break = can_break
+        self._paced = paced
         self._port = port
         self._receive = _by_select(port) if port.timeout == 0 else _by_asking(port)
         self._clock = WallClock()
@@ -130,6 +136,11 @@ class SerialLink(Link):
             now = self._clock.now()
             if data or now >= deadline:
                 return Chunk(data, now)
+
+    def gather(self, until: float) -> None:
+        """As `Link.gather`, at a port of this computer."""
+        if self._paced and self._gone is None:
+            time.sleep(min(max(until - self._clock.now(), 0.0), LONGEST_WAIT))
 
     def send_break(self, seconds: float) -> None:
         """As `Link.send_break`; the system first lets out what it still has to send."""
@@ -229,7 +240,7 @@ def open_socket(url: str, options: dict[str, str]) -> SerialLink:
     port.timeout = 0
     port.write_timeout = _write_timeout(baud)
     _open(port, url)
-    return SerialLink(url, port, baud=baud, about=f"TCP {place}", can_break=False)
+    return SerialLink(url, port, baud=baud, about=f"TCP {place}", can_break=False, paced=False)
 
 
 def open_rfc2217(url: str, options: dict[str, str]) -> SerialLink:
@@ -241,7 +252,7 @@ def open_rfc2217(url: str, options: dict[str, str]) -> SerialLink:
     port.port = f"rfc2217://{place}"
     port.timeout = TICK
     _open(port, url)
-    return SerialLink(url, port, baud=baud, about=f"RFC 2217 {place}")
+    return SerialLink(url, port, baud=baud, about=f"RFC 2217 {place}", paced=False)
 
 
 def _set_up(port: serial.SerialBase, url: str, options: dict[str, str]) -> int:

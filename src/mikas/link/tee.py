@@ -68,6 +68,10 @@ class CaptureTee(Link):
             self._record(Direction.RECEIVED, chunk.data, chunk.time)
         return chunk
 
+    def gather(self, until: float) -> None:
+        """Passed on."""
+        self.link.gather(until)
+
     def now(self) -> float:
         """The link's clock."""
         return self.link.now()

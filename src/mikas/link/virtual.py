@@ -72,6 +72,10 @@ class VirtualLink(_BusLink):
             if data:
                 return Chunk(data, time)
 
+    def gather(self, until: float) -> None:
+        if not self._problem:
+            self._now = max(self._now, until)
+
     def send_break(self, seconds: float) -> None:
         self._check()
         self.bus.send_break(seconds, self._now)
@@ -100,6 +104,9 @@ class RealTimeVirtualLink(_BusLink):
                 return Chunk(b"", now)
             # At least a look a second: a wait without end must still see the link closed.
             self._gone.wait(max(0.0, min(self.bus.next_event(), deadline, now + 1) - now))
+
+    def gather(self, until: float) -> None:
+        self._gone.wait(max(0.0, until - self.now()))
 
     def unplug(self) -> None:
         super().unplug()

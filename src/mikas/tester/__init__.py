@@ -2,7 +2,8 @@
 
 from mikas.tester.connecting import Echo
 from mikas.tester.line import Reply, Timing
+from mikas.tester.statistics import Failure, Statistics
 from mikas.tester.stream import Stream, StreamItem
-from mikas.tester.tester import Statistics, Tester
+from mikas.tester.tester import Tester
 
-__all__ = ["Echo", "Reply", "Statistics", "Stream", "StreamItem", "Tester", "Timing"]
+__all__ = ["Echo", "Failure", "Reply", "Statistics", "Stream", "StreamItem", "Tester", "Timing"]

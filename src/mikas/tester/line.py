@@ -53,6 +53,7 @@ _DAMAGE = {
     DamageReason.TOO_LONG: Text("it has no end", "у него нет конца"),
     DamageReason.IRREGULAR_ESCAPE: Text("an escape is wrong", "неверна замена байта"),
 }
+_AROUND = 2  # bytes of a response besides its body, at least: checksum and terminator
 _CUT = Text("it ends in the middle", "он обрывается на середине")
 _TOO_SOON = Text("it began while the request was being sent", "он начался, пока посылался запрос")
 _DOUBLED = Text("more than one response came", "пришло больше одного ответа")
@@ -81,18 +82,24 @@ class Line:
         """When its echo had come; an adapter may make that itself, before the bytes are out."""
         self._ahead = Chunk(b"", 0.0)  # came together with the end of an echo
 
-    def exchange(self, body: bytes, *, of_many: bool = False) -> Reply:
+    def exchange(self, body: bytes, *, of_many: bool = False, least: int = 0) -> Reply:
         """Sends `body`, returns the one response, or with `of_many` the first.
 
-        Raises `NoEcho` or a `LineError`.
+        `least`: the bytes of the shortest body that may be its response; only then is it worth
+        while to look what has come. Raises `NoEcho` or a `LineError`.
         """
         wire, sent_at = self.send(body)
-        return self.receive(wire, sent_at, of_many=of_many)
+        return self.receive(wire, sent_at, of_many=of_many, least=least)
 
-    def send(self, body: bytes) -> tuple[bytes, float]:
-        """Sends `body` and checks the echo; returns its wire form and the time when it was out."""
+    def send(self, body: bytes, *, hasty: bool = False) -> tuple[bytes, float]:
+        """Sends `body` and checks the echo; returns its wire form and the time when it was out.
+
+        `hasty`: an echo that comes before the wire can have made it is heard when it comes.
+        """
         wire = self.interject(body)
         if self.echo:
+            if not hasty:  # all of it, and be it a little late: the response is later
+                self.link.gather(self.sent_until + self.link.byte_time / 2)
             self.echo_heard = self._check_echo(wire, self.sent_until + self.timing.first_byte)
             self.sent_until = max(self.sent_until, self.echo_heard)
         return wire, self.sent_until
@@ -120,10 +127,13 @@ class Line:
         self._ahead = Chunk(extra, chunk.time)
         return chunk.time - len(extra) * self.link.byte_time
 
-    def receive(self, wire: bytes, sent_at: float, *, of_many: bool = False) -> Reply:
+    def receive(
+        self, wire: bytes, sent_at: float, *, of_many: bool = False, least: int = 0
+    ) -> Reply:
         """The one response to the request `wire`, which was out at `sent_at`.
 
         `of_many`: the first of those that a stream request brings; more may have come with it.
+        `least`: as for `exchange`. The first byte is seen when it comes, so `began` is exact.
         """
         decoder = Decoder(strict=self.strict)
         received = bytearray()
@@ -142,6 +152,10 @@ class Line:
             deadline = chunk.time + self._pause()
             events = decoder.feed(chunk.data)
             if not events:
+                # A pause inside (D14) must not be slept through: half of it at a time, so that one
+                # that is too long is found, at worst so much later.
+                missing = least + _AROUND - len(received)
+                self._gather(chunk.time, missing, most=self.timing.between_bytes / 2)
                 continue
             first = events[0]
             if isinstance(first, Damage):
@@ -157,6 +171,13 @@ class Line:
             return chunk
         return self.link.read(deadline)
 
+    def _gather(self, since: float, count: int, *, most: float = inf) -> None:
+        """Lets `count` bytes come that can't be there `since` then yet; but for the last, so that
+        its time is seen, and for `most` seconds.
+        """
+        if count > 1:
+            self.link.gather(since + min((count - 1) * self.link.byte_time, most))
+
     def _pause(self) -> float:
         return self.timing.between_bytes + self.link.byte_time
 
@@ -166,6 +187,11 @@ class Line:
         return NoResponse(
             seconds=self.timing.first_byte, request=wire, received=received, time=time
         )
+
+    @staticmethod
+    def damaged(wire: bytes, event: Damage, time: float) -> DamagedResponse:
+        """The error for a response to `wire` that came as `event`."""
+        return Line._damaged(wire, event.data, time, _DAMAGE[event.reason])
 
     @staticmethod
     def _damaged(wire: bytes, received: bytes, time: float, damage: Text) -> DamagedResponse:
@@ -197,14 +223,20 @@ class Line:
             if chunk.time > last:
                 raise LineNotQuiet(received=bytes(came[-64:]), time=chunk.time)
 
-    def next_frame(self, decoder: Decoder, deadline: float) -> list[tuple[Frame | Damage, float]]:
-        """The next events of a stream, each with the time its bytes began; empty at the
-        deadline.
+    def next_frame(
+        self, decoder: Decoder, deadline: float, *, least: int, heard: float
+    ) -> list[tuple[Frame | Damage, float]]:
+        """The next events of a stream, each with the time its bytes began; empty at the deadline.
+
+        `least`: the bytes of the shortest body that comes, `heard`: when the last byte came.
         """
         while True:
+            missing = least + _AROUND - len(decoder.pending)
+            self._gather(heard, missing, most=max(0.0, deadline - heard))
             chunk = self._next(deadline)
             if not chunk.data:
                 return []
+            heard = chunk.time
             end = decoder.offset + len(chunk.data)
             events = decoder.feed(chunk.data)
             if events:

@@ -9,7 +9,15 @@ from types import TracebackType
 from typing import Self
 
 from mikas import commands as c
-from mikas.errors import MikasError, NoConnection, NoResponse, NotSupported
+from mikas.commands.base import lengths_in_words
+from mikas.errors import (
+    LineError,
+    MikasError,
+    NoConnection,
+    NoResponse,
+    NotSupported,
+    WrongLength,
+)
 from mikas.framing import Decoder, Frame
 from mikas.tester.line import Line
 
@@ -29,7 +37,8 @@ class Stream:
     """An iterator over the responses of one stream command; close it, or use it with `with`.
 
     Iterating raises `NoResponse` when nothing has come for `silence` seconds, `LinkLost` when the
-    adapter is gone. A damaged response, or one whose length does not fit, is counted and left out.
+    adapter is gone. A damaged response, or one whose length does not fit, is counted, told to
+    `spoilt` and left out.
     """
 
     def __init__(
@@ -38,6 +47,7 @@ class Stream:
         command: c.StreamCyclic | c.StreamAtStroke,
         *,
         end: Callable[[], None],
+        spoilt: Callable[[LineError], None],
         silence: float | None = None,
     ) -> None:
         self.command = command
@@ -47,26 +57,40 @@ class Stream:
         self.silence = silence or (_STANDING_ENGINE if by_strokes else line.timing.first_byte)
         self._line = line
         self._end = end
+        self._spoilt = spoilt
         self._decoder = Decoder(strict=line.strict)
-        self._items: deque[StreamItem] = deque()
+        self._least = min(command.response_lengths())
+        self._items: deque[StreamItem | LineError] = deque()
         self._held: StreamItem | None = None
         self._count = 0
         self._open = True
         self._request = b""
 
+    @property
+    def running(self) -> bool:
+        """Whether it has not been ended."""
+        return self._open
+
     def start(self) -> None:
         """Sends the request and checks its echo; the tester calls it."""
         self._request, self._heard = self._line.send(self.command.body())
 
-    def read(self, deadline: float) -> StreamItem | None:
+    def read(self, deadline: float, *, tell: bool = False) -> StreamItem | None:
         """The next response; None if none has come by `deadline` of the link's clock.
 
         Raises `NotSupported` if the unit answers `01`, its way to say that it does not know (D10).
+        With `tell` it raises the `LineError` of a response that is left out; the stream goes on.
         """
         while self._open:
-            if self._items:
-                return self._items.popleft()
-            events = self._line.next_frame(self._decoder, deadline)
+            while self._items:
+                item = self._items.popleft()
+                if isinstance(item, StreamItem):
+                    return item
+                if tell:
+                    raise item
+            events = self._line.next_frame(
+                self._decoder, deadline, least=self._least, heard=self._heard
+            )
             if not events:
                 return None
             for event, time in events:
@@ -75,7 +99,12 @@ class Stream:
                     self._take(event.body, time)
                 else:
                     self.damaged += 1
+                    self._leave_out(self._line.damaged(self._request, event, time))
         return None
+
+    def _leave_out(self, error: LineError) -> None:
+        self._spoilt(error)
+        self._items.append(error)
 
     def _take(self, body: bytes, time: float) -> None:
         self._count += 1
@@ -83,6 +112,15 @@ class Stream:
             if body == b"\x01" and self._count == 1:
                 raise self._unknown(body)
             self.foreign += 1
+            self._leave_out(
+                WrongLength(
+                    length=len(body),
+                    expected=lengths_in_words(self.command.response_lengths()),
+                    request=self._request,
+                    received=body,
+                    time=time,
+                )
+            )
             return
         item = StreamItem(self.command.read(body), body, time)
         if body == b"\x01" and self._count == 1:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from mikas import commands as c
@@ -28,6 +27,7 @@ from mikas.language import Text
 from mikas.link import Link
 from mikas.tester.connecting import Echo, introduce, refuse_elm
 from mikas.tester.line import Line, Reply, Timing
+from mikas.tester.statistics import Statistics
 from mikas.tester.step import Step
 from mikas.tester.stream import Stream
 
@@ -36,15 +36,6 @@ T = TypeVar("T")
 _ATTEMPTS_AT_THE_UNKNOWN = 2  # a unit that does not know a command is silent each time (D10)
 _TURN = 0.02  # s; how long a waiting thread keeps the line to itself
 _STREAM_CODES = frozenset(c.StreamCyclic.CODES + c.StreamAtStroke.CODES)
-
-
-@dataclass(slots=True)
-class Statistics:
-    """What happened on the line so far."""
-
-    requests: int = 0
-    repeated: int = 0
-    failed: int = 0
 
 
 class Tester:
@@ -109,7 +100,7 @@ class Tester:
                     )
                     break
                 except LineError as error:
-                    self.statistics.failed += 1
+                    self.statistics.fail(error)
                     refuse_elm(error.received or b"")
                     if attempt == self.retries:
                         raise
@@ -161,7 +152,7 @@ class Tester:
             try:
                 return self._once(command)
             except LineError as error:
-                self.statistics.failed += 1
+                self.statistics.fail(error)
                 if not attempts:
                     raise self._verdict(command, error) from error
                 self.statistics.repeated += 1
@@ -170,7 +161,8 @@ class Tester:
         self.statistics.requests += 1
         self._step.lose()  # until it has ended well; Ctrl-C may end it too
         try:
-            reply = self._line.exchange(command.body())
+            least = min(command.response_lengths(), default=0)
+            reply = self._line.exchange(command.body(), least=least)
             try:
                 value = command.read(reply.body)
             except MikasError as error:
@@ -210,7 +202,7 @@ class Tester:
             self._assure()
             self._step.lose()
             began = self.link.now()
-            wire, ended = self._line.send(body)
+            wire, ended = self._line.send(body, hasty=True)
             with suppress(LineError):
                 self._line.receive(wire, ended)
                 self._step.keep()
@@ -248,7 +240,13 @@ class Tester:
             self.statistics.requests += 1
             self._step.lose()
             self._step.streaming = True
-            stream = Stream(self._line, command, end=self._end_stream, silence=silence)
+            stream = Stream(
+                self._line,
+                command,
+                end=self._end_stream,
+                spoilt=self.statistics.fail,
+                silence=silence,
+            )
             stream.start()
         except BaseException:
             self._lock.release()
