@@ -6,8 +6,10 @@ import pytest
 from client_bench import bench
 
 from mikas import errors
+from mikas.catalog import shipped
 from mikas.client import connect
-from mikas.link import Direction, urls
+from mikas.client.connecting import maker
+from mikas.link import Direction, open_link, urls
 from mikas.link.virtual import VirtualLink
 
 SIM = "sim:?clock=simulated"
@@ -171,3 +173,28 @@ def test_without_a_journal_named_the_users_own_is_taken(own_state):
     with connect(SIM) as ecu:
         ecu.set_list("TWAT")
     assert (own_state / "journal.jsonl").exists()
+
+
+class TestMaker:
+    """What makes an `Ecu` of any link, for links that come and go."""
+
+    def test_it_makes_one_that_is_not_yet_connected(self, tmp_path):
+        make_ecu = maker(state=tmp_path / "units", journal=tmp_path / "journal", reading="literal")
+        for _ in range(2):
+            link = open_link(SIM)
+            with make_ecu(link) as ecu:
+                assert ecu.tester.link is link
+                assert ecu.tester.version_code is None
+                ecu.tester.connect()
+                assert ecu.read("FREQ")["FREQ"].reading == "literal"
+
+    def test_definitions_that_are_loaded_already(self):
+        catalog = shipped()
+        assert maker(catalog=catalog)(open_link(SIM)).catalog is catalog
+
+    @pytest.mark.parametrize(
+        "settings", [{"echo": "loud"}, {"reading": "wrong"}, {"timeout": 0}, {"retries": 1.5}]
+    )
+    def test_settings_are_checked_before_there_is_a_link(self, settings):
+        with pytest.raises(errors.UsageError):
+            maker(**settings)

@@ -11,6 +11,8 @@ from client_bench import bench, ecu_on
 
 from mikas.client import Limits
 from mikas.client.limits import STARTING_LIST, LimitsStore
+from mikas.errors import NoResponse, NotSupported
+from mikas.virtual.assumptions import Assumptions
 from mikas.virtual.disturbance import Trouble
 from mikas.virtual.responder import Identity
 from virtual_bench import DATA
@@ -195,3 +197,32 @@ def test_what_info_shows_is_a_copy():
     assert ecu.info().limits == Limits()
     assert ecu.info().limits.max_list == STARTING_LIST
     assert not ecu.info().limits.learnt
+
+
+@pytest.mark.parametrize("unknown", ["silent", "01"])
+@pytest.mark.parametrize("code", [0x20, 0x1A, 0x3F])
+def test_a_code_that_is_refused_all_at_once_is_never_read_as_a_one(unknown, code):
+    """01 is how some units refuse (D10), and it is what a datum may be as well."""
+    it = bench(unknown=unknown)
+    ecu = ecu_on(it)
+    ecu.read()
+    del it.car._data[code]
+    with pytest.raises((NotSupported, NoResponse)):
+        ecu.read()
+    assert ecu.limits() == Limits()
+
+
+@pytest.mark.parametrize(("long_list", "unknown"), WAYS)
+def test_a_unit_that_takes_less_than_it_did(long_list, unknown):
+    it = bench(unknown=unknown)
+    ecu = ecu_on(it)
+    ecu.read()
+    it.bus.ecu.responder.assumptions = Assumptions().with_options(
+        {"max_list": "6", "long_list": long_list, "unknown": unknown}
+    )
+    for _ in range(4):
+        assert {r.parameter.code: r.raw for r in ecu.read().values()} == DATA
+    assert ecu.limits() == Limits(max_list=6)
+    it.forget()
+    ecu.read()
+    assert [len(body) - 1 for body in it.requests(0x61)] == [6, 6, 6, 3]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from itertools import islice, pairwise
 
 import pytest
@@ -9,6 +10,7 @@ from client_bench import bench, ecu_on
 
 from mikas.client import METHODS
 from mikas.errors import (
+    DamagedResponse,
     EchoOnly,
     EcuRefused,
     LinkLost,
@@ -18,6 +20,7 @@ from mikas.errors import (
     UnknownParameter,
     UsageError,
     WriteRefused,
+    WrongLength,
 )
 from mikas.virtual.disturbance import Trouble
 from mikas.virtual.table_car import TableCar
@@ -392,3 +395,14 @@ def test_no_rate_means_as_fast_as_the_wire_gives(method):
     times = [s.time for s in ecu.watch(method=method, count=21)]
     limit = {"single": 5.0, "list": 30}.get(method, 17.8)  # sets a second, §5
     assert 20 / (times[-1] - times[0]) > 0.95 * limit
+
+
+def test_a_damaged_response_of_a_stream_is_a_gap_and_the_stream_goes_on():
+    it = bench()
+    with closing(ecu_on(it).watch("FREQ", "TWAT", method="stream")) as samples:
+        next(samples)
+        it.trouble(None, Trouble.DAMAGED, None, Trouble.FOREIGN)
+        came = list(islice(samples, 12))
+    assert [type(s.reason) for s in came if s.gap] == [DamagedResponse, WrongLength]
+    assert all(s.reason.received for s in came if s.gap)
+    assert len(it.requests(0x71)) == 1  # it was not begun again

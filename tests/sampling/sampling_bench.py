@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
 
 from mikas.catalog import shipped
-from mikas.client import Ecu
+from mikas.client import Confirm, Ecu
+from mikas.client.limits import LimitsStore
 from mikas.errors import PortNotFound
+from mikas.link import Chunk, Link
 from mikas.link.virtual import VirtualLink
-from mikas.sampling.events import Event
+from mikas.sampling.events import Chosen, Event, Sampled
 from mikas.sampling.plan import Wanted
 from mikas.sampling.sampler import Sampler
 from mikas.tester import Tester
 from mikas.virtual.bus import Bus
+from virtual_bench import DATA
+
+SAMPLES = 40
 
 
 class SimulatedPlug:
@@ -22,26 +30,58 @@ class SimulatedPlug:
         self.bus = bus
         self.url = "sim:"
         self.plugged_in = True
-        self.link: VirtualLink | None = None
+        self.link: WatchedLink | None = None
         self._now = 0.0
+        self._at: list[tuple[float, Callable[[], object]]] = []
 
     def open(self) -> VirtualLink:
         if not self.plugged_in:
             raise PortNotFound(url="sim:", found="")
-        self.link = VirtualLink(self.bus, start=self.now())
+        self.link = WatchedLink(self)
         return self.link
 
     def now(self) -> float:
-        return max(self._now, self.link.now() if self.link else 0.0)
+        return max(self._now, VirtualLink.now(self.link) if self.link else 0.0)
 
     def wait(self, seconds: float) -> None:
         self._now = self.now() + seconds
         self.bus.advance(self._now)
+        self.look()
+
+    def at(self, time: float, happens: Callable[[], object]) -> None:
+        """At this time, or soon after, while the sampler is at work."""
+        self._at.append((time, happens))
+
+    def look(self) -> None:
+        now = self.now()
+        for time, happens in [each for each in self._at if each[0] <= now]:
+            self._at.remove((time, happens))
+            happens()
 
     def pull(self) -> None:
         self.plugged_in = False
         assert self.link is not None
         self.link.unplug()
+
+    def unsupply(self) -> None:
+        """The plug is out of the car's socket; the adapter has no 12 V."""
+        self.bus.adapter.kind = replace(self.bus.adapter.kind, supplied=False)
+
+    def mend(self) -> None:
+        self.plugged_in = True
+        self.bus.adapter.kind = replace(self.bus.adapter.kind, supplied=True)
+
+
+class WatchedLink(VirtualLink):
+    """Lets happen what is to happen."""
+
+    def __init__(self, plug: SimulatedPlug) -> None:
+        super().__init__(plug.bus, start=plug.now())
+        self._plug = plug
+
+    def read(self, deadline: float) -> Chunk:
+        self._plug.look()
+        return super().read(deadline)
 
 
 def wishes(*words: str) -> list[Wanted]:
@@ -53,8 +93,22 @@ def wishes(*words: str) -> list[Wanted]:
     return wanted or [Wanted(parameter) for parameter in shipped().parameters]
 
 
-def make_sampler(plug: SimulatedPlug, *words: str, **settings: object) -> Sampler:
-    return Sampler(plug, lambda link: Ecu(Tester(link), shipped()), wishes(*words), **settings)
+def maker(
+    state: Path | None = None, confirm: Confirm | None = None, **settings: object
+) -> Callable[[Link], Ecu]:
+    """What makes units; with `state`, of which something is kept."""
+    store = LimitsStore(state) if state else None
+    return lambda link: Ecu(Tester(link, **settings), shipped(), confirm=confirm, store=store)
+
+
+def make_sampler(
+    plug: SimulatedPlug,
+    *words: str,
+    state: Path | None = None,
+    confirm: Confirm | None = None,
+    **settings: object,
+) -> Sampler:
+    return Sampler(plug, maker(state, confirm), wishes(*words), **settings)
 
 
 def take(
@@ -72,3 +126,26 @@ def take(
 
 def of(kind: type, events: list[Event]) -> list:
     return [event for event in events if isinstance(event, kind)]
+
+
+def enough(events: list[Event]) -> bool:
+    return len(of(Sampled, events)) >= SAMPLES
+
+
+def settled(events: list[Event]) -> bool:
+    """Enough samples with what was chosen."""
+    chosen = [at for at, event in enumerate(events) if isinstance(event, Chosen)]
+    return bool(chosen) and enough(events[chosen[-1] :])
+
+
+def run(bus: Bus, *words: str, **settings: object) -> list[Event]:
+    """The events of a sampler until there are enough samples."""
+    until = enough if settings.get("method") else settled
+    with closing(make_sampler(SimulatedPlug(bus), *words, **settings).run()) as events:
+        return take(events, until)
+
+
+def assert_values_are_the_units(events: list[Event]) -> None:
+    for sample in of(Sampled, events):
+        for reading in sample.fresh.values():
+            assert reading.raw == DATA[reading.parameter.code], reading.name

@@ -5,8 +5,19 @@ from __future__ import annotations
 from contextlib import closing
 
 import pytest
-from sampling_bench import SimulatedPlug, make_sampler, of, take
+from sampling_bench import (
+    SAMPLES,
+    SimulatedPlug,
+    assert_values_are_the_units,
+    enough,
+    make_sampler,
+    of,
+    run,
+    settled,
+    take,
+)
 
+from mikas.client.methods import FIXED_METHODS
 from mikas.errors import EchoOnly, LinkLost, NotSupported, UnknownParameter
 from mikas.sampling.events import (
     Chosen,
@@ -17,30 +28,11 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.plan import METHODS
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.assumptions import GROUPS, Assumptions, LongList, Unknown
-from mikas.virtual.bus import Bus
 from mikas.virtual.disturbance import Disturbance, Trouble
 from mikas.virtual.responder import Identity
-from virtual_bench import DATA, IDENTITY, make_bus
-
-SAMPLES = 40
-
-
-def enough(events):
-    return len(of(Sampled, events)) >= SAMPLES
-
-
-def run(bus: Bus, *words: str, **settings: object):
-    with closing(make_sampler(SimulatedPlug(bus), *words, **settings).run()) as events:
-        return take(events, enough)
-
-
-def assert_values_are_the_units(events):
-    for sample in of(Sampled, events):
-        for reading in sample.fresh.values():
-            assert reading.raw == DATA[reading.parameter.code], reading.name
+from virtual_bench import IDENTITY, make_bus
 
 
 def test_it_says_how_the_way_opened():
@@ -54,7 +46,7 @@ def test_it_says_how_the_way_opened():
     assert not found.another
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", FIXED_METHODS)
 def test_every_method_brings_the_units_values(method):
     events = run(make_bus(rpm=5200), method=method)
     assert_values_are_the_units(events)
@@ -149,7 +141,7 @@ def test_ignition_off_and_on_again():
     bus = make_bus()
     car = bus.ecu.responder.car
     with closing(make_sampler(SimulatedPlug(bus)).run()) as events:
-        take(events, enough)
+        take(events, settled)
         car.on = False
         lost = take(events, lambda e: bool(of(StateChanged, e)))
         assert of(StateChanged, lost)[0].state is LineState.ECHO_ONLY
@@ -165,7 +157,7 @@ def test_ignition_off_and_on_again():
 def test_the_adapter_pulled_out_and_put_back():
     plug = SimulatedPlug(make_bus())
     with closing(make_sampler(plug).run()) as events:
-        take(events, enough)
+        take(events, settled)
         plug.pull()
         lost = take(events, lambda e: bool(of(StateChanged, e)))
         assert of(StateChanged, lost)[0].state is LineState.NO_PORT
@@ -180,14 +172,14 @@ def test_the_adapter_pulled_out_and_put_back():
 def test_another_car_is_noticed_and_its_method_found_out_anew():
     plug = SimulatedPlug(make_bus())
     with closing(make_sampler(plug).run()) as events:
-        take(events, enough)
+        take(events, settled)
         plug.pull()
         take(events, lambda e: bool(of(StateChanged, e)))
         plug.bus = make_bus(assumptions=Assumptions(missing=GROUPS["stream"]))
         plug.bus.ecu.responder.identity = Identity(0x09, IDENTITY.passports)
         plug.bus.advance(plug.now())
         plug.plugged_in = True
-        back = take(events, enough)
+        back = take(events, settled)
     assert of(UnitFound, back)[0].another
     assert of(Chosen, back)[0].method == "list"
 
@@ -208,11 +200,12 @@ def test_requests_of_others_go_in_between(method):
     assert not of(Gap, after)
 
 
-def test_closing_it_leaves_the_line_quiet():
+@pytest.mark.parametrize("method", ["stream", None])  # None: while it is being measured
+def test_closing_it_leaves_the_line_quiet(method):
     bus = make_bus()
     plug = SimulatedPlug(bus)
-    with closing(make_sampler(plug, method="stream").run()) as events:
-        take(events, enough)
+    with closing(make_sampler(plug, method=method).run()) as events:
+        take(events, lambda e: len(of(Sampled, e)) == 10)
     carried = bus.bytes_carried
     bus.advance(plug.now() + 5)
     assert bus.bytes_carried == carried

@@ -13,9 +13,9 @@ from mikas.client.gate import Change, Confirm
 from mikas.client.identity import Info, Passport, Support
 from mikas.client.limits import Limits
 from mikas.client.memory import Memory, MemorySpace, Written
+from mikas.client.methods import METHODS, Method
 from mikas.client.parameters import WrittenParameter
 from mikas.client.reading import Reading, Sample
-from mikas.client.watching import METHODS, Method
 
 if TYPE_CHECKING:
     from mikas.client.asynchronous import AsyncEcu, AsyncItems, AsyncMemory, AsyncMemorySpace

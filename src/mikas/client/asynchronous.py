@@ -176,6 +176,9 @@ class AsyncEcu:
     erase_faults = _Delegated(Ecu.erase_faults)
     goto = _Delegated(Ecu.goto)
     raw = _Delegated(Ecu.raw)
+    limits = _Delegated(Ecu.limits)
+    learn_paces = _Delegated(Ecu.learn_paces)
+    forget_limits = _Delegated(Ecu.forget_limits)
     watch = _Iterated(Ecu.watch)
     supported = _Iterated(Ecu.supported)
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import inf
 from pathlib import Path
 
-from mikas.catalog import READINGS, load
+from mikas.catalog import READINGS, Catalog, load
 from mikas.client import journal as journals
 from mikas.client import limits as stores
 from mikas.client.ecu import Ecu
@@ -50,6 +50,51 @@ def connect(
     Raises `NoConnection` or a `LineError` with what to try; before the port is opened, `UsageError`
     for settings that make no sense.
     """
+    make_ecu = maker(
+        echo=echo,
+        timeout=timeout,
+        between_bytes=between_bytes,
+        retries=retries,
+        reading=reading,
+        catalog=load(*catalogs),
+        confirm=confirm,
+        journal=journal,
+        state=state,
+        raw_checksum=raw_checksum,
+        strict=strict,
+    )
+    link: Link = open_link(choose_port() if url is None else url)
+    if sink is not None:
+        link = CaptureTee(link, sink)
+    try:
+        ecu = make_ecu(link)
+        ecu.tester.connect()
+    except BaseException:
+        link.close()
+        raise
+    return ecu
+
+
+def maker(
+    *,
+    echo: str = "auto",
+    timeout: float = 0.5,
+    between_bytes: float = 0.02,
+    retries: int = 2,
+    reading: str = "corrected",
+    catalogs: Iterable[Path] = (),
+    catalog: Catalog | None = None,
+    confirm: Confirm | None = None,
+    journal: Path | None = None,
+    state: Path | None = None,
+    raw_checksum: bool = False,
+    strict: bool = False,
+) -> Callable[[Link], Ecu]:
+    """What makes an `Ecu` of an open link, not yet connected; for links that come and go.
+
+    The settings are those of `connect`, checked here: raises `UsageError`. `catalog`: definitions
+    that are loaded already, instead of `catalogs`.
+    """
     _check_choice("echo", echo, [it.value for it in Echo])
     _check_choice("reading", reading, READINGS)
     _check_number("timeout", timeout, lowest=0.001)
@@ -57,11 +102,11 @@ def connect(
     _check_number("retries", retries, lowest=0)
     if not isinstance(retries, int):
         raise _bad("retries", retries, Text("a whole number", "целое число"))
-    catalog = load(*catalogs)
-    link: Link = open_link(choose_port() if url is None else url)
-    if sink is not None:
-        link = CaptureTee(link, sink)
-    try:
+    definitions = load(*catalogs) if catalog is None else catalog
+    changes = Journal(Path(journal or journals.default_path()))
+    store = LimitsStore(Path(state or stores.default_folder()))
+
+    def make_ecu(link: Link) -> Ecu:
         tester = Tester(
             link,
             timing=Timing(first_byte=timeout, between_bytes=between_bytes),
@@ -70,19 +115,11 @@ def connect(
             raw_checksum=raw_checksum,
             strict=strict,
         )
-        ecu = Ecu(
-            tester,
-            catalog,
-            reading=reading,
-            confirm=confirm,
-            journal=Journal(Path(journal or journals.default_path())),
-            store=LimitsStore(Path(state or stores.default_folder())),
+        return Ecu(
+            tester, definitions, reading=reading, confirm=confirm, journal=changes, store=store
         )
-        tester.connect()
-    except BaseException:
-        link.close()
-        raise
-    return ecu
+
+    return make_ecu
 
 
 def _check_choice(name: str, value: str, allowed: Iterable[str]) -> None:

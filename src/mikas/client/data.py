@@ -14,6 +14,7 @@ from mikas.tester import Reply, Tester
 
 _ONE = b"\x01"
 _RPM = Datum(0x29, 1)  # FREQ: what a unit that knows 61 at all has
+_TOO_OFTEN = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +41,7 @@ class DataReader:
         self._learnt = learnt
         self._sure: set[int] = set()  # codes that are known to have answered with a datum
         self._proven = 1  # the longest list that this unit has answered
+        self._too_long = 0  # how often one that it has answered before was too long, in a row
 
     def batch(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, Got]:
         """`wanted`, of distinct codes, in the largest requests that the unit takes.
@@ -74,9 +76,9 @@ class DataReader:
             self._learnt()
         return [d for d in wanted if d.code not in limits.refused]
 
-    def _part(self, part: list[Datum], limits: Limits) -> dict[int, Got]:
+    def _part(self, part: list[Datum], limits: Limits, *, halved: bool = False) -> dict[int, Got]:
         try:
-            return self._request(part)
+            return self._request(part, doubt=halved)
         except (NotSupported, NoResponse, WrongLength) as error:
             # Silent, short or refused (D11): too many at once, or one that it does not know.
             if not self._works():
@@ -84,8 +86,9 @@ class DataReader:
             if len(part) == 1:
                 return self._refuse(part[0], limits, error)
         middle = (len(part) + 1) // 2
-        got = self._part(part[:middle], limits) | self._part(part[middle:], limits)
-        if len(got) == len(part) > self._proven:  # both halves came whole: was it the length?
+        got = self._part(part[:middle], limits, halved=True)
+        got |= self._part(part[middle:], limits, halved=True)
+        if len(got) == len(part) > 1:  # both halves came whole: was it the length?
             if len(part) <= limits.max_list:
                 try:
                     return self._request(part)
@@ -93,9 +96,19 @@ class DataReader:
                     pass  # yes
                 except LineError:
                     return got  # no telling this time
-            limits.max_list = self._proven
-            self._learnt()
+            self._shorten(len(part), limits)
         return got
+
+    def _shorten(self, length: int, limits: Limits) -> None:
+        """A list of `length` is too long. One that was taken before has to fail again and again."""
+        if length <= self._proven:
+            self._too_long += 1
+            if self._too_long < _TOO_OFTEN:
+                return
+            self._proven = (length + 1) // 2
+        self._too_long = 0
+        limits.max_list = self._proven
+        self._learnt()
 
     def _refuse(
         self, datum: Datum, limits: Limits, error: NotSupported | NoResponse | WrongLength
@@ -114,7 +127,8 @@ class DataReader:
                 self._request([_RPM])
         return bool(self._sure)
 
-    def _request(self, part: list[Datum]) -> dict[int, Got]:
+    def _request(self, part: list[Datum], *, doubt: bool = False) -> dict[int, Got]:
+        """`doubt`: it was refused just now among others, so 01 may be a refusal again."""
         command = ReadParameters(tuple(part))
         retries = None
         if len(part) > self._proven:
@@ -122,9 +136,10 @@ class DataReader:
         elif len(part) == 1 and part[0].code not in self._sure:
             retries = max(1, self._tester.retries)
         data, reply = self._tester.exchange(command, retries=retries)
-        if data == (_ONE,) and part[0].code not in self._sure:
+        if data == (_ONE,) and (doubt or part[0].code not in self._sure):
             return self._doubted(part[0], reply)
-        self._proven = max(self._proven, len(part))
+        if len(part) >= self._proven:
+            self._proven, self._too_long = len(part), 0
         self._sure.update(d.code for d in part)
         return {d.code: Got(raw, reply.began) for d, raw in zip(part, data, strict=True)}
 

@@ -41,12 +41,13 @@ _RPM = c.Datum(0x29, 1)
 class Step:
     """One finding. `ok` None: could not be told, or could be better; the rest does not hang on it.
 
-    `detail` says what to do, unless all is well.
+    `detail` says what to do, unless all is well. `to_try`: that part of it, where it stands apart.
     """
 
     name: str
     ok: bool | None
     detail: Text
+    to_try: Text | None = None
 
 
 def examine(
@@ -59,7 +60,7 @@ def examine(
     try:
         link = open_port()
     except NoConnection as error:
-        yield Step("port", False, error.text)
+        yield Step("port", False, error.text, error.to_try)
         return
     with link:
         yield Step("port", True, _told_port(link))
@@ -80,11 +81,11 @@ def _on_the_line(tester: Tester, catalog: Catalog) -> Iterator[Step]:
         version_code = tester.connect()
     except EchoOnly as error:
         yield Step("echo", True, _ECHO)
-        yield Step("ecu", False, _advice(error))
+        yield _failed("ecu", error)
         return
     except MikasError as error:
         of_echo = isinstance(error, NoEcho | EchoDiffers | NotAKLineAdapter)
-        yield Step("echo" if of_echo else "ecu", False, _advice(error))
+        yield _failed("echo" if of_echo else "ecu", error)
         return
     yield Step("echo", True, _ECHO if tester.echoes else _NO_ECHO)
     name = "baud"
@@ -100,7 +101,7 @@ def _on_the_line(tester: Tester, catalog: Catalog) -> Iterator[Step]:
         name = "commands"
         yield _commands(tester)
     except MikasError as error:
-        yield Step(name, False, _advice(error))
+        yield _failed(name, error)
 
 
 _ECHO = Text("the adapter returns what it sends", "адаптер возвращает посланное")
@@ -110,9 +111,17 @@ _NO_ECHO = Text(
 )
 
 
+def _failed(name: str, error: MikasError) -> Step:
+    return Step(name, False, _advice(error), Text(*map(_without_us, error.to_try)))
+
+
 def _advice(error: MikasError) -> Text:
     """The error's text without the advice to run what is running."""
-    return Text(*(_DOCTOR.sub("", text) for text in error.text))
+    return Text(*map(_without_us, error.text))
+
+
+def _without_us(text: str) -> str:
+    return _DOCTOR.sub("", text)
 
 
 _DOCTOR = re.compile(r"(?: \(`mikas doctor`\)|[,;.] [^,;.]*`mikas doctor`[^,;.]*)(?=\.)")

@@ -6,9 +6,8 @@ change goes through the gate. Several threads may use one `Ecu`.
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Generator, Iterator
-from contextlib import AbstractContextManager, suppress
+from collections.abc import Generator, Iterator, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
@@ -26,12 +25,14 @@ from mikas.client.identity import (
     try_commands,
 )
 from mikas.client.journal import Journal
-from mikas.client.limits import Limits, LimitsStore
+from mikas.client.learnt import Learnt
+from mikas.client.limits import Limits, LimitsStore, Pace
 from mikas.client.memory import Memory
+from mikas.client.methods import Method
 from mikas.client.parameters import Parameters, WrittenParameter
 from mikas.client.reading import Reading, Sample
-from mikas.client.watching import Method, Watcher
-from mikas.errors import LineError, NoConnection, NoResponse, NotSupported, UsageError
+from mikas.client.watching import Watcher
+from mikas.errors import NoResponse, NotSupported, UsageError
 from mikas.language import Text
 from mikas.tester import Tester
 
@@ -67,10 +68,8 @@ class Ecu:
             )
         self.tester = tester
         self.catalog = catalog
-        self._store = store
-        self._learning = threading.RLock()
-        self._limits: Limits | None = None
         self._passport: Passport | None = None
+        self._learnt = Learnt(store, lambda: self.version_code, self.passport)
         self._gate = Gate(
             confirm=confirm,
             journal=journal,
@@ -78,9 +77,9 @@ class Ecu:
             whose=self._whose,
             ready=tester.check_free,
         )
-        data = DataReader(tester, self._known_limits, self._keep_limits)
+        data = DataReader(tester, self._learnt.limits, self._learnt.keep)
         self.parameters = Parameters(tester, catalog, self._gate, data, reading)
-        self.memory = Memory(tester, self._gate, self._known_limits, self._keep_limits)
+        self.memory = Memory(tester, self._gate, self._learnt.limits, self._learnt.keep)
 
     @property
     def version_code(self) -> int:
@@ -103,7 +102,7 @@ class Ecu:
             passport=self.passport(),
             parameter_count=count_parameters(self.tester),
             echo=self.tester.echoes,
-            limits=self._known_limits().copy(),
+            limits=self.limits(),
         )
 
     def passport(self, *, again: bool = False) -> Passport:
@@ -111,10 +110,10 @@ class Ecu:
 
         `again`: ask once more; after a pause it may be another unit that answers.
         """
-        if again:
-            self._limits = None
         if again or self._passport is None:
-            self._passport = read_passport(self.tester)
+            before, self._passport = self._passport, read_passport(self.tester)
+            if again and before != self._passport:
+                self._learnt.another_unit()
         return self._passport
 
     def supported(self) -> Iterator[Support]:
@@ -144,9 +143,11 @@ class Ecu:
         missing. Raises `LinkLost`, `UnknownParameter`, and `EcuRefused` if it refuses the method
         or every parameter.
 
-        auto, batch: as few requests (61) as the unit takes; single: one a parameter; list: by 64
-        and 63, which changes the unit's list; stream: 71; stroke0 … stroke4: 7F … 83. A stream
-        keeps the line to itself until what is returned is closed, or has given `count` samples.
+        auto, batch: as few requests (61) as the unit takes, which changes nothing in it and leaves
+        the line free in between; single: one a parameter; list: by 64 and 63, which changes the
+        unit's list; stream: 71; stroke0 … stroke4: 7F … 83. A stream keeps the line to itself until
+        what is returned is closed, or has given `count` samples. What is the fastest on a unit is
+        found by `mikas.sampling`.
         """
         return Watcher(self.tester, self.parameters, names, rate).samples(method, count)
 
@@ -258,20 +259,20 @@ class Ecu:
 
     # What was learnt
 
-    def _known_limits(self) -> Limits:
-        with self._learning:
-            if self._limits is None:
-                if self._store is None or self._store.empty:
-                    self._limits = Limits()
-                else:
-                    self._limits = self._store.load(self.version_code, self.passport().pieces)
-            return self._limits
+    def limits(self) -> Limits:
+        """What was learnt of this unit, as it is now; a copy.
 
-    def _keep_limits(self) -> None:
-        if self._store is not None and self._limits is not None:
-            # What was read stands, even if the unit can't be asked now whose limits these are.
-            with self._learning, suppress(LineError, NoConnection):
-                self._store.save(self.version_code, self.passport().pieces, self._limits)
+        May ask the unit for its passport, and raises what that raises.
+        """
+        return self._learnt.limits().copy()
+
+    def learn_paces(self, adapter: str, paces: Mapping[str, Pace]) -> None:
+        """Keeps how fast each method of sampling is with this kind of adapter."""
+        self._learnt.learn_paces(adapter, paces)
+
+    def forget_limits(self) -> None:
+        """Forgets all that was learnt of this unit, kept or not: it is found out anew."""
+        self._learnt.forget()
 
     def _whose(self) -> dict[str, object]:
         return {"port": self.tester.link.url, "model": self.model.text.en}

@@ -1,4 +1,5 @@
-"""What was learnt about one unit: how long a list and a block it takes (D11), what it lacks (D10).
+"""What was learnt about one unit: how long a list and a block it takes (D11), what it lacks (D10),
+and how fast each way of asking it is with each kind of adapter.
 
 Kept in the user's state folder under the unit's passports, so that the next session begins with it.
 """
@@ -9,7 +10,9 @@ import json
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from hashlib import sha256
+from math import isfinite
 from pathlib import Path
+from typing import Any
 
 from mikas.commands import LARGEST_BLOCK
 
@@ -19,6 +22,18 @@ STARTING_LIST = 64  # far over the 21 codes of §4, and a request of 66 bytes is
 _NO_LIMITS = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError)
 
 
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """How a method of sampling did, with lists of `codes` parameters.
+
+    `delay`: the seconds that each response took beyond its bytes and its request's: the unit's
+    turn-round, the adapter's lumps, the system. None: the unit does not take the method.
+    """
+
+    codes: int
+    delay: float | None
+
+
 @dataclass(slots=True)
 class Limits:
     """The bounds in force, found by halving."""
@@ -26,6 +41,8 @@ class Limits:
     max_list: int = STARTING_LIST
     max_block: dict[str, int] = field(default_factory=dict)  # by memory space; 1: byte by byte
     refused: list[int] = field(default_factory=list)  # parameter codes that it does not know
+    methods: dict[str, dict[str, Pace]] = field(default_factory=dict)
+    """By kind of adapter, then by method: one that lumps bytes turns their order round."""
 
     def block(self, space: str) -> int:
         """The largest block of `space` that is tried."""
@@ -33,7 +50,12 @@ class Limits:
 
     def copy(self) -> Limits:
         """As they are now."""
-        return replace(self, max_block=dict(self.max_block), refused=list(self.refused))
+        return replace(
+            self,
+            max_block=dict(self.max_block),
+            refused=list(self.refused),
+            methods={adapter: dict(paces) for adapter, paces in self.methods.items()},
+        )
 
     @property
     def learnt(self) -> bool:
@@ -65,6 +87,10 @@ class LimitsStore:
                     for space, count in stored["max_block"].items()
                 },
                 refused=[int(code) for code in stored["refused"]],
+                methods={
+                    str(adapter): {str(method): _pace(pace) for method, pace in paces.items()}
+                    for adapter, paces in stored.get("methods", {}).items()
+                },
             )
         return Limits()
 
@@ -79,9 +105,23 @@ class LimitsStore:
             )
             fresh.replace(kept)
 
+    def forget(self, version_code: int, passports: tuple[str, ...]) -> None:
+        """Nothing is known of this unit any more; a file that can't be removed stays in force."""
+        with suppress(OSError):
+            self._file(version_code, passports).unlink(missing_ok=True)
+
     def _file(self, version_code: int, passports: tuple[str, ...]) -> Path:
         named = "\0".join((f"{version_code:02X}", *passports))
         return self.folder / f"{sha256(named.encode()).hexdigest()[:16]}.json"
+
+
+def _pace(stored: dict[str, Any]) -> Pace:
+    codes, delay = int(stored["codes"]), stored["delay"]
+    if delay is None:
+        return Pace(codes, None)
+    if not (isfinite(delay) and delay >= 0):
+        raise ValueError("a delay is not negative")
+    return Pace(codes, float(delay))
 
 
 def default_folder() -> Path:

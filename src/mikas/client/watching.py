@@ -5,36 +5,17 @@ from __future__ import annotations
 from collections.abc import Generator, Sequence
 from contextlib import closing
 from math import inf
-from typing import Literal, get_args
 
 from mikas.client.data import refused
+from mikas.client.methods import METHODS, STREAMS, stroke_of
 from mikas.client.parameters import Parameters
 from mikas.client.reading import Sample
-from mikas.commands import Availability, StreamAtStroke, StreamCyclic
-from mikas.errors import LineError, LinkLost, NoConnection, NoResponse, NotSupported, UsageError
+from mikas.client.streaming import ReadingStream
+from mikas.errors import LineError, LinkLost, NoConnection, NotSupported, UsageError
 from mikas.language import Text
-from mikas.tester import StreamItem, Tester
-
-Method = Literal[
-    "auto",
-    "single",
-    "batch",
-    "list",
-    "stream",
-    "stroke0",
-    "stroke1",
-    "stroke2",
-    "stroke3",
-    "stroke4",
-]
-METHODS: tuple[str, ...] = get_args(Method)
+from mikas.tester import Tester
 
 Samples = Generator[Sample, None, None]
-
-_STANDS = Text(
-    "A stream by strokes comes only while the engine turns.",
-    "Поток по тактам идёт, только пока двигатель вращается.",
-)
 
 
 class Watcher:
@@ -68,15 +49,12 @@ class Watcher:
         return _limited(samples, count)
 
     def _by(self, method: str) -> Samples:
-        match method:
-            case "auto" | "batch" | "single":
-                return self._asked("single" if method == "single" else "batch")
-            case "list":
-                return self._listed()
-            case "stream":
-                return self._streamed(None)
-            case _ if method in METHODS:
-                return self._streamed(int(method[-1]))
+        if method == "list":
+            return self._listed()
+        if method in STREAMS:
+            return self._streamed(stroke_of(method))
+        if method in METHODS:
+            return self._asked("single" if method == "single" else "batch")
         raise UsageError(
             problem=Text(
                 f"there is no method “{method}”; there are {', '.join(METHODS)}",
@@ -129,59 +107,19 @@ class Watcher:
 
     def _streamed(self, stroke: int | None) -> Samples:
         due: float | None = None
-        works = False
-        silent = 0
-        while True:
-            try:
-                with self._parameters.raw_stream(self._wanted, stroke) as stream:
-                    for item in stream:
-                        works = True
-                        if due is None or item.time >= due:
-                            due = self._next(item.time if due is None else due, item.time)
-                            yield self._of(item)
-            except LinkLost:
-                raise
-            except NoResponse as error:
-                reason, there = self._why_silent(error, stroke)
-                if there and not works:
-                    silent += 1
-                    if silent == 1:
-                        continue  # one request may have been lost
-                    raise self._no_stream(stroke, error) from error
-                yield self._gap(reason)
-            except (LineError, NoConnection) as error:
-                yield self._gap(error)
-
-    def _of(self, item: StreamItem) -> Sample:
-        return Sample(item.time, self._parameters.of_item(self._wanted, item))
-
-    def _why_silent(
-        self, error: NoResponse, stroke: int | None
-    ) -> tuple[LineError | NoConnection, bool]:
-        """What kept a stream silent, and whether the unit could well have sent."""
-        try:
-            self._tester.request(Availability())
-            if stroke is None:
-                return error, True
-            rpm = self._parameters.read(["FREQ"])["FREQ"]
-        except LinkLost:
-            raise
-        except (LineError, NoConnection) as nobody:
-            return nobody, False
-        except NotSupported:
-            return error, False
-        if not rpm.value:
-            error.to_try = _STANDS
-        return error, bool(rpm.value)
-
-    def _no_stream(self, stroke: int | None, error: NoResponse) -> NotSupported:
-        code = StreamCyclic.CODES[0] if stroke is None else StreamAtStroke.CODES[stroke]
-        count = len(self._wanted)
-        command = Text(
-            f"a stream ({code:02X}) of {count} parameter(s)",
-            f"потока ({code:02X}) с числом параметров {count}",
-        )
-        return NotSupported(command=command, request=error.request, received=b"", time=error.time)
+        stream = ReadingStream(self._tester, self._parameters, self._wanted, stroke)
+        with closing(stream):
+            while True:
+                try:
+                    came = stream.next()
+                except LinkLost:
+                    raise
+                except (LineError, NoConnection) as error:
+                    yield self._gap(error)
+                    continue
+                if came is not None and (due is None or came[0] >= due):
+                    due = self._next(came[0] if due is None else due, came[0])
+                    yield Sample(*came)
 
     def _pace(self, due: float) -> float:
         """Waits until `due`; returns when the next cycle is."""

@@ -1,63 +1,157 @@
 """Which method is the fastest on this unit and this adapter: found by trying (D10, D11, D12).
 
 Most of §3 was never tried by its author, and an adapter that hands bytes over in lumps turns the
-order of the methods round. So each one that works is measured for a moment, and the best is taken.
+order of the methods round. So each one is measured for a moment, and what it takes beyond its bytes
+is kept: from that, and from the prices of plans (§5), the best is known for any other plan as well.
+What was measured with one kind of adapter says nothing of another.
+
+What comes while measuring are samples like any others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
+from math import log2
+from statistics import median
 
-from mikas.client import Ecu
-from mikas.errors import EcuRefused, LineError, MikasError
+from mikas.client import Ecu, Reading
+from mikas.client.limits import Pace
+from mikas.client.methods import STREAMS, FixedMethod
+from mikas.commands import Availability
+from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.sampling.cycles import cycles_of
-from mikas.sampling.plan import Method, Plan
+from mikas.sampling.plan import Plan
 
-CANDIDATES: tuple[Method, ...] = ("stream", "list", "batch", "single")
+CANDIDATES: tuple[FixedMethod, ...] = ("stream", "list", "batch")
 """In the order of §5: what should be the fastest first."""
+LAST: FixedMethod = "single"
+"""What is left where none of them works."""
 
 _SECONDS = 1.0
 _CYCLES = 6  # at least; the first one sets lists and learns limits, and is not counted
+_PATIENCE = 3  # line errors in a row
+_ACCIDENT = 8  # times as long as the usual cycle
+_AMPLE = 1.05  # of a rate that is enough
+_PROBES = 5
 
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """How a method did: cycles a second; 0 if the unit does not take it, or the line did not."""
+    """How a method did: cycles a second; 0 if it brought nothing, `refused` if it never will."""
 
-    method: Method
+    method: FixedMethod
     rate: float
-    error: MikasError | None = None
+    refused: bool = False
 
 
-def measure(ecu: Ecu, plan: Plan) -> Iterator[Measured]:
-    """Each candidate in turn, a second each. `single` is only tried if nothing else works.
+Found = Generator[dict[str, Reading] | MikasError, None, Measured]
+
+
+def kind_of_adapter(ecu: Ecu) -> str:
+    """What is behind the port, and about how long its answers are held up, to a factor of two.
+
+    Raises a `LineError` or a `NoConnection`.
+    """
+    tester, link = ecu.tester, ecu.tester.link
+    delays = []
+    for _ in range(_PROBES):
+        began = link.now()
+        _, reply = tester.exchange(Availability())
+        wire = (len(reply.wire) + 3) * link.byte_time  # and 01 FF 0D
+        delays.append(link.now() - began - wire)
+    ms = 2 ** max(0, round(log2(max(median(delays), 1e-6) * 1000)))
+    return f"{link.description}, {ms} ms"
+
+
+def measure(ecu: Ecu, plan: Plan) -> Found:
+    """Runs `plan` for a second: gives what came, and what went wrong; returns how fast it was.
 
     Raises a `NoConnection` if the unit goes away meanwhile.
     """
-    works = False
-    for method in CANDIDATES:
-        if method == "single" and works:
-            return
-        result = _try(ecu, plan.by(method))
-        works = works or result.rate > 0
-        yield result
-
-
-def _try(ecu: Ecu, plan: Plan) -> Measured:
     cycles = cycles_of(ecu, plan)
     clock = ecu.tester.link.now
+    ends: list[float] = []  # of the cycles
+    failures = 0
+    broken = False
     try:
+        while len(ends) <= _CYCLES or clock() - ends[0] < _SECONDS:
+            try:
+                fresh = cycles.run(len(ends))
+            except NoConnection:
+                raise
+            except LineError as error:
+                failures += 1
+                if failures == _PATIENCE:
+                    return Measured(plan.method, 0.0, refused=cycles.let_down(error))
+                yield error
+                continue
+            except MikasError as error:  # refused, or nobody allowed it
+                yield error
+                return Measured(plan.method, 0.0, refused=isinstance(error, EcuRefused))
+            if fresh or plan.method not in STREAMS:
+                failures = 0
+                ends.append(clock())
+            yield fresh
+    finally:
         try:
-            cycles.run(0)
-            began = clock()
-            number = 0
-            while number < _CYCLES or clock() - began < _SECONDS:
-                number += 1
-                cycles.run(number)
-            seconds = clock() - began
-        finally:
-            cycles.close()
-    except (EcuRefused, LineError) as error:
-        return Measured(plan.method, 0.0, error)
-    return Measured(plan.method, number / seconds)
+            cycles.pause()
+        except LineError:
+            broken = True  # it can't be ended as it should: it is not to be begun again
+    if broken:
+        return Measured(plan.method, 0.0)
+    spans = [end - before for before, end in pairwise(ends)]
+    if max(spans) > _ACCIDENT * median(spans):
+        spans.remove(max(spans))  # one repeated request says nothing of the method
+    return Measured(plan.method, len(spans) / sum(spans))
+
+
+def pace_of(measured: Measured, plan: Plan, baud: int) -> Pace | None:
+    """What `measured` says of other plans too; None: nothing."""
+    codes = len(plan.by(measured.method).fast)
+    if not measured.rate:
+        return Pace(codes, None) if measured.refused else None
+    wire, responses = _cost(plan.by(measured.method), baud)
+    return Pace(codes, max(0.0, (1 / measured.rate - wire) / responses))
+
+
+def rates_of(plan: Plan, paces: Mapping[str, Pace], baud: int) -> dict[FixedMethod, float]:
+    """Cycles a second by each candidate of which anything is known for such a plan."""
+    rates: dict[FixedMethod, float] = {}
+    for method in (*CANDIDATES, LAST):
+        by = plan.by(method)
+        pace = paces.get(method)
+        if pace is None or (pace.delay is None and len(by.fast) < pace.codes):
+            continue  # a shorter list than the one that was refused may be taken
+        wire, responses = _cost(by, baud)
+        rates[method] = 0.0 if pace.delay is None else 1 / (wire + responses * pace.delay)
+    return rates
+
+
+def best(rates: Mapping[FixedMethod, float], enough: float | None = None) -> FixedMethod | None:
+    """The fastest; of those that give a rate that is `enough`, the one that does least to the unit.
+
+    None: none works.
+    """
+    working = {method: rate for method, rate in rates.items() if rate > 0}
+    if enough is not None:
+        for method in reversed(CANDIDATES):
+            if working.get(method, 0.0) >= enough * _AMPLE:
+                return method
+    return max(working, key=lambda method: working[method], default=None)
+
+
+def to_measure(
+    known: Iterable[FixedMethod], enough: float | None, without: Iterable[FixedMethod] = ()
+) -> list[FixedMethod]:
+    """The candidates of which nothing is known, in the order of trying."""
+    skipped = {*known, *without}
+    order = reversed(CANDIDATES) if enough else CANDIDATES
+    return [method for method in order if method not in skipped]
+
+
+def _cost(plan: Plan, baud: int) -> tuple[float, float]:
+    """Seconds on the wire, and responses, a cycle."""
+    price = plan.price(baud=baud, turn_round=0.0)
+    return price.seconds, 1.0 if plan.method in STREAMS else price.requests

@@ -1,7 +1,7 @@
 """One cycle of a plan, by each method: what is sent, what comes (§3 rows 61, 63, 71, 7F–83).
 
 A `Cycles` runs one plan on one connected unit. `run(number)` does one cycle; between two of them
-the line is free, save under a stream, which `close` ends (D12).
+the line is free, save under a stream, which `pause` ends (D12).
 """
 
 from __future__ import annotations
@@ -10,9 +10,13 @@ from abc import ABC, abstractmethod
 
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
+from mikas.client.methods import STREAMS, stroke_of
+from mikas.client.streaming import ReadingStream
 from mikas.commands import Datum
-from mikas.sampling.plan import STREAMS, Plan
-from mikas.tester import Stream
+from mikas.errors import EcuRefused, MikasError, NoResponse, WrongLength
+from mikas.sampling.plan import Plan
+
+_SLICE = 0.1  # s that a silent stream is waited for before others get a look in
 
 
 class Cycles(ABC):
@@ -24,11 +28,16 @@ class Cycles(ABC):
         self._parameters: dict[Datum, list[Parameter]] = {}
         for wanted in plan.wanted:
             parameter = wanted.parameter
-            datum = Datum(parameter.code, parameter.size)
-            self._parameters.setdefault(datum, []).append(parameter)
+            named = self._parameters.setdefault(Datum(parameter.code, parameter.size), [])
+            if parameter not in named:
+                named.append(parameter)
 
     def _named(self, data: tuple[Datum, ...]) -> list[Parameter]:
         return [parameter for datum in data for parameter in self._parameters[datum]]
+
+    def expected(self, number: int) -> int:
+        """How many readings cycle `number` should bring, if everything is answered."""
+        return len(self._named(self.plan.due(number)))
 
     @abstractmethod
     def run(self, number: int) -> dict[str, Reading]:
@@ -38,8 +47,12 @@ class Cycles(ABC):
         method.
         """
 
-    def close(self) -> None:  # noqa: B027  (most methods leave nothing to end)
-        """Leaves the line quiet."""
+    def let_down(self, error: MikasError) -> bool:
+        """Whether `error` of `run` may be the unit's answer to this method or to a parameter."""
+        return isinstance(error, EcuRefused | NoResponse | WrongLength)
+
+    def pause(self) -> None:  # noqa: B027  (most methods leave nothing to end)
+        """Leaves the line quiet; `run` goes on all the same. May raise a `LineError`."""
 
 
 class Asked(Cycles):
@@ -58,41 +71,41 @@ class Asked(Cycles):
 class Listed(Asked):
     """64 once, then 63; what is wanted less often than that is asked by 61 in between."""
 
+    def __init__(self, ecu: Ecu, plan: Plan) -> None:
+        super().__init__(ecu, plan)
+        ecu.parameters.forget_list()  # the unit may have lost its supply since it was set
+
+    def expected(self, number: int) -> int:
+        return len(self._named(self.plan.fast)) if self.plan.reads_list(number) else 0
+
     def run(self, number: int) -> dict[str, Reading]:
         readings = super().run(number)
         if self.plan.reads_list(number):
             readings |= self.ecu.parameters.through_list(tuple(self._named(self.plan.fast)))
         return readings
 
-    def close(self) -> None:
-        """Nothing to end; but the unit may have lost its supply when this begins again."""
-        self.ecu.parameters.forget_list()
-
 
 class Streamed(Cycles):
-    """71, or 7F … 83: the unit sends by itself."""
+    """71, or 7F … 83: the unit sends by itself. A cycle may be empty while it is silent."""
 
     def __init__(self, ecu: Ecu, plan: Plan) -> None:
         super().__init__(ecu, plan)
-        self._named_ones = self._named(plan.fast)
-        self._stream: Stream | None = None
+        self._stream = ReadingStream(
+            ecu.tester, ecu.parameters, self._named(plan.fast), stroke_of(plan.method)
+        )
+
+    def expected(self, number: int) -> int:  # noqa: ARG002  (a response has all or is damaged)
+        return 0
 
     def run(self, number: int) -> dict[str, Reading]:  # noqa: ARG002  (every cycle is alike)
-        if self._stream is None:
-            stroke = None if self.plan.method == "stream" else int(self.plan.method[-1])
-            self._stream = self.ecu.parameters.raw_stream(self._named_ones, stroke)
-        try:
-            item = next(self._stream)
-        except BaseException:
-            self.close()
-            raise
-        return self.ecu.parameters.of_item(self._named_ones, item)
+        came = self._stream.next(_SLICE)
+        return {} if came is None else came[1]
 
-    def close(self) -> None:
-        """Ends the stream."""
-        stream, self._stream = self._stream, None
-        if stream is not None:
-            stream.close()
+    def let_down(self, error: MikasError) -> bool:
+        return isinstance(error, EcuRefused) or self._stream.silent > 1
+
+    def pause(self) -> None:
+        self._stream.close()
 
 
 def cycles_of(ecu: Ecu, plan: Plan) -> Cycles:

@@ -106,6 +106,11 @@ class DerivedChannels:
         """How far each channel that accumulates has come, also while it has no value."""
         return {name: integral.state for name, integral in self._integrals.items()}
 
+    def go_on_from(self, before: DerivedChannels) -> None:
+        """What `before` has added up is not lost because other channels are wanted now."""
+        for name in self._integrals.keys() & before._integrals.keys():
+            self._integrals[name] = before._integrals[name]
+
     def update(self, readings: Mapping[str, Reading], time: float) -> dict[str, DerivedValue]:
         """The channels that have a value in this sample.
 

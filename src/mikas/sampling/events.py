@@ -1,4 +1,4 @@
-"""What the sampler tells: samples, gaps, and the state of the line in words.
+"""What sampling tells: samples, gaps, and the state of the line in words.
 
 A value is fresh (it came in this cycle), stale (from an earlier one, with its own time) or missing.
 A stale one never stands among the fresh: a wrong reading is worse than a hole.
@@ -7,12 +7,15 @@ A stale one never stands among the fresh: a wrong reading is worse than a hole.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from mikas.client import Passport, Reading
 from mikas.errors import MikasError
 from mikas.language import Text
+from mikas.sampling.alarms import AlarmEvent
+from mikas.sampling.derived import DerivedValue
+from mikas.sampling.plan import Plan
 
 
 class LineState(Enum):
@@ -56,11 +59,16 @@ class StateChanged:
 
 @dataclass(frozen=True, slots=True)
 class Sampled:
-    """One cycle. `fresh` came in it; `stale` are the last known of those that were not asked."""
+    """One cycle. `fresh` came in it; `stale` are the last known of those that were not asked.
+
+    `time` is when the first of its responses began. `derived`: what was made of the fresh alone; a
+    channel of which an input is stale has no value here.
+    """
 
     time: float
     fresh: Mapping[str, Reading]
     stale: Mapping[str, Reading]
+    derived: Mapping[str, DerivedValue] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +81,9 @@ class Gap:
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """The method in use from here on. `rates`: sets a second of each that was measured."""
+    """The method in use from here on. `rates`: sets a second of each, as measured now or before
+    with this kind of adapter; 0: it does not work.
+    """
 
     time: float
     method: str
@@ -100,4 +110,12 @@ class UnitFound:
     another: bool
 
 
-Event = StateChanged | Sampled | Gap | Chosen | Dropped | UnitFound
+@dataclass(frozen=True, slots=True)
+class PlanChanged:
+    """What is asked from here on."""
+
+    time: float
+    plan: Plan
+
+
+Event = StateChanged | Sampled | Gap | Chosen | Dropped | UnitFound | PlanChanged | AlarmEvent

@@ -14,19 +14,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, get_args
 
 from mikas.catalog import Parameter
+from mikas.client.methods import STREAMS, FixedMethod
+from mikas.client.parameters import distinct
 from mikas.commands import Datum
 from mikas.errors import UsageError
 from mikas.framing import encode
 from mikas.language import Text
-
-Method = Literal[
-    "single", "batch", "list", "stream", "stroke0", "stroke1", "stroke2", "stroke3", "stroke4"
-]
-METHODS: tuple[Method, ...] = get_args(Method)
-STREAMS = frozenset({"stream", *(m for m in METHODS if m.startswith("stroke"))})
 
 _STUFFED = 2 / 256  # of random bytes: 0D and 40 take two on the wire
 _LARGEST_EVERY = 1000
@@ -70,7 +65,7 @@ class Plan:
     """What is asked, by which method, in lists of at most `max_list` codes."""
 
     wanted: tuple[Wanted, ...]
-    method: Method = "batch"
+    method: FixedMethod = "batch"
     max_list: int = 255
 
     def __post_init__(self) -> None:
@@ -78,6 +73,10 @@ class Plan:
             raise UsageError(problem=Text("nothing is wanted", "ничего не выбрано"))
         if self.max_list < 1:
             raise ValueError("a list has at least one code")
+
+    def check(self) -> None:
+        """Raises `UsageError` if one code is wanted with two sizes: no telling the data apart."""
+        distinct([wanted.parameter for wanted in self.wanted])
 
     @cached_property
     def every(self) -> dict[Datum, int]:
@@ -133,8 +132,11 @@ class Plan:
         """Whether 63 is sent in this cycle."""
         return self.method == "list" and cycle % min(self.every.values()) == 0
 
-    def price(self, *, baud: int = 9600, turn_round: float = 0.002) -> Price:
-        """The average over as many cycles as it takes for every code to have had its turn."""
+    def price(self, *, baud: int = 9600, turn_round: float = 0.002, pause: float = 0.0) -> Price:
+        """The average over as many cycles as it takes for every code to have had its turn.
+
+        `turn_round`: seconds from a request to its response; `pause`: between those of a stream.
+        """
         cycles = self._period()
         size = count = 0.0
         for cycle in range(cycles):
@@ -148,7 +150,8 @@ class Plan:
             if self.method in STREAMS:
                 size += _response(self.fast)  # no request, and so no turn-round (§5)
         size, count = size / cycles, count / cycles
-        return Price(size, count, size * 10 / baud + count * turn_round)
+        waited = pause if self.method in STREAMS else count * turn_round
+        return Price(size, count, size * 10 / baud + waited)
 
     def _period(self) -> int:
         """Cycles that are enough to average over: all of a small common multiple, else a long
@@ -167,7 +170,7 @@ class Plan:
         left = tuple(w for w in self.wanted if w.parameter.code != code)
         return Plan(left, self.method, self.max_list)
 
-    def by(self, method: Method) -> Plan:
+    def by(self, method: FixedMethod) -> Plan:
         """The same wishes by another method."""
         return Plan(self.wanted, method, self.max_list)
 

@@ -1,60 +1,47 @@
 """The loop that runs a plan, for as long as anybody listens.
 
-It keeps the way to the ECU open without a hand on the keyboard: an adapter that was pulled out is
-waited for and found again, a silent ECU is asked until it answers, a unit that comes back is
-compared with the one before. It tells what happens as events; what becomes of them is not its
-business.
+It tells what happens as events; what becomes of them is not its business. What it wants may be
+changed from any thread (`want`), and other threads' requests (`call`) go in between two cycles; a
+stream is ended for them and begun again.
 
-Other threads' requests (`call`) go in between cycles, a stream is ended for them and begun again.
+A unit may change its mind. A parameter that it refuses is dropped, with a notice, and the others go
+on. A method that it no longer takes, while it still answers, is replaced: they are measured anew.
 """
 
 from __future__ import annotations
 
-import queue
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Future
-from typing import Any, TypeVar
+from contextlib import closing
+from typing import TypeVar
 
-from mikas.client import Ecu, Passport, Reading
-from mikas.client.data import refused
-from mikas.commands import Availability
-from mikas.errors import (
-    EchoOnly,
-    EcuRefused,
-    LineError,
-    LinkLost,
-    MikasError,
-    NoConnection,
-    NoEcho,
-    NotAKLineAdapter,
-)
+from mikas.client import Ecu
+from mikas.client.methods import FixedMethod
+from mikas.errors import LinkLost, MikasError, NoConnection
 from mikas.link import Link
 from mikas.link.plug import Plug
-from mikas.sampling.choosing import measure
-from mikas.sampling.cycles import Cycles, cycles_of
-from mikas.sampling.events import (
-    Chosen,
-    Dropped,
-    Event,
-    Gap,
-    LineState,
-    Sampled,
-    StateChanged,
-    UnitFound,
-)
-from mikas.sampling.plan import Method, Plan, Wanted
+from mikas.sampling.approach import Approach, Unit
+from mikas.sampling.choosing import CANDIDATES, LAST, best, measure
+from mikas.sampling.events import Chosen, Event, Gap, LineState, PlanChanged
+from mikas.sampling.jobs import Jobs
+from mikas.sampling.plan import Plan, Price, Wanted
+from mikas.sampling.refusals import Refusals
+from mikas.sampling.running import Running
+from mikas.sampling.session import Session, Wish
 
 T = TypeVar("T")
 
-_ATTEMPTS = 3
-_PORT_LOOK = 1.0  # s between looks for an adapter that is not there
+_SHORT = 1.0  # s before methods of which none works are tried again
+_LONG = 10.0  # s before a unit that refused everything is asked again
 
 
 class Sampler:
     """Samples `wanted` from whatever unit is behind `plug`.
 
     `make_ecu` makes an `Ecu`, not yet connected, of a link. `method` None: the fastest that works.
-    `rate`: cycles a second at most.
+    `rate`: cycles a second at most. `strict`: until the first sample, what is in the way is raised
+    (no port, no ECU, a bad line, a `method` that the unit refuses) instead of waited out.
+    `again`: parameters that this unit refused in an earlier session are asked once more.
     """
 
     def __init__(
@@ -63,176 +50,194 @@ class Sampler:
         make_ecu: Callable[[Link], Ecu],
         wanted: Sequence[Wanted],
         *,
-        method: Method | None = None,
+        method: FixedMethod | None = None,
         rate: float | None = None,
+        strict: bool = False,
+        again: bool = False,
     ) -> None:
-        self._plug = plug
-        self._make_ecu = make_ecu
-        self._wanted = tuple(wanted)
-        self._method = method
-        self._period = 1 / rate if rate else 0.0
-        self._jobs: queue.SimpleQueue[tuple[Future[Any], Callable[[Ecu], Any]]] = (
-            queue.SimpleQueue()
-        )
-        self._state: LineState | None = None
-        self._unit: tuple[int, Passport] | None = None
-        self._chosen: Method | None = method
-        self._last: dict[str, Reading] = {}
+        self._jobs = Jobs(plug.url)
+        wish = Wish(tuple(wanted), method, rate, again)
+        self._session = Session(wish, self._jobs, strict=strict)
+        self._approach = Approach(plug, make_ecu, self._session)
+        self._refusals = Refusals(self._session)
+        self._unit: Unit | None = None
+        self._plan: Plan | None = None
+        self._told: tuple[Wish, Plan] | None = None
+
+    # For any thread
 
     @property
     def state(self) -> LineState | None:
         """How far the way to the ECU is open; None before the start."""
-        return self._state
+        return self._approach.state
+
+    @property
+    def ecu(self) -> Ecu | None:
+        """The unit of now, for a look at its model and statistics; requests go through `call`."""
+        return self._approach.ecu
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan in force; None before the first."""
+        return self._plan
 
     def call(self, job: Callable[[Ecu], T]) -> Future[T]:
-        """`job(ecu)` between two cycles, from any thread. It waits while no ECU answers."""
-        future: Future[T] = Future()
-        self._jobs.put((future, job))
-        return future
+        """`job(ecu)` between two cycles. What it raises is the future's.
+
+        Before `run` it waits. While no ECU answers, it fails with the `NoConnection` or `LineError`
+        of the next look at the line, within seconds; after the end of `run` with `LinkLost`.
+        A job has the line to itself: what takes long should be many jobs.
+        """
+        return self._jobs.put(job)
+
+    def want(
+        self,
+        wanted: Sequence[Wanted],
+        method: FixedMethod | None = None,
+        rate: float | None = None,
+        *,
+        again: bool = False,
+    ) -> None:
+        """Something else from the next cycle on; told by `PlanChanged`. Raises `UsageError`."""
+        self._session.wish = Wish(tuple(wanted), method, rate, again)
+
+    def price(self, wanted: Sequence[Wanted], method: FixedMethod | None = None) -> Price:
+        """What a cycle of `wanted` would cost; method None: by the best, as far as is known."""
+        return self._session.learning.price(Plan(tuple(wanted)), method)
+
+    def relearn(self) -> None:
+        """Forgets what was learnt of the unit, here and for later sessions; all is tried anew."""
+        self._session.relearn = True
+
+    def stop(self) -> None:
+        """Ends `run` within a second or two, also while it waits for an adapter."""
+        self._session.stopped = True
+
+    # The loop
 
     def run(self) -> Iterator[Event]:
-        """Events for ever; close the iterator to stop. Raises `NotAKLineAdapter`, `UsageError`."""
-        while True:
-            link = yield from self._open()
-            with link:
-                try:
-                    yield from self._on(self._make_ecu(link))
-                except LinkLost as error:
-                    yield from self._now_in(LineState.NO_PORT, self._plug.now(), error)
+        """Events until `stop`; closing the iterator stops too, and leaves the line quiet.
 
-    # The way to the ECU
+        Raises `NotAKLineAdapter`, `NotSupported` for a unit that gives nothing from the beginning,
+        and what `strict` says.
+        """
+        self._session.stopped = self._session.begun = False
+        self._jobs.open()
+        failure: MikasError | None = None
+        try:
+            while not self._session.stopped:
+                link = yield from self._approach.open()
+                if link is not None:
+                    yield from self._on(link)
+        except MikasError as error:
+            failure = error
+            raise
+        finally:
+            self._approach.ecu = None
+            self._jobs.close(failure)
 
-    def _open(self) -> Generator[Event, None, Link]:
-        while True:
+    def _on(self, link: Link) -> Iterator[Event]:
+        with link:
             try:
-                return self._plug.open()
-            except NoConnection as error:
-                yield from self._now_in(LineState.NO_PORT, self._plug.now(), error)
-                self._plug.wait(_PORT_LOOK)
+                while not self._session.stopped:
+                    ecu = yield from self._approach.meet(link)
+                    if ecu is not None:
+                        yield from self._with(ecu)
+            except LinkLost as error:
+                yield from self._approach.lost(error, link.now())
 
-    def _on(self, ecu: Ecu) -> Iterator[Event]:
-        yield from self._until(ecu, ecu.tester.connect)
-        while True:
-            yield from self._compare(ecu)
+    def _with(self, ecu: Ecu) -> Iterator[Event]:
+        """Samples from `ecu` until another unit is met, or nobody wants it any more."""
+        if self._approach.unit != self._unit:
+            self._unit = self._approach.unit
+            self._forget()
+        there = True
+        while there and not self._session.stopped:
             try:
                 yield from self._sample(ecu)
             except LinkLost:
                 raise
             except NoConnection as error:
-                yield Gap(ecu.tester.link.now(), error)
-                yield from self._not_there(ecu, error)
-                yield from self._until(ecu, lambda: ecu.tester.request(Availability()))
+                there = yield from self._approach.meet_again(ecu, error)
 
-    def _until(self, ecu: Ecu, attempt: Callable[[], object]) -> Iterator[Event]:
-        """Tries until it works; each attempt waits for the ECU by itself (D14)."""
-        while True:
-            try:
-                attempt()
-            except (LinkLost, NotAKLineAdapter):
-                raise
-            except (NoConnection, LineError) as error:
-                yield from self._not_there(ecu, error)
-            else:
-                yield from self._now_in(LineState.ECU_ALIVE, ecu.tester.link.now())
-                return
-
-    def _not_there(self, ecu: Ecu, error: MikasError) -> Iterator[Event]:
-        state = self._state or LineState.NO_ECHO
-        if isinstance(error, NoEcho):
-            state = LineState.NO_ECHO
-        elif isinstance(error, EchoOnly):
-            state = LineState.ECHO_ONLY
-        yield from self._now_in(state, ecu.tester.link.now(), error)
-
-    def _now_in(
-        self, state: LineState, time: float, error: MikasError | None = None
-    ) -> Iterator[Event]:
-        if state is not self._state:
-            self._state = state
-            yield StateChanged(time, state, error)
-
-    def _compare(self, ecu: Ecu) -> Iterator[Event]:
-        unit = ecu.version_code, ecu.passport(again=True)
-        another = self._unit is not None and unit != self._unit
-        if another:
-            self._chosen = self._method
-            self._last.clear()
-        self._unit = unit
-        yield UnitFound(ecu.tester.link.now(), *unit, another)
-
-    # Sampling
+    def _forget(self) -> None:
+        self._session.another_unit()
+        self._told = None
 
     def _sample(self, ecu: Ecu) -> Iterator[Event]:
-        plan = yield from self._accepted(ecu)
-        if self._chosen is None:
-            found = list(measure(ecu, plan))
-            self._chosen = max(found, key=lambda measured: measured.rate).method
-            rates: dict[str, float] = {measured.method: measured.rate for measured in found}
-            yield Chosen(ecu.tester.link.now(), self._chosen, rates)
-        plan = plan.by(self._chosen)
-        yield from self._now_in(LineState.SAMPLING, ecu.tester.link.now())
-        cycles = cycles_of(ecu, plan)
-        number = 0
-        due = ecu.tester.link.now()
-        try:
-            while True:
-                self._do_jobs(ecu, cycles)
-                if self._period:
-                    ecu.tester.wait(due)
-                    due = max(due, ecu.tester.link.now() - self._period) + self._period
-                yield from self._cycle(ecu, cycles, number)
-                number += 1
-        finally:
-            cycles.close()
-
-    def _cycle(self, ecu: Ecu, cycles: Cycles, number: int) -> Iterator[Event]:
-        try:
-            fresh = cycles.run(number)
-        except (LineError, EcuRefused) as error:
-            yield Gap(ecu.tester.link.now(), error)
-            return
-        if fresh:
-            stale = {n: r for n, r in self._last.items() if n not in fresh}
-            self._last.update(fresh)
-            yield Sampled(min(r.time for r in fresh.values()), fresh, stale)
-
-    def _accepted(self, ecu: Ecu) -> Generator[Event, None, Plan]:
-        """The plan without what the unit refuses: a stream or a list would be refused as a whole.
-
-        Raises `NotSupported` if it refuses everything.
-        """
-        plan = Plan(self._wanted, self._chosen or "batch")
-        named = [wanted.parameter for wanted in self._wanted]
-        for attempt in range(_ATTEMPTS):
-            try:
-                ecu.parameters.fetch(named)
-                break
-            except LineError as error:
-                yield Gap(ecu.tester.link.now(), error)
-                if attempt == _ATTEMPTS - 1:
-                    return plan
-        for parameter in named:
-            if ecu.parameters.refuses([parameter]):
-                yield Dropped(ecu.tester.link.now(), parameter.name)
-        left = tuple(w for w in self._wanted if not ecu.parameters.refuses([w.parameter]))
-        if not left:
-            raise refused(named[0].name, named[0].code)
-        return Plan(left, plan.method)
-
-    def _do_jobs(self, ecu: Ecu, cycles: Cycles) -> None:
-        if self._jobs.empty():
-            return
-        cycles.close()
-        while True:
-            try:
-                future, job = self._jobs.get_nowait()
-            except queue.Empty:
-                return
-            if not future.set_running_or_notify_cancel():
+        session = self._session
+        while not session.stopped:
+            wish = session.wish
+            if session.relearn:
+                session.relearn = False
+                self._forget()
+                ecu.forget_limits()
+            if self._told is None or self._told[0] is not wish:
+                session.begin(wish)
+            plan = yield from self._refusals.accepted(ecu, wish)
+            if plan is None:
+                yield from self._idle(ecu, wish, _LONG)
+                session.refused.clear()
                 continue
-            try:
-                future.set_result(job(ecu))
-            except Exception as error:  # it is the caller's, whatever it is
-                future.set_exception(error)
-                if isinstance(error, NoConnection):
-                    raise
+            yield from self._approach.now_in(LineState.SAMPLING, ecu.tester.link.now())
+            method = yield from self._method(ecu, plan, wish)
+            if not session.still(wish):
+                continue
+            if method is None:
+                yield from self._idle(ecu, wish, _SHORT)
+                continue
+            yield from self._tell(ecu, wish, plan.by(method))
+            running = Running(ecu, plan.by(method), wish, session=session, refusals=self._refusals)
+            yield from running.events()
+
+    def _method(
+        self, ecu: Ecu, plan: Plan, wish: Wish
+    ) -> Generator[Event, None, FixedMethod | None]:
+        """The one that is wanted or the best, measured if need be; None: nothing works."""
+        session, learning, baud = self._session, self._session.learning, ecu.tester.link.baud
+        if wish.method is not None and not learning.blamed(wish.method):
+            return wish.method
+        learning.begin(ecu)
+        measured = False
+        while session.still(wish) and (trial := learning.next_to_measure(plan, wish.rate, baud)):
+            if not measured:
+                yield from self._tell(ecu, wish, plan)  # by any method, so far
+            measured = True
+            self._jobs.run(ecu)
+            yield from self._measured(ecu, plan.by(trial))
+        if measured:
+            learning.keep()
+        rates = learning.rates(plan, baud)
+        chosen = best(rates, wish.rate)
+        if session.still(wish) and chosen is not None and (measured or chosen != learning.method):
+            learning.method = chosen
+            told = {str(each): rates[each] for each in (*CANDIDATES, LAST) if each in rates}
+            yield Chosen(ecu.tester.link.now(), chosen, told)
+        return chosen
+
+    def _measured(self, ecu: Ecu, plan: Plan) -> Iterator[Event]:
+        """Learns how fast `plan` is; what comes meanwhile are samples like any others."""
+        with closing(measure(ecu, plan)) as found:
+            while True:
+                try:
+                    came = next(found)
+                except StopIteration as end:
+                    self._session.learning.learn(end.value, plan, ecu.tester.link.baud)
+                    return
+                if isinstance(came, MikasError):
+                    yield Gap(ecu.tester.link.now(), came)
+                elif came and self._session.in_time(sampled := self._session.sampled(came)):
+                    yield sampled
+
+    def _tell(self, ecu: Ecu, wish: Wish, plan: Plan) -> Iterator[Event]:
+        if self._told is None or self._told[0] is not wish or self._told[1] != plan:
+            self._told, self._plan = (wish, plan), plan
+            self._session.keep_only(plan)
+            yield PlanChanged(ecu.tester.link.now(), plan)
+
+    def _idle(self, ecu: Ecu, wish: Wish, seconds: float) -> Iterator[Event]:
+        """Nothing can be sampled: only jobs are done. It goes on when something else is wanted."""
+        session, due = self._session, ecu.tester.link.now() + seconds
+        yield from self._approach.now_in(LineState.ECU_ALIVE, ecu.tester.link.now())
+        while session.still(wish) and not session.waited(ecu, wish, due):
+            self._jobs.run(ecu)

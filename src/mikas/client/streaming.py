@@ -1,0 +1,140 @@
+"""Readings that a unit sends by itself, begun again whenever they have stopped (71, 7F–83; D12).
+
+Both `Ecu.watch` and the sampler read streams by this; they differ in what they do about a failure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+
+from mikas.catalog import Parameter
+from mikas.client.parameters import Parameters
+from mikas.client.reading import Reading
+from mikas.commands import Availability, StreamAtStroke, StreamCyclic
+from mikas.errors import LineError, LinkLost, MikasError, NoConnection, NoResponse, NotSupported
+from mikas.language import Text
+from mikas.tester import Stream, StreamItem, Tester
+
+_STANDS = Text(
+    "A stream by strokes comes only while the engine turns.",
+    "Поток по тактам идёт, только пока двигатель вращается.",
+)
+
+
+class ReadingStream:
+    """The stream of `wanted`; `stroke` None: the cyclic one. To be closed, which ends it."""
+
+    def __init__(
+        self,
+        tester: Tester,
+        parameters: Parameters,
+        wanted: Sequence[Parameter],
+        stroke: int | None = None,
+    ) -> None:
+        self.works = False
+        """Whether anything ever came."""
+        self.silent = 0
+        """How often running it was silent, though the unit answers and could well have sent."""
+        self._tester = tester
+        self._parameters = parameters
+        self._wanted = tuple(wanted)
+        self._stroke = stroke
+        self._stream: Stream | None = None
+        self._heard = 0.0
+
+    def next(self, patience: float | None = None) -> tuple[float, dict[str, Reading]] | None:
+        """The next response's time and readings. None: none came for `patience` seconds so far.
+
+        Raises `NotSupported` for a stream that the unit does not begin, `LinkLost`, and any other
+        `NoConnection` or `LineError` for what the next call may get over: a response that came
+        damaged is one, behind which the stream goes on. `NoResponse`: the unit is
+        there, but it has fallen silent, or its engine stands.
+        """
+        while True:
+            try:
+                item = self._next(patience)
+            except StopIteration:
+                self._stream = None  # ended from outside: it is begun again, if there is a link
+            except NoResponse as error:
+                self._end_after(error)
+                reason = self._why_silent(error)
+                if self.works or not self.silent or reason is not error:
+                    raise reason from error
+                if self.silent > 1:  # the request of the first may have been lost
+                    raise self._not_supported(error) from error
+            except MikasError as error:
+                if isinstance(error, LineError) and self._stream is not None:
+                    self._heard = self._tester.link.now()  # one response was spoilt, no more
+                else:
+                    self._end_after(error)
+                raise
+            else:
+                if item is None:
+                    return None
+                self.works, self.silent, self._heard = True, 0, self._tester.link.now()
+                return item.time, self._parameters.of_item(self._wanted, item)
+
+    def close(self) -> None:
+        """Ends the stream. Raises `LineNotQuiet` if the unit can't be made to stop.
+
+        After it the next `next` begins it again.
+        """
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            with suppress(NoConnection):  # nobody is there any more, so nothing streams
+                stream.close()
+
+    def _next(self, patience: float | None) -> StreamItem | None:
+        if self._stream is None:
+            self._stream = self._parameters.raw_stream(self._wanted, self._stroke)
+            self._heard = self._tester.link.now()
+        now = self._tester.link.now()
+        if patience is None:
+            until = deadline = max(self._heard, now) + self._stream.silence
+        else:
+            until = self._heard + self._stream.silence
+            deadline = min(until, now + patience)
+        # Before anything fitted, what does not fit may be the unit's way to refuse so many.
+        item = self._stream.read(deadline, tell=self.works)
+        over = item is None and self._tester.link.now() >= until
+        if over or not self._stream.running:
+            self._stream.silence = 0.0  # what its silence means is the stream's to say
+            return next(self._stream)
+        return item
+
+    def _end_after(self, error: MikasError) -> None:
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            stream.__exit__(type(error), error, None)
+
+    def _why_silent(self, error: NoResponse) -> LineError | NoConnection:
+        """What kept the stream silent; counts it if the unit could well have sent."""
+        try:
+            self._tester.request(Availability())
+            if self._stroke is None:
+                self.silent += 1
+                return error
+            rpm = self._parameters.read(["FREQ"])["FREQ"]
+        except LinkLost:
+            raise
+        except (LineError, NoConnection) as nobody:
+            return nobody
+        except NotSupported:
+            return error
+        if rpm.value:
+            self.silent += 1
+        else:
+            self.silent = 0
+            error.to_try = _STANDS
+        return error
+
+    def _not_supported(self, error: NoResponse) -> NotSupported:
+        cyclic = self._stroke is None
+        code = StreamCyclic.CODES[0] if cyclic else StreamAtStroke.CODES[self._stroke or 0]
+        count = len(self._wanted)
+        command = Text(
+            f"a stream ({code:02X}) of {count} parameter(s)",
+            f"потока ({code:02X}) с числом параметров {count}",
+        )
+        return NotSupported(command=command, request=error.request, received=b"", time=error.time)

@@ -1,0 +1,179 @@
+"""All of sampling behind one iterator: the sampler, derived channels, alarms.
+
+    with closing(Acquisition(plug, make_ecu, catalog, ["FREQ", "TWAT/10"]).run()) as events:
+        for event in events: …
+
+One thread runs it; every other method and property is for any thread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from concurrent.futures import Future
+from dataclasses import replace
+from typing import TypeVar
+
+from mikas.catalog import AlarmLimits, Catalog, Derived, Parameter
+from mikas.client import Ecu
+from mikas.client.methods import METHODS, FixedMethod
+from mikas.errors import UsageError
+from mikas.language import Text
+from mikas.link import Link
+from mikas.link.plug import Plug
+from mikas.sampling.alarms import Alarms, AlarmState, Value
+from mikas.sampling.derived import DerivedChannels
+from mikas.sampling.events import Event, Gap, LineState, PlanChanged, Sampled, UnitFound
+from mikas.sampling.plan import Plan, Price
+from mikas.sampling.sampler import Sampler
+from mikas.sampling.selecting import select
+
+T = TypeVar("T")
+
+
+class Acquisition:
+    """Acquires the channels `names` of whatever unit is behind `plug`; none: all parameters.
+
+    A name may be a parameter's, a code's (`0x1A`, `0x3F:2`) or a derived channel's, each with
+    `/10` for every tenth cycle. `method`: auto is the fastest that works. `rate`: cycles a second
+    at most. `strict`: as for `Sampler`. `limits`: alarms other than the catalog's, as for `Alarms`.
+
+    Raises `UnknownParameter` and `UsageError` before anything is opened.
+    """
+
+    def __init__(
+        self,
+        plug: Plug,
+        make_ecu: Callable[[Link], Ecu],
+        catalog: Catalog,
+        names: Iterable[str] = (),
+        *,
+        method: str = "auto",
+        rate: float | None = None,
+        strict: bool = False,
+        limits: Mapping[str, AlarmLimits | None] | None = None,
+    ) -> None:
+        self._catalog = catalog
+        self._limits = limits
+        self._selection = select(catalog, names)
+        self._derived = DerivedChannels(catalog, self._selection.derived)
+        self._in_force = self._selection
+        self._alarms = Alarms(catalog, limits)
+        self._sampler = Sampler(
+            plug,
+            make_ecu,
+            self._selection.wanted,
+            method=fixed(method),
+            rate=rate,
+            strict=strict,
+            again=self._selection.named,
+        )
+
+    @property
+    def channels(self) -> tuple[Parameter | Derived, ...]:
+        """What was asked for, in that order."""
+        return self._selection.channels
+
+    @property
+    def plan(self) -> Plan | None:
+        """What is asked now, inputs of derived channels included; None before the beginning."""
+        return self._sampler.plan
+
+    @property
+    def method(self) -> str | None:
+        """The method in force."""
+        plan = self.plan
+        return None if plan is None else plan.method
+
+    @property
+    def state(self) -> LineState | None:
+        """How far the way to the ECU is open; None before the beginning."""
+        return self._sampler.state
+
+    @property
+    def ecu(self) -> Ecu | None:
+        """The unit of now, or None; to look at its model or statistics, not to ask it (`call`)."""
+        return self._sampler.ecu
+
+    @property
+    def alarms(self) -> Mapping[str, AlarmState]:
+        """What is known of each channel that has limits, by name."""
+        return self._alarms.current()
+
+    def run(self) -> Generator[Event, None, None]:
+        """Events until `stop`, or until the iterator is closed. Raises as `Sampler.run` does."""
+        for event in self._sampler.run():
+            match event:
+                case Sampled():
+                    yield from self._made_of(event)
+                    continue
+                case Gap():
+                    self._derived.update({}, event.time)
+                    self._alarms.update({}, event.time)
+                case PlanChanged():
+                    self._take_over()
+                case UnitFound(another=True):  # what was added up is that of the car before
+                    self._derived = DerivedChannels(self._catalog, self._in_force.derived)
+                    self._alarms = Alarms(self._catalog, self._limits)
+                case _:
+                    pass
+            yield event
+
+    def _made_of(self, sampled: Sampled) -> Iterator[Event]:
+        derived = self._derived.update(sampled.fresh, sampled.time)
+        yield replace(sampled, derived=derived)
+        values: dict[str, Value] = {**sampled.stale, **sampled.fresh, **derived}
+        yield from self._alarms.update(values, sampled.time)
+
+    def _take_over(self) -> None:
+        if self._in_force is not self._selection:
+            self._in_force = self._selection
+            before = self._derived
+            self._derived = DerivedChannels(self._catalog, self._in_force.derived)
+            self._derived.go_on_from(before)
+
+    def call(self, job: Callable[[Ecu], T]) -> Future[T]:
+        """`job(ecu)` between two cycles, as `Sampler.call`."""
+        return self._sampler.call(job)
+
+    def want(self, names: Iterable[str], method: str = "auto", rate: float | None = None) -> None:
+        """Other channels from the next cycle on, told by `PlanChanged`.
+
+        Raises `UnknownParameter` and `UsageError`, and then nothing changes.
+        """
+        selection = select(self._catalog, names)
+        own = fixed(method)
+        before, self._selection = self._selection, selection
+        try:
+            self._sampler.want(selection.wanted, own, rate, again=selection.named)
+        except UsageError:
+            self._selection = before
+            raise
+
+    def relearn(self) -> None:
+        """Forgets what was learnt of the unit's methods and bounds; all is measured anew."""
+        self._sampler.relearn()
+
+    def stop(self) -> None:
+        """Ends `run` within a second or two, whatever it waits for."""
+        self._sampler.stop()
+
+    def price(self, names: Iterable[str], method: str = "auto") -> Price:
+        """What a cycle of `names` would cost; auto: by the best method, as far as is known.
+
+        Raises `UnknownParameter` and `UsageError`.
+        """
+        return self._sampler.price(select(self._catalog, names).wanted, fixed(method))
+
+
+def fixed(method: str) -> FixedMethod | None:
+    """None for auto. Raises `UsageError` for what is no method."""
+    for known in METHODS:
+        if method == known:
+            return None if known == "auto" else known
+    listed = ", ".join(METHODS)
+    raise UsageError(
+        problem=Text(
+            f"there is no method “{method}”; there are {listed}",
+            f"метода «{method}» нет; есть {listed}",
+        )
+    )

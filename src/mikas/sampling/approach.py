@@ -1,0 +1,142 @@
+"""The way to the ECU: kept open, and opened again, without a hand on the keyboard.
+
+    no port ─► no echo ─► echo only ─► the ECU answers ─► sampling        (LineState)
+
+An adapter that was pulled out is looked for, a silent ECU is asked until it answers, and whoever
+answers is compared with the one before: it may be another car.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator
+
+from mikas.client import Ecu, Passport
+from mikas.commands import Availability
+from mikas.errors import (
+    EchoOnly,
+    LineError,
+    LinkLost,
+    MikasError,
+    NoConnection,
+    NoEcho,
+    NotAKLineAdapter,
+    OutOfStep,
+)
+from mikas.link import Link
+from mikas.link.plug import Plug
+from mikas.sampling.events import Event, Gap, LineState, StateChanged, UnitFound
+from mikas.sampling.session import Session
+
+Unit = tuple[int, Passport]
+
+_PORT_LOOK = 1.0  # s between looks for an adapter that is not there
+
+
+class Approach:
+    """Opens `plug` and finds the unit behind it, as often as needed.
+
+    While the way is broken, jobs fail with what broke it; so do the methods here in a strict
+    session before its first sample.
+    """
+
+    def __init__(self, plug: Plug, make_ecu: Callable[[Link], Ecu], session: Session) -> None:
+        self.state: LineState | None = None
+        self.unit: Unit | None = None
+        self.ecu: Ecu | None = None
+        """That of the open link; None until a unit has been met on it."""
+        self._plug = plug
+        self._make_ecu = make_ecu
+        self._session = session
+        self._told: type[MikasError] | None = None
+
+    def open(self) -> Generator[Event, None, Link | None]:
+        """The link; None: nobody wants it any more."""
+        while not self._session.stopped:
+            try:
+                return self._plug.open()
+            except NoConnection as error:
+                yield from self.lost(error, self._plug.now())
+                self._plug.wait(_PORT_LOOK)
+        return None
+
+    def lost(self, error: NoConnection, time: float) -> Iterator[Event]:
+        """The adapter is gone. Raises `error` in a strict beginning."""
+        self.ecu = None
+        yield from self._broken(LineState.NO_PORT, time, error)
+
+    def meet(self, link: Link) -> Generator[Event, None, Ecu | None]:
+        """A connected `Ecu` on `link`; None: nobody wants it any more."""
+        ecu = self._make_ecu(link)
+        unit = yield from self._until(ecu, again=False)
+        if unit is None:
+            return None
+        another = self.unit is not None and unit != self.unit
+        self.unit, self.ecu = unit, ecu
+        yield UnitFound(link.now(), *unit, another)
+        return ecu
+
+    def meet_again(self, ecu: Ecu, error: NoConnection) -> Generator[Event, None, bool]:
+        """After `error`, until a unit answers. False: it is not that of `ecu`, or nobody wants it
+        any more.
+        """
+        yield from self._not_there(ecu, error)
+        unit = yield from self._until(ecu, again=True)
+        if unit is None or unit != self.unit:
+            return False
+        yield UnitFound(ecu.tester.link.now(), *unit, another=False)
+        return True
+
+    def now_in(
+        self, state: LineState, time: float, error: MikasError | None = None
+    ) -> Iterator[Event]:
+        """Tells a state that is another one, or has another reason."""
+        if state is not self.state or (error is not None and type(error) is not self._told):
+            self.state, self._told = state, None if error is None else type(error)
+            yield StateChanged(time, state, error)
+
+    def _until(self, ecu: Ecu, *, again: bool) -> Generator[Event, None, Unit | None]:
+        """Asks until a unit answers; each attempt waits for it by itself (D14)."""
+        while not self._session.stopped:
+            try:
+                if again and self.unit and ecu.version_code == self.unit[0]:
+                    ecu.tester.request(Availability())  # after a short dip that is enough
+                    again = False
+                else:
+                    ecu.tester.connect()
+                unit = self._who(ecu)
+            except (LinkLost, NotAKLineAdapter):
+                raise
+            except (NoConnection, LineError) as error:
+                again = False
+                yield from self._not_there(ecu, error)
+            else:
+                yield from self.now_in(LineState.ECU_ALIVE, ecu.tester.link.now())
+                return unit
+        return None
+
+    def _who(self, ecu: Ecu) -> Unit:
+        """Who answers. Another one than before has to say so twice: a piece may have been lost."""
+        unit = ecu.version_code, ecu.passport(again=True)
+        if self.unit is not None and unit != self.unit:
+            once, unit = unit, (ecu.version_code, ecu.passport(again=True))
+            if once != unit:
+                raise OutOfStep(time=ecu.tester.link.now())
+        return unit
+
+    def _not_there(self, ecu: Ecu, error: NoConnection | LineError) -> Iterator[Event]:
+        state = LineState.ECHO_ONLY  # something talks, but it is no use yet
+        if isinstance(error, NoEcho) or (
+            isinstance(error, NoConnection) and not isinstance(error, EchoOnly)
+        ):
+            state = LineState.NO_ECHO
+        yield from self._broken(state, ecu.tester.link.now(), error)
+
+    def _broken(
+        self, state: LineState, time: float, error: NoConnection | LineError
+    ) -> Iterator[Event]:
+        self._session.jobs.fail(error)
+        if self._session.strict and not self._session.begun:
+            raise error
+        if self._session.begun:  # at each attempt, about once a second: those who wait see time go
+            yield Gap(time, error)
+        yield from self.now_in(state, time, error)

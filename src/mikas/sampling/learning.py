@@ -1,0 +1,153 @@
+"""What is known of one unit's methods while it is sampled, and the choice between them.
+
+It begins with what was kept for the unit and this kind of adapter; a choice made of that alone is
+held against what the first cycles show. A method that let its user down is measured again, and
+after the second time not used any more.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from mikas.client import Ecu
+from mikas.client.limits import Pace
+from mikas.client.methods import FixedMethod
+from mikas.errors import LineError
+from mikas.sampling.choosing import (
+    CANDIDATES,
+    LAST,
+    Measured,
+    best,
+    kind_of_adapter,
+    pace_of,
+    rates_of,
+    to_measure,
+)
+from mikas.sampling.plan import Plan, Price
+
+_SLOWER = 0.75  # of what was promised: then it is another adapter, or another system
+_CYCLES, _SECONDS = 6, 1.0  # that a promise is held against
+_OFTEN = 2
+_BAUD = 9600  # §1
+
+
+class Learning:
+    """Of one unit; a new one for another unit."""
+
+    def __init__(self) -> None:
+        self.method: FixedMethod | None = None
+        """The choice that was told last."""
+        self._paces: dict[str, dict[str, Pace]] = {}
+        self._kind = ""
+        self._ecu: Ecu | None = None
+        self._proved: set[str] = set()  # kinds of adapter
+        self._tried: set[FixedMethod] = set()
+        self._blamed: Counter[FixedMethod] = Counter()
+
+    def begin(self, ecu: Ecu) -> None:
+        """Looks at the adapter, if it may be another one; recalls what is known with such."""
+        self._tried.clear()
+        if ecu is self._ecu:
+            return
+        self._ecu = ecu
+        try:
+            self._kind = kind_of_adapter(ecu)
+            kept = ecu.limits().methods.get(self._kind, {})
+        except LineError:
+            self._kind, kept = "", {}  # no telling on such a line
+        self._paces.setdefault(self._kind, kept)
+
+    @property
+    def _known(self) -> dict[str, Pace]:
+        return self._paces.setdefault(self._kind, {})
+
+    def next_to_measure(self, plan: Plan, enough: float | None, baud: int) -> FixedMethod | None:
+        """The method to be tried next; None: enough is known."""
+        rates = self.rates(plan, baud)
+        good = best(rates, enough)
+        if enough and good is not None and rates[good] >= enough and good in CANDIDATES:
+            return None
+        left = to_measure(rates, enough, without=self._tried)
+        if not left and good is None and LAST not in self._tried:
+            left = [LAST]
+        if left:
+            self._tried.add(left[0])
+            return left[0]
+        return None
+
+    def learn(self, measured: Measured, plan: Plan, baud: int) -> None:
+        """What was measured just now."""
+        self._proved.add(self._kind)
+        pace = pace_of(measured, plan, baud)
+        if pace is not None:
+            self._known[measured.method] = pace
+
+    def keep(self) -> None:
+        """For the next session."""
+        if self._ecu is not None and self._kind:
+            self._ecu.learn_paces(self._kind, self._known)
+
+    def rates(self, plan: Plan, baud: int) -> dict[FixedMethod, float]:
+        """Cycles a second of every candidate that is known for such a plan."""
+        rates = rates_of(plan, self._known, baud)
+        return rates | {m: 0.0 for m, count in self._blamed.items() if count >= _OFTEN}
+
+    def price(self, plan: Plan, method: FixedMethod | None) -> Price:
+        """What a cycle would cost, with the delays that were measured; §5's where none was.
+
+        `method` None: the best of those that are known, or batch.
+        """
+        known = self._paces.get(self._kind, {})
+        if method is None:
+            method = best(rates_of(plan, known, _BAUD)) or "batch"
+        pace = known.get(method)
+        by = plan.by(method)
+        if pace is None or pace.delay is None:
+            return by.price()
+        return by.price(turn_round=pace.delay, pause=pace.delay)
+
+    def blame(self, method: FixedMethod) -> None:
+        """It worked, or should have, and does not: everything is to be measured anew."""
+        self._blamed[method] += 1
+        self.disprove()
+
+    def blamed(self, method: FixedMethod) -> bool:
+        """Whether it has let its user down before."""
+        return self._blamed[method] > 0
+
+    def forgive(self, method: FixedMethod) -> None:
+        """It is wanted once more."""
+        del self._blamed[method]
+
+    def disprove(self) -> None:
+        """What is known of this kind of adapter is not so."""
+        self._paces[self._kind] = {}
+
+    def promise(self, plan: Plan, baud: int) -> Promise | None:
+        """What the first cycles have to show, if the choice was made from memory."""
+        if self._kind in self._proved:
+            return None
+        rate = self.rates(plan, baud).get(plan.method, 0.0)
+        return Promise(rate) if rate else None
+
+    def prove(self) -> None:
+        """The promise was kept."""
+        self._proved.add(self._kind)
+
+
+class Promise:
+    """A rate that the first cycles are held against."""
+
+    def __init__(self, rate: float) -> None:
+        self._rate = rate
+        self._cycles = -1  # the first sets lists or begins the stream, and is not counted
+        self._seconds = 0.0
+
+    def count(self, seconds: float, *, whole: bool) -> bool | None:
+        """`seconds` went by, in which a cycle ended if `whole`. Whether it was kept; None: wait."""
+        if self._cycles >= 0:
+            self._seconds += seconds
+        self._cycles += whole
+        if self._cycles < _CYCLES or self._seconds < _SECONDS:
+            return None
+        return self._cycles >= _SLOWER * self._rate * self._seconds

@@ -1,0 +1,268 @@
+"""All of sampling behind one iterator: derived channels, alarms, other wishes, prices."""
+
+from __future__ import annotations
+
+import threading
+from contextlib import closing
+
+import pytest
+from sampling_bench import SimulatedPlug, assert_values_are_the_units, enough, maker, of, take
+
+from mikas.catalog import AlarmLimits, shipped
+from mikas.errors import NotSupported, UnknownParameter, UsageError
+from mikas.sampling.acquisition import Acquisition
+from mikas.sampling.alarms import AlarmEvent
+from mikas.sampling.events import (
+    Dropped,
+    Gap,
+    LineState,
+    PlanChanged,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
+from mikas.sampling.plan import Plan
+from mikas.sampling.selecting import select
+from mikas.virtual.responder import Identity
+from virtual_bench import DATA, PASSPORTS, make_bus
+
+
+def acquisition(plug: SimulatedPlug, *names: str, **settings: object) -> Acquisition:
+    settings.setdefault("method", "batch")
+    return Acquisition(plug, maker(), shipped(), names, **settings)
+
+
+def test_the_plan_is_told_before_the_first_sample_and_once():
+    made = acquisition(SimulatedPlug(make_bus()), "FREQ", "FUEL_FLOW", "TWAT/10")
+    assert [c.name for c in made.channels] == ["FREQ", "FUEL_FLOW", "TWAT"]
+    assert (made.plan, made.state, made.ecu, made.method) == (None, None, None, None)
+    with closing(made.run()) as events:
+        told = take(events, enough)
+        assert made.state is LineState.SAMPLING
+        assert made.ecu.model.text.en
+        assert made.ecu.tester.statistics.requests > 40
+    (plan,) = of(PlanChanged, told)
+    assert told.index(plan) < told.index(of(Sampled, told)[0])
+    assert made.plan is plan.plan
+    assert made.method == "batch"
+    assert {w.parameter.name: w.every for w in plan.plan.wanted} == {
+        "FREQ": 1,
+        "INJ": 1,
+        "TWAT": 10,
+    }
+
+
+@pytest.mark.parametrize("method", ["batch", "list", "stream"])
+def test_a_derived_channel_has_a_value_only_where_all_of_it_is_fresh(method):
+    made = acquisition(SimulatedPlug(make_bus()), "FREQ", "FUEL_FLOW/5", method=method)
+    with closing(made.run()) as events:
+        samples = of(Sampled, take(events, enough))
+    with_flow = [s for s in samples if "FUEL_FLOW" in s.derived]
+    for sample in samples:
+        both = {"FREQ", "INJ"} <= set(sample.fresh)
+        assert ("FUEL_FLOW" in sample.derived) == both
+        if both:
+            assert sample.derived["FUEL_FLOW"].time == sample.time
+            assert "INJ" in sample.derived["FUEL_FLOW"].inputs["FUEL_STROKE"].inputs
+        elif samples.index(sample) > 5:
+            assert sample.stale["INJ"].time < sample.time
+    assert len(with_flow) == len(samples) if method == "stream" else 7 <= len(with_flow) <= 9
+
+
+def test_what_is_added_up_goes_on_when_other_channels_are_wanted_but_not_in_another_car():
+    plug = SimulatedPlug(make_bus())
+    made = acquisition(plug, "FUEL_USED")
+
+    def used(events):
+        return of(Sampled, take(events, enough))[-1].derived["FUEL_USED"]
+
+    with closing(made.run()) as events:
+        first = used(events)
+        made.want(["FUEL_USED", "TWAT", "FUEL_FLOW"], "batch")
+        second = used(events)
+        assert second.value > first.value > 0
+        assert second.since == first.since
+        made.want(["FREQ"], "batch")
+        take(events, enough)
+        plug.bus.ecu.responder.car.on = False
+        take(events, lambda e: bool(of(StateChanged, e)))
+        plug.bus.ecu.responder.identity = Identity(0x09, PASSPORTS)
+        plug.bus.ecu.responder.car.on = True
+        assert of(UnitFound, take(events, enough))[0].another
+        made.want(["FUEL_USED"], "batch")
+        assert used(events).since > second.time
+
+
+def test_a_gap_is_counted_where_something_is_added_up():
+    plug = SimulatedPlug(make_bus())
+    with closing(acquisition(plug, "FUEL_USED").run()) as events:
+        take(events, enough)
+        plug.bus.ecu.responder.car.on = False
+        plug.at(plug.now() + 5, lambda: setattr(plug.bus.ecu.responder.car, "on", True))
+        told = take(events, enough)
+    assert of(Gap, told)
+    assert of(Sampled, told)[-1].derived["FUEL_USED"].gaps == 1
+
+
+def test_alarms_come_behind_the_sample_that_shows_them():
+    plug = SimulatedPlug(make_bus())
+    limits = {"TWAT": AlarmLimits(warning_high=100, danger_high=110, hysteresis=2)}
+    made = acquisition(plug, "FREQ", "TWAT/3", limits=limits)
+    data = plug.bus.ecu.responder.car._data
+    with closing(made.run()) as events:
+        data[0x1A] = bytes([40 + 90])
+        assert not [a for a in of(AlarmEvent, take(events, enough)) if a.channel.name == "TWAT"]
+        assert not made.alarms["TWAT"].stale
+        data[0x1A] = bytes([40 + 112])
+        told = take(events, enough)
+        (alarm,) = [a for a in of(AlarmEvent, told) if a.channel.name == "TWAT"]
+        before = told[told.index(alarm) - 1]
+        assert isinstance(before, Sampled)
+        assert before.fresh["TWAT"].value == alarm.value == 112
+        assert alarm.time == before.time
+        assert made.alarms["TWAT"].level.value == "danger"
+        plug.pull()
+        take(events, lambda e: bool(of(StateChanged, e)))
+        assert made.alarms["TWAT"].stale  # nobody knows now
+        assert made.alarms["TWAT"].level.value == "danger"
+
+
+class TestWanting:
+    def test_something_else_from_the_next_cycle_on(self):
+        plug = SimulatedPlug(make_bus())
+        made = acquisition(plug, "FREQ", "TWAT")
+        with closing(made.run()) as events:
+            take(events, enough)
+            made.want(["INJ", "JAIR/2"], "list", 20.0)
+            told = take(events, enough)
+        (plan,) = of(PlanChanged, told)
+        assert told[0] is plan
+        assert (plan.plan.method, made.method) == ("list", "list")
+        assert [c.name for c in made.channels] == ["INJ", "JAIR"]
+        samples = of(Sampled, told)
+        assert {name for s in samples for name in (*s.fresh, *s.stale)} == {"INJ", "JAIR"}
+        took = samples[-1].time - samples[10].time
+        assert took / (len(samples) - 11) == pytest.approx(1 / 20, rel=0.05)
+        assert_values_are_the_units(told)
+
+    def test_the_same_again_is_told_too(self):
+        made = acquisition(SimulatedPlug(make_bus()), "FREQ")
+        with closing(made.run()) as events:
+            take(events, enough)
+            made.want(["FREQ"], "batch")
+            assert of(PlanChanged, take(events, enough))
+
+    def test_a_slow_rate_does_not_hold_it_up(self):
+        plug = SimulatedPlug(make_bus())
+        made = acquisition(plug, "FREQ", rate=0.01)
+        with closing(made.run()) as events:
+            take(events, lambda e: bool(of(Sampled, e)))
+            plug.at(plug.now() + 5, lambda: made.want(["INJ"], "batch"))
+            take(events, enough)
+            assert plug.now() < 15
+
+    @pytest.mark.parametrize(
+        ("names", "method", "rate"),
+        [
+            (["TWTA"], "auto", None),
+            (["FREQ/x"], "auto", None),
+            (["FREQ"], "fastest", None),
+            (["FREQ"], "auto", 0),
+            (["FREQ"], "auto", float("nan")),
+        ],
+    )
+    def test_what_makes_no_sense_changes_nothing(self, names, method, rate):
+        made = acquisition(SimulatedPlug(make_bus()), "TWAT")
+        with closing(made.run()) as events:
+            take(events, enough)
+            with pytest.raises((UnknownParameter, UsageError)):
+                made.want(names, method, rate)
+            told = take(events, enough)
+        assert [c.name for c in made.channels] == ["TWAT"]
+        assert not of(PlanChanged, told)
+        with pytest.raises((UnknownParameter, UsageError)):
+            acquisition(SimulatedPlug(make_bus()), *names, method=method, rate=rate)
+
+    def test_by_other_threads_while_it_runs(self):
+        plug = SimulatedPlug(make_bus())
+        made = acquisition(plug, "FREQ")
+        sets = [["FREQ"], ["INJ", "FUEL_FLOW"], ["TWAT", "FUEL_STROKE/2"], ["THR"]]
+        over = threading.Event()
+
+        def change():
+            for turn in range(300):
+                made.want(sets[turn % len(sets)], ["batch", "list", "stream"][turn % 3])
+                made.price(sets[turn % len(sets)])
+            over.set()
+
+        thread = threading.Thread(target=change)
+        with closing(made.run()) as events:
+            thread.start()
+            told = take(events, lambda e: over.is_set(), most=10**6)
+            thread.join()
+            told += take(events, enough)
+        assert list(of(Sampled, told)[-1].fresh) == ["THR"]
+        assert not of(Gap, told)
+        assert_values_are_the_units(told)
+
+    def test_a_name_that_was_refused_is_asked_again_when_it_is_named_again(self):
+        plug = SimulatedPlug(make_bus())
+        data = plug.bus.ecu.responder.car._data
+        del data[0x1A]
+        made = acquisition(plug, "FREQ", "TWAT")
+        with closing(made.run()) as events:
+            assert [d.name for d in of(Dropped, take(events, enough))] == ["TWAT"]
+            data[0x1A] = DATA[0x1A]
+            made.want(["FREQ", "TWAT"], "batch")
+            told = take(events, enough)
+        assert set(of(Sampled, told)[-1].fresh) == {"FREQ", "TWAT"}
+        assert not of(Dropped, told)
+
+
+def test_prices():
+    made = acquisition(SimulatedPlug(make_bus()))
+    assert (
+        made.price(["FREQ"], "stream") == Plan(select(shipped(), ["FREQ"]).wanted, "stream").price()
+    )
+    assert made.price(["FUEL_FLOW"], "batch") == made.price(["FREQ", "INJ"], "batch")
+    assert made.price([]).rate == pytest.approx(17.8, rel=0.025)  # nothing better is known yet
+    with pytest.raises(UnknownParameter):
+        made.price(["TWTA"])
+    with pytest.raises(UsageError):
+        made.price(["FREQ"], "fastest")
+
+
+def test_relearning_and_stopping_are_passed_on():
+    plug = SimulatedPlug(make_bus())
+    made = acquisition(plug, "FREQ", method="auto")
+    plug.at(8, made.relearn)
+    plug.at(20, made.stop)
+    told = list(made.run())
+    methods = [e.method for e in told if type(e).__name__ == "Chosen"]
+    assert methods == ["stream", "stream"]
+    assert plug.now() < 23
+
+
+def test_calls_are_passed_on():
+    made = acquisition(SimulatedPlug(make_bus()), "FREQ")
+    asked = made.call(lambda ecu: ecu.read("THR")["THR"].raw)
+    with closing(made.run()) as events:
+        take(events, enough)
+    assert asked.result(0) == DATA[0x20]
+
+
+def test_nothing_at_all_is_an_error():
+    with pytest.raises(NotSupported):
+        list(acquisition(SimulatedPlug(make_bus()), "0x99").run())
+
+
+def test_what_is_refused_midway_takes_its_derived_channel_along():
+    plug = SimulatedPlug(make_bus())
+    made = acquisition(plug, "FREQ", "FUEL_FLOW")
+    with closing(made.run()) as events:
+        take(events, enough)
+        made.call(lambda ecu: plug.bus.ecu.responder.car._data.pop(0x3F))
+        told = take(events, enough)
+    assert [d.name for d in of(Dropped, told)] == ["INJ"]
+    assert not of(Sampled, told)[-1].derived
+    assert list(of(Sampled, told)[-1].fresh) == ["FREQ"]

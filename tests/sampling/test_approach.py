@@ -1,0 +1,270 @@
+"""The way to the ECU: what is told on it, who is met at its end, and that time goes on."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+from sampling_bench import (
+    SAMPLES,
+    SimulatedPlug,
+    assert_values_are_the_units,
+    enough,
+    make_sampler,
+    maker,
+    of,
+    settled,
+    take,
+    wishes,
+)
+
+from mikas.errors import EchoOnly, LineError, NoEcho, NotAKLineAdapter, PortBusy, PortNotFound
+from mikas.link import Link
+from mikas.link.plug import Plug, _AheadLink
+from mikas.sampling.events import (
+    Chosen,
+    Gap,
+    LineState,
+    PlanChanged,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
+from mikas.sampling.sampler import Sampler
+from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.assumptions import Assumptions
+from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.responder import Identity
+from virtual_bench import IDENTITY, PASSPORTS, make_bus
+
+
+class TestStrict:
+    def test_no_port(self):
+        plug = SimulatedPlug(make_bus())
+        plug.plugged_in = False
+        with pytest.raises(PortNotFound):
+            list(make_sampler(plug, strict=True).run())
+
+    def test_no_supply(self):
+        plug = SimulatedPlug(make_bus(adapter=AdapterKind(supplied=False)))
+        with pytest.raises(NoEcho):
+            list(make_sampler(plug, strict=True).run())
+
+    def test_no_ignition(self):
+        bus = make_bus()
+        bus.ecu.responder.car.on = False
+        with pytest.raises(EchoOnly):
+            list(make_sampler(SimulatedPlug(bus), strict=True).run())
+
+    def test_a_bad_line(self):
+        bus = make_bus(disturbance=Disturbance({Trouble.DAMAGED: 1.0}))
+        with pytest.raises(LineError):
+            list(make_sampler(SimulatedPlug(bus), strict=True).run())
+
+    def test_only_until_the_first_sample(self):
+        plug = SimulatedPlug(make_bus())
+        car = plug.bus.ecu.responder.car
+        with closing(make_sampler(plug, method="batch", strict=True).run()) as events:
+            take(events, lambda e: bool(of(Sampled, e)))
+            car.on = False
+            plug.at(plug.now() + 10, lambda: setattr(car, "on", True))
+            take(events, enough)
+            plug.pull()
+            plug.at(plug.now() + 10, plug.mend)
+            take(events, enough)
+
+    def test_the_port_is_let_go(self):
+        bus = make_bus()
+        bus.ecu.responder.car.on = False
+        plug = SimulatedPlug(bus)
+        with pytest.raises(EchoOnly):
+            list(make_sampler(plug, strict=True).run())
+        with pytest.raises(Exception, match="closed"):
+            plug.link.read(0)
+
+
+def test_every_state_on_the_way():
+    plug = SimulatedPlug(make_bus())
+    car = plug.bus.ecu.responder.car
+    plug.plugged_in = car.on = False
+    plug.unsupply()
+    plug.at(5, lambda: setattr(plug, "plugged_in", True))
+    plug.at(20, plug.mend)
+    plug.at(40, lambda: setattr(car, "on", True))
+    with closing(make_sampler(plug, method="batch").run()) as events:
+        told = take(events, enough)
+    assert [e.state for e in of(StateChanged, told)] == list(LineState)
+    for event in of(StateChanged, told)[:3]:
+        assert event.error is not None
+        assert event.state.text.en
+        assert event.state.text.ru
+    times = [event.time for event in told]
+    assert times == sorted(times)
+
+
+def test_the_same_state_for_another_reason_is_told():
+    plug = SimulatedPlug(make_bus())
+    problem = [PortNotFound(url="sim:", found=""), PortBusy(url="sim:"), PortBusy(url="sim:")]
+    opened = plug.open
+
+    def open_link():
+        if problem:
+            raise problem.pop(0)
+        return opened()
+
+    plug.open = open_link
+    with closing(make_sampler(plug, method="batch").run()) as events:
+        told = take(events, enough)
+    assert [type(e.error) for e in of(StateChanged, told)[:2]] == [PortNotFound, PortBusy]
+    assert of(StateChanged, told)[2].state is LineState.ECU_ALIVE
+
+
+def test_an_elm327_ends_it():
+    from mikas.link.urls import open_link
+
+    plug = Plug("sim:?adapter=elm327&clock=simulated", open_port=open_link)
+    with pytest.raises(NotAKLineAdapter):
+        list(Sampler(plug, maker(), wishes("FREQ")).run())
+
+
+def test_a_lost_adapter_is_a_gap_with_its_reason():
+    plug = SimulatedPlug(make_bus())
+    with closing(make_sampler(plug, method="batch").run()) as events:
+        take(events, enough)
+        plug.pull()
+        told = take(events, lambda e: bool(of(StateChanged, e)))
+    assert of(Gap, told)[-1].error is of(StateChanged, told)[0].error
+
+
+class TestAnotherCar:
+    def moved(self, identity: Identity, **changes: object):
+        """The adapter is carried to another car, and stays in the computer."""
+        plug = SimulatedPlug(make_bus())
+        with closing(make_sampler(plug).run()) as events:
+            take(events, settled)
+            plug.bus.ecu.responder.car.on = False
+            take(events, lambda e: bool(of(StateChanged, e)))
+            responder = plug.bus.ecu.responder
+            responder.identity = identity
+            responder.assumptions = replace(responder.assumptions, **changes)
+            responder.car.on = True
+            return take(events, settled)
+
+    def test_of_the_same_model(self):
+        told = self.moved(Identity(0x0A, ("ANOTHER", *PASSPORTS[1:])), max_list=5)
+        assert [u.another for u in of(UnitFound, told)] == [True]
+        assert of(UnitFound, told)[0].passport.program[0] == "ANOTHER"
+        assert of(PlanChanged, told)  # a new recording begins with it
+        assert of(Chosen, told)[0].method == "batch"  # found out anew
+        assert_values_are_the_units(told)
+
+    def test_of_another_model(self):
+        told = self.moved(Identity(0x09, PASSPORTS))
+        assert [(u.version_code, u.another) for u in of(UnitFound, told)] == [(0x09, True)]
+        assert_values_are_the_units(told)
+
+    def test_the_same_again_though_its_passport_comes_damaged(self):
+        plug = SimulatedPlug(make_bus())
+        with closing(make_sampler(plug, method="batch").run()) as events:
+            take(events, enough)
+            for _ in range(6):
+                plug.bus.ecu.responder.car.on = False
+                take(events, lambda e: bool(of(StateChanged, e)))
+                plug.bus.ecu.responder.car.on = True
+                plug.bus.disturbance.rates = {Trouble.LOST: 0.15, Trouble.DAMAGED: 0.1}
+                told = take(events, lambda e: bool(of(UnitFound, e)))
+                plug.bus.disturbance.rates = {}
+                told += take(events, enough)
+                assert [u.another for u in of(UnitFound, told)] == [False]
+
+
+def test_a_cranking_dip():
+    """The supply is gone for less than a response takes; the list is gone with it."""
+    for method in ("list", "stream"):
+        plug = SimulatedPlug(make_bus())
+        car = plug.bus.ecu.responder.car
+        with closing(make_sampler(plug, method=method).run()) as events:
+            take(events, enough)
+            car.on = False
+            plug.at(plug.now() + 0.3, lambda car=car: setattr(car, "on", True))
+            told = take(events, enough)
+        assert of(Gap, told)
+        assert not of(Chosen, told)
+        assert_values_are_the_units(told)
+
+
+@pytest.mark.parametrize("hours", [-1, 1])
+@pytest.mark.parametrize("method", ["batch", "list", "stream"])
+def test_the_date_is_set_while_the_adapter_is_out(method, hours):
+    socket = SimulatedPlug(make_bus())
+    shift = [0.0]
+
+    def open_link(url: str) -> Link:
+        return _AheadLink(socket.open(), shift[0])
+
+    plug = Plug("sim:", open_port=open_link, clock=socket.now, nap=socket.wait)
+    told = []
+    with closing(Sampler(plug, maker(), wishes("FREQ", "INJ"), method=method).run()) as events:
+        for _ in range(3):
+            told += take(events, enough)
+            socket.pull()
+            shift[0] += hours * 3600
+            told += take(events, lambda e: bool(of(StateChanged, e)))
+            socket.plugged_in = True
+    times = [event.time for event in told]
+    assert times == sorted(times)
+    samples = [s.time for s in of(Sampled, told)]
+    assert len(set(samples)) == len(samples) == 3 * SAMPLES
+    assert_values_are_the_units(told)
+
+
+def test_it_can_be_stopped_while_it_waits():
+    plug = SimulatedPlug(make_bus())
+    plug.plugged_in = False
+    sampler = make_sampler(plug)
+    plug.at(30, sampler.stop)
+    (told,) = list(sampler.run())  # it ends by itself
+    assert told.state is LineState.NO_PORT
+    assert plug.now() < 33
+    silent = SimulatedPlug(make_bus(assumptions=Assumptions()))
+    silent.bus.ecu.responder.car.on = False
+    sampler = make_sampler(silent)
+    silent.at(30, sampler.stop)
+    assert [e.state for e in sampler.run()] == [LineState.ECHO_ONLY]
+    assert silent.now() < 40
+
+
+@pytest.mark.parametrize("method", ["batch", "stream"])
+def test_it_can_be_stopped_while_it_samples(method):
+    plug = SimulatedPlug(make_bus())
+    sampler = make_sampler(plug, method=method)
+    plug.at(3, sampler.stop)
+    told = list(sampler.run())
+    assert 3 - 0.1 < of(Sampled, told)[-1].time < 3.5
+    assert sampler.ecu is None
+    carried = plug.bus.bytes_carried
+    plug.bus.advance(plug.now() + 5)
+    assert plug.bus.bytes_carried == carried
+
+
+def test_the_units_passport_is_told():
+    with closing(make_sampler(SimulatedPlug(make_bus()), method="batch").run()) as events:
+        (found,) = of(UnitFound, take(events, enough))
+    assert found.passport.pieces == IDENTITY.passports
+
+
+@pytest.mark.parametrize("spoil", ["pull", "unsupply"])
+def test_who_waits_sees_time_go_by(spoil):
+    """One gap an attempt, so that whoever runs it can stop; they are one hole in a recording."""
+    plug = SimulatedPlug(make_bus())
+    with closing(make_sampler(plug, method="batch").run()) as events:
+        take(events, enough)
+        getattr(plug, spoil)()
+        began = plug.now()
+        told = take(events, lambda e: plug.now() > began + 60)
+    times = [gap.time for gap in of(Gap, told)]
+    assert times == sorted(times)
+    assert max(later - before for before, later in pairwise([began, *times])) < 4
+    assert len(of(StateChanged, told)) == (2 if spoil == "pull" else 1)  # lost, then not found

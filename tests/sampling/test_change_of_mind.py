@@ -1,0 +1,213 @@
+"""A unit that refuses in the middle what it gave before: the others go on, by what still works."""
+
+from __future__ import annotations
+
+from contextlib import closing
+
+import pytest
+from sampling_bench import (
+    SimulatedPlug,
+    assert_values_are_the_units,
+    enough,
+    make_sampler,
+    of,
+    run,
+    settled,
+    take,
+    wishes,
+)
+
+from mikas.errors import EcuRefused, NotSupported
+from mikas.sampling.events import (
+    Chosen,
+    Dropped,
+    Gap,
+    LineState,
+    PlanChanged,
+    Sampled,
+    StateChanged,
+)
+from mikas.virtual.assumptions import GROUPS, Assumptions, LongList, Unknown
+from mikas.virtual.bus import Bus
+from mikas.virtual.disturbance import Disturbance, Trouble
+from virtual_bench import make_bus
+
+
+def changing(sampler, bus: Bus, change):
+    """`change` happens to the unit between two cycles, where no stream is running."""
+    return sampler.call(lambda ecu: change(bus.ecu.responder))
+
+
+def lacking(*groups: str, unknown: Unknown = Unknown.SILENT, **others: object):
+    missing = frozenset().union(*(GROUPS[group] for group in groups))
+
+    def change(responder):
+        responder.assumptions = Assumptions(missing=missing, unknown=unknown, **others)
+
+    return change
+
+
+def without(*codes: int):
+    def change(responder):
+        for code in codes:
+            del responder.car._data[code]
+        responder._list = ()  # it would be asked for what is not there
+
+    return change
+
+
+@pytest.mark.parametrize("unknown", Unknown)
+@pytest.mark.parametrize("method", ["single", "batch", "list", "stream", "stroke0"])
+def test_a_parameter_refused_midway_is_dropped_and_the_others_go_on(method, unknown):
+    bus = make_bus(assumptions=Assumptions(unknown=unknown), rpm=5200)
+    sampler = make_sampler(SimulatedPlug(bus), "FREQ", "TWAT", "INJ", "THR", method=method)
+    with closing(sampler.run()) as events:
+        take(events, enough)
+        changing(sampler, bus, without(0x3F))
+        after = take(events, enough)
+    assert [d.name for d in of(Dropped, after)] == ["INJ"]
+    (plan,) = of(PlanChanged, after)
+    assert [w.parameter.name for w in plan.plan.wanted] == ["FREQ", "TWAT", "THR"]
+    assert plan.plan.method == method  # it is not the method that is to blame
+    at = after.index(plan)
+    assert of(Sampled, after[at:])
+    for sample in of(Sampled, after[at:]):
+        assert set(sample.fresh) == {"FREQ", "TWAT", "THR"}
+        assert not sample.stale
+    assert_values_are_the_units(after)
+
+
+@pytest.mark.parametrize("method", ["batch", "list", "stream"])
+def test_a_one_that_means_no_is_no_datum(method):
+    """D10 again: a unit that refuses with 01 refuses a one-byte parameter."""
+    bus = make_bus(assumptions=Assumptions(unknown=Unknown.ERROR))
+    sampler = make_sampler(SimulatedPlug(bus), "FREQ", "TWAT", "THR", method=method)
+    with closing(sampler.run()) as events:
+        take(events, enough)
+        changing(sampler, bus, without(0x1A))
+        after = take(events, enough)
+    assert [d.name for d in of(Dropped, after)] == ["TWAT"]
+    assert_values_are_the_units(after)
+
+
+@pytest.mark.parametrize("unknown", Unknown)
+def test_auto_goes_down_step_by_step_as_methods_stop_working(unknown):
+    bus = make_bus(assumptions=Assumptions(unknown=unknown))
+    sampler = make_sampler(SimulatedPlug(bus))
+    with closing(sampler.run()) as events:
+        told = take(events, settled)
+        for lost in (
+            lacking("stream", unknown=unknown),
+            lacking("stream", "list", unknown=unknown),
+            lacking("stream", "list", unknown=unknown, max_list=5),
+            lacking("stream", "list", unknown=unknown, max_list=1),
+        ):
+            done = changing(sampler, bus, lost)
+            told += take(events, enough)
+            assert done.done()
+            told += take(events, enough)
+    assert [c.method for c in of(Chosen, told)][:3] == ["stream", "list", "batch"]
+    assert not of(Dropped, told)
+    assert_values_are_the_units(told)
+    last = of(Sampled, told)[-1]
+    assert len(last.fresh) == 23
+    assert {s.state for s in of(StateChanged, told)} == {
+        LineState.ECU_ALIVE,
+        LineState.SAMPLING,
+    }  # the ignition was never off
+
+
+@pytest.mark.parametrize("long_list", LongList)
+def test_lists_that_became_too_long_make_smaller_batches(long_list):
+    bus = make_bus()
+    sampler = make_sampler(SimulatedPlug(bus), method="batch")
+    with closing(sampler.run()) as events:
+        take(events, enough)
+        changing(sampler, bus, lacking("stream", "list", max_list=6, long_list=long_list))
+        after = take(events, enough)
+        limits = sampler.call(lambda ecu: ecu.limits())
+        after += take(events, enough)
+    assert limits.result(0).max_list == 6
+    assert not of(Dropped, after)
+    assert_values_are_the_units(after)
+    assert len(of(Sampled, after)[-1].fresh) == 23
+
+
+@pytest.mark.parametrize("method", ["list", "stream"])
+def test_a_method_that_was_asked_for_and_stops_is_replaced_too(method):
+    bus = make_bus()
+    sampler = make_sampler(SimulatedPlug(bus), method=method)
+    with closing(sampler.run()) as events:
+        take(events, enough)
+        changing(sampler, bus, lacking("stream", "list"))
+        after = take(events, settled)
+        changing(sampler, bus, lacking())
+        sampler.want(wishes(), method)  # asked for once more, it is tried once more
+        again = take(events, enough)
+    assert of(PlanChanged, again)[-1].plan.method == method
+    assert of(Chosen, after)[0].method == "batch"
+    assert any(isinstance(gap.error, EcuRefused) or gap.error.received for gap in of(Gap, after))
+
+
+@pytest.mark.parametrize("method", ["list", "stream"])
+@pytest.mark.parametrize("unknown", Unknown)
+def test_a_method_that_is_refused_from_the_beginning(method, unknown):
+    bus = make_bus(assumptions=Assumptions(missing=GROUPS[method], unknown=unknown))
+    with pytest.raises(EcuRefused):
+        run(bus, method=method, strict=True)
+    bus = make_bus(assumptions=Assumptions(missing=GROUPS[method], unknown=unknown))
+    with closing(make_sampler(SimulatedPlug(bus), method=method).run()) as events:
+        told = take(events, settled)
+    assert isinstance(of(Gap, told)[0].error, EcuRefused)  # said, and then got over
+    assert of(Chosen, told)[0].method == {"list": "stream", "stream": "list"}[method]
+
+
+def test_ignition_off_is_no_refusal():
+    bus = make_bus()
+    sampler = make_sampler(SimulatedPlug(bus))
+    with closing(sampler.run()) as events:
+        take(events, settled)
+        for _ in range(3):
+            bus.ecu.responder.car.on = False
+            told = take(events, lambda e: bool(of(StateChanged, e)))
+            bus.ecu.responder.car.on = True
+            told += take(events, enough)
+            assert not of(Chosen, told)
+            assert not of(Dropped, told)
+            assert not of(PlanChanged, told)
+
+
+def test_a_bad_line_is_no_refusal():
+    rates = {Trouble.LOST: 0.02, Trouble.DAMAGED: 0.05, Trouble.LATE: 0.01, Trouble.CUT: 0.02}
+    bus = make_bus(disturbance=Disturbance(rates, seed=5))
+    sampler = make_sampler(SimulatedPlug(bus), method="batch")
+    with closing(sampler.run()) as events:
+        told = take(events, lambda e: len(of(Sampled, e)) >= 600)
+    assert not of(Dropped, told)
+    assert not of(Chosen, told)
+    assert_values_are_the_units(told)
+
+
+def test_when_nothing_is_left_it_says_so_and_waits_for_another_wish():
+    bus = make_bus()
+    sampler = make_sampler(SimulatedPlug(bus), "TWAT", "INJ", method="batch")
+    with closing(sampler.run()) as events:
+        take(events, enough)
+        changing(sampler, bus, without(0x1A, 0x3F))
+        told = take(events, lambda e: bool(of(StateChanged, e)))
+        assert {d.name for d in of(Dropped, told)} == {"TWAT", "INJ"}
+        assert isinstance(of(Gap, told)[-1].error, NotSupported)
+        assert of(StateChanged, told)[-1].state is LineState.ECU_ALIVE
+        asked = sampler.call(lambda ecu: len(ecu.faults()))
+        sampler.want(wishes("FREQ"))
+        after = take(events, enough)
+    assert asked.result(0) == 4
+    assert list(of(Sampled, after)[-1].fresh) == ["FREQ"]
+
+
+def test_a_gate_that_lets_no_list_through_leaves_the_other_methods():
+    bus = make_bus(assumptions=Assumptions(missing=GROUPS["stream"]))
+    sampler = make_sampler(SimulatedPlug(bus), confirm=lambda change: False)
+    with closing(sampler.run()) as events:
+        told = take(events, settled)
+    assert of(Chosen, told)[0].method == "batch"

@@ -1,0 +1,73 @@
+"""From names to what is asked."""
+
+from __future__ import annotations
+
+import pytest
+
+from mikas.catalog import Derived, shipped
+from mikas.errors import UnknownParameter, UsageError
+from mikas.sampling.selecting import select
+
+
+def asked(*names: str) -> dict[str, int]:
+    return {w.parameter.name: w.every for w in select(shipped(), names).wanted}
+
+
+def test_no_names_are_all_parameters():
+    selection = select(shipped(), [])
+    assert selection.channels == shipped().parameters
+    assert len(selection.wanted) == 23
+    assert not selection.named
+
+
+def test_names_in_any_case_and_codes():
+    names = [" twat ", "0x1a", "0x3F:2", "Freq/10"]
+    assert [c.name for c in select(shipped(), names).channels] == [
+        "TWAT",
+        "0x1A",
+        "0x3F:2",
+        "FREQ",
+    ]
+    assert asked(*names) == {"TWAT": 1, "0x1A": 1, "0x3F:2": 1, "FREQ": 10}
+
+
+def test_a_name_twice_is_wanted_as_often_as_the_keenest():
+    assert asked("FREQ/10", "FREQ/2") == {"FREQ": 2}
+    assert len(select(shipped(), ["FREQ", "freq"]).channels) == 1
+
+
+def test_what_a_derived_channel_is_made_of_is_asked_as_often_as_it():
+    selection = select(shipped(), ["TWAT/10", "FUEL_FLOW/3", "FREQ/5"])
+    assert [c.name for c in selection.channels] == ["TWAT", "FUEL_FLOW", "FREQ"]
+    assert isinstance(selection.channels[1], Derived)
+    assert selection.derived == ("FUEL_FLOW",)
+    assert asked("TWAT/10", "FUEL_FLOW/3", "FREQ/5") == {"TWAT": 10, "FREQ": 3, "INJ": 3}
+
+
+@pytest.mark.parametrize("name", ["TWTA", "", "/", "/10", "0x1A:9", "0xFFF"])
+def test_what_there_is_not(name):
+    with pytest.raises(UnknownParameter):
+        select(shipped(), ["FREQ", name])
+
+
+@pytest.mark.parametrize(
+    "name", ["FREQ/", "FREQ/0", "FREQ/-1", "FREQ/1.5", "FREQ/x", "FREQ/1001", "FREQ/²"]
+)
+def test_how_often_that_makes_no_sense(name):
+    with pytest.raises(UsageError):
+        select(shipped(), [name])
+
+
+def test_a_number_that_fills_the_screen_is_refused_like_any_other():
+    with pytest.raises(UsageError):
+        select(shipped(), ["FREQ/" + "9" * 10_000])
+
+
+def test_one_code_with_two_sizes_could_not_be_told_apart():
+    with pytest.raises(UsageError, match="0x3F"):
+        select(shipped(), ["INJ", "0x3F:1"])
+
+
+def test_a_single_word_is_no_list_of_names():
+    with pytest.raises(UsageError, match="list of words"):
+        select(shipped(), [5])
