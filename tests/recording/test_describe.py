@@ -73,6 +73,26 @@ def test_a_list_is_remembered():
     assert told("63", None, describe).en == "read the list"
 
 
+def test_while_a_list_is_being_set_nobody_knows_which_one_the_unit_has():
+    describe = Describer(shipped())
+    told("641A29", None, describe)
+    told("641A29", "00", describe)
+    assert told("63", "7D15", describe).en.startswith("TWAT")
+    told("642920", None, describe)  # its 00 was lost: old or new list, both have two bytes
+    assert told("63", "1520", describe) is None
+    told("642920", "00", describe)
+    assert told("63", "1520", describe).en == "FREQ=840rpm THR=32%"
+
+
+def test_a_lone_01_is_a_value_only_of_a_parameter_that_is_known_to_answer():
+    describe = Describer(shipped())
+    assert told("6120", "01", describe).en == "a value of 01, or a refusal"
+    assert told("6120", "02", describe).en == "THR=2%"
+    assert told("6120", "01", describe).en == "THR=1%"
+    assert told("611A", "01", describe).en == "a value of 01, or a refusal"
+    assert told("61201A", "0101", describe).en.startswith("THR=1%")
+
+
 def test_the_reading_asked_for():
     literal = Describer(shipped(), "literal")
     assert told("611E", "8E").en == "UACC=14.2V"

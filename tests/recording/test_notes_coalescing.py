@@ -137,6 +137,14 @@ def test_a_response_byte_by_byte_is_one_packet_and_is_there_when_it_ends():
     assert time == pytest.approx(len(wire) * BYTE)
 
 
+def test_a_first_look_that_came_late_is_put_right_by_the_next_one():
+    began = 5.0
+    looks = [(b"\x7d" * 25, began + 25.7 * BYTE), (b"\x40\x0d", began + 27 * BYTE)]
+    [(_, data, time)] = coalesced([(RECEIVED, *look) for look in looks])
+    assert len(data) == 27
+    assert time == pytest.approx(began + 27 * BYTE)
+
+
 def test_what_waits_goes_before_a_note_before_what_is_sent_and_after_a_second():
     kept = Kept()
     coalescer = Coalescer(kept)

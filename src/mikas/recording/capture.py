@@ -86,6 +86,11 @@ class CaptureWriter:
             self._file.close()
             raise
 
+    @property
+    def size(self) -> int:
+        """Bytes of the file so far, in whole blocks."""
+        return self._end
+
     def record(self, direction: Direction, data: bytes, time: float) -> None:
         """Keep one chunk. It is with the operating system when this returns."""
         with self._lock:

@@ -6,7 +6,8 @@ the name in it, so that nothing is lost that anybody measures:
 
 - a reader takes a byte for `(bytes behind it in its packet) · byte time` older than its packet. A
   joined packet has the time that makes this right for the packet's first byte, hence for the
-  response's begin: to half a byte time for the first response in a packet, to one for another;
+  response's begin: to half a byte time for the first response in a packet, to one for another, or
+  better: where later chunks show that the first was seen late, the begin is put right;
 - a packet ends with the chunk that brings a terminator, so it waits for nothing but the rest of
   its own frame. Sent chunks are never joined.
 """
@@ -30,6 +31,7 @@ _LONGEST: Final = 1.0  # s
 _PAUSE: Final = 3  # inside a packet, between two chunks
 _ALL_PAUSES: Final = 8  # inside a packet, in all: its end may be told earlier by so much
 _CLOSE: Final = 0.5
+_LATE: Final = 1.0  # how late the first chunk may have been seen, as later ones show
 
 
 class NotedSink(Sink, NoteSink, Protocol):
@@ -52,6 +54,7 @@ class Coalescer:
         self._first = 0.0  # when the first waiting chunk came
         self._last = 0.0
         self._begin = 0.0  # when its first byte began on the wire
+        self._seen = 0.0  # what the first chunk by itself said of that
         self._joined = False  # whether more than one chunk is waiting
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
@@ -63,10 +66,13 @@ class Coalescer:
                 return
             if self._waiting and self._joins(data, time):
                 self._joined = True
+                # The first was seen late: so many bytes can't have begun later than this.
+                length = len(self._waiting) + len(data)
+                self._begin = min(self._begin, time - length * self._byte_time)
             else:
                 self.flush()
                 self._first = time
-                self._begin = time - len(data) * self._byte_time
+                self._begin = self._seen = time - len(data) * self._byte_time
             self._waiting += data
             self._last = time
             if data.endswith(_TERMINATOR) or len(self._waiting) >= _MOST_BYTES:
@@ -118,10 +124,12 @@ class Coalescer:
             return False
         pause = (time - self._last) / self._byte_time - len(data)
         # How much later the packet would have to begin for this chunk's bytes to be in their place.
-        late = (time - self._begin) / self._byte_time - length
-        another_begins = data.find(_TERMINATOR, 0, len(data) - 1) >= 0
-        most = _CLOSE if another_begins else _ALL_PAUSES
-        return pause <= _PAUSE and -_CLOSE <= late <= most
+        late = (time - self._seen) / self._byte_time - length
+        if _TERMINATOR in self._waiting or data.find(_TERMINATOR, 0, len(data) - 1) >= 0:
+            early, most = _CLOSE, _CLOSE  # another begins in here, and has to begin in its place
+        else:
+            early, most = _LATE, _ALL_PAUSES
+        return pause <= _PAUSE and -early <= late <= most
 
 
 _TERMINATOR: Final = bytes([TERMINATOR])

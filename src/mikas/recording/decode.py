@@ -281,7 +281,8 @@ def to_text(item: Item, language: Language = "en", *, zero: float = 0.0) -> str:
 
 def _notes(item: SeenFrame) -> list[Text]:
     notes = []
-    if item.name is not None and not item.echo:
+    told = item.meaning is not None and item.meaning.en.startswith(item.name or "\0")
+    if item.name is not None and not item.echo and not told:  # 01 has a word of ours for a name
         notes.append(Text(item.name, item.name))
     if item.meaning is not None:
         notes.append(item.meaning)

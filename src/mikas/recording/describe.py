@@ -1,7 +1,8 @@
 """What the frames of a capture mean: requests and responses in words (§3, §4).
 
 Follows the lists that 64 sets, because a response to 63 can't be read without. A response that its
-request can't read gets no meaning: better nothing than something wrong.
+request can't read gets no meaning: better nothing than something wrong. A lone `01` to a 61 with
+one code of one byte may be D10's refusal, until that request was answered otherwise; it says so.
 """
 
 from __future__ import annotations
@@ -10,10 +11,12 @@ from typing import Any
 
 from mikas import commands as c
 from mikas.catalog import Catalog
+from mikas.commands.base import ERROR
 from mikas.errors import MikasError
 from mikas.language import Language, Text
 
 _BOTH: tuple[Language, Language] = ("en", "ru")
+_DOUBTFUL = Text("a value of 01, or a refusal", "значение 01 или отказ")
 _DATA = (c.ReadParameters, c.ReadList, c.StreamCyclic, c.StreamAtStroke)
 
 
@@ -24,6 +27,7 @@ class Describer:
         self._catalog = catalog
         self._reading = reading
         self._list: tuple[c.Datum, ...] = ()
+        self._known: set[bytes] = set()  # lone requests whose answer is data beyond doubt
 
     def __call__(self, request: bytes, response: bytes | None) -> Text | None:
         """What `request` asks, or what `response` answers to it."""
@@ -31,6 +35,8 @@ class Describer:
         if command is None:
             return None
         if response is None:
+            if isinstance(command, c.WriteList):
+                self._list = ()  # until its 00 has come nobody knows which list the unit has
             return self._asked(command)
         try:
             value = command.read(response)
@@ -38,6 +44,11 @@ class Describer:
             return error.reason
         if isinstance(command, c.WriteList):
             self._list = command.parameters
+        if isinstance(command, c.ReadParameters) and len(request) == 2 and len(response) == 1:
+            if response != ERROR:
+                self._known.add(request)
+            elif request not in self._known:
+                return _DOUBTFUL
         return self._said(command, value)
 
     def _asked(self, command: c.Command[Any]) -> Text:

@@ -35,6 +35,8 @@ TAG: Final = b"mikas/1\n"
 
 _WINDOW: Final = 1 << 20
 _OVERLAP: Final = 64  # more than what is looked for is long
+_SECTION_START: Final = b"\x0a\x0d\x0d\x0a"  # the same in both byte orders
+_BEFORE_TAG: Final = 12  # bytes of a note's block
 _SECTION_OR_NOTE: Final = re.compile(
     rb"\x0A\x0D\x0D\x0A.{4}(?:\x4D\x3C\x2B\x1A|\x1A\x2B\x3C\x4D)"
     rb"|(?:\xAD\x0B\0\0.{4}\xD9\x7E\0\0|\0\0\x0B\xAD.{4}\0\0\x7E\xD9)" + re.escape(TAG),
@@ -159,9 +161,25 @@ def alarm_note(event: AlarmEvent) -> Note:
     return Note(Kind.ALARM, event.time, data)
 
 
-def learnt_note(time: float, limits: Limits) -> Note:
-    """What this unit was found to take and to lack (D10, D11)."""
-    return Note(Kind.LEARNT, time, asdict(limits))
+def learnt_note(
+    time: float,
+    limits: Limits | None,
+    *,
+    method: str | None = None,
+    rates: Mapping[str, float] | None = None,
+    dropped: str | None = None,
+) -> Note:
+    """What this unit was found to take and to lack (D10, D11), as far as that is known.
+
+    `method`: in use from here on, and what each that was measured gave (sets a second); `dropped`:
+    a parameter that the unit refuses.
+    """
+    learnt: dict[str, Any] = {} if limits is None else asdict(limits)
+    if method is not None:
+        learnt |= {"method": method, "rates": dict(rates or {})}
+    if dropped is not None:
+        learnt["dropped"] = dropped
+    return Note(Kind.LEARNT, time, learnt)
 
 
 def _both(text: Text) -> dict[str, str]:
@@ -281,12 +299,24 @@ def _places(file: BinaryIO) -> Iterator[tuple[int, bool]]:
         window = file.read(_WINDOW)
         last = len(window) < _WINDOW
         stop = len(window) if last else len(window) - _OVERLAP
-        for match in _SECTION_OR_NOTE.finditer(window):
-            if match.start() < stop:
-                yield start + match.start(), match[0].startswith(b"\x0a\x0d")
+        # Two plain searches, twenty times as fast as the expression, which then judges.
+        found = {*_all(window, _SECTION_START, 0), *_all(window, TAG, _BEFORE_TAG)}
+        for at in sorted(found):
+            match = _SECTION_OR_NOTE.match(window, at)
+            if match and at < stop:
+                yield start + at, match[0].startswith(b"\x0a\x0d")
         if last:
             return
         start += stop
+
+
+def _all(window: bytes, what: bytes, behind: int) -> Iterator[int]:
+    """Where blocks may begin, `what` being so far behind their beginning."""
+    at = window.find(what)
+    while at >= 0:
+        if at >= behind:
+            yield at - behind
+        at = window.find(what, at + 1)
 
 
 def _block_at(file: BinaryIO, offset: int) -> pcapng.Block | None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime, timedelta
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,12 +20,15 @@ from mikas.catalog import Catalog, Derived, load
 from mikas.errors import UsageError
 from mikas.language import Text
 from mikas.recording.capture import CaptureReader
+from mikas.recording.happened import Happened, Unit, events_of, unit_of
+from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import Packet, Problem, Source
 from mikas.recording.table import Channel, Rows
 
 if TYPE_CHECKING:
     from mikas.recording.bulk import TableReader
     from mikas.recording.notebook import Table
+    from mikas.recording.window import Windows
 
 _PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
 
@@ -53,6 +57,9 @@ class Recording:
     `problems`: what could not be read of the file, with offsets, up to a thousand; `problem_count`
     counts them all. `absent`: those of the wanted channels that nothing was recorded for; their
     columns are empty. `about`: what it says of itself, by title.
+
+    The file is looked through once when it is opened, a second for ten hours; what its notes tell
+    (`unit`, `events`, part of `about`) is read when it is asked for.
     """
 
     def __init__(
@@ -80,7 +87,62 @@ class Recording:
         self.absent = tuple(
             each.name for each in self.channels if not _has(each.name, catalog, recorded)
         )
-        self.about = _about(capture, catalog, reading)
+        self._capture = capture
+
+    @cached_property
+    def about(self) -> dict[str, str]:
+        """What the first recording of the file says of itself, by title; the rest is left out."""
+        return _about(self._capture, self.unit, self.catalog, self.reading)
+
+    @cached_property
+    def unit(self) -> Unit | None:
+        """Who was recorded, by the notes of the file's first recording that tells; else None."""
+        first = next((note.recording for note in self._notes if note.kind == Kind.UNIT), 0)
+        return unit_of((it for it in self._notes if it.recording == first), self.catalog)
+
+    @cached_property
+    def events(self) -> tuple[Happened, ...]:
+        """What happened beside the wire: markers, gaps, states, alarms …, in the file's order."""
+        return tuple(events_of(self._notes, self.catalog))
+
+    def window(
+        self, begin: float, end: float, points: int = 2000, names: Iterable[str] | None = None
+    ) -> tuple[Rows, bool]:
+        """The rows from `begin` to `end` of the link's clock, at most about `points` of them.
+
+        Where there are more, each piece of time keeps the least and the greatest of each column, in
+        their order; a piece in which nothing came is one row without values. The second value says
+        whether that was done. `names`: of `channels`, all by default. The first call reads the
+        whole recording into memory (seconds, and some 130 MB for ten hours); all others are quick.
+        """
+        known = [each.name for each in self.channels]
+        wanted = known if names is None else [_named(self.catalog, name) for name in names]
+        for name in wanted:
+            if name not in known:
+                raise UsageError(
+                    problem=Text(
+                        f"{name} is not among this recording's channels",
+                        f"{name} нет среди каналов этой записи",
+                    )
+                )
+        return self._windows.window(begin, end, points, wanted)
+
+    @cached_property
+    def span(self) -> tuple[float, float] | None:
+        """The times of the first and the last row; None without rows."""
+        times = self._windows.times
+        return (float(times[0]), float(times[-1])) if times.size else None
+
+    @cached_property
+    def _notes(self) -> list[Note]:
+        return list(self._capture.notes())
+
+    @cached_property
+    def _windows(self) -> Windows:
+        from mikas.recording.window import Windows
+
+        conversions = {each.name: each.reading(self.reading) for each in self.catalog.parameters}
+        return Windows(self.rows(), conversions)
 
     @property
     def problems(self) -> tuple[Problem, ...]:
@@ -239,15 +301,20 @@ def _column(derived: Derived) -> Channel:
     return Channel(derived.name, derived.unit, derived.text, decimals=derived.decimals)
 
 
-def _about(capture: CaptureReader, catalog: Catalog, reading: str) -> dict[str, str]:
-    """Of the file's first recording; what it does not say is left out."""
+def _about(
+    capture: CaptureReader, unit: Unit | None, catalog: Catalog, reading: str
+) -> dict[str, str]:
     source = next((it.source for it in capture if isinstance(it, Packet)), Source(0))
     facts = {
         "recording": capture.path.name,
         "port": source.url,
-        "adapter": source.description,
+        "adapter": source.description or (unit.adapter if unit else ""),
         "computer": source.hardware,
         "recorded by": source.application,
+        "unit": unit.model.en if unit and unit.model else "",
+        "passport": " · ".join(filter(None, unit.passport or ())) if unit else "",
+        "method": (unit.method or "") if unit else "",
+        "recorded with catalog": (unit.catalog or "") if unit else "",
         "catalog": catalog.version,
         "reading": reading,
     }

@@ -46,6 +46,16 @@ class Habits:
         if delay is not None and len(self._delays) < _MOST_DELAYS:
             self._delays.append(delay)
 
+    def is_known(self, request: bytes) -> bool:
+        """Whether one more answer to `request` would tell nothing new."""
+        longest = self._answered.get(request[0], -1)
+        return _size(request) <= longest and len(self._delays) >= _MOST_DELAYS
+
+    @property
+    def knows_gaps(self) -> bool:
+        """Whether one more response of a stream would tell nothing new."""
+        return len(self._gaps) >= _MOST_DELAYS
+
     def streamed(self, gap: float) -> None:
         """A stream went on, `gap` seconds after the end of its last response."""
         if len(self._gaps) < _MOST_DELAYS:

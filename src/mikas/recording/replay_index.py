@@ -32,7 +32,7 @@ SILENT_FOR: Final = 2.0  # s with requests and no answer: then the unit had no s
 PAUSE: Final = 3.0  # s between two recordings in a file
 AFTER: Final = 0.5  # s that the end of a recording is longer than its last packet
 _JUMP: Final = 1.0  # s back: a clock that was set, not one that trembles
-_ROUNDING: Final = 0.0005  # s; far over that of times, far under what is between two responses
+ROUNDING: Final = 0.0005  # s; far over that of times, far under what is between two responses
 _JUST_BEFORE: Final = 0.001  # s; the supply is there when a request comes
 _MOST_PACKETS: Final = 8192  # longer than a frame can be in single bytes
 _DATA: Final = (c.ReadParameters, c.StreamCyclic, c.StreamAtStroke)
@@ -77,10 +77,12 @@ class _Arrivals:
 
 def index(items: Iterable[Packet | Problem], catalog: Catalog) -> Recorded:
     """What `items` hold. Never raises for what is in them."""
-    return _Indexer(catalog).run(items)
+    return Indexer(catalog).run(items)
 
 
-class _Indexer:
+class Indexer:
+    """Follows one capture, packet by packet; `replay_bulk` spares it what is alike."""
+
     def __init__(self, catalog: Catalog) -> None:
         self.found = Recorded()
         self._catalog = catalog
@@ -89,6 +91,7 @@ class _Indexer:
         self._series: dict[tuple[c.Datum, ...], Series] = {}
         self._meant: dict[bytes, Series | c.Command[Any]] = {}
         self._echoes = self._requests = 0
+        self._echoes_of_last = 0
         # Time
         self._shift: float | None = None
         self._recording = 0
@@ -103,12 +106,14 @@ class _Indexer:
         self._failing_since: float | None = None
 
     def run(self, items: Iterable[Packet | Problem]) -> Recorded:
+        """All of it. What a packet brings is kept before the next one is taken."""
         for item in decode(self._placed(items)):
             match item:
                 case SeenFrame(direction=Direction.SENT):
                     self._sent(item)
                 case SeenFrame(echo=True):
                     self._echoes += 1
+                    self._echoes_of_last += 1
                 case SeenFrame():
                     self._heard(item)
                 case SeenDamage(direction=Direction.SENT):
@@ -118,6 +123,52 @@ class _Indexer:
         self._end_recording()
         self._conclude()
         return self.found
+
+    # Many at once
+
+    @property
+    def repeats(self) -> int:
+        """Of how many packets an exchange is made that would tell, of requests known already,
+        nothing but data: 3, 2 without an echo, 1 in a stream. 0: anything could be news.
+        """
+        asked = self._asked
+        if asked is None or not asked.answered or self._failing_since is not None:
+            return 0
+        command = c.COMMANDS_BY_CODE.get(asked.body[0])
+        if command is None:
+            return 0
+        if command.STREAM:
+            known = asked.body in self._meant and self._habits.knows_gaps
+            return int(known and asked.body[0] not in c.StreamAtStroke.CODES)
+        if not self._habits.is_known(asked.body):
+            return 0
+        if self._echoes_of_last == 1:
+            return 3
+        return 0 if self._echoes else 2
+
+    def series_of(self, request: bytes | None) -> Series | None:
+        """Where the data that answer `request` go, if one more of them would be nothing new."""
+        if request is None:
+            request = self._asked.body if self._asked else b""
+        elif not request or not self._habits.is_known(request):
+            return None
+        meant = self._list if request == b"\x63" else self._meant.get(request)
+        return meant if isinstance(meant, Series) else None
+
+    def placed(self, time: float) -> float:
+        """A packet's time in the replay, if that runs on as before."""
+        return time + (self._shift or 0.0)
+
+    @property
+    def latest(self) -> float:
+        """The time of the last packet, in the replay."""
+        return self._last
+
+    def passed_over(self, exchanges: int, *, size: int) -> None:
+        """So many regular exchanges of `size` packets were kept without being shown here."""
+        self.found.frames += exchanges
+        self._requests += exchanges if size > 1 else 0
+        self._echoes += exchanges if size == 3 else 0
 
     # Time
 
@@ -162,6 +213,7 @@ class _Indexer:
 
     def _sent(self, item: SeenFrame) -> None:
         self._requests += 1
+        self._echoes_of_last = 0
         arrivals = self._arrivals[item.source, item.direction]
         arrivals.began(item.frame.offset)  # lets go of the packets before
         out = item.begin + len(item.frame.wire) * arrivals.byte_time
@@ -235,7 +287,7 @@ class _Indexer:
             if streamed and body == ERROR and not (asked.answered or asked.doubted):
                 asked.doubted = True
                 return None
-            meant.add(began - _ROUNDING if streamed else asked.time, body)
+            meant.add(began - ROUNDING if streamed else asked.time, body)
             if asked.body[0] in c.StreamAtStroke.CODES:
                 stroke = c.StreamAtStroke.CODES.index(asked.body[0])
                 self.found.strokes.setdefault(stroke, array("d")).append(began)

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_right
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from math import inf
 from typing import Generic, TypeVar
 
 from mikas import commands as c
@@ -52,6 +54,12 @@ class Series:
         """The response of `time`, never before the one before."""
         self.times.append(max(time, self.times[-1]) if self.times else time)
         self._bodies += body
+
+    def extend(self, times: Iterable[float], bodies: bytes) -> None:
+        """Many responses at once; their times rise."""
+        latest = self.times[-1] if self.times else -inf
+        self.times.extend(max(time, latest) for time in times)
+        self._bodies += bodies
 
     def datum(self, index: int, begin: int, size: int) -> bytes:
         """The bytes from `begin` of response number `index`."""

@@ -41,13 +41,22 @@ def answers(items):
 
 
 def rows(items, catalog, reading="corrected"):
-    """(source, time, values by name); a parameter that could not be read is NaN."""
+    """(source, time, values by name); a parameter that could not be read is NaN.
+
+    So is a lone 01 to a 61 of one code, until that was answered otherwise (D10).
+    """
+    known = set()
     for source, time, body, request, listed in answers(items):
         command = _command(request, listed, catalog)
         if command is None:
             continue
         parameters = [catalog.by_code(d.code) for d in command.parameters]
+        alone = request[:1] == b"\x61" and len(request) == 2 and command.parameters[0].size == 1
+        if alone and len(body) == 1 and body != b"\x01":
+            known.add((source, request))
         try:
+            if alone and body == b"\x01" and (source, request) not in known:
+                raise MikasError
             data = command.read(body)
             values = {
                 p.name: float(p.decode(raw, reading))

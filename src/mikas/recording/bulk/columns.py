@@ -6,7 +6,8 @@ was sent: in between nobody knows which one the unit has.
 
 A conversion's normal form is three integers (`catalog.conversion`), and every quotient of 64-bit
 floats below is the one that `Conversion.decode` comes to: the values are the same, bit for bit. A
-response whose length does not fit its request makes a row without a value.
+response whose length does not fit its request makes a row without a value. So does a lone `01` to a
+61 with one code of one byte, until that request was answered otherwise: it may be a refusal (D10).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import numpy as np
 from mikas import commands as c
 from mikas.catalog import Catalog
 from mikas.catalog.conversion import Conversion
+from mikas.commands.base import ERROR
 from mikas.recording.bulk.arrays import Bytes, Floats, Index, side_by_side
 from mikas.recording.bulk.match import Answers
 from mikas.recording.table import Channel
@@ -27,6 +29,7 @@ from mikas.recording.table import Channel
 _DATA: Final = (c.ReadParameters, c.StreamCyclic, c.StreamAtStroke)
 _READ_LIST: Final = bytes(c.ReadList.CODES)
 _WRITE_LIST: Final = bytes(c.WriteList.CODES)
+_READ: Final = bytes(c.ReadParameters.CODES)
 _LIST_IS_SET: Final = 0  # the completion code
 
 
@@ -106,6 +109,7 @@ class Sorter:
         self._bodies = bodies  # of requests, by number; grows
         self._sets = 0
         self._list: Layout | None = None
+        self._known: set[int] = set()  # lone requests whose answer is data beyond doubt
 
     def parts(self, answers: Answers) -> Iterator[Part]:
         """Every answer that has a layout is in one part."""
@@ -123,7 +127,19 @@ class Sorter:
                     if layout and listed.size:
                         yield _part(layout, listed, answers)
             elif layout := self._definitions.layout(request):
-                yield _part(layout, rows, answers)
+                part = _part(layout, rows, answers)
+                alone = request[:1] == _READ and len(request) == 2 and layout.length == 1
+                yield self._beyond_doubt(part, number, answers) if alone else part
+
+    def _beyond_doubt(self, part: Part, number: int, answers: Answers) -> Part:
+        """Without the values that may be D10's refusal: none of the request's came before."""
+        if number in self._known or not part.fitting.size:
+            return part
+        others = (answers.bodies[answers.starts[part.fitting]] != ERROR[0]).nonzero()[0]
+        if others.size:
+            self._known.add(number)
+        first = int(others[0]) if others.size else part.fitting.size
+        return Part(part.layout, part.rows, part.fitting[first:])
 
     def _lists(self, answers: Answers) -> list[tuple[int, Layout | None]]:
         """From which answer on which list holds."""

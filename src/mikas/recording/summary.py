@@ -1,0 +1,292 @@
+"""What a recording is, for a list of many: a fraction of a second even for ten hours.
+
+The file is searched once, for notes, beginnings of sessions and requests for faults; of packets
+only the first and last ones are read, and some samples of a long file. So all figures are exact but
+one: `samples` of a long file is an estimate (`samples_exact` says so), and `rate` follows from it.
+
+Any file has a summary; one that can't be read has its `problem` in it.
+"""
+
+from __future__ import annotations
+
+import os
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+from typing import BinaryIO, Final
+
+from mikas import commands as c
+from mikas.catalog import Catalog, shipped
+from mikas.errors import CaptureError, MikasError
+from mikas.language import Text
+from mikas.link.tee import Direction
+from mikas.recording import pcapng
+from mikas.recording.about import about_of
+from mikas.recording.decode import SeenFrame, decode
+from mikas.recording.happened import GapSeen, Unit, events_of, unit_of
+from mikas.recording.notes import TAG, Kind, Note, read_block
+from mikas.recording.reader import Blocks, CaptureReader, Packet, reason_of
+from mikas.recording.scan import RawBlock, scan
+
+_PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
+_WINDOW: Final = 1 << 20
+_BEFORE_TAG: Final = 12  # bytes of a note's block
+_BEFORE_DATA: Final = 28  # bytes of a packet's block
+_ASKS_FAULTS: Final = b"\x02\xfe\x0d\0"  # as it stands in a packet, padded
+_TAIL: Final = 1 << 14
+_COUNTED: Final = 1 << 22  # bytes; of a longer file pieces are counted
+_PIECE: Final = 1 << 17
+_PIECES: Final = 8
+_MOST_PACKETS: Final = 64  # behind a request, in which its response must be
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """What a list shows. None: not known.
+
+    `date`: UNIX time of the begin; None too for a simulated clock. `length`: seconds from each
+    session's first packet to its last. `samples`: responses with data. `rate`: of them a second,
+    gaps left out. `faults`: codes of the last response to 02; None: there is none. `note`: a
+    person's words on it all. `problem`: why the file can't be read.
+    """
+
+    path: Path
+    bytes: int = 0
+    date: float | None = None
+    first: float | None = None
+    length: float | None = None
+    unit: Unit | None = None
+    samples: int | None = None
+    samples_exact: bool = True
+    rate: float | None = None
+    gaps: int = 0
+    faults: tuple[int, ...] | None = None
+    markers: int = 0
+    note: str = ""
+    recordings: int = 0
+    problem: Text | None = None
+
+    @property
+    def model(self) -> Text | None:
+        """What the unit calls itself."""
+        return self.unit.model if self.unit else None
+
+    @property
+    def passport(self) -> tuple[str | None, ...] | None:
+        """51–58 as the notes have them."""
+        return self.unit.passport if self.unit else None
+
+
+def summarise(path: str | os.PathLike[str], catalog: Catalog | None = None) -> Summary:
+    """What there is to say of `path`. Raises only `MissingExtra`, without numpy."""
+    path = Path(path)
+    catalog = catalog or shipped()
+    size = 0
+    try:
+        size = path.stat().st_size
+        CaptureReader(path)  # that it is one
+        with path.open("rb") as file:
+            return _summed_up(path, file, catalog)
+    except CaptureError as error:
+        return Summary(path, size, problem=error.problem)
+    except OSError as error:
+        return Summary(path, size, problem=reason_of(error))
+
+
+def _summed_up(path: Path, file: BinaryIO, catalog: Catalog) -> Summary:
+    places = _searched(file)
+    notes = list(_notes(file, places))
+    spans = list(_spans(file, places))
+    events = events_of(notes, catalog)
+    gaps = [event for event in events if isinstance(event, GapSeen)]
+    first = spans[0][0] if spans else None
+    length = sum(last - begin for begin, last in spans) if spans else None
+    samples, exact = _samples(path, file, places, catalog)
+    silent = sum(max(0.0, gap.ended - gap.began) for gap in gaps if gap.ended is not None)
+    told = next((note.recording for note in notes if note.kind == Kind.UNIT), 0)
+    lasted = (length or 0.0) - silent
+    return Summary(
+        path=path,
+        bytes=places.size,
+        date=first if first is not None and first >= _PLAINLY_UNIX else None,
+        first=first,
+        length=length,
+        unit=unit_of((note for note in notes if note.recording == told), catalog),
+        samples=samples,
+        samples_exact=exact,
+        rate=samples / lasted if samples and lasted > 0 else None,
+        gaps=len(gaps),
+        faults=_faults(file, places),
+        markers=sum(note.kind == Kind.MARKER for note in notes),
+        note=about_of(notes) or _first_words(notes),
+        recordings=len(places.sections),
+    )
+
+
+def _first_words(notes: Iterable[Note]) -> str:
+    for note in notes:
+        text = note.data.get("text")
+        if note.kind == Kind.NOTE and isinstance(text, str):
+            return text
+    return ""
+
+
+@dataclass(slots=True)
+class _Places:
+    """Where in a file of `size` bytes what begins. `orders`: of the sections."""
+
+    size: int = 0
+    sections: list[int] = field(default_factory=list)
+    orders: list[pcapng.Order] = field(default_factory=list)
+    notes: list[int] = field(default_factory=list)
+    asked: list[int] = field(default_factory=list)
+
+    def order(self, offset: int) -> pcapng.Order:
+        """The byte order at `offset`."""
+        return self.orders[max(0, bisect_right(self.sections, offset) - 1)]
+
+
+def _searched(file: BinaryIO) -> _Places:
+    """One pass. Packets and sections are looked for at multiples of four only: behind damage that
+    moved them elsewhere, a session's begin or its faults may be missed; notes are not.
+    """
+    import numpy as np
+
+    import mikas.recording.bulk  # noqa: F401  (MissingExtra where there is no numpy)
+
+    found = _Places()
+    section = np.uint32(pcapng.SECTION)
+    asks = np.uint32(int.from_bytes(_ASKS_FAULTS, "little"))
+    start = 0
+    sections: list[int] = []
+    while True:
+        file.seek(start)
+        window = file.read(_WINDOW + len(TAG))
+        words = np.frombuffer(window[: min(len(window), _WINDOW) & -4], "<u4")
+        sections += (start + 4 * (words == section).nonzero()[0]).tolist()
+        found.asked += (start + 4 * (words == asks).nonzero()[0] - _BEFORE_DATA).tolist()
+        at = window.find(TAG)
+        while 0 <= at < _WINDOW:
+            found.notes.append(start + at - _BEFORE_TAG)
+            at = window.find(TAG, at + 1)
+        if len(window) <= _WINDOW:
+            break
+        start += _WINDOW
+    found.size = file.seek(0, os.SEEK_END)
+    for offset in sections:
+        file.seek(offset + 8)
+        order = pcapng.byte_order(file.read(4))
+        if order is not None:
+            found.sections.append(offset)
+            found.orders.append(order)
+    return found
+
+
+def _notes(file: BinaryIO, places: _Places) -> Iterator[Note]:
+    for offset in places.notes:
+        item = next(scan(file, max(0, offset), places.order(offset)), None)
+        if isinstance(item, RawBlock) and item.offset == offset:
+            with suppress(pcapng.Malformed):
+                block = pcapng.parse(item.kind, item.body, item.order)
+                note = read_block(block) if isinstance(block, pcapng.Custom) else None
+                if note is not None:
+                    recording = max(0, bisect_right(places.sections, offset) - 1)
+                    yield Note(note.kind, note.time, note.data, recording, offset)
+
+
+def _head(file: BinaryIO, start: int, stop: int) -> tuple[Blocks, Packet | None]:
+    """What a section's ports are, and its first packet."""
+    blocks = Blocks()
+    for item in scan(file, start):
+        if item.offset >= stop:
+            break
+        for told in blocks.read(item):
+            if isinstance(told, Packet):
+                return blocks, told
+    return blocks, None
+
+
+def _spans(file: BinaryIO, places: _Places) -> Iterator[tuple[float, float]]:
+    """Each session's first and last time."""
+    for start, stop in pairwise([*places.sections, places.size]):
+        blocks, packet = _head(file, start, stop)
+        if packet is not None:
+            last = packet.time
+            begin = max(packet.offset, stop - _TAIL)
+            for later in _packets(file, blocks, begin, stop, places.order(start)):
+                last = max(last, later.time)
+            yield packet.time, last
+
+
+def _packets(
+    file: BinaryIO, blocks: Blocks, begin: int, stop: int, order: pcapng.Order
+) -> Iterator[Packet]:
+    for item in scan(file, begin, order):
+        if item.offset >= stop:
+            return
+        for told in blocks.read(item):
+            if isinstance(told, Packet):
+                yield told
+
+
+def _faults(file: BinaryIO, places: _Places) -> tuple[int, ...] | None:
+    """The last answer to 02."""
+    edges = [*places.sections, places.size]
+    for offset in reversed(places.asked):
+        section = bisect_right(places.sections, offset) - 1
+        if section < 0:
+            continue
+        blocks, _ = _head(file, edges[section], edges[section + 1])
+        order = places.orders[section]
+        exchange: list[Packet] = []
+        for packet in _packets(file, blocks, offset, edges[section + 1], order):
+            again = exchange and packet.direction is Direction.SENT
+            if again or len(exchange) >= _MOST_PACKETS:
+                break
+            exchange.append(packet)
+        for seen in decode(exchange):
+            if isinstance(seen, SeenFrame) and not seen.echo and seen.request == b"\x02":
+                with suppress(MikasError):
+                    return tuple(c.ReadFaults().read(seen.frame.body))
+    return None
+
+
+def _samples(
+    path: Path, file: BinaryIO, places: _Places, catalog: Catalog
+) -> tuple[int | None, bool]:
+    """How many responses with data; and whether that was counted."""
+    if places.size <= _COUNTED:
+        from mikas.recording.bulk import TableReader
+
+        with suppress(MikasError):
+            return sum(len(rows.times) for rows in TableReader(path, catalog).rows()), True
+        return None, True
+    return _estimated(file, places), False
+
+
+def _estimated(file: BinaryIO, places: _Places) -> int:
+    """Responses in pieces of the file, and the same for the rest of it."""
+    from mikas.recording.bulk.match import Matcher
+    from mikas.recording.bulk.packets import PacketColumns, Window
+
+    edges = [*places.sections, places.size]
+    heads: dict[int, Blocks] = {}
+    seen = answers = 0
+    step = places.size // _PIECES
+    for offset in range(step // 2, places.size, step):
+        section = max(0, bisect_right(places.sections, offset) - 1)
+        if section not in heads:
+            heads[section] = _head(file, edges[section], edges[section + 1])[0]
+        item = next(scan(file, offset & -4, places.orders[section]), None)
+        begin = item.end if item is not None else places.size
+        window = Window(file, begin, _PIECE, places.orders[section])
+        found, end = window.run(begin)
+        if found.size and heads[section].interfaces:
+            seen += end - begin
+            columns = PacketColumns(window, found, heads[section])
+            for packets in columns.packets(0, found.size):
+                answers += Matcher(packets.source).feed(packets).times.size
+    return round(answers * places.size / seen) if seen else 0

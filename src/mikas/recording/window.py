@@ -1,0 +1,205 @@
+"""Any window of a recording at once, for scrubbing through it: the columns in memory, packed.
+
+Ten hours by list are a million rows. Parameters are kept as the whole numbers that they came from
+(one to two bytes each, two to four here), so values are those of `rows()` to the bit; about 130 MB
+for ten hours of all channels.
+
+More rows than a picture has points are decimated: time is cut into equal pieces, and of each piece
+every column keeps its least and its greatest value, in the order in which they came. A spike stays.
+A piece of time in which nothing came is one row without values. Wide windows go by blocks of rows
+whose extremes are known beforehand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mikas.catalog.conversion import Conversion
+from mikas.recording.bulk.arrays import Floats, Index, Mask
+from mikas.recording.table import Rows
+
+_BLOCK: Final = 64  # rows
+_ENOUGH: Final = 4  # blocks in a piece of time
+_MISSING: Final = {2: np.iinfo(np.int16).min, 4: np.iinfo(np.int32).min}
+
+
+@dataclass(frozen=True, slots=True)
+class _Packed:
+    """A column as whole numbers, or as it is where that would not give every value back.
+
+    `first`, `second`: the extremes of each block of rows, in their order.
+    """
+
+    numbers: NDArray[np.int16] | NDArray[np.int32] | Floats
+    conversion: Conversion | None
+    first: Floats
+    second: Floats
+
+    def values(self, chosen: slice | Index) -> Floats:
+        """The rows `chosen`."""
+        return _unpacked(self.numbers[chosen], self.conversion)
+
+
+class Windows:
+    """The columns of a recording. `rows`: all of it; `conversions`: of its parameters, by name.
+
+    Where times run back (another session) rows are put in their order.
+    """
+
+    def __init__(self, rows: Iterable[Rows], conversions: Mapping[str, Conversion]) -> None:
+        times: list[Floats] = []
+        pieces: dict[str, list[tuple[Conversion | None, NDArray[np.generic]]]] = {}
+        for stretch in rows:
+            times.append(stretch.times)
+            for name, column in stretch.values.items():
+                pieces.setdefault(name, []).append(_packed(column, conversions.get(name)))
+        unordered: Floats = np.concatenate([np.empty(0), *times])
+        order: Index | None = None
+        if (np.diff(unordered) < 0).any():
+            order = unordered.argsort(kind="stable")
+        self.times: Floats = unordered if order is None else unordered[order]
+        self._columns: dict[str, _Packed] = {}
+        for name in list(pieces):
+            self._columns[name] = _joined(pieces.pop(name), order)
+
+    def window(
+        self, begin: float, end: float, points: int, names: Sequence[str]
+    ) -> tuple[Rows, bool]:
+        """The rows from `begin` to `end`, and whether there were more of them than `points`."""
+        if points < 2:
+            raise ValueError("a picture has at least two points")
+        first, last = self.times.searchsorted([begin, np.nextafter(end, np.inf)])
+        first, last = int(first), int(max(first, last))
+        if last - first <= points:
+            rows = slice(first, last)
+            columns = {name: self._columns[name].values(rows) for name in names}
+            return Rows(self.times[rows], columns), False
+        return self._decimated(first, last, points // 2, names), True
+
+    def _decimated(self, first: int, last: int, count: int, names: Sequence[str]) -> Rows:
+        begin, end = float(self.times[first]), float(self.times[last - 1])
+        edges = np.linspace(begin, end, count + 1)[1:-1]
+        raw = np.concatenate(([first], self.times[first:last].searchsorted(edges) + first, [last]))
+        by_blocks = last - first >= _ENOUGH * _BLOCK * count
+        rows = _Extracted(self.times, first, last, by_blocks=by_blocks)
+        starts = np.concatenate(([0], rows.times.searchsorted(edges)))
+        stops = np.append(starts[1:], rows.times.size)
+        filled = stops > starts
+        silent = ~filled & (np.diff(raw) == 0)
+        shown = filled.astype(np.int64) * 2 + silent  # rows of each piece of time
+        at = shown.cumsum() - shown
+        times = np.empty(int(shown.sum()))
+        middles = begin + (end - begin) * (np.arange(count) + 0.5) / count
+        times[at[silent]] = middles[silent]
+        times[at[filled]] = rows.times[starts[filled]]
+        times[at[filled] + 1] = rows.times[stops[filled] - 1]
+        columns = {}
+        for name in names:
+            column = np.full(times.size, np.nan)
+            values = rows.values(self._columns[name])
+            column[at[filled]], column[at[filled] + 1] = _extremes(values, starts[filled])
+            columns[name] = column
+        return Rows(times, columns)
+
+
+class _Extracted:
+    """The rows of a window, or the extremes of its blocks with the single rows on both sides."""
+
+    def __init__(self, times: Floats, first: int, last: int, *, by_blocks: bool) -> None:
+        self._first, self._last = first, last
+        self._blocks: slice | None = None
+        if not by_blocks:
+            self.times = times[first:last]
+            return
+        begin, end = -(-first // _BLOCK), last // _BLOCK
+        self._blocks = slice(begin, end)
+        self._inner = begin * _BLOCK, end * _BLOCK
+        inner = times[self._inner[0] : self._inner[1]].reshape(-1, _BLOCK)
+        both = inner[:, [0, -1]].reshape(-1)
+        self.times = np.concatenate(
+            (times[first : self._inner[0]], both, times[self._inner[1] : last])
+        )
+
+    def values(self, column: _Packed) -> Floats:
+        """As long as `times`."""
+        if self._blocks is None:
+            return column.values(slice(self._first, self._last))
+        both = np.stack((column.first[self._blocks], column.second[self._blocks]), axis=1)
+        before = column.values(slice(self._first, self._inner[0]))
+        behind = column.values(slice(self._inner[1], self._last))
+        return np.concatenate((before, both.reshape(-1), behind))
+
+
+def _extremes(values: Floats, starts: Index) -> tuple[Floats, Floats]:
+    """Of each piece of `values` its least and its greatest, the earlier one first."""
+    least, greatest = np.fmin.reduceat(values, starts), np.fmax.reduceat(values, starts)
+    lengths = np.diff(np.append(starts, values.size))
+    later: Mask = _place(values, least, starts, lengths) > _place(values, greatest, starts, lengths)
+    return np.where(later, greatest, least), np.where(later, least, greatest)
+
+
+def _place(values: Floats, wanted: Floats, starts: Index, lengths: Index) -> Index:
+    """Where each piece has its wanted value first; the end where that is missing."""
+    places = np.where(values == np.repeat(wanted, lengths), np.arange(values.size), values.size)
+    found: Index = np.minimum.reduceat(places, starts)
+    return found
+
+
+def _packed(
+    column: Floats, conversion: Conversion | None
+) -> tuple[Conversion | None, NDArray[np.generic]]:
+    if conversion is None or conversion.size > 2:
+        return None, column
+    size = 2 * conversion.size
+    missing = np.isnan(column)
+    numbers = np.where(missing, 0.0, column)
+    if not conversion.is_flag:
+        exact = numbers * float(conversion.denominator) - conversion.constant
+        numbers = np.rint(exact / conversion.numerator)
+    packed = np.where(missing, _MISSING[size], numbers).astype(f"i{size}")
+    if np.array_equal(_unpacked(packed, conversion), column, equal_nan=True):
+        return conversion, packed
+    return None, column
+
+
+def _unpacked(numbers: NDArray[np.generic], conversion: Conversion | None) -> Floats:
+    if conversion is None:
+        return np.asarray(numbers, np.float64)
+    whole = numbers.astype(np.int64)
+    if conversion.is_flag:
+        values = whole.astype(np.float64)
+    else:
+        exact = whole * conversion.numerator + conversion.constant
+        values = exact / float(conversion.denominator)
+    values[whole == _MISSING[numbers.dtype.itemsize]] = np.nan
+    return values
+
+
+def _joined(
+    pieces: list[tuple[Conversion | None, NDArray[np.generic]]], order: Index | None
+) -> _Packed:
+    conversion = pieces[0][0]
+    if any(each is not conversion for each, _ in pieces):
+        pieces = [(None, _unpacked(numbers, each)) for each, numbers in pieces]
+        conversion = None
+    numbers = np.concatenate([numbers for _, numbers in pieces])
+    if order is not None:
+        numbers = numbers[order]
+    blocks = len(numbers) // _BLOCK
+    first, second = np.empty(blocks), np.empty(blocks)
+    for at in range(0, blocks, 1024):
+        stop = min(blocks, at + 1024)
+        values = _unpacked(numbers[at * _BLOCK : stop * _BLOCK], conversion).reshape(-1, _BLOCK)
+        missing = np.isnan(values)
+        least = np.where(missing, np.inf, values)
+        greatest = np.where(missing, -np.inf, values)
+        low, high = least.argmin(axis=1), greatest.argmax(axis=1)
+        rows = np.arange(len(values))
+        first[at:stop] = values[rows, np.minimum(low, high)]
+        second[at:stop] = values[rows, np.maximum(low, high)]
+    return _Packed(numbers, conversion, first, second)

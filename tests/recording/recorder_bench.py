@@ -1,0 +1,116 @@
+"""What the recorder's tests share: a session's events, a small disk, and what a file holds."""
+
+from __future__ import annotations
+
+import errno
+from pathlib import Path
+from types import SimpleNamespace
+
+from mikas.catalog import load
+from mikas.client import Limits, Passport
+from mikas.errors import EchoOnly, NoResponse
+from mikas.link.tee import Direction
+from mikas.recording import CaptureReader, CaptureWriter
+from mikas.recording.notes import Note
+from mikas.recording.reader import Packet, Problem
+from mikas.sampling.events import (
+    Gap,
+    LineState,
+    PlanChanged,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
+from mikas.sampling.plan import Plan, Wanted
+
+SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
+CATALOG = load()
+PLAN = Plan((Wanted(CATALOG.parameter("TWAT")), Wanted(CATALOG.parameter("FREQ"), 10)), "stream")
+PASSPORT = Passport(("A", "B", None), ("C", "D", "E", "F", "G"))
+OTHER = Passport(("Z", "B", None), ("C", "D", "E", "F", "G"))
+
+
+def ecu(*, echoes: bool = True):
+    """As much of an `Ecu` as a recorder looks at."""
+    link = SimpleNamespace(description="an adapter", baud=9600)
+    return SimpleNamespace(
+        tester=SimpleNamespace(link=link, echoes=echoes), catalog=CATALOG, limits=Limits
+    )
+
+
+def unit(time: float, passport: Passport = PASSPORT, *, another: bool = False) -> UnitFound:
+    return UnitFound(time, 0x0A, passport, another)
+
+
+def sampled(time: float) -> Sampled:
+    return Sampled(time, {}, {})
+
+
+def gap(time: float) -> Gap:
+    return Gap(time, NoResponse(seconds=0.5))
+
+
+def plan(time: float) -> PlanChanged:
+    return PlanChanged(time, PLAN)
+
+
+def state(time: float, which: LineState) -> StateChanged:
+    error = EchoOnly(seconds=1) if which is LineState.ECHO_ONLY else None
+    return StateChanged(time, which, error)
+
+
+def begin_session(recorder, time: float = 1.0) -> None:
+    """What a session tells first."""
+    for event in (
+        state(time, LineState.ECU_ALIVE),
+        unit(time + 0.1),
+        plan(time + 0.2),
+        state(time + 0.3, LineState.SAMPLING),
+    ):
+        recorder.take(event)
+
+
+def notes(path: Path) -> list[Note]:
+    return list(CaptureReader(path).notes())
+
+
+def kinds(path: Path) -> list[str]:
+    return [str(note.kind) for note in notes(path)]
+
+
+def wire(path: Path) -> dict[Direction, bytes]:
+    """All bytes of each direction, and no damage."""
+    got = {SENT: b"", RECEIVED: b""}
+    for item in CaptureReader(path):
+        assert not isinstance(item, Problem), item.text.en
+        assert isinstance(item, Packet)
+        got[item.direction] += item.data
+    return got
+
+
+class SmallDisk:
+    """A disk with room for so many bytes, then full, at whatever byte that is."""
+
+    def __init__(self, monkeypatch) -> None:
+        self.room = 1 << 30
+        opened = CaptureWriter._open
+
+        def small(writer, **how):
+            return _OnSmallDisk(self, opened(writer, **how))
+
+        monkeypatch.setattr(CaptureWriter, "_open", small)
+
+
+class _OnSmallDisk:
+    def __init__(self, disk: SmallDisk, file) -> None:
+        self._disk, self._file = disk, file
+
+    def write(self, data) -> int:
+        taken = self._file.write(bytes(data)[: self._disk.room])
+        self._disk.room -= taken
+        if not taken:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return taken
+
+    def __getattr__(self, name):
+        return getattr(self._file, name)

@@ -1,0 +1,107 @@
+"""A person's words about a recording, in its own file."""
+
+from __future__ import annotations
+
+import errno
+from pathlib import Path
+
+import pytest
+
+from mikas.errors import CaptureError
+from mikas.link.tee import Direction
+from mikas.recording import CaptureReader, CaptureWriter, pcapng
+from mikas.recording.about import LONGEST, about_note, about_of, write_about
+from mikas.recording.notes import Note, text_note
+from mikas.recording.reader import Packet, Problem
+
+
+@pytest.fixture
+def drive(tmp_path: Path) -> Path:
+    path = tmp_path / "drive.pcapng"
+    with CaptureWriter(path, url="sim:") as writer:
+        writer.record(Direction.SENT, b"\x01\xff\x0d", 1.0)
+        writer.note(text_note(2.0, "a word in between"))
+        writer.record(Direction.RECEIVED, b"\x0a\xf6\x0d", 3.0)
+    return path
+
+
+def said(path: Path) -> str:
+    return about_of(CaptureReader(path).notes())
+
+
+def test_the_last_words_count_and_nothing_else_changes(drive: Path) -> None:
+    before = drive.read_bytes()
+    packets = [item for item in CaptureReader(drive) if isinstance(item, Packet)]
+    assert said(drive) == ""
+    for text in ("первые", "вторые\nна двух строках", ""):
+        write_about(drive, text, 10.0)
+        assert said(drive) == text
+    assert drive.read_bytes().startswith(before)
+    assert list(CaptureReader(drive)) == packets
+
+
+def test_behind_a_cut_end_they_are_found_all_the_same(drive: Path) -> None:
+    drive.write_bytes(drive.read_bytes()[:-5])
+    write_about(drive, "cut", 10.0)
+    assert said(drive) == "cut"
+    items = list(CaptureReader(drive))
+    assert sum(isinstance(item, Packet) for item in items) == 1
+    assert any(isinstance(item, Problem) for item in items)
+
+
+def test_in_the_file_s_own_byte_order(tmp_path: Path) -> None:
+    path = tmp_path / "big.pcapng"
+    path.write_bytes(pcapng.encode(pcapng.Section(), ">"))
+    write_about(path, "big", 1.0)
+    assert said(path) == "big"
+    assert not any(isinstance(item, Problem) for item in CaptureReader(path))
+
+
+def test_somebody_else_s_note_of_that_kind() -> None:
+    assert about_of([Note("about", 1.0, {"text": 5}), Note("about", 1.0, {})]) == ""
+    assert len(about_note(1.0, "x" * 99_999).data["text"]) == LONGEST
+
+
+def test_what_can_not_be_written_leaves_the_file_as_it_was(
+    drive: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = drive.read_bytes()
+    opened = Path.open
+
+    class FullDisk:
+        def __init__(self, file) -> None:
+            self._file, self._left = file, 7
+
+        def write(self, data) -> int:
+            if not self._left:
+                raise OSError(errno.ENOSPC, "No space left on device")
+            count = self._file.write(data[: self._left])
+            self._left = 0
+            return count
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_) -> None:
+            self._file.close()
+
+        def __getattr__(self, name):
+            return getattr(self._file, name)
+
+    def full(self, mode="r", **settings):
+        file = opened(self, mode, **settings)
+        return FullDisk(file) if "+" in mode else file
+
+    monkeypatch.setattr(Path, "open", full)
+    with pytest.raises(CaptureError) as caught:
+        write_about(drive, "too much", 1.0)
+    assert "диск" in caught.value.text.ru
+    monkeypatch.undo()
+    assert drive.read_bytes() == before
+    empty = tmp_path / "empty.pcapng"
+    empty.write_bytes(b"")
+    with pytest.raises(CaptureError):
+        write_about(empty, "x", 1.0)
+    assert empty.read_bytes() == b""
+    with pytest.raises(CaptureError):
+        write_about(tmp_path / "none.pcapng", "x", 1.0)
