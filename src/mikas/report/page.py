@@ -1,0 +1,183 @@
+"""The report as one page: HTML with its style and its drawings in it, and nothing from elsewhere.
+
+It prints on two sides of A4. There is no script, and its own Content-Security-Policy lets nothing
+in but the style it carries: a recording may hold anybody's words.
+"""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Iterator
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from markupsafe import Markup
+
+from mikas.language import Language
+from mikas.report.findings import Findings, Mark, Stored, Value
+from mikas.report.labels import Labels
+from mikas.report.measurement import rows as how_rows
+from mikas.report.plots import chart
+from mikas.report.unknowns import unknowns
+from mikas.report.verdict import HEADLINES, MARKS, sentence
+from mikas.report.words import SURE, band, number, percent, with_unit
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+CHARTS: Final = 3
+_FIRST: Final = ("FREQ", "JAIR", "TWAT", "INJ", "UACC", "UOZ", "FREQX", "THR")
+"""What is drawn if nothing is off."""
+
+
+def policy() -> str:
+    """The Content-Security-Policy that the page needs, and has in it."""
+    digest = b64encode(sha256(_style().encode()).digest()).decode()
+    return f"default-src 'none'; style-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'"
+
+
+def render(found: Findings, language: Language) -> str:
+    """The page in one language."""
+    return _template().render(_Page(found, language).context())
+
+
+class _Page:
+    """What the template shows, as texts of one language."""
+
+    def __init__(self, found: Findings, language: Language) -> None:
+        self._found = found
+        self._language = language
+        self._label = Labels(language)
+
+    def context(self) -> dict[str, Any]:
+        found, language, label = self._found, self._language, self._label
+        date = found.subject.how.date
+        model = found.subject.unit.model.text.to(language) if found.subject.unit else ""
+        file = found.subject.how.file
+        about = f"{label('of_recording')} {file}" if file else label("live")
+        return {
+            "language": language,
+            "label": label,
+            "policy": policy(),
+            "style": Markup(_style()),
+            "title": " · ".join(filter(None, (label("title"), model, file))),
+            "date": date.strftime(label("date")) if date else label("no_date"),
+            "about": " · ".join((*found.subject.notes[:3], about)),
+            "found": found,
+            "headline": HEADLINES[found.outcome].to(language),
+            "verdict": sentence(found).to(language),
+            "unit": list(self._unit()),
+            "faults": [self._fault(each) for each in found.faults or ()],
+            "values": [self._judged(value) for value in found.judged],
+            "others": [self._other(value) for value in found.others],
+            "others_title": label("others_idle" if found.at_idle else "others_whole"),
+            "charts": list(self._charts()),
+            "how": list(how_rows(found, language)),
+            "unknowns": [text.to(language) for text in unknowns(found)],
+            "made_by": label("made_by", program=f"mikas {version('mikas')}"),
+        }
+
+    def _unit(self) -> Iterator[tuple[str, str]]:
+        unit, label = self._found.subject.unit, self._label
+        if unit is None:
+            yield label("model"), label("not_asked")
+            return
+        yield label("model"), unit.model.text.to(self._language)
+        for name, pieces in (("program", unit.program), ("data", unit.data)):
+            told = " · ".join(piece.strip() for piece in pieces if piece and piece.strip())
+            yield label(name), told or label("not_told")
+
+    def _fault(self, stored: Stored) -> dict[str, str | int]:
+        fault, language = stored.fault, self._language
+        values = ", ".join(
+            f"{each.channel.text.to(language)} {self._number(each)}" for each in stored.values
+        )
+        message = self._label("message") if fault.informational else ""
+        sure = SURE[fault.confidence].to(language)
+        return {
+            "code": fault.code,
+            "text": fault.text.to(language) if fault.known else self._label("no_text"),
+            "check": fault.check.to(language),
+            "sure": "; ".join(filter(None, (message, sure if fault.known else ""))),
+            "related": f"{self._label('measured')}: {values}" if values else "",
+        }
+
+    def _judged(self, value: Value) -> dict[str, str | bool]:
+        channel, stats, language = value.channel, value.stats, self._language
+        ends = [number(end, channel.decimals, language) for end in (stats.low, stats.high)]
+        codes = ", ".join(map(str, value.faults))
+        fault = self._label("fault_bears", codes=codes) if codes else ""
+        return {
+            "off": value.mark is not Mark.INSIDE,
+            "text": channel.text.to(language),
+            "name": channel.name,
+            "median": with_unit(stats.median, channel, language),
+            "spread": ends[0] if ends[0] == ends[1] else " … ".join(ends),
+            "band": band(channel, language),
+            "kind": value.mark.value,
+            "mark": MARKS[value.mark].to(language),
+            "share": self._label("within_band", share=percent(stats.inside or 0.0)),
+            "why": " ".join(filter(None, (value.meaning.to(language), fault))),
+        }
+
+    def _other(self, value: Value) -> dict[str, str]:
+        channel, stats, language = value.channel, value.stats, self._language
+        said = self._number(value)
+        if not channel.is_flag and stats.low != stats.high:
+            low, high = (number(e, channel.decimals, language) for e in (stats.low, stats.high))
+            said += f" ({low} … {high})"
+        return {"text": channel.text.to(language), "name": channel.name, "said": said}
+
+    def _number(self, value: Value) -> str:
+        if value.channel.is_flag:
+            return self._label("set_share", share=percent(value.stats.mean))
+        return with_unit(value.stats.median, value.channel, self._language)
+
+    def _charts(self) -> Iterator[dict[str, str]]:
+        measured, language = self._found.measured, self._language
+        began = measured.began or 0.0
+        for channel in _drawn(self._found):
+            title = f"{channel.text.to(language)}, {channel.unit_text.to(language)}"
+            yield {
+                "title": title.rstrip(", "),
+                "drawing": chart(
+                    channel,
+                    measured.curves[channel.name],
+                    measured.seconds,
+                    language,
+                    idle=[(a - began, b - began) for a, b in measured.idle.stretches],
+                    pauses=[
+                        (pause.began - began, (pause.ended or measured.ended or began) - began)
+                        for pause in self._found.subject.how.pauses
+                    ],
+                    label=title.rstrip(", "),
+                ),
+            }
+
+
+def _drawn(found: Findings) -> list[Any]:
+    """What is off first, then the usual ones, then whatever there is; never two of the speed."""
+    there = {each.name: each for each in found.measured.channels if not each.is_flag}
+    order = [value.channel.name for value in found.off]
+    order += [*_FIRST, *there]
+    chosen = [name for name in dict.fromkeys(order) if name in there]
+    speeds = [name for name in chosen if name in ("FREQ", "FREQX")]
+    return [there[name] for name in chosen if name not in speeds[1:]][:CHARTS]
+
+
+@cache
+def _style() -> str:
+    return (Path(__file__).parent / "page.css").read_text("utf-8")
+
+
+@cache
+def _template() -> Template:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    loader = FileSystemLoader(Path(__file__).parent)
+    return Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template(
+        "page.html"
+    )

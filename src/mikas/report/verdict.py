@@ -1,0 +1,132 @@
+"""What it all comes to, in a sentence; and how warm idle was found, or why it was not."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from mikas.catalog import Catalog
+from mikas.language import Language, Text
+from mikas.report.findings import Findings, Mark, Outcome
+from mikas.report.idle import ENOUGH, SETTLING, Seen
+from mikas.report.words import counted, duration, number, within
+
+HEADLINES = {
+    Outcome.GOOD: Text("Nothing wrong was found", "Отклонений не найдено"),
+    Outcome.ATTENTION: Text("Something needs attention", "Есть на что обратить внимание"),
+    Outcome.OPEN: Text("Not enough is known to judge", "Для вывода данных недостаточно"),
+}
+MARKS = {
+    Mark.INSIDE: Text("in the band", "в норме"),
+    Mark.LOW: Text("low", "ниже нормы"),
+    Mark.HIGH: Text("high", "выше нормы"),
+    Mark.NONE: Text("not judged", "без оценки"),
+}
+
+
+def sentence(found: Findings) -> Text:
+    """Faults first, then values."""
+    faults, values = _of_faults(found), _of_values(found)
+    return Text(f"{faults.en}; {values.en}.", f"{faults.ru}; {values.ru}.")
+
+
+def _of_faults(found: Findings) -> Text:
+    if found.faults is None:
+        return Text("The stored faults were not read", "Память ошибок не прочитана")
+    stored = found.real_faults
+    if not stored:
+        return Text("No faults are stored", "Ошибок в памяти блока нет")
+    told = counted(len(stored), ("fault is", "faults are"), ("ошибка", "ошибки", "ошибок"))
+    codes = ", ".join(str(each.fault.code) for each in stored)
+    return Text(f"{told.en} stored: {codes}", f"В памяти блока {told.ru}: {codes}")
+
+
+def _of_values(found: Findings) -> Text:
+    if not found.at_idle:
+        return Text(
+            "the engine was not seen at warm idle, so no value is judged",
+            "прогретого холостого хода в данных нет, поэтому значения не оценены",
+        )
+    if not found.judged:
+        return Text(
+            "none of the values has a reference to judge it by",
+            "ни для одного из значений нет нормы, чтобы его оценить",
+        )
+    off, count = found.off, len(found.judged)
+    if not off:
+        if count == 1:
+            return Text(
+                "the one value that can be judged is in its band at warm idle",
+                "единственное значение, которое можно оценить, на прогретом холостом ходу в норме",
+            )
+        return Text(
+            f"all {count} values that can be judged are in their bands at warm idle",
+            f"все значения, которые можно оценить ({count}), на прогретом холостом ходу в норме",
+        )
+    listed = Text(
+        ", ".join(f"{within(v.channel.text).en} ({MARKS[v.mark].en})" for v in off),
+        ", ".join(f"{within(v.channel.text).ru} ({MARKS[v.mark].ru})" for v in off),
+    )
+    out = counted(len(off), ("is", "are"), ("значение", "значения", "значений"))
+    return Text(
+        f"at warm idle {len(off)} of the {count} values that can be judged "
+        f"{out.en.split()[1]} outside the usual band: {listed.en}",
+        f"на прогретом холостом ходу вне нормы {out.ru} из {count}: {listed.ru}",
+    )
+
+
+def of_idle(found: Findings) -> Text:
+    """By which rules warm idle was looked for, and how much of it there was."""
+    idle, catalog = found.measured.idle, found.subject.catalog
+    rules = Text(
+        ", ".join(seen.rule.text.en for seen in idle.rules),
+        ", ".join(seen.rule.text.ru for seen in idle.rules),
+    )
+    told = Text(
+        f"Warm idle is taken to be: {rules.en}; all of it for {SETTLING:g} s before values count.",
+        f"Прогретым холостым ходом считается: {rules.ru}; значения учитываются, когда всё это "
+        f"держится {SETTLING:g} с.",
+    )
+    found_so_much = _how_much(found, catalog)
+    return Text(f"{told.en} {found_so_much.en}", f"{told.ru} {found_so_much.ru}")
+
+
+def _how_much(found: Findings, catalog: Catalog) -> Text:
+    idle = found.measured.idle
+    lasted = duration(idle.seconds)
+    if idle.enough:
+        times = counted(len(idle.stretches), ("stretch", "stretches"), ("раз", "раза", "раз"))
+        return Text(f"Found: {lasted.en} in {times.en}.", f"Найдено: {lasted.ru}, {times.ru}.")
+    if missing := idle.unknown:
+        en = ", ".join(rule.text.en for rule in missing)
+        ru = ", ".join(rule.text.ru for rule in missing)
+        return Text(
+            f"Not recorded, so it can't be told: {en}.",
+            f"Не записано, поэтому не определить: {ru}.",
+        )
+    seen = [_seen(each, catalog) for each in idle.rules if not each.held]
+    if seen:
+        return Text(
+            f"It was not there: {', '.join(s.en for s in seen)}.",
+            f"Его не было: {', '.join(s.ru for s in seen)}.",
+        )
+    return Text(
+        f"There were only {lasted.en} of it; {ENOUGH:g} s are needed.",
+        f"Его было только {lasted.ru}; нужно {ENOUGH:g} с.",
+    )
+
+
+def _seen(seen: Seen, catalog: Catalog) -> Text:
+    """`coolant temperature was 20 to 45 °C`."""
+    if seen.name is None or not isfinite(seen.least):
+        return Text(f"no values ({seen.rule.text.en})", f"нет значений ({seen.rule.text.ru})")
+    channel = catalog.channel(seen.name)
+
+    def ends(language: Language, between: str) -> str:
+        low, high = (number(end, channel.decimals, language) for end in (seen.least, seen.most))
+        unit = channel.unit_text.to(language)
+        return f"{low if low == high else low + between + high} {unit}".rstrip()
+
+    return Text(
+        f"{within(channel.text).en} was {ends('en', ' to ')}",
+        f"{within(channel.text).ru} — {ends('ru', '…')}",
+    )

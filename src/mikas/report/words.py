@@ -1,0 +1,105 @@
+"""How numbers and counts are said in the two languages."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from mikas.catalog import Confidence, Derived, Parameter
+from mikas.language import Language, Text
+
+_TENS = range(11, 15)
+
+
+def counted(count: int, english: tuple[str, str], russian: tuple[str, str, str]) -> Text:
+    """`1 fault`, `3 faults`; `1 ошибка`, `3 ошибки`, `5 ошибок`."""
+    en = english[0] if count == 1 else english[1]
+    last = count % 10
+    if count % 100 in _TENS or last == 0 or last > 4:
+        ru = russian[2]
+    else:
+        ru = russian[0] if last == 1 else russian[1]
+    return Text(f"{count} {en}", f"{count} {ru}")
+
+
+def number(value: float, decimals: int, language: Language) -> str:
+    """With the language's decimal sign and a real minus; `–` for none."""
+    if not isfinite(value):
+        return "–"
+    digits = f"{value:.{decimals}f}"
+    if float(digits) == 0:
+        digits = digits.lstrip("-")
+    digits = digits.replace("-", "−")
+    return digits.replace(".", ",") if language == "ru" else digits
+
+
+def with_unit(value: float, channel: Parameter | Derived, language: Language) -> str:
+    """The number as the channel is shown, with its unit."""
+    digits = number(value, channel.decimals, language)
+    unit = channel.unit_text.to(language)
+    return f"{digits}\N{NO-BREAK SPACE}{unit}" if unit else digits
+
+
+def band(channel: Parameter | Derived, language: Language) -> str:
+    """`13 … 16`: the reference as it stands in the catalog; empty without one."""
+    reference = None if isinstance(channel, Derived) else channel.reference
+    if reference is None:
+        return ""
+    low, high = (_short(end, language) for end in reference)
+    return low if low == high else f"{low} … {high}"
+
+
+def _short(value: float, language: Language) -> str:
+    digits = f"{value:g}".replace("-", "−")
+    return digits.replace(".", ",") if language == "ru" else digits
+
+
+def within(text: Text) -> Text:
+    """The text as it stands inside a sentence: without its capital, unless that is a short name's
+    (CO).
+    """
+    return Text(*(_uncapital(each) for each in text))
+
+
+def _uncapital(text: str) -> str:
+    return text if text[1:2].isupper() else text[:1].lower() + text[1:]
+
+
+def percent(share: float) -> str:
+    """A share in whole percents; all and nothing only where it is all and nothing."""
+    whole = min(99, max(1, round(100 * share))) if 0 < share < 1 else round(100 * share)
+    return f"{whole}\N{NO-BREAK SPACE}%"
+
+
+def clock(seconds: float) -> str:
+    """`7:05`, or `1:07:05`: a time since the start."""
+    hours, rest = divmod(round(max(0.0, seconds)), 3600)
+    minutes, left = divmod(rest, 60)
+    return f"{hours}:{minutes:02}:{left:02}" if hours else f"{minutes}:{left:02}"
+
+
+def duration(seconds: float) -> Text:
+    """`45 s`, `7 min 5 s`, `2 h 10 min`."""
+    whole = round(max(0.0, seconds))
+    if whole < 60:
+        return Text(f"{whole} s", f"{whole} с")
+    minutes, left = divmod(whole, 60)
+    if minutes < 60:
+        tail = (f" {left} s", f" {left} с") if left else ("", "")
+        return Text(f"{minutes} min{tail[0]}", f"{minutes} мин{tail[1]}")
+    hours, minutes = divmod(minutes, 60)
+    tail = (f" {minutes} min", f" {minutes} мин") if minutes else ("", "")
+    return Text(f"{hours} h{tail[0]}", f"{hours} ч{tail[1]}")
+
+
+SURE = {
+    Confidence.CONFIRMED: Text(
+        "the text is confirmed by two sources", "текст подтверждён двумя источниками"
+    ),
+    Confidence.REPORTED: Text("the text is from one source", "текст из одного источника"),
+    Confidence.UNCONFIRMED: Text(
+        "text unconfirmed: commonly printed, no source seen",
+        "текст не подтверждён: так пишут, источника не видели",
+    ),
+    Confidence.UNKNOWN: Text("the number is not in the catalog", "такого номера в каталоге нет"),
+}
+"""How well a fault's text is known, in plain words."""

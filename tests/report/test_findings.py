@@ -1,0 +1,204 @@
+"""What follows from what was measured: judged by the catalog, or not at all."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from report_bench import found, rows
+
+from mikas.catalog import shipped
+from mikas.report.findings import Mark, Outcome
+from mikas.report.idle import ENOUGH, SETTLING
+from mikas.report.unknowns import unknowns
+from mikas.report.verdict import of_idle, sentence
+
+WITH_REFERENCE = ("TWAT", "FREQ", "FREQX", "UOZ", "UACC", "INJ", "JAIR", "THR")
+
+
+def marks(findings):
+    return {value.channel.name: value.mark for value in findings.judged}
+
+
+def all_texts(findings):
+    texts = [sentence(findings), of_idle(findings), *unknowns(findings)]
+    for text in texts:
+        assert text.en
+        assert not re.search("[А-яЁё]", text.en), text.en
+        assert re.search("[А-яЁё]", text.ru), text.ru
+        assert not re.search("None|nan|inf|[{}]", text.en + text.ru), text
+    return " ".join(text.en for text in texts)
+
+
+def test_a_sound_engine() -> None:
+    findings = found()
+    assert marks(findings) == dict.fromkeys(WITH_REFERENCE, Mark.INSIDE)
+    assert findings.outcome is Outcome.GOOD
+    assert findings.off == ()
+    assert sentence(findings).en == (
+        "No faults are stored; all 8 values that can be judged are in their bands at warm idle."
+    )
+    assert sentence(findings).ru == (
+        "Ошибок в памяти блока нет; все значения, которые можно оценить (8), на прогретом "
+        "холостом ходу в норме."
+    )
+    assert "commonly printed" in all_texts(findings)
+
+
+@pytest.mark.parametrize("name", WITH_REFERENCE)
+def test_each_value_is_judged_by_its_reference(name) -> None:
+    parameter = shipped().parameter(name)
+    assert parameter.reference is not None
+    assert parameter.meaning is not None
+    low, high = parameter.reference
+    step = float(parameter.conversion.scale)
+    sides = [(high, Mark.INSIDE), (low, Mark.INSIDE), (high + step, Mark.HIGH)]
+    if name != "THR":
+        sides.append((low - step, Mark.LOW))
+    for value, mark in sides:
+        (judged,) = [v for v in found(rows(**{name: value})).judged if v.channel.name == name]
+        assert judged.mark is mark, value
+        expected = {Mark.LOW: parameter.meaning.low, Mark.HIGH: parameter.meaning.high}
+        assert judged.meaning == expected.get(mark, ("", ""))
+
+
+def test_values_without_a_reference_are_never_judged() -> None:
+    findings = found(rows(TAIR=99, RCOK=-0.9, SSM=255, FUEL_FLOW=30))
+    assert marks(findings) == dict.fromkeys(WITH_REFERENCE, Mark.INSIDE)
+    assert {value.channel.name for value in findings.others} == {
+        "TAIR", "RCOK", "SSM", "FUEL_FLOW", "RXX",
+    }  # fmt: skip
+    assert findings.outcome is Outcome.GOOD
+
+
+def test_what_is_off_is_in_the_sentence() -> None:
+    findings = found(rows(JAIR=11.2, UACC=12.9), faults=(13,))
+    assert findings.outcome is Outcome.ATTENTION
+    assert sentence(findings).en == (
+        "1 fault is stored: 13; at warm idle 2 of the 8 values that can be judged are outside the "
+        "usual band: board voltage (low), air flow (low)."
+    )
+    assert sentence(findings).ru == (
+        "В памяти блока 1 ошибка: 13; на прогретом холостом ходу вне нормы 2 значения из 8: "
+        "напряжение бортсети (ниже нормы), расход воздуха (ниже нормы)."
+    )
+    all_texts(findings)
+
+
+def test_a_median_inside_is_inside_however_it_trembles() -> None:
+    def trembling(times):
+        return np.where(np.arange(times.size) % 10 < 3, 700, 850)
+
+    (value,) = [v for v in found(rows(FREQX=trembling)).judged if v.channel.name == "FREQX"]
+    assert value.mark is Mark.INSIDE
+    assert (value.stats.low, value.stats.inside) == (700, pytest.approx(0.7, abs=0.01))
+
+
+def test_nothing_is_judged_that_was_not_at_warm_idle() -> None:
+    findings = found(rows(TWAT=45, UACC=9.0, JAIR=200.0))
+    assert findings.judged == ()
+    assert not findings.at_idle
+    assert findings.outcome is Outcome.OPEN
+    assert sentence(findings).en == (
+        "No faults are stored; the engine was not seen at warm idle, so no value is judged."
+    )
+    assert "coolant temperature was 45 °C" in of_idle(findings).en
+    assert "температура охлаждающей жидкости — 45 °C" in of_idle(findings).ru
+    all_texts(findings)
+
+
+def test_only_values_at_warm_idle_count() -> None:
+    def driving(times):
+        return np.where(times < 40, 2400, 840)
+
+    def load(times):
+        return np.where(times < 40, 90.0, 14.5)
+
+    findings = found(rows(60, FREQ=driving, JAIR=load))
+    assert marks(findings)["JAIR"] is Mark.INSIDE
+    assert findings.measured.at_idle["JAIR"].most == 14.5
+    assert findings.measured.whole["JAIR"].most == 90
+
+
+def test_too_little_warm_idle() -> None:
+    findings = found(rows(SETTLING + ENOUGH - 2))
+    assert findings.judged == ()
+    assert "There were only 8 s of it; 10 s are needed" in of_idle(findings).en
+    assert "Его было только 8 с" in of_idle(findings).ru
+
+
+def test_too_few_values_of_one_parameter() -> None:
+    def seldom(times):
+        return np.where(np.isin(np.arange(times.size), (100, 200, 300, 400)), 9.9, np.nan)
+
+    findings = found(rows(60, UACC=seldom))
+    assert "UACC" not in marks(findings)
+    assert "UACC" in {value.channel.name for value in findings.others}
+
+
+def test_without_what_tells_warm_idle() -> None:
+    findings = found(rows(THR=None, RXX=None))
+    assert findings.judged == ()
+    assert "Not recorded, so it can't be told: throttle at 5 % or less" in of_idle(findings).en
+    assert "Not measured: throttle position." in all_texts(findings)
+
+
+def test_no_values_at_all() -> None:
+    findings = found(rows(0), faults=None)
+    assert findings.outcome is Outcome.OPEN
+    texts = all_texts(findings)
+    assert "there is none in the data" in texts
+    assert "faults were not read" in texts.lower()
+
+
+@pytest.mark.parametrize(
+    ("faults", "en", "ru"),
+    [
+        (None, "The stored faults were not read;", "Память ошибок не прочитана;"),
+        ((), "No faults are stored;", "Ошибок в памяти блока нет;"),
+        ((12,), "No faults are stored;", "Ошибок в памяти блока нет;"),
+        ((12, 53), "1 fault is stored: 53;", "В памяти блока 1 ошибка: 53;"),
+        ((13, 53, 99), "3 faults are stored: 13, 53, 99;", "В памяти блока 3 ошибки: 13, 53, 99;"),
+        (tuple(range(80, 91)), "11 faults are stored: 80,", "В памяти блока 11 ошибок: 80,"),
+    ],
+)
+def test_faults_in_the_sentence(faults, en, ru) -> None:
+    findings = found(faults=faults)
+    assert sentence(findings).en.startswith(en)
+    assert sentence(findings).ru.startswith(ru)
+    outcome = {None: Outcome.OPEN, (): Outcome.GOOD, (12,): Outcome.GOOD}
+    assert findings.outcome is outcome.get(faults, Outcome.ATTENTION)
+    all_texts(findings)
+
+
+def test_a_fault_and_its_values_know_of_each_other() -> None:
+    findings = found(faults=(13, 14, 21))
+    assert findings.faults is not None
+    assert [[v.channel.name for v in each.values] for each in findings.faults] == [
+        ["JAIR"], ["JAIR"], ["TWAT"],
+    ]  # fmt: skip
+    bearing = {value.channel.name: value.faults for value in findings.judged if value.faults}
+    assert bearing == {"JAIR": (13, 14), "TWAT": (21,)}
+    assert "Whether the engine was warm: fault 21" in all_texts(findings)
+
+
+def test_what_the_file_could_not_tell() -> None:
+    texts = all_texts(found(faults=(99,), sessions=3, damaged=1))
+    assert "The file holds 3 sessions; this report is of the last one." in texts
+    assert "1 damaged place of the file" in texts
+    assert "fault numbers without a text" in texts
+    assert "damaged" not in all_texts(found())
+
+
+def test_a_unit_that_tells_no_passport_and_one_that_was_not_asked() -> None:
+    from dataclasses import replace
+
+    from mikas.report.subject import Unit
+
+    findings = found()
+    silent = Unit(shipped().model(9), (None, None, None), (None,) * 5)
+    told = unknowns(replace(findings, subject=replace(findings.subject, unit=silent)))
+    assert told[0].en == "The unit's passports: it does not tell them."
+    told = unknowns(replace(findings, subject=replace(findings.subject, unit=None)))
+    assert "not asked who it is" in told[0].en

@@ -1,0 +1,145 @@
+"""When an engine is at warm idle, by its values alone."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from report_bench import START, rows
+
+from mikas.recording.table import Rows
+from mikas.report.idle import ENOUGH, PAUSE, SETTLING, IdleFinder
+
+NAMES = ("TWAT", "FREQ", "FREQX", "THR", "RXX")
+
+
+def look(*stretches, names=NAMES):
+    finder = IdleFinder([name for name in names if any(name in s.values for s in stretches)])
+    masks = [finder.find(stretch) for stretch in stretches]
+    return finder.found, np.concatenate(masks)
+
+
+def test_warm_idle_all_the_time() -> None:
+    idle, mask = look(rows(60))
+    assert idle.stretches == ((START + SETTLING, START + 59.9),)
+    assert idle.enough
+    assert idle.unknown == ()
+    assert mask.sum() == 600 - 30
+    assert all(seen.held for seen in idle.rules)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("TWAT", 69), ("FREQ", 480), ("FREQ", 1320), ("FREQ", 0), ("THR", 6)]
+)
+def test_each_rule_counts(name, value) -> None:
+    idle, mask = look(rows(60, **{name: value}))
+    assert not mask.any()
+    assert idle.stretches == ()
+    assert not idle.enough
+    (broken,) = [seen for seen in idle.rules if not seen.held]
+    assert (broken.name, broken.least, broken.most) == (name, value, value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("TWAT", 120), ("TWAT", 70), ("FREQ", 1280), ("THR", 5)]
+)
+def test_a_bad_idle_is_still_one(name, value) -> None:
+    idle, _ = look(rows(60, **{name: value}))
+    assert idle.enough
+
+
+def test_a_blip_of_the_throttle_begins_it_anew() -> None:
+    idle, _ = look(rows(60, THR=lambda t: np.where((t >= 30) & (t < 31), 20, 0)))
+    assert idle.stretches == (
+        (START + SETTLING, START + 29.9),
+        (START + 31 + SETTLING, START + 59.9),
+    )
+
+
+def test_a_pause_parts_two_stretches() -> None:
+    idle, _ = look(rows(20), rows(20, start=START + 20 + PAUSE))
+    assert len(idle.stretches) == 2
+    assert idle.stretches[1][0] == START + 20 + PAUSE + SETTLING
+
+
+def test_too_little_of_it() -> None:
+    idle, _ = look(rows(SETTLING + ENOUGH - 0.5))
+    assert 0 < idle.seconds < ENOUGH
+    assert not idle.enough
+
+
+@pytest.mark.parametrize("missing", ["TWAT", "FREQ", "THR"])
+def test_what_was_not_recorded_leaves_it_open(missing) -> None:
+    idle, mask = look(rows(60, **{missing: None, "FREQX": None, "RXX": None}))
+    assert not mask.any()
+    (rule,) = idle.unknown
+    assert missing in rule.names
+
+
+def test_the_unit_s_own_flag_stands_in_for_the_throttle() -> None:
+    assert look(rows(60, THR=None))[0].enough
+    assert not look(rows(60, THR=None, RXX=0))[0].enough
+    assert look(rows(60, RXX=0))[0].enough  # the throttle is there: it counts
+
+
+def test_the_other_speed_stands_in() -> None:
+    assert look(rows(60, FREQ=None))[0].enough
+
+
+def test_values_that_come_one_by_one_hold_for_a_while() -> None:
+    def every(count, turn, value):
+        def column(times):
+            rows_ = np.arange(times.size)
+            return np.where(rows_ % count == turn, value, np.nan)
+
+        return column
+
+    idle, _ = look(
+        rows(60, TWAT=every(100, 0, 88), FREQ=every(3, 1, 840), THR=every(3, 2, 0), FREQX=None)
+    )
+    assert idle.enough
+    idle, _ = look(rows(60, TWAT=every(600, 0, 88)))  # once: no longer known after a while
+    assert idle.stretches[-1][1] <= START + 15
+
+
+def test_an_old_value_does_not_hold_over_a_pause() -> None:
+    later = rows(20, start=START + 120, TWAT=None)
+    idle, mask = look(rows(20), later)
+    assert not mask[200:].any()
+    assert len(idle.stretches) == 1
+
+
+def test_nothing_at_all() -> None:
+    idle, mask = look(Rows(np.empty(0), {name: np.empty(0) for name in NAMES}))
+    assert idle.stretches == ()
+    assert mask.size == 0
+    assert idle.seconds == 0
+
+
+values = st.sampled_from([np.nan, 60.0, 88.0])
+speeds = st.sampled_from([np.nan, 0.0, 840.0, 840.0, 2000.0])
+
+
+@given(
+    st.lists(st.tuples(st.floats(0.1, 4), values, speeds), min_size=1, max_size=60),
+    st.lists(st.integers(1, 59), max_size=4),
+)
+def test_how_rows_are_cut_changes_nothing(samples, cuts) -> None:
+    steps, coolant, speed = map(np.array, zip(*samples, strict=True))
+    whole = Rows(np.cumsum(steps), {"TWAT": coolant, "FREQ": speed, "THR": speed * 0})
+    idle, mask = look(whole)
+    edges = sorted({0, len(samples), *(cut for cut in cuts if cut < len(samples))})
+    parts = [
+        Rows(whole.times[a:b], {name: column[a:b] for name, column in whole.values.items()})
+        for a, b in pairwise(edges)
+    ]
+    again, pieces = look(*parts)
+    np.testing.assert_array_equal(pieces, mask)
+    assert again == idle
+    inside = [t for t, hit in zip(whole.times, mask, strict=True) if hit]
+    for began, ended in idle.stretches:
+        assert began in inside
+        assert ended in inside

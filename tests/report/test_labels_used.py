@@ -1,0 +1,16 @@
+"""No word of the page that nobody says."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import mikas.report
+from mikas.report.labels import NAMES
+
+
+def test_every_label_is_on_the_page() -> None:
+    folder = Path(mikas.report.__file__).parent
+    said = "".join((folder / name).read_text("utf-8") for name in ("page.py", "page.html"))
+    said += (folder / "measurement.py").read_text("utf-8")
+    assert {name for name in NAMES if not re.search(rf"""["']{name}["']""", said)} == set()

@@ -1,0 +1,252 @@
+"""The page: whole, closed to the outside, safe for anybody's words, in both languages."""
+
+from __future__ import annotations
+
+import re
+from base64 import b64encode
+from dataclasses import replace
+from hashlib import sha256
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from report_bench import START, found, rows
+
+from mikas.catalog import load, shipped
+from mikas.language import Text
+from mikas.report import page
+from mikas.report.findings import find
+from mikas.report.subject import Pause, Unit
+
+_EMPTY = {"meta", "link", "br", "img"}
+
+
+class Parsed(HTMLParser):
+    """A page taken apart; unbalanced tags are an error."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.texts: list[str] = []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag not in _EMPTY:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs) -> None:
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data) -> None:
+        if "style" not in self.open:
+            self.texts.append(data)
+
+    @property
+    def said(self) -> str:
+        return re.sub("[ \n]+", " ", " ".join(self.texts))
+
+
+def every_kind():
+    """One of each: inside, off, unjudged, faults of each sort, gaps."""
+    gap = Pause(START + 10, START + 15, Text("no echo", "нет эха"))
+    return found(
+        rows(60, JAIR=11.0, UACC=12.9),
+        faults=(12, 13, 53, 99),
+        pauses=(gap, Pause(START + 20), gap, gap, gap),
+        sessions=2,
+        damaged=3,
+        port="/dev/ttyUSB0",
+        adapter="CH340",
+        method="stream",
+        echo=True,
+        errors=2,
+    )
+
+
+def idle_never():
+    return found(rows(TWAT=40), faults=None)
+
+
+def nothing():
+    findings = found(rows(0), faults=None, file="", date=None)
+    return replace(findings, subject=replace(findings.subject, unit=None))
+
+
+@pytest.mark.parametrize("language", ["en", "ru"])
+@pytest.mark.parametrize("make", [found, every_kind, idle_never, nothing])
+def test_a_whole_page_that_needs_nothing_from_elsewhere(make, language) -> None:
+    text = page.render(make(), language)
+    parsed = Parsed(text)
+    tags = [tag for tag, _ in parsed.tags]
+    assert not {"script", "link", "img", "iframe", "object", "form", "a", "base"} & set(tags)
+    for _, attributes in parsed.tags:
+        assert not {"style", "src", "href", "onload"} & set(attributes)
+    assert "url(" not in text
+    assert "@import" not in text
+    assert tags.count("style") == 1
+    assert ("html", {"lang": language}) in parsed.tags
+    assert not re.search(r"\bNone\b|\bnan\b|\binf\b|Markup|object at|[{}]", parsed.said)
+
+
+def test_its_policy_lets_in_the_style_it_carries_and_nothing_else() -> None:
+    text = page.render(found(), "en")
+    style = re.search(r"<style>(.*?)</style>", text, re.DOTALL)
+    assert style is not None
+    digest = b64encode(sha256(style[1].encode()).digest()).decode()
+    (policy,) = [
+        attributes["content"]
+        for tag, attributes in Parsed(text).tags
+        if tag == "meta" and attributes.get("http-equiv") == "Content-Security-Policy"
+    ]
+    assert policy == page.policy()
+    assert "default-src 'none'" in policy
+    assert f"style-src 'sha256-{digest}'" in policy
+    assert "unsafe" not in policy
+
+
+def test_russian_is_russian() -> None:
+    said = Parsed(page.render(every_kind(), "ru")).said
+    for name in (*(p.name for p in shipped().parameters), *shipped().derived):
+        said = re.sub(rf"\b{name}\b", "", said)
+    left = set(re.findall(r"[A-Za-z]{3,}", said)) - {"drive", "pcapng", "dev", "ttyUSB", "mikas"}
+    assert left == set()
+
+
+def test_what_it_says() -> None:
+    said = Parsed(page.render(every_kind(), "en")).said
+    for part in (
+        "Something needs attention",
+        "3 faults are stored: 13, 53, 99;",
+        "Mikas 7.1",
+        "МИКАС 7.1 · 241.3763",
+        "09.05.2026 12:30",
+        "Air mass signal low",
+        "Check: Connector and wiring of the air mass meter",
+        "the text is from one source · measured: Air flow 11.0\N{NO-BREAK SPACE}kg/h",
+        "text unconfirmed: commonly printed, no source seen",
+        "a number that our catalog does not have",
+        "a message, not a fault; the text is confirmed by two sources",
+        "Air flow JAIR 11.0\N{NO-BREAK SPACE}kg/h 11.0 13 … 16 low 0\N{NO-BREAK SPACE}% of the",
+        "A stored fault (13) concerns it",
+        "a stream from the unit (71)",
+        "CH340 · /dev/ttyUSB0",
+        "5: 0:10–0:15 (no echo); 0:20–…; 0:10–0:15 (no echo); 2 more",
+        "600, 10.0 a second",
+        "The file holds 2 sessions",
+        shipped().version,
+    ):
+        assert part in said, part
+
+
+def test_the_numbers_are_those_that_were_measured() -> None:
+    parsed = Parsed(page.render(found(rows(UACC=13.84, TAIR=-7)), "ru"))
+    assert "13,8\N{NO-BREAK SPACE}В" in parsed.said
+    assert "−7\N{NO-BREAK SPACE}°C" in parsed.said
+
+
+def test_anybody_s_words_stay_words(tmp_path: Path) -> None:
+    evil = '<script>alert("1")</script>&\'"><svg onload=x>'
+    own = tmp_path / "own.toml"
+    own.write_text(
+        "[parameter.TWAT]\ntext.en = '''E'''\nunit = '''E'''\n[parameter.TWAT.meaning]\n"
+        "high = '''E'''\n[fault.13]\ntext = '''E'''\ncheck = '''E'''\n[model.0x0A]\n"
+        "text = '''E'''\n".replace("E", evil.replace("'''", "")),
+        "utf-8",
+    )
+    catalog = load(own)
+    findings = found(rows(TWAT=99), file=f"{evil}.pcapng", port=evil, adapter=evil)
+    subject = replace(
+        findings.subject,
+        catalog=catalog,
+        unit=Unit(catalog.model(0x0A), (evil,), (evil,)),
+        faults=(catalog.fault(13),),
+        notes=(evil,),
+    )
+    from report_bench import measured
+
+    text = page.render(find(subject, measured(rows(TWAT=99), catalog=catalog)), "en")
+    parsed = Parsed(text)
+    assert "script" not in {tag for tag, _ in parsed.tags}
+    assert all("onload" not in attributes for _, attributes in parsed.tags)
+    assert parsed.said.count(evil) >= 10
+
+
+def drawings(text: str) -> list[ET.Element]:
+    found_ = re.findall(r'<svg class="chart".*?</svg>', text, re.DOTALL)
+    return [ET.fromstring(each) for each in found_]
+
+
+def of_class(drawing: ET.Element, name: str) -> list[ET.Element]:
+    return [each for each in drawing.iter() if each.get("class") == name]
+
+
+def test_three_charts_what_is_off_first() -> None:
+    text = page.render(found(rows(UACC=12.9)), "en")
+    titles = re.findall(r"<figcaption>(.*?)</figcaption>", text)
+    assert titles == ["Board voltage, V", "Crankshaft speed, rpm", "Air flow, kg/h"]
+    assert len(drawings(text)) == 3
+    for drawing in drawings(text):
+        assert drawing.get("role") == "img"
+        assert drawing.get("aria-label")
+        (band,) = of_class(drawing, "band")
+        assert float(band.get("height")) > 0
+        (idle,) = of_class(drawing, "idle")
+        assert 0 < float(idle.get("width")) < 268
+
+
+def points(drawing: ET.Element) -> list[list[tuple[float, float]]]:
+    (course,) = of_class(drawing, "course")
+    runs = [run for run in (course.get("d") or "").split("M") if run]
+    return [
+        [tuple(map(float, pair.split())) for pair in re.findall(r"[\d.]+ [\d.]+", run)]
+        for run in runs
+    ]
+
+
+def test_a_spike_is_drawn_and_a_gap_is_one() -> None:
+    def spike(times):
+        return np.where(times == 30, 5000, 840)
+
+    gap = Pause(START + 40, START + 50, Text("gap", "пропуск"))
+
+    def lost(times):
+        return np.where((times >= 40) & (times < 50), np.nan, spike(times))
+
+    text = page.render(found(rows(60, FREQ=lost), pauses=(gap,)), "en")
+    drawing = drawings(text)[0]
+    before, after = points(drawing)
+    assert min(y for _, y in before) < 30 < 140 < max(y for _, y in before)
+    assert before[-1][0] < after[0][0]
+    (pause,) = of_class(drawing, "pause")
+    at, wide = float(pause.get("x")), float(pause.get("width"))
+    assert abs(at - before[-1][0]) < 3
+    assert abs(at + wide - after[0][0]) < 3
+
+
+def test_a_slow_parameter_is_one_line() -> None:
+    def slow(times):
+        return np.where(np.arange(times.size) % 50 == 0, 88, np.nan)
+
+    text = page.render(found(rows(60, TWAT=slow, JAIR=None, INJ=None)), "en")
+    (run,) = points(drawings(text)[1])
+    assert len(run) == 12
+
+
+def test_one_single_value_is_a_dot() -> None:
+    text = page.render(found(rows(0.1)), "en")
+    for drawing in drawings(text):
+        (course,) = of_class(drawing, "course")
+        assert (course.get("d") or "").endswith("h0.5")
+
+
+def test_the_same_findings_make_the_same_page() -> None:
+    assert page.render(every_kind(), "ru") == page.render(every_kind(), "ru")
