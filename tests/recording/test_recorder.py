@@ -365,3 +365,24 @@ def test_other_threads_may_mark_and_start_and_stop(tmp_path):
     for file in files:
         wire(file)
         assert kinds(file)[:4] == ["unit", "catalog", "plan", "state"]
+
+
+def test_why_it_broke_off_is_told_to_the_end(recorder, tmp_path, monkeypatch):
+    disk = SmallDisk(monkeypatch)
+    recorder.start(tmp_path / "a.pcapng", url="sim:")
+    begin_session(recorder)
+    disk.room = 100
+    for at in range(40):
+        recorder.record(SENT, b"\x01\xff\x0d", 2.0 + at)
+        recorder.record(RECEIVED, b"\x01\xff", 2.1 + at)
+        recorder.take(sampled(2.2 + at))
+        recorder.take(gap(2.9 + at))
+        if recorder.failure is not None:
+            why = recorder.failure
+            disk.room = 1 << 20
+            break
+    for at in range(100, 110):
+        recorder.record(RECEIVED, b"\x01\xff", at)
+        recorder.take(sampled(at + 5.0))
+    assert recorder.failure is why
+    assert recorder.stop().failure is why

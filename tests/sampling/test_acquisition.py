@@ -266,3 +266,60 @@ def test_what_is_refused_midway_takes_its_derived_channel_along():
     assert [d.name for d in of(Dropped, told)] == ["INJ"]
     assert not of(Sampled, told)[-1].derived
     assert list(of(Sampled, told)[-1].fresh) == ["FREQ"]
+
+
+@pytest.mark.parametrize("method", ["single", "batch", "list", "stream"])
+@pytest.mark.parametrize("names", [["UOZ", "FUEL_FLOW/10"], ["UOZ", "FREQ/3", "FUEL_FLOW/10"]])
+def test_what_is_derived_less_often_still_comes(method, names):
+    made = acquisition(SimulatedPlug(make_bus()), *names, "TWAT/10", method=method)
+    with closing(made.run()) as events:
+        samples = of(Sampled, take(events, enough))
+    assert sum("FUEL_FLOW" in sample.derived for sample in samples) >= len(samples) // 10
+
+
+def test_a_second_run_tells_its_plan_too():
+    made = acquisition(SimulatedPlug(make_bus()), "FREQ", "TWAT/10")
+    for _ in range(2):
+        with closing(made.run()) as events:
+            told = take(events, enough)
+        assert len(of(PlanChanged, told)) == 1
+
+
+def test_other_threads_may_want_ask_and_forget_as_they_like():
+    made = acquisition(SimulatedPlug(make_bus()), "FREQ", "TWAT/10", method="auto")
+    over = threading.Event()
+    asked, failed = [], []
+    wishes = [["FREQ"], ["UOZ/3", "FUEL_FLOW/10"], [], ["RXX", "RDET/5"], ["FUEL_USED/7", "FREQ"]]
+
+    def others(turn):
+        try:
+            while not over.wait(0.0003):
+                turn += 1
+                match turn % 3:
+                    case 0:
+                        made.want(wishes[turn % 5], ["auto", "stream", "list", "batch"][turn % 4])
+                    case 1:
+                        asked.append(made.call(lambda ecu: ecu.read("TWAT")))
+                    case _ if turn % 31 == 0:
+                        made.relearn()
+                assert made.price(["FREQ"]).rate > 0
+        except Exception as error:  # it is to be told in the test's own thread
+            failed.append(error)
+
+    threads = [threading.Thread(target=others, args=(turn,)) for turn in range(2)]
+    for thread in threads:
+        thread.start()
+    try:
+        with closing(made.run()) as events:
+            told = take(events, lambda e: len(of(Sampled, e)) >= 1000, 10_000)
+    finally:
+        over.set()
+        for thread in threads:
+            thread.join()
+    assert not failed
+    assert all(future.done() for future in asked)
+    assert_values_are_the_units(told)
+    samples = of(Sampled, told)
+    assert [s.time for s in samples] == sorted(s.time for s in samples)
+    fresh = [(name, r.time) for sample in samples for name, r in sample.fresh.items()]
+    assert len(fresh) == len(set(fresh))  # none passed off as new

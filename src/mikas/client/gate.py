@@ -118,6 +118,7 @@ class Gate:
                 "time": self._clock(),
                 **self._whose(),
                 "change": change.what.en,
+                "change_ru": change.what.ru,
                 "command": change.command,
                 "safety": change.safety.name.lower(),
                 "before": change.before,

@@ -381,22 +381,5 @@ class Indexer:
                 begin += size
         found.silences.sort()
         found.assumptions, found.refusals = self._habits.conclude(found.has_supply, found.places)
-        for code in _never_told(found):
+        for code in found.never_told():
             found.refusals.setdefault(code, None)
-
-
-def _never_told(found: Recorded) -> Iterator[int]:
-    """Commands that the replayed unit could only answer with something made up."""
-    told = {
-        c.ReadFaults: bool(found.faults.values),
-        c.CountParameters: bool(found.count.values),
-    }
-    spaces = {cells.space for cells in found.cells}
-    for command in c.ALL_COMMANDS:
-        space = getattr(command, "SPACE", None)
-        if not told.get(command, True) or (space is not None and space not in spaces):
-            yield from command.CODES
-    codes = c.ReadProgramPassport.CODES + c.ReadDataPassport.CODES
-    for code, passport in zip(codes, found.passports, strict=True):
-        if not passport.values:
-            yield code

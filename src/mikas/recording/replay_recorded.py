@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from math import inf
 from typing import Generic, TypeVar
@@ -116,3 +116,19 @@ class Recorded:
         """Bytes of a parameter's datum; None if it was never recorded."""
         places = self.places.get(code)
         return places[0][2] if places else None
+
+    def never_told(self) -> Iterator[int]:
+        """Commands that the replayed unit could only answer with something made up."""
+        told = {
+            c.ReadFaults: bool(self.faults.values),
+            c.CountParameters: bool(self.count.values),
+        }
+        spaces = {cells.space for cells in self.cells}
+        for command in c.ALL_COMMANDS:
+            space = getattr(command, "SPACE", None)
+            if not told.get(command, True) or (space is not None and space not in spaces):
+                yield from command.CODES
+        codes = c.ReadProgramPassport.CODES + c.ReadDataPassport.CODES
+        for code, passport in zip(codes, self.passports, strict=True):
+            if not passport.values:
+                yield code

@@ -2,7 +2,8 @@
 
 A plan is pure: it sends nothing. Parameters that share a byte are asked once (RXX, BITPOW and RDET
 are one); a parameter wanted every tenth cycle is asked every tenth, and several such are spread
-over the ten, so that no cycle is much longer than another.
+over the ten, so that no cycle is much longer than another; but what a derived channel is made of
+has to come in one.
 
 Prices are §5's: bytes at the wire's pace plus the unit's turn-round for each request. Data are
 taken for random, so two in 256 bytes are stuffed; a request's stuffing is known and counted
@@ -29,10 +30,14 @@ _LARGEST_EVERY = 1000
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """A parameter, and in which cycles it is wanted: 1 is every one, 10 every tenth."""
+    """A parameter, and in which cycles it is wanted: 1 is every one, 10 every tenth.
+
+    `together`: in the same cycles as the others that are; something is made of them.
+    """
 
     parameter: Parameter
     every: int = 1
+    together: bool = False
 
     def __post_init__(self) -> None:
         if not 1 <= self.every <= _LARGEST_EVERY:
@@ -94,12 +99,15 @@ class Plan:
 
     @cached_property
     def _turns(self) -> dict[Datum, int]:
-        """In which cycle of its own count each slow code has its turn."""
-        turns: dict[Datum, int] = {}
-        taken: dict[int, int] = {}
+        """In which cycle of its own count each slow code has its turn; the first, if together."""
+        parameters = (wanted.parameter for wanted in self.wanted if wanted.together)
+        together = {Datum(each.code, each.size) for each in parameters}
+        turns = dict.fromkeys(together, 0)
+        taken = {self.every[datum]: 1 for datum in together}
         for datum, every in self.every.items():
-            turns[datum] = taken.get(every, 0) % every
-            taken[every] = taken.get(every, 0) + 1
+            if datum not in together:
+                turns[datum] = taken.get(every, 0) % every
+                taken[every] = taken.get(every, 0) + 1
         return turns
 
     @cached_property

@@ -122,6 +122,7 @@ class Sampler:
         and what `strict` says.
         """
         self._session.stopped = self._session.begun = False
+        self._told = None
         self._jobs.open()
         failure: MikasError | None = None
         try:

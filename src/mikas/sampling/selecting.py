@@ -1,13 +1,14 @@
 """From what a user names to what is asked: `FREQ`, `TWAT/10`, `0x1A`, `0x3F:2`, `FUEL_FLOW`.
 
-`/10` means every tenth cycle. A derived channel needs its inputs as often as itself; they are asked
-whether or not they were named.
+`/10` means every tenth cycle. A derived channel needs its inputs as often as itself, and in the
+same cycles; they are asked whether or not they were named.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import gcd
 
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client.parameters import distinct
@@ -35,6 +36,7 @@ def select(catalog: Catalog, names: Iterable[str]) -> Selection:
     every: dict[str, int] = {}
     parameters: dict[str, Parameter] = {}
     channels: dict[str, Parameter | Derived] = {}
+    needed: dict[str, int] = {}  # inputs of derived channels, and what their cycles divide
 
     def want(parameter: Parameter, turns: int) -> None:
         parameters[parameter.name] = parameter
@@ -47,12 +49,18 @@ def select(catalog: Catalog, names: Iterable[str]) -> Selection:
         if isinstance(channel, Parameter):
             want(channel, turns)
         else:
-            for needed in DerivedChannels(catalog, [channel.name]).requires:
-                want(catalog.parameter(needed), turns)
+            for name_of_input in DerivedChannels(catalog, [channel.name]).requires:
+                want(catalog.parameter(name_of_input), turns)
+                needed[name_of_input] = gcd(turns, needed.get(name_of_input, turns))
+    for name_of_input, common in needed.items():
+        # What comes every third cycle would meet what comes every tenth in every thirtieth only.
+        every[name_of_input] = gcd(common, every[name_of_input])
     distinct(list(parameters.values()))  # one code with two sizes could not be told apart
     return Selection(
         tuple(channels.values()),
-        tuple(Wanted(parameter, every[name]) for name, parameter in parameters.items()),
+        tuple(
+            Wanted(parameter, every[name], name in needed) for name, parameter in parameters.items()
+        ),
         tuple(name for name, channel in channels.items() if isinstance(channel, Derived)),
         bool(named),
     )
