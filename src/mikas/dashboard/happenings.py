@@ -1,0 +1,126 @@
+"""What happened, as the JSON that the page gets and the history keeps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mikas.dashboard.answers import body_of, in_hex
+from mikas.errors import MikasError
+from mikas.language import Text
+from mikas.sampling.alarms import AlarmEvent
+from mikas.sampling.events import Chosen, Dropped, StateChanged, UnitFound
+from mikas.tester.statistics import Failure
+
+Happening = dict[str, Any]
+
+
+def both(text: Text | None) -> dict[str, str] | None:
+    """`text` for JSON; an empty one is none."""
+    return None if text is None or not text.en else {"en": text.en, "ru": text.ru}
+
+
+def state(event: StateChanged) -> Happening:
+    """The line's state is another one."""
+    return {
+        "kind": "state",
+        "time": event.time,
+        "state": event.state.value,
+        "text": both(event.state.text),
+        "reason": both(event.error.text) if event.error else None,
+        "code": type(event.error).__name__ if event.error else None,
+    }
+
+
+def gap(began: float, ended: float | None, reason: MikasError) -> Happening:
+    """Nothing came; told when it begins (`ended` null), and once more when it has ended."""
+    return {
+        "kind": "gap",
+        "time": began if ended is None else ended,
+        "began": began,
+        "ended": ended,
+        "reason": both(reason.text),
+    }
+
+
+def error(time: float, it: MikasError) -> Happening:
+    """An exchange was spoilt."""
+    told = body_of(it)
+    return {
+        "kind": "error",
+        "time": time,
+        "code": told["code"],
+        "text": {"en": told["en"], "ru": told["ru"]},
+        "sent": told["sent"],
+        "received": told["received"],
+    }
+
+
+def failure(it: Failure, now: float) -> Happening:
+    """An exchange was spoilt, and maybe repeated with success."""
+    return {
+        "kind": "error",
+        "time": now if it.time is None else it.time,
+        "code": it.code,
+        "text": both(it.reason),
+        "sent": in_hex(it.request),
+        "received": in_hex(it.received),
+    }
+
+
+def alarm(event: AlarmEvent) -> Happening:
+    """A limit was crossed, either way."""
+    return {
+        "kind": "alarm",
+        "time": event.time,
+        "name": event.channel.name,
+        "level": event.level.value,
+        "before": event.before.value,
+        "side": event.side.value,
+        "value": event.value,
+        "limit": event.limit,
+        "text": both(event.text),
+    }
+
+
+def method(event: Chosen) -> Happening:
+    """Another method is in use."""
+    rates = {name: round(rate, 2) for name, rate in event.rates.items()}
+    return {"kind": "method", "time": event.time, "method": event.method, "rates": rates}
+
+
+def dropped(event: Dropped) -> Happening:
+    """A parameter that the unit refuses."""
+    return {"kind": "dropped", "time": event.time, "name": event.name}
+
+
+def unit(event: UnitFound, model: Text) -> Happening:
+    """A unit answers."""
+    return {
+        "kind": "unit",
+        "time": event.time,
+        "model": both(model),
+        "version_code": event.version_code,
+        "passport": passport(event),
+        "another": event.another,
+    }
+
+
+def passport(event: UnitFound) -> list[str | None]:
+    """The three of the program and the five of the data."""
+    return [*event.passport.program, *event.passport.data]
+
+
+def marker(time: float, label: str) -> Happening:
+    """A moment that somebody marked."""
+    return {"kind": "marker", "time": time, "label": label}
+
+
+def recording(time: float, file: str, *, on: bool, failure: MikasError | None = None) -> Happening:
+    """A recording began, ended or broke off."""
+    return {
+        "kind": "recording",
+        "time": time,
+        "file": file,
+        "on": on,
+        "failure": both(failure.text) if failure else None,
+    }

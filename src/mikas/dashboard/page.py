@@ -1,0 +1,70 @@
+"""The page itself: static files that the build of `web/` has put beside this module.
+
+What has a hash in its name never changes and is kept by the browser; everything else is asked for
+again each time. If nothing was built, a page in plain words says so; the API is there all the same.
+"""
+
+from __future__ import annotations
+
+import mimetypes
+from pathlib import Path
+
+from fastapi import APIRouter
+from fastapi.responses import FileResponse, HTMLResponse, Response
+
+from mikas.dashboard.refusals import NotFound
+
+FOLDER = Path(__file__).parent / "page"
+_FOREVER = "public, max-age=31536000, immutable"
+_ASK_AGAIN = "no-cache"
+_NOT_BUILT = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>mikas</title></head><body>
+<h1>mikas</h1>
+<p>The page was not built into this installation. Install it again with <code>pip install .</code>
+in the source folder (without <code>MIKAS_SKIP_PAGE</code>), or build it there
+(<code>npm ci &amp;&amp; npm run build</code> in <code>web/</code>), then start this program again.
+The API works: <a href="/api/docs">/api/docs</a>.</p>
+<p lang="ru">В этой установке нет собранной страницы. Установите программу заново командой
+<code>pip install .</code> в папке с исходниками (без <code>MIKAS_SKIP_PAGE</code>) или соберите
+страницу там же (<code>npm ci &amp;&amp; npm run build</code> в <code>web/</code>) и запустите
+программу снова. API работает: <a href="/api/docs">/api/docs</a>.</p>
+</body></html>
+"""
+
+# Windows' registry may know other types, and a module script of a wrong type is not run.
+_TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
+          ".html": "text/html", ".json": "application/json", ".woff2": "font/woff2",
+          ".webmanifest": "application/manifest+json"}  # fmt: skip
+
+
+def router(folder: Path) -> APIRouter:
+    """Serves what is in `folder`, and its index.html at /."""
+    routes = APIRouter(include_in_schema=False)
+
+    @routes.get("/")
+    def index() -> Response:
+        file = folder / "index.html"
+        if not file.is_file():
+            return HTMLResponse(_NOT_BUILT)
+        return FileResponse(file, headers={"Cache-Control": _ASK_AGAIN}, media_type="text/html")
+
+    @routes.get("/{path:path}")
+    def file(path: str) -> Response:
+        wanted = _inside(folder, path)
+        if path.startswith("api/") or wanted is None:
+            raise NotFound(name=f"/{path}")
+        kept = _FOREVER if path.startswith("assets/") else _ASK_AGAIN
+        kind = _TYPES.get(wanted.suffix) or mimetypes.guess_type(wanted.name)[0]
+        return FileResponse(wanted, headers={"Cache-Control": kept}, media_type=kind)
+
+    return routes
+
+
+def _inside(folder: Path, path: str) -> Path | None:
+    """The file of that path, if there is one and it is in `folder`."""
+    try:
+        file = (folder / path).resolve()
+        found = file.is_relative_to(folder.resolve()) and file.is_file()
+    except (OSError, ValueError):  # a name that no system takes
+        return None
+    return file if found else None

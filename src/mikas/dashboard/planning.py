@@ -1,0 +1,51 @@
+"""What is to be sampled, and what that costs; with a connection, and before there is one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from mikas.client.connecting import maker
+from mikas.dashboard.wishes import Wish
+from mikas.link.plug import Plug
+from mikas.sampling.acquisition import Acquisition
+
+if TYPE_CHECKING:
+    from mikas.dashboard.hub import Hub
+    from mikas.sampling.plan import Price
+
+
+class Planning:
+    """Changes the hub's wish."""
+
+    def __init__(self, hub: Hub) -> None:
+        self._hub = hub
+
+    @property
+    def channels(self) -> list[str]:
+        """Every channel that the catalog has."""
+        catalog = self._hub.catalog
+        return [*(parameter.name for parameter in catalog.parameters), *catalog.derived]
+
+    def want(self, wish: Wish) -> None:
+        """Samples this from now on, or from the next connection. Raises `UnknownParameter` …"""
+        if (session := self._hub.session) is not None:
+            session.acquisition.want(wish.names, wish.method or "auto", wish.rate)
+        else:
+            for name in wish.every:
+                self._hub.catalog.channel(name)
+        self._hub.wish = wish
+        self._hub.story.names_are(wish.every)
+
+    def price(self, names: Sequence[str], method: str) -> Price:
+        """What a set of `names` costs, with what is known of the unit, if there is one."""
+        session = self._hub.session
+        acquisition = session.acquisition if session else self._unconnected
+        return acquisition.price(names, method)
+
+    @cached_property
+    def _unconnected(self) -> Acquisition:
+        """Never run: it knows what things cost on a unit of which nothing is known."""
+        catalog = self._hub.catalog
+        return Acquisition(Plug("sim:"), maker(catalog=catalog), catalog)

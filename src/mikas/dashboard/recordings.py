@@ -1,0 +1,111 @@
+"""The API's side of recordings: which there are, what is in one, any window of it, its note.
+
+A recording is named by its file's name in the folder; nothing else can be reached. Reading takes
+threads, never the event loop's time.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+from fastapi.responses import Response
+from pydantic import BaseModel, Field
+
+from mikas.dashboard import recordings_files, recordings_live
+from mikas.dashboard.answers import errors
+from mikas.dashboard.asking import Asker, TheHub
+from mikas.dashboard.history import plain
+from mikas.dashboard.listener import dumps
+from mikas.dashboard.recordings_desk import Desk, TheDesk
+from mikas.dashboard.recordings_shelf import Shelved
+from mikas.dashboard.recordings_told import (
+    RecordingDetail,
+    RecordingList,
+    RecordingOut,
+    detailed,
+    listed,
+)
+from mikas.recording.about import LONGEST, about_note, write_about
+
+router = APIRouter(tags=["recordings"])
+
+
+class RowsAnswer(BaseModel):
+    """Columns over time. null: nothing came in that row. `decimated`: of each piece of time the
+    least and the greatest value of each column.
+    """
+
+    names: list[str]
+    times: list[float]
+    values: list[list[float | None]]
+    decimated: bool
+
+
+class NoteWish(BaseModel):
+    """A person's words about the whole recording; they take the place of those before."""
+
+    text: str = Field(max_length=LONGEST)
+
+
+@router.get("/recordings", responses=errors())
+def recordings(desk: TheDesk) -> RecordingList:
+    """All recordings in the folder, the latest first."""
+    there = desk.shelf.all()
+    desk.summaries.forget_all_but(there)
+    return RecordingList(recordings=[_listed(desk, it) for it in there])
+
+
+@router.get("/recordings/{identity}", responses=errors(404))
+def recording(desk: TheDesk, identity: str) -> RecordingDetail:
+    """One recording, with its channels and all that happened in it."""
+    it = desk.shelf.one(identity)
+    summary, growing = desk.summaries.of(it), desk.is_growing(it)
+    if summary.problem is not None:
+        return detailed(it, summary, None, growing=growing)
+    with desk.opened.using:
+        return detailed(it, summary, desk.opened.one(it, growing=growing), growing=growing)
+
+
+@router.get("/recordings/{identity}/rows", responses=errors(404), response_model=RowsAnswer)
+def rows(
+    desk: TheDesk,
+    identity: str,
+    *,
+    begin: Annotated[float, Query(alias="from", allow_inf_nan=False)] = -1e300,
+    end: Annotated[float, Query(alias="to", allow_inf_nan=False)] = 1e300,
+    points: Annotated[int, Query(ge=2, le=20_000)] = 2000,
+    names: Annotated[str | None, Query(max_length=4000, description="A,B; all")] = None,
+) -> Response:
+    """What was recorded from `from` to `to`, with spikes kept where there are too many rows."""
+    it = desk.shelf.one(identity)
+    wanted = [name for name in names.split(",") if name] if names is not None else None
+    with desk.opened.using:
+        opened = desk.opened.one(it, growing=desk.is_growing(it))
+        found, decimated = opened.window(begin, end, points, wanted)
+    told = {
+        "names": list(found.values),
+        "times": found.times.round(6).tolist(),
+        "values": [plain(column) for column in found.values.values()],
+        "decimated": decimated,
+    }
+    return Response(dumps(told), media_type="application/json")
+
+
+@router.put("/recordings/{identity}/note", responses=errors(404))
+def note(hub: TheHub, desk: TheDesk, _: Asker, identity: str, wish: NoteWish) -> RecordingOut:
+    """Keeps words about the recording, in its own file."""
+    it = desk.shelf.one(identity)
+    if desk.is_growing(it):
+        hub.recording.recorder.note(about_note(hub.now(), wish.text))
+    else:
+        write_about(it.path, wish.text, hub.now())
+    return _listed(desk, desk.shelf.one(identity))
+
+
+def _listed(desk: Desk, it: Shelved) -> RecordingOut:
+    return listed(it, desk.summaries.of(it), growing=desk.is_growing(it))
+
+
+router.include_router(recordings_files.router)
+router.include_router(recordings_live.router)

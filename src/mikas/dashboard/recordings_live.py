@@ -1,0 +1,107 @@
+"""The report of the running session: its last minutes, the passport, the faults as last read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from fastapi import APIRouter
+from fastapi.responses import Response
+
+from mikas.dashboard.answers import errors
+from mikas.dashboard.asking import TheHub
+from mikas.dashboard.history import Rows
+from mikas.dashboard.recordings_desk import TheDesk
+from mikas.dashboard.recordings_files import HTML, page_answer
+from mikas.dashboard.refusals import NotConnected
+from mikas.language import Language, Text
+
+if TYPE_CHECKING:
+    from mikas.catalog import Catalog
+    from mikas.dashboard.hub import Hub
+    from mikas.report.findings import Findings
+    from mikas.report.subject import Pause
+
+router = APIRouter(tags=["recordings"])
+
+MINUTES: Final = 15
+
+
+@router.get("/report", response_class=Response, responses={**errors(409, 503), **HTML})
+async def report(
+    hub: TheHub, desk: TheDesk, lang: Language = "en", inline: bool = False
+) -> Response:
+    """A page on the car that is connected, made of the last quarter of an hour."""
+    from mikas.report.page import render
+
+    page = await desk.alone(lambda: render(_found(hub), lang))
+    return page_answer(page, "mikas.html", inline=inline)
+
+
+def _found(hub: Hub) -> Findings:
+    from mikas.report.findings import find
+    from mikas.report.gathering import date_of
+    from mikas.report.measuring import Measuring
+    from mikas.report.subject import How, Subject, Unit
+
+    catalog, story, session, ecu = hub.catalog, hub.story, hub.session, hub.ecu
+    with story.lock:
+        unit, method, errors_ = story.unit, story.method or "", story.meters.errors
+        events = list(story.events)
+    rows = _since(_judged(hub.history.rows(MINUTES * 60), catalog, hub.settings.reading), events)
+    if unit is None and not len(rows.times):
+        raise NotConnected
+    measuring = Measuring(catalog, rows.values)
+    measuring.add(rows)
+    page, measured = hub.fault_book.page, measuring.measured
+    subject = Subject(
+        catalog=catalog,
+        unit=Unit(catalog.model(unit.version_code), unit.passport.program, unit.passport.data)
+        if unit
+        else None,
+        faults=page.faults if page else None,
+        how=How(
+            date=date_of(measured.began),
+            port=hub.way.url if hub.way else "",
+            adapter=session.adapter if session else "",
+            echo=ecu.tester.echoes if ecu else None,
+            method=method,
+            pauses=tuple(_pauses(events, measured.began)),
+            errors=errors_,
+        ),
+    )
+    return find(subject, measured)
+
+
+def _judged(rows: Rows, catalog: Catalog, reading: str) -> Rows:
+    """Without what is shown in another sense than the one that references belong to."""
+    other = {each.name for each in catalog.parameters if each.reading(reading) != each.conversion}
+    return Rows(rows.times, {n: column for n, column in rows.values.items() if n not in other})
+
+
+def _since(rows: Rows, events: list[dict[str, Any]]) -> Rows:
+    """Since the unit of now was first there; before it, it was another car."""
+    since, now = float("-inf"), None
+    for event in reversed([each for each in events if each["kind"] == "unit"]):
+        who = (event["version_code"], event["passport"])
+        now = now or who
+        if who != now:
+            break
+        since = event["time"]
+    else:
+        since = float("-inf")  # it was the only one
+    first = int(np.searchsorted(rows.times, since))
+    return Rows(rows.times[first:], {name: it[first:] for name, it in rows.values.items()})
+
+
+def _pauses(events: list[dict[str, Any]], began: float | None) -> Iterator[Pause]:
+    """The gaps that have ended; each was told twice."""
+    from mikas.report.subject import Pause
+
+    for event in events:
+        ended = event.get("ended") if event["kind"] == "gap" else None
+        if ended is not None and began is not None and ended > began:
+            reason = event["reason"]
+            text = Text(reason["en"], reason["ru"]) if reason else None
+            yield Pause(max(began, event["began"]), ended, text)

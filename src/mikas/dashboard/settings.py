@@ -1,0 +1,78 @@
+"""What the server is started with: how the unit is asked, and where things are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from mikas.catalog import Catalog, load
+from mikas.client import journal as journals
+from mikas.errors import UsageError, reason_of
+from mikas.language import Text
+from mikas.link import Link, Port, find_ports, open_link
+
+
+def _state_folder() -> Path:
+    return journals.default_path().parent
+
+
+def default_recordings() -> Path:
+    """Where a person looks for files of their own."""
+    from platformdirs import user_documents_path
+
+    return user_documents_path() / "mikas"
+
+
+def made(folder: Path) -> Path:
+    """`folder`, there to be written to. Raises `UsageError`."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        why = reason_of(error)
+        raise UsageError(
+            problem=Text(
+                f"The folder {folder} can't be made: {why.en}",
+                f"Папку {folder} не создать: {why.ru}",
+            )
+        ) from error
+    return folder
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """`recordings`: the folder of recordings, with `dumps` in it. `state`: presets, learnt limits,
+    the journal. `find`, `open_port`, `link_clock`: the system's ports, and the clock of the links;
+    tests bring their own.
+    """
+
+    recordings: Path
+    state: Path = field(default_factory=_state_folder)
+    catalog: Catalog = field(default_factory=load)
+    echo: str = "auto"
+    timeout: float = 0.5
+    retries: int = 2
+    reading: str = "corrected"
+    find: Callable[[], list[Port]] = find_ports
+    open_port: Callable[[str], Link] = open_link
+    link_clock: Callable[[], float] | None = None
+
+    @property
+    def journal(self) -> Path:
+        """The file of changes."""
+        return self.state / "journal.jsonl"
+
+    @property
+    def units(self) -> Path:
+        """What was learnt of each unit."""
+        return self.state / "units"
+
+    @property
+    def presets(self) -> Path:
+        """The user's own presets."""
+        return self.state / "presets.json"
+
+    @property
+    def dumps(self) -> Path:
+        """Where dumps are kept."""
+        return self.recordings / "dumps"

@@ -1,0 +1,116 @@
+"""The state, made of what the hub knows; and what of it belongs to one client."""
+
+from __future__ import annotations
+
+from mikas.catalog import Level
+from mikas.dashboard.answers import two, two_or_none
+from mikas.dashboard.happenings import passport
+from mikas.dashboard.hub import Hub
+from mikas.dashboard.seat import Client
+from mikas.dashboard.state import (
+    AlarmOfState,
+    Holder,
+    Line,
+    PlanOfState,
+    RecordingOfState,
+    State,
+    WantedOne,
+)
+from mikas.language import Text
+from mikas.sampling.alarms import AlarmEvent
+
+_NO_LINE: Line = "off"
+_OFF = Text("not connected", "не подключено")
+_OPENING = Text("opening the port", "открываем порт")
+_STOPPED = Text("stopped", "остановлено")
+
+
+def state_of(hub: Hub, client: Client | None = None) -> State:
+    """Everything at a glance, as `client` sees it."""
+    state = _shared(hub)
+    if client is not None:
+        state.rights = "control" if client.may_control else "view"
+        state.controller = holder_of(hub, client)
+    state.viewers = hub.seat.viewers
+    state.now = hub.now()
+    return state
+
+
+def holder_of(hub: Hub, client: Client) -> Holder | None:
+    """Who has the seat; `client` is told whether it is itself."""
+    held = hub.seat.holder
+    if held is None:
+        return None
+    return Holder(id=held.id, name=held.name, you=held.id == client.id)
+
+
+def _shared(hub: Hub) -> State:
+    """What is the same for all."""
+    story, session, now = hub.story, hub.session, hub.now()
+    with story.lock:
+        text, line = _OFF, _NO_LINE
+        if session is not None and session.ended:
+            text = _STOPPED
+        elif session is not None:
+            line = story.line.value if story.line else "no-port"
+            text = story.line.text if story.line else _OPENING
+        sampling = line == "sampling"
+        unit = story.unit
+        return State(
+            line=line,
+            text=two(text),
+            reason=two_or_none(story.reason),
+            reason_code=story.reason_code,
+            since=story.since,
+            port=hub.way.url if hub.way else None,
+            adapter=session.adapter if session else "",
+            model=two_or_none(story.model),
+            version_code=unit.version_code if unit else None,
+            passport=passport(unit) if unit else None,
+            method=story.method,
+            rates=story.rates,
+            rate=round(story.meters.rate(now), 2) if sampling else 0.0,
+            bus_load=round(story.meters.load(session.baud if session else 9600), 3),
+            errors_minute=story.meters.errors_minute(now),
+            errors=story.meters.errors,
+            samples=story.meters.samples,
+            plan=PlanOfState(
+                wanted=[WantedOne(name=n, every=every) for n, every in hub.wish.every.items()],
+                method=hub.wish.method or "auto",
+                rate=hub.wish.rate,
+            ),
+            dropped_parameters=list(story.dropped),
+            recording=_recording(hub),
+            alarms=[_alarm(hub, it) for it in story.alarms.values()],
+            alarm_count=story.alarm_count,
+            fault_count=len(hub.fault_book.page.faults) if hub.fault_book.page else None,
+            unlocked_until=None if hub.lock.left is None else now + hub.lock.left,
+            demo=hub.is_demo,
+            lan=hub.lan,
+        )
+
+
+def _recording(hub: Hub) -> RecordingOfState | None:
+    status = hub.recording.recorder.status
+    if status is None:
+        return None
+    return RecordingOfState(
+        file=status.path.name,
+        since=status.since,
+        bytes=status.bytes,
+        samples=status.samples,
+        gaps=status.gaps,
+        failure=two_or_none(status.failure.text if status.failure else None),
+    )
+
+
+def _alarm(hub: Hub, event: AlarmEvent) -> AlarmOfState:
+    name = event.channel.name
+    return AlarmOfState(
+        name=name,
+        level="danger" if event.level is Level.DANGER else "warning",
+        side=event.side.value,
+        value=hub.story.latest.get(name, event.value),
+        limit=event.limit,
+        since=event.time,
+    )

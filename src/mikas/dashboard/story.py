@@ -1,0 +1,237 @@
+"""What is known of the running connection: told by the sampling thread, asked by the event loop.
+
+Two things come of each event: what is now so (state, unit, method, alarms, counts), and what is to
+be passed on to those who look: rows of values and happenings, gathered until they are drained.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite
+
+from mikas.catalog import Catalog, Level
+from mikas.dashboard import happenings
+from mikas.dashboard.happenings import Happening
+from mikas.dashboard.history import History, row_of
+from mikas.dashboard.meters import Meters
+from mikas.errors import LineError, MikasError, NoConnection
+from mikas.language import Text
+from mikas.sampling.alarms import AlarmEvent
+from mikas.sampling.events import (
+    Chosen,
+    Dropped,
+    Event,
+    Gap,
+    LineState,
+    PlanChanged,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
+from mikas.tester.statistics import Failure
+
+_HAPPENINGS = 5000  # kept for those who come later
+_ERRORS = 1000  # remembered, to be told once; more than a tester remembers
+_ROWS = 20_000  # gathered at most; more come only from a simulated clock
+
+Row = tuple[float, Mapping[str, float]]
+
+
+@dataclass(slots=True)
+class Batch:
+    """What came since the last one. `names`: the columns of `rows`, in the plan's order."""
+
+    names: tuple[str, ...] = ()
+    rows: list[Row] = field(default_factory=list)
+    happenings: list[Happening] = field(default_factory=list)
+
+
+class Story:
+    """Follows one connection after the other. `lock` guards all of it, the meters too."""
+
+    def __init__(self, catalog: Catalog, history: History) -> None:
+        self.lock = threading.RLock()
+        self.catalog = catalog
+        self.history = history
+        self.listened = False
+        self._waiting: Callable[[], object] | None = None
+        self.events: deque[Happening] = deque(maxlen=_HAPPENINGS)
+        self._batch = Batch()
+        self._names: tuple[str, ...] = ()
+        self.begin((), 0.0)
+
+    def begin(self, names: Iterable[str], time: float) -> None:
+        """A new connection: nothing is known of it."""
+        with self.lock:
+            self.line: LineState | None = None
+            self.reason: Text | None = None
+            self.reason_code: str | None = None
+            self.since = time
+            self.unit: UnitFound | None = None
+            self.model: Text | None = None
+            self.method: str | None = None
+            self.rates: dict[str, float] = {}
+            self.dropped: list[str] = []
+            self.alarms: dict[str, AlarmEvent] = {}
+            self.alarm_count = 0
+            self.latest: dict[str, float] = {}
+            self.meters = Meters()
+            self._gap: tuple[float, MikasError] | None = None
+            self._sampled: float | None = None
+            self._errors: deque[tuple[str, float | None, bytes | None]] = deque(maxlen=_ERRORS)
+            self._newest: Failure | None = None
+            self.names_are(names)
+
+    def names_are(self, names: Iterable[str]) -> None:
+        """The channels asked for, in their order: the columns from here on."""
+        with self.lock:
+            self._names = tuple(names)
+            for name in [name for name in self.alarms if name not in self._names]:
+                del self.alarms[name]
+
+    def wait(self, wake: Callable[[], object]) -> bool:
+        """Whether nothing has been gathered yet; then `wake` is called once when that changes."""
+        with self.lock:
+            nothing = not (self._batch.rows or self._batch.happenings)
+            self._waiting = wake if nothing else None
+            return nothing
+
+    def stir(self) -> None:
+        """Wakes who waits."""
+        with self.lock:
+            waiting, self._waiting = self._waiting, None
+        if waiting is not None:
+            waiting()
+
+    def drain(self) -> Batch:
+        """What came since the last call."""
+        with self.lock:
+            batch, self._batch = self._batch, Batch()
+            batch.names = self._names
+            return batch
+
+    def tell(self, happening: Happening) -> None:
+        """Something that happened beside the sampling."""
+        with self.lock:
+            self.events.append(happening)
+            if self.listened:
+                self._batch.happenings.append(happening)
+                self.stir()
+
+    def take(self, event: Event | AlarmEvent) -> None:
+        """What the sampler tells."""
+        with self.lock:
+            match event:
+                case Sampled():
+                    self._came(event)
+                case Gap():
+                    self._failed(event)
+                case StateChanged():
+                    self._changed(event)
+                case AlarmEvent():
+                    self._alarm(event)
+                case Chosen():
+                    self.method = event.method
+                    self.rates = {name: round(rate, 2) for name, rate in event.rates.items()}
+                    self.tell(happenings.method(event))
+                case Dropped():
+                    if event.name not in self.dropped:
+                        self.dropped.append(event.name)
+                        self.tell(happenings.dropped(event))
+                case UnitFound():
+                    self._found(event)
+                case PlanChanged():
+                    self.method = event.plan.method
+
+    def over(self, time: float, error: MikasError | None) -> None:
+        """The connection has ended; `error` if it did so by itself."""
+        with self.lock:
+            self.line, self.since = None, time
+            self._because(error)
+            self.alarms.clear()
+            self._gap = None
+
+    def _came(self, event: Sampled) -> None:
+        values = {name: float(reading.value) for name, reading in event.fresh.items()}
+        for name, derived in event.derived.items():
+            if isfinite(derived.value):
+                values[name] = derived.value
+        self.meters.sample(event.time)
+        self.latest.update(values)
+        self.history.add(event.time, self._names, row_of(self._names, values))
+        if self._gap is not None:
+            self.tell(happenings.gap(self._gap[0], event.time, self._gap[1]))
+            self._gap = None
+        self._sampled = event.time
+        if self.listened and len(self._batch.rows) < _ROWS:
+            self._batch.rows.append((event.time, values))
+            self.stir()
+
+    def spoilt(self, failures: Sequence[Failure], now: float) -> None:
+        """`failures`: the latest of the tester, those that a repetition cured included."""
+        if failures and failures[-1] is not self._newest:
+            with self.lock:
+                self._newest = failures[-1]
+                for failure in failures:
+                    if self._is_news(failure):
+                        self._error(happenings.failure(failure, now))
+
+    def _failed(self, event: Gap) -> None:
+        before = self._gap[1] if self._gap else None
+        self._lost(event.time, event.error)
+        # Each attempt to find a port or unit again fails alike: that is the gap, no more errors.
+        if not (isinstance(event.error, NoConnection) and type(event.error) is type(before)):
+            cause = event.error.__cause__  # of a verdict on exchanges, which the tester told
+            told_as = cause if isinstance(cause, LineError) else event.error
+            if self._is_news(told_as):
+                self._error(happenings.error(event.time, event.error))
+
+    def _is_news(self, error: MikasError | Failure) -> bool:
+        """Whether it was not told yet: by the tester, or by a cycle that it ended."""
+        code = error.code if isinstance(error, Failure) else type(error).__name__
+        known = (code, error.time, error.received)
+        news = error.time is None or known not in self._errors
+        self._errors.append(known)
+        return news
+
+    def _error(self, happening: Happening) -> None:
+        self.meters.error(happening["time"])
+        self.tell(happening)
+
+    def _lost(self, time: float, error: MikasError) -> None:
+        if self._gap is None:
+            began = time if self._sampled is None else min(time, self._sampled)
+            self._gap = (began, error)
+            self.tell(happenings.gap(began, None, error))
+
+    def _changed(self, event: StateChanged) -> None:
+        if event.error is not None and self.line is LineState.SAMPLING:
+            self._lost(event.time, event.error)
+        self.line, self.since = event.state, event.time
+        self._because(event.error)
+        self.tell(happenings.state(event))
+
+    def _because(self, error: MikasError | None) -> None:
+        self.reason = error.text if error else None
+        self.reason_code = type(error).__name__ if error else None
+
+    def _alarm(self, event: AlarmEvent) -> None:
+        if event.level is Level.NONE:
+            self.alarms.pop(event.channel.name, None)
+        else:
+            if event.channel.name not in self.alarms:
+                self.alarm_count += 1
+            self.alarms[event.channel.name] = event
+        self.tell(happenings.alarm(event))
+
+    def _found(self, event: UnitFound) -> None:
+        self.unit = event
+        self.model = self.catalog.model(event.version_code).text
+        if event.another:
+            self.dropped.clear()
+            self.alarms.clear()
+            self.rates, self.method = {}, None
+        self.tell(happenings.unit(event, self.model))

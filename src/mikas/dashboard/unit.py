@@ -1,0 +1,182 @@
+"""What the unit says of itself: stored faults, passports, what it knows and was found to take.
+
+Reading is done between two cycles. Who does not hold the seat is given what was last read.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import APIRouter
+from pydantic import BaseModel, Field
+
+from mikas.catalog import Confidence, Fault
+from mikas.client import Ecu, Info, Support
+from mikas.dashboard.answers import TwoTexts, errors, two, two_or_none
+from mikas.dashboard.asking import Controller, TheHub, Viewer
+from mikas.dashboard.fault_book import Page
+from mikas.dashboard.hub import Hub
+from mikas.dashboard.refusals import NotAllowed, NotController
+from mikas.dashboard.seat import Client
+
+router = APIRouter(tags=["unit"])
+
+_PROBE = 120.0  # s: a second for each command that is left unanswered
+
+
+class FaultOfUnit(BaseModel):
+    """A stored fault; one with an empty text is not known to the catalog."""
+
+    code: int
+    text: TwoTexts
+    confidence: str
+    certain: bool = Field(description="the text was confirmed on real units")
+    informational: bool = Field(description="a message, not a fault")
+    check: TwoTexts | None
+    related: list[str] = Field(description="channels that bear on it")
+    first_seen: float
+
+
+class FaultsAnswer(BaseModel):
+    """As read at `time`."""
+
+    time: float
+    faults: list[FaultOfUnit]
+    count: int
+
+
+class LimitsOfUnit(BaseModel):
+    """What this unit was found to take and to lack."""
+
+    max_list: int
+    max_block: dict[str, int]
+    refused: list[int]
+
+
+class CommandOfUnit(BaseModel):
+    """A command; `supported` null: not tried, or no telling."""
+
+    code: int
+    name: str
+    title: TwoTexts
+    source_name: str
+    supported: bool | None
+
+
+class PassportAnswer(BaseModel):
+    """Who the unit is, and through what it is asked."""
+
+    model: TwoTexts
+    version_code: int
+    program_passport: list[str | None]
+    data_passport: list[str | None]
+    parameter_count: int | None
+    adapter: str
+    port: str
+    echo: bool
+    baud: int
+    latency_ms: int | None = Field(description="of the adapter's chip, where the system tells")
+    limits: LimitsOfUnit
+    method: str | None
+    rates: dict[str, float]
+    supported: list[CommandOfUnit] | None
+
+
+@router.get("/faults", responses=errors(409, 502, 503))
+async def faults(hub: TheHub, client: Viewer) -> FaultsAnswer:
+    """Reads the stored faults. Without control: as they were last read."""
+    known = hub.fault_book.page
+    if not _may_read(hub, client, known is not None):
+        assert known is not None
+        return faults_answer(known)
+    await hub.ask(hub.read_faults)
+    known = hub.fault_book.page
+    assert known is not None
+    return faults_answer(known)
+
+
+@router.get("/passport", responses=errors(409, 502, 503))
+async def passport(hub: TheHub, client: Viewer) -> PassportAnswer:
+    """Who the unit is. Without control: as it was last read."""
+    if _may_read(hub, client, hub.info is not None):
+        hub.info = await hub.ask(Ecu.info)
+    return _passport_answer(hub)
+
+
+@router.post("/passport/probe", responses=errors(409, 502, 503))
+async def probe(hub: TheHub, _: Controller) -> PassportAnswer:
+    """Tries every harmless command once; a second for each that is left unanswered."""
+    hub.info = await hub.ask(Ecu.info)
+    hub.supported = await hub.ask(lambda ecu: list(ecu.supported()), seconds=_PROBE)
+    return _passport_answer(hub)
+
+
+def _may_read(hub: Hub, client: Client, known: bool) -> bool:
+    """Whether to ask the unit now; raises if nothing is known and this client may not ask."""
+    try:
+        hub.seat.demand(client)
+    except (NotAllowed, NotController):
+        if known:
+            return False
+        raise
+    return True
+
+
+def faults_answer(page: Page) -> FaultsAnswer:
+    """As the API tells them."""
+    return FaultsAnswer(
+        time=page.time,
+        faults=[fault_of(fault, page.first_seen[fault.code]) for fault in page.faults],
+        count=len(page.faults),
+    )
+
+
+def fault_of(fault: Fault, first_seen: float) -> FaultOfUnit:
+    """As the API tells it."""
+    return FaultOfUnit(
+        code=fault.code,
+        text=two(fault.text),
+        confidence=fault.confidence.value,
+        certain=fault.confidence is Confidence.CONFIRMED,
+        informational=fault.informational,
+        check=two_or_none(fault.check),
+        related=list(fault.parameters),
+        first_seen=first_seen,
+    )
+
+
+def _passport_answer(hub: Hub) -> PassportAnswer:
+    info, session = hub.info, hub.session
+    assert isinstance(info, Info)
+    port = session.url if session else ""
+    return PassportAnswer(
+        model=two(info.model.text),
+        version_code=info.version_code,
+        program_passport=list(info.passport.program),
+        data_passport=list(info.passport.data),
+        parameter_count=info.parameter_count,
+        adapter=session.adapter if session else "",
+        port=port,
+        echo=info.echo,
+        baud=session.baud if session else 9600,
+        latency_ms=next((p.latency_ms for p in hub.settings.find() if p.url == port), None),
+        limits=LimitsOfUnit(
+            max_list=info.limits.max_list,
+            max_block=dict(info.limits.max_block),
+            refused=list(info.limits.refused),
+        ),
+        method=hub.story.method,
+        rates=hub.story.rates,
+        supported=None if hub.supported is None else [_command(it) for it in hub.supported],
+    )
+
+
+def _command(support: Support) -> CommandOfUnit:
+    command: Any = support.command
+    return CommandOfUnit(
+        code=command.CODES[0],
+        name=command.__name__,
+        title=two(command.TITLE),
+        source_name=command.SOURCE_NAME,
+        supported=support.known,
+    )

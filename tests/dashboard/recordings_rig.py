@@ -1,0 +1,32 @@
+"""Recordings for the API's tests."""
+
+from __future__ import annotations
+
+import mikas
+from mikas.language import Text
+from mikas.recording import CaptureWriter, write_session_header
+from mikas.recording.notes import gap_note, marker_note
+
+SIM = "sim:?clock=simulated"
+
+
+def record(path, settings="", count=100):
+    """A drive as the program records it, with a gap and a marker."""
+    url = SIM + settings
+    with CaptureWriter(path, url=url) as sink, mikas.connect(url, sink=sink) as ecu:
+        write_session_header(
+            sink,
+            ecu.tester.link.now(),
+            version_code=ecu.version_code,
+            passports=ecu.passport().pieces,
+            catalog_version=ecu.catalog.version,
+        )
+        ecu.faults()
+        for _ in ecu.watch(method="batch", count=count // 2):
+            pass
+        now = ecu.tester.link.now()
+        sink.note(marker_note(now, "here"))
+        sink.note(gap_note(now, now + 0.1, Text("no echo", "нет эха")))
+        for _ in ecu.watch(method="batch", count=count - count // 2):
+            pass
+    return path

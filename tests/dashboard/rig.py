@@ -1,0 +1,183 @@
+"""The whole program, as `mikas dash` runs it, over a virtual car whose time runs fast: a real
+server on a real socket, real threads. Tests wait for what comes, never for time to pass.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from contextlib import contextmanager
+from urllib.parse import parse_qsl
+
+import httpx
+from websockets.sync.client import connect
+
+from mikas.dashboard.access import Access
+from mikas.dashboard.app import create_app
+from mikas.dashboard.hub import Hub
+from mikas.dashboard.server import Server, listening
+from mikas.dashboard.settings import Settings
+from mikas.dashboard.wishes import Wish
+from mikas.errors import PortNotFound
+from mikas.link.ports import Port
+from mikas.link.virtual import RealTimeVirtualLink
+from mikas.virtual.build import build_bus
+
+SPEED = 20
+ME = {"X-Mikas-Client": "tester-0001", "X-Mikas-Name": "Me"}
+OTHER = {"X-Mikas-Client": "tester-0002", "X-Mikas-Name": "%D0%92%D0%B0%D1%81%D1%8F"}
+NAMES = ("FREQ", "TWAT", "UACC", "INJ", "DET", "FUEL_FLOW")
+ADAPTER = Port("/dev/ttyUSB7", "FT232R USB UART (FTDI)", "FT232R", likely=True)
+
+
+class FastClock:
+    """UNIX time that passes `SPEED` times as fast."""
+
+    def __init__(self):
+        self._began = time.perf_counter()
+        self._first = time.time()
+
+    def now(self):
+        return self._first + (time.perf_counter() - self._began) * SPEED
+
+    def sleep(self, seconds):
+        """The computer was asleep for so long."""
+        self._first += seconds
+
+
+class _FastGone(threading.Event):
+    def wait(self, timeout=None):
+        return super().wait(None if timeout is None else timeout / SPEED)
+
+
+class FastLink(RealTimeVirtualLink):
+    """A virtual unit on a `FastClock`."""
+
+    def __init__(self, bus, url, clock):
+        super().__init__(bus, url=url)
+        self._clock = clock
+        self._gone = _FastGone()
+
+
+class Cars:
+    """What the ports of this computer lead to. The same port leads to the same car."""
+
+    def __init__(self):
+        self.clock = FastClock()
+        self.links = []
+        self.ports = [ADAPTER]
+        self.pulled = False
+        self._buses = {}
+
+    def open(self, url):
+        if self.pulled or (not url.startswith("sim:") and url not in [p.url for p in self.ports]):
+            raise PortNotFound(url=url, found="none")
+        settings = dict(parse_qsl(url.partition("?")[2]))
+        if url not in self._buses:
+            self._buses[url] = build_bus(settings, start=self.clock.now())
+        link = FastLink(self._buses[url], url, self.clock)
+        self.links.append(link)
+        return link
+
+    def car(self, url):
+        """The virtual unit's car behind `url`."""
+        return self._buses[url].ecu.responder.car
+
+    def pull(self):
+        """The adapter is pulled out."""
+        self.pulled = True
+        self.links[-1].unplug()
+
+    def put_back(self):
+        self.pulled = False
+
+
+class Rig:
+    def __init__(self, hub, access, client, cars):
+        self.hub, self.access, self.client, self.cars = hub, access, client, cars
+        self.port = access.port
+
+    def get(self, path, status=200, headers=ME, **params):
+        return self._checked(self.client.get(f"/api{path}", headers=headers, params=params), status)
+
+    def post(self, path, body=None, status=200, headers=ME):
+        answer = self.client.post(f"/api{path}", json={} if body is None else body, headers=headers)
+        return self._checked(answer, status)
+
+    def put(self, path, body, status=200, headers=ME):
+        return self._checked(self.client.put(f"/api{path}", json=body, headers=headers), status)
+
+    def _checked(self, answer, status):
+        assert answer.status_code == status, answer.text
+        if status >= 400:
+            return answer.json()["error"]
+        return answer.json() if "json" in answer.headers["content-type"] else answer
+
+    @contextmanager
+    def live(self, client="watcher-0001", headers=None, **extra):
+        query = "&".join(f"{name}={value}" for name, value in {"client": client, **extra}.items())
+        url = f"ws://127.0.0.1:{self.port}/api/live?{query}"
+        with connect(url, additional_headers=headers, open_timeout=60) as socket:
+            yield Live(socket)
+
+    def until(self, accepted):
+        """The first live message of which `accepted(message)` is true."""
+        with self.live(client="waiting-0001") as live:
+            return live.until(accepted)
+
+    def sampling(self):
+        """Waits until values come; returns their state."""
+        return self.until(lambda it: "data" in it and it.get("state"))["state"]
+
+
+class Live:
+    """A WebSocket of the application; remembers the last state."""
+
+    def __init__(self, socket):
+        self.socket = socket
+        self.state = None
+
+    def next(self):
+        message = json.loads(self.socket.recv(60))
+        self.state = message.get("state", self.state)
+        return message
+
+    def until(self, accepted):
+        for _ in range(2000):
+            message = self.next()
+            message["state"] = self.state
+            if accepted(message):
+                return message
+        raise AssertionError("it never came")
+
+    def send(self, value):
+        self.socket.send(json.dumps(value))
+
+
+@contextmanager
+def rig(tmp_path, begin="sim:", *, names=NAMES, method="batch", rate=5, page=None, **access):
+    cars = Cars()
+    settings = Settings(
+        tmp_path / "recordings",
+        state=tmp_path / "state",
+        find=lambda: list(cars.ports),
+        open_port=cars.open,
+        link_clock=cars.clock.now,
+    )
+    hub = Hub(settings, begin=begin, lan=access.get("lan", False))
+    hub.wish = Wish(dict.fromkeys(names, 1), method, rate)
+    with listening(0, lan=False) as own:
+        rules = Access(own.getsockname()[1], **access)
+        ready = threading.Event()
+        app = create_app(hub, rules, folder=page or tmp_path / "page")
+        server = Server(app, ready=ready.set)
+        thread = threading.Thread(target=server.run, kwargs={"sockets": [own]})
+        thread.start()
+        try:
+            assert ready.wait(60)
+            with httpx.Client(base_url=f"http://127.0.0.1:{rules.port}", timeout=60) as client:
+                yield Rig(hub, rules, client, cars)
+        finally:
+            server.should_exit = True
+            thread.join()

@@ -1,0 +1,254 @@
+"""Who is let in, from where, with what rights: every refusal."""
+
+from __future__ import annotations
+
+import re
+
+import httpx
+import pytest
+from websockets.exceptions import InvalidStatus
+
+from dashboard.rig import ME, rig
+from mikas.dashboard.access import Access
+from mikas.dashboard.doorkeeper import LARGEST_BODY
+from mikas.dashboard.refusals import Forbidden, TokenWanted
+
+LAN = {"lan": True, "hosts": ("10.1.2.3", "garage"), "token": "a-token-of-the-test"}
+TOKEN = {"Authorization": f"Bearer {LAN['token']}"}
+
+
+def scope(host, *, client="127.0.0.1", path="/", kind="http", query=b"", **headers):
+    named = {"host": host, **{name.replace("_", "-"): value for name, value in headers.items()}}
+    return {
+        "type": kind,
+        "path": path,
+        "client": (client, 5555),
+        "query_string": query,
+        "headers": [(name.encode(), value.encode()) for name, value in named.items()],
+    }
+
+
+@pytest.mark.parametrize(
+    "host", ["127.0.0.1:8071", "localhost:8071", "[::1]:8071", "LOCALHOST:8071"]
+)
+def test_this_computer_has_control(host):
+    assert Access(8071).judge(scope(host)) == "control"
+    assert Access(8071, **LAN).judge(scope(host)) == "control"
+
+
+@pytest.mark.parametrize(
+    "host",
+    ["evil.example:8071", "127.0.0.1", "127.0.0.1:80", "", "localhost:8072", "10.1.2.3:8071",
+     "127.0.0.1.evil.example:8071"],
+)  # fmt: skip
+def test_a_foreign_host_is_refused(host):
+    with pytest.raises(Forbidden):
+        Access(8071).judge(scope(host))
+
+
+@pytest.mark.parametrize(
+    "origin",
+    ["http://evil.example", "null", "https://127.0.0.1:8071", "http://127.0.0.1:8072",
+     "http://10.1.2.3:8071", "http://127.0.0.1:8071.evil.example", "file://"],
+)  # fmt: skip
+@pytest.mark.parametrize("kind", ["http", "websocket"])
+def test_a_foreign_page_is_refused(origin, kind):
+    with pytest.raises(Forbidden):
+        Access(8071).judge(scope("127.0.0.1:8071", kind=kind, origin=origin))
+
+
+def test_our_own_page_is_let_in():
+    own = scope("localhost:8071", origin="http://localhost:8071", sec_fetch_site="same-origin")
+    assert Access(8071).judge(own) == "control"
+
+
+def test_a_foreign_page_that_hides_its_origin_is_refused():
+    hidden = {"sec_fetch_site": "cross-site", "sec_fetch_mode": "no-cors"}
+    with pytest.raises(Forbidden):
+        Access(8071).judge(scope("127.0.0.1:8071", path="/api/state", **hidden))
+    opened = {"sec_fetch_site": "cross-site", "sec_fetch_mode": "navigate"}
+    with pytest.raises(Forbidden):
+        Access(8071).judge(scope("127.0.0.1:8071", path="/api/memory/ram", **opened))
+    assert Access(8071).judge(scope("127.0.0.1:8071", **opened))  # a link to us may be clicked
+
+
+@pytest.mark.parametrize("client", ["10.1.2.9", "not an address", ""])
+def test_from_the_network_the_token_is_wanted(client):
+    access = Access(8071, **LAN)
+    far = scope("10.1.2.3:8071", client=client)
+    with pytest.raises(TokenWanted):
+        access.judge(far)
+    with pytest.raises(TokenWanted):  # a Host can be made up
+        access.judge(scope("127.0.0.1:8071", client=client))
+    with pytest.raises(TokenWanted):
+        access.judge(scope("10.1.2.3:8071", client=client, authorization="Bearer wrong"))
+    told = scope("10.1.2.3:8071", client=client, authorization=TOKEN["Authorization"])
+    assert access.judge(told) == "view"
+    assert Access(8071, lan_control=True, **LAN).judge(told) == "control"
+
+
+def test_the_token_may_come_as_a_cookie_and_to_a_socket_in_its_address():
+    access = Access(8071, **LAN)
+    assert access.judge(scope("garage:8071", cookie=f"a=b; mikas_8071={access.token}")) == "view"
+    with pytest.raises(TokenWanted):
+        access.judge(scope("garage:8071", cookie=f"mikas_8072={access.token}"))
+    query = f"client=x&token={access.token}".encode()
+    assert access.judge(scope("garage:8071", kind="websocket", query=query)) == "view"
+    with pytest.raises(TokenWanted):  # in the address of a page it would be left lying about
+        access.judge(scope("garage:8071", path="/api/state", query=query))
+
+
+def test_the_link_becomes_a_cookie_and_leaves_the_address_bar(tmp_path):
+    with rig(tmp_path, None, **LAN) as it:
+        host = {"Host": f"10.1.2.3:{it.port}"}
+        answer = it.client.get(f"/?token={LAN['token']}", headers=host)
+        assert (answer.status_code, answer.headers["location"]) == (303, "/")
+        cookie = answer.headers["set-cookie"]
+        assert "HttpOnly" in cookie
+        assert "SameSite=strict" in cookie
+        with httpx.Client(base_url=it.client.base_url) as fresh:
+            refused = fresh.get("/", headers={**host, "Accept": "text/html"})
+            assert refused.status_code == 401
+            assert "QR" in refused.text
+            kept = {**host, "Cookie": cookie.partition(";")[0]}
+            assert fresh.get("/api/about", headers=kept).json()["rights"] == "view"
+            assert fresh.get("/?token=wrong", headers=host).status_code == 401
+
+
+def test_a_viewer_from_the_network_sees_everything_and_touches_nothing(tmp_path):
+    with rig(tmp_path, "sim:?scenario=warm-idle", **LAN) as it:
+        viewer = {**ME, **TOKEN, "Host": f"10.1.2.3:{it.port}"}
+        it.sampling()
+        about = it.get("/about", headers=viewer)
+        assert (about["rights"], about["lan_url"]) == ("view", None)
+        assert it.get("/about")["lan_url"] == f"http://10.1.2.3:{it.port}/?token={LAN['token']}"
+        assert it.client.get("/api/about/qr.svg").headers["content-type"] == "image/svg+xml"
+        assert it.client.get("/api/about/qr.svg", headers=viewer).status_code == 404
+        assert it.get("/faults", headers=viewer)["count"] == 0  # as read when it was found
+        for method, path in changing(it):
+            answer = it.client.request(method, path, json=BODIES.get(path, {}), headers=viewer)
+            assert answer.status_code == 403, (method, path, answer.text)
+            assert answer.json()["error"]["code"] == "NotAllowed"
+        url = {"Host": f"10.1.2.3:{it.port}"}
+        with it.live(headers=TOKEN) as live:
+            assert live.until(lambda m: m["state"])["state"]["rights"] == "control"  # loopback
+        assert url
+
+
+BODIES = {
+    "/api/plan": {"wanted": [{"name": "FREQ"}]},
+    "/api/control/take": {},
+    "/api/dumps": {"space": "ram", "last": 1},
+    "/api/changes": {"kind": "erase_faults"},
+    "/api/presets": {"presets": []},
+    "/api/recording/note": {"text": "x"},
+}
+LOOKING = {("POST", "/api/plan/price"), ("POST", "/api/dumps/{id}/compare")}
+
+
+def changing(it):
+    """Every route that is not GET, and those that make the line do something."""
+    described = it.client.get("/api/openapi.json").json()["paths"]
+    for path, methods in described.items():
+        for method in methods:
+            if method != "get" and (method.upper(), path) not in LOOKING:
+                yield method.upper(), re.sub(r"\{\w+\}", "x", path)
+    yield "GET", "/api/memory/ram?address=0"
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [{"Origin": "http://evil.example"}, {"Host": "evil.example:8071"}],
+)
+def test_a_foreign_socket_gets_403(shared_off, headers):
+    with pytest.raises(InvalidStatus) as refused, shared_off.live(headers=headers):
+        pass
+    assert refused.value.response.status_code in (400, 403)  # two Hosts are not even HTTP
+    assert shared_off.client.get("/api/state", headers=headers).status_code == 403
+
+
+def test_a_socket_without_a_name_is_refused(shared_off):
+    with pytest.raises(InvalidStatus) as refused, shared_off.live(client="x"):
+        pass
+    assert refused.value.response.status_code == 400
+
+
+def test_every_answer_keeps_the_browser_in_its_place(shared_off):
+    for path in ("/", "/api/state", "/api/docs", "/nowhere", "/api/nowhere"):
+        headers = shared_off.client.get(path).headers
+        assert headers["content-security-policy"].startswith("default-src 'self'")
+        assert "unsafe" not in headers["content-security-policy"]
+        assert headers["x-content-type-options"] == "nosniff"
+        assert headers["x-frame-options"] == "DENY"
+        assert headers["referrer-policy"] == "no-referrer"
+        assert headers["cross-origin-resource-policy"] == "same-origin"
+        assert "access-control-allow-origin" not in headers
+        assert "server" not in headers
+
+
+def test_a_body_without_end_is_refused(shared_off):
+    large = b"x" * (LARGEST_BODY + 1)
+    answer = shared_off.client.post("/api/connect", content=large, headers=ME)
+    assert (answer.status_code, answer.json()["error"]["code"]) == (413, "TooLarge")
+
+    def pieces():
+        for _ in range(LARGEST_BODY // 65536 + 1):
+            yield b"x" * 65536
+
+    answer = shared_off.client.post("/api/connect", content=pieces(), headers=ME)
+    assert (answer.status_code, answer.json()["error"]["code"]) == (413, "TooLarge")
+
+
+def test_what_is_not_there_is_told_as_every_error(shared_off):
+    error = shared_off.get("/nowhere", 404)
+    assert error["code"] == "NotFound"
+    assert error["ru"]
+    assert shared_off.client.patch("/api/state").json()["error"]["code"] == "BadRequest"
+    wrong = shared_off.post("/connect", {"echo": "perhaps"}, 400)
+    assert "echo" in wrong["en"]
+
+
+FAR = {"lan_control": True, **LAN}
+
+
+@pytest.mark.parametrize(
+    "url",
+    ["replay:/etc/passwd", "replay:drive.pcapng", "socket://10.0.0.1:22", "socket:127.0.0.1:8071",
+     "rfc2217://10.0.0.1:22", "/dev/ttyS99", "/dev/ttyUSB7?baud=9600", "serial:/dev/ttyUSB7",
+     "sim:?scenario=/etc/passwd", "sim:?scenario=own.toml", "SIM:?scenario=own.toml",
+     "sim:?clock=simulated", "sim:?latency_ms=900", "/etc/passwd"],
+)  # fmt: skip
+@pytest.mark.parametrize("path", ["/connect", "/doctor"])
+def test_from_the_network_no_file_and_no_address_can_be_named(far, url, path):
+    error = far.post(path, {"port": url}, 403, headers=from_far(far))
+    assert error["code"] == "NotFromNetwork"
+    assert url in error["ru"]
+    assert far.get("/state")["line"] == "off"
+    assert not far.cars.links
+
+
+@pytest.mark.parametrize("url", ["/dev/ttyUSB7", "sim:", "sim:?scenario=city&seed=2&faults=17"])
+def test_from_the_network_an_adapter_or_a_virtual_car_may_be_chosen(far, url):
+    assert far.post("/connect", {"port": url}, headers=from_far(far))["port"] == url
+    far.post("/disconnect", headers=from_far(far))
+    far.cars.links.clear()
+
+
+def test_from_the_network_what_is_in_use_may_be_examined(tmp_path):
+    with rig(tmp_path, None, **FAR) as it:
+        it.post("/connect", {"port": "sim:?supplied=0"})
+        it.post("/control/release")
+        answer = it.client.post(
+            "/api/doctor", json={"port": "sim:?supplied=0"}, headers=from_far(it)
+        )
+        assert answer.status_code == 200
+
+
+@pytest.fixture(scope="module")
+def far(tmp_path_factory):
+    with rig(tmp_path_factory.mktemp("far"), None, **FAR) as it:
+        yield it
+
+
+def from_far(it):
+    return {**ME, **TOKEN, "Host": f"10.1.2.3:{it.port}"}

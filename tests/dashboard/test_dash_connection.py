@@ -1,0 +1,160 @@
+"""Connecting, the plan and its price, the seat; the line's state told truly."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from dashboard.rig import ADAPTER, ME, OTHER, rig
+
+
+def test_nothing_is_connected_until_somebody_says_so(off):
+    state = off.get("/state")
+    assert (state["line"], state["port"], state["controller"]) == ("off", None, None)
+    assert state["reason_code"] is None
+    assert off.get("/ports")["ports"][0]["url"] == ADAPTER.url
+    assert off.get("/faults", 503)["code"] == "NotConnected"
+
+
+def test_a_click_connects_to_the_one_likely_adapter(off):
+    state = off.post("/connect", {"port": None})
+    assert state["port"] == ADAPTER.url
+    state = off.sampling()
+    assert (state["line"], state["model"]["en"]) == ("sampling", "Mikas 7.1")
+    assert state["demo"] is False
+    state = off.post("/disconnect")
+    assert (state["line"], state["port"]) == ("off", None)
+
+
+def test_no_adapter_or_two_are_told_apart_in_words(off):
+    off.cars.ports.clear()
+    error = off.post("/connect", {}, 503)
+    assert error["code"] == "NoPortGiven"
+    assert "none" in error["en"]
+    assert "ни одного" in error["ru"]
+
+
+@pytest.mark.parametrize("url", ["nonsense://x", "", "sim:?wrong=1", "sim:?scenario=nowhere"])
+def test_an_address_that_makes_no_sense_is_refused(off, url, monkeypatch):
+    from mikas.link import open_link
+
+    monkeypatch.setattr(off.cars, "open", open_link)
+    object.__setattr__(off.hub.settings, "open_port", open_link)
+    error = off.post("/connect", {"port": url}, 400)
+    assert error["code"] in ("BadPortUrl", "UsageError")
+    assert error["ru"] != error["en"]
+
+
+def test_an_adapter_pulled_out_is_waited_for_and_found_again(idle):
+    with idle.live() as live:
+        live.until(lambda it: "data" in it)
+        idle.cars.pull()
+        lost = live.until(lambda it: it["state"]["line"] == "no-port")
+        assert lost["state"]["reason"]["ru"]
+        assert lost["state"]["rate"] == 0
+        idle.cars.put_back()
+        kinds = []
+        live.until(
+            lambda it: (
+                kinds.extend(it.get("events", ()))
+                or any(e["kind"] == "gap" and e["ended"] for e in kinds)
+            )
+        )
+        live.until(lambda it: it["state"]["line"] == "sampling")
+
+
+@pytest.mark.parametrize(
+    ("url", "line"),
+    [("sim:?supplied=0", "no-echo"), ("sim:?scenario=key-off", "echo-only")],
+)
+def test_no_supply_and_ignition_off_are_told_apart(tmp_path, url, line):
+    with rig(tmp_path, url) as it:
+        state = it.until(lambda message: message["state"]["line"] == line)["state"]
+        assert state["reason"]["en"]
+        error = it.get("/faults", 503)
+        assert error["code"] == "NotConnected"
+        assert state["reason"]["en"] in error["en"]
+
+
+def test_an_elm327_ends_the_attempt_with_what_to_buy(tmp_path):
+    with rig(tmp_path, "sim:?adapter=elm327") as it:
+        state = it.until(lambda message: message["state"]["reason"])["state"]
+        assert (state["line"], state["reason_code"]) == ("off", "NotAKLineAdapter")
+        assert "ELM327" in state["reason"]["en"]
+
+
+def test_the_plan_changes_while_it_runs(idle):
+    state = idle.put(
+        "/plan", {"wanted": [{"name": "TWAT"}, {"name": "fuel_used", "every": 5}], "method": "list"}
+    )
+    assert state["plan"]["wanted"] == [
+        {"name": "TWAT", "every": 1},
+        {"name": "FUEL_USED", "every": 5},
+    ]
+    message = idle.until(lambda it: "FUEL_USED" in it.get("data", {}).get("names", ()))
+    assert message["data"]["names"] == ["TWAT", "FUEL_USED"]
+    idle.until(lambda it: it["state"]["method"] == "list")
+
+
+def test_a_plan_of_what_does_not_exist_changes_nothing(shared_idle):
+    error = shared_idle.put("/plan", {"wanted": [{"name": "TWATT"}]}, 400)
+    assert error["code"] == "UnknownParameter"
+    assert "TWAT" in error["en"]
+    assert "TWAT" in [one["name"] for one in shared_idle.get("/state")["plan"]["wanted"]]
+
+
+def test_a_plan_made_while_nothing_is_connected_is_kept(off):
+    off.put("/plan", {"wanted": [{"name": "UOZ"}], "method": "batch", "rate": 5})
+    off.post("/connect", {"port": "sim:", "method": "batch", "rate": 5})
+    assert off.until(lambda it: "data" in it)["data"]["names"] == ["UOZ"]
+
+
+def test_what_a_channel_costs_is_told_before_it_is_added(shared_idle):
+    price = shared_idle.post("/plan/price", {"wanted": [{"name": "FREQ"}], "method": "batch"})
+    assert price["rate"] == pytest.approx(1 / price["seconds"])
+    assert price["more"]["TWAT"]["rate"] < price["rate"]
+    assert price["more"]["TWAT"]["seconds"] > 0
+    assert "FREQ" not in price["more"]
+    assert price["more"]["INJ"]["seconds"] > price["more"]["TWAT"]["seconds"]  # two bytes
+
+
+def test_the_doctor_borrows_the_port_and_gives_it_back(idle):
+    answer = idle.client.post("/api/doctor", json={}, headers=ME)
+    assert answer.headers["content-type"].startswith("application/x-ndjson")
+    steps = [json.loads(line) for line in answer.text.splitlines()]
+    assert [step["name"] for step in steps] == [
+        "port", "echo", "baud", "latency", "line", "ecu", "commands",
+    ]  # fmt: skip
+    assert all(step["title"]["ru"] and step["detail"]["ru"] for step in steps)
+    assert idle.sampling()["line"] == "sampling"
+
+
+def test_the_doctor_without_a_connection_leaves_none(off):
+    steps = off.client.post("/api/doctor", json={"port": "sim:?supplied=0"}, headers=ME).text
+    last = json.loads(steps.splitlines()[-1])
+    assert (last["name"], last["ok"]) == ("echo", False)
+    assert "12 V" in last["to_try"]["en"]
+    assert "12 V" not in last["detail"]["en"]
+    assert "doctor" not in last["to_try"]["ru"]
+    assert off.get("/state")["line"] == "off"
+
+
+def test_one_has_control_the_others_watch(idle):
+    assert idle.post("/relearn")["controller"] == {"id": "tester-0001", "name": "Me", "you": True}
+    error = idle.post("/disconnect", status=409, headers=OTHER)
+    assert error["code"] == "NotController"
+    assert "Me" in error["en"]
+    seen = idle.get("/state", headers=OTHER)["controller"]
+    assert seen == {"id": "tester-0001", "name": "Me", "you": False}
+    idle.post("/control/take", {}, 409, headers=OTHER)
+    taken = idle.post("/control/take", {"force": True}, headers=OTHER)
+    assert taken["controller"] == {"id": "tester-0002", "name": "Вася", "you": True}
+    idle.post("/relearn", status=409)
+    assert idle.post("/control/release", headers=OTHER)["controller"] is None
+    idle.post("/relearn")
+
+
+def test_who_does_not_say_who_it_is_controls_nothing(shared_idle):
+    assert shared_idle.post("/relearn", status=400, headers={})["code"] == "BadRequest"
+    assert shared_idle.post("/relearn", status=400, headers={"X-Mikas-Client": "x y"})["code"]

@@ -1,0 +1,161 @@
+"""Dumps as jobs: between samples, paused, resumed, verified, compared; nothing lost or doubled."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from dashboard.rig import ME, OTHER, rig
+
+XRAM = {"space": "xram", "first": 0x100, "last": 0x8FF}
+
+
+def ended(it, name, *phases):
+    """Waits, by live messages, until the dump is in one of `phases`."""
+    with it.live() as live:
+        while (dump := it.get(f"/dumps/{name}"))["state"] not in phases:
+            live.next()
+    return dump
+
+
+def begun(it, name, least=1):
+    with it.live() as live:
+        while (dump := it.get(f"/dumps/{name}"))["done"] < least:
+            live.next()
+    return dump
+
+
+def memory(it, first, count):
+    data = ""
+    for address in range(first, first + count, 1024):
+        size = min(1024, first + count - address)
+        data += it.get("/memory/xram", address=str(address), count=size)["data"]
+    return bytes.fromhex(data)
+
+
+def test_a_dump_is_what_the_unit_holds(idle):
+    samples = idle.get("/state")["samples"]
+    dump = idle.post("/dumps", {**XRAM, "verify": True})
+    assert (dump["state"], dump["done"], dump["total"]) == ("running", 0, 4096)
+    dump = ended(idle, dump["id"], "done", "failed")
+    assert (dump["state"], dump["done"], dump["differences"]) == ("done", 4096, 0)
+    assert {block["state"] for block in dump["blocks"]} == {"done"}
+    assert sum(block["count"] for block in dump["blocks"]) == 2048
+    held = idle.client.get(f"/api/dumps/{dump['id']}/file").content
+    assert held == memory(idle, 0x100, 2048)
+    manifest = json.loads((idle.hub.settings.dumps / f"{dump['file']}.json").read_text("utf-8"))
+    assert (manifest["complete"], manifest["verified"]) == (True, True)
+    assert idle.get("/state")["samples"] > samples  # it went on meanwhile
+
+
+def test_it_is_paused_and_goes_on_behind_what_was_read(idle):
+    name = idle.post("/dumps", XRAM)["id"]
+    begun(idle, name)
+    paused = idle.post(f"/dumps/{name}/pause")
+    assert paused["state"] == "paused"
+    assert idle.get(f"/dumps/{name}")["done"] >= paused["done"]
+    assert idle.post(f"/dumps/{name}/pause")["state"] == "paused"
+    assert idle.post(f"/dumps/{name}/resume")["state"] == "running"
+    assert idle.post(f"/dumps/{name}/resume")["state"] == "running"  # a second click
+    assert ended(idle, name, "done", "failed")["state"] == "done"
+    assert idle.post(f"/dumps/{name}/resume")["state"] == "done"
+    assert idle.client.get(f"/api/dumps/{name}/file").content == memory(idle, 0x100, 2048)
+
+
+def test_a_pulled_adapter_costs_nothing_that_was_read(idle):
+    name = idle.post("/dumps", XRAM)["id"]
+    begun(idle, name, 300)
+    idle.cars.pull()
+    with idle.live() as live:
+        while idle.get(f"/dumps/{name}")["error"] is None:
+            live.next()
+    held = idle.get(f"/dumps/{name}")
+    assert held["state"] == "running"
+    assert held["error"]["ru"]
+    idle.cars.put_back()
+    done = ended(idle, name, "done", "failed")
+    assert (done["state"], done["error"]) == ("done", None)
+    assert idle.client.get(f"/api/dumps/{name}/file").content == memory(idle, 0x100, 2048)
+
+
+def test_a_dump_outlives_the_program(tmp_path):
+    with rig(tmp_path, "sim:?scenario=warm-idle") as it:
+        it.sampling()
+        name = it.post("/dumps", XRAM)["id"]
+        begun(it, name, 300)
+        it.post(f"/dumps/{name}/pause")
+    with rig(tmp_path, "sim:?scenario=warm-idle") as it:
+        it.sampling()
+        found = it.get("/dumps")["dumps"]
+        assert [(dump["id"], dump["state"]) for dump in found] == [(name, "paused")]
+        assert found[0]["done"] >= 300
+        it.post(f"/dumps/{name}/resume")
+        assert ended(it, name, "done", "failed")["state"] == "done"
+
+
+def test_it_is_not_gone_on_with_on_another_unit(tmp_path):
+    with rig(tmp_path, "sim:?scenario=warm-idle") as it:
+        it.sampling()
+        name = it.post("/dumps", XRAM)["id"]
+        begun(it, name)
+        it.post(f"/dumps/{name}/pause")
+        it.post("/connect", {"port": "sim:?model=5.4", "method": "batch", "rate": 5})
+        it.until(lambda m: "5.4" in (m["state"]["model"] or {}).get("en", ""))
+        it.sampling()
+        it.post(f"/dumps/{name}/resume")
+        failed = ended(it, name, "failed", "done")
+        assert failed["state"] == "failed"
+        assert "another unit" in failed["error"]["en"]
+
+
+def test_two_at_once_would_both_be_slow(idle):
+    first = idle.post("/dumps", XRAM)["id"]
+    assert idle.post("/dumps", XRAM, 409)["code"] == "Busy"
+    idle.post(f"/dumps/{first}/pause")
+    second = idle.post("/dumps", {"space": "ram", "last": 3})["id"]
+    assert second != first
+    ended(idle, second, "done")
+
+
+def test_dumps_are_compared_and_deleted(idle):
+    name = idle.post("/dumps", {"space": "xram", "first": 0x40, "last": 0x7F})["id"]
+    ended(idle, name, "done")
+    own = idle.client.get(f"/api/dumps/{name}/file").content
+    other = bytes([own[0] ^ 1]) + own[1:] + b"\x55"
+    told = idle.client.post(f"/api/dumps/{name}/compare", content=other, headers=ME).json()
+    assert told["count"] == 2
+    assert told["differences"][0] == {"address": 0x40, "a": f"{own[0]:02X}", "b": f"{other[0]:02X}"}
+    assert told["differences"][1] == {"address": 0x80, "a": None, "b": "55"}
+    shifted = f"/api/dumps/{name}/compare?first=65"
+    assert idle.client.post(shifted, content=own[1:], headers=ME).json()["count"] == 1
+    assert idle.client.delete(f"/api/dumps/{name}", headers=OTHER).status_code == 409
+    assert idle.client.delete(f"/api/dumps/{name}", headers=ME).status_code == 204
+    assert idle.get(f"/dumps/{name}", 404)["code"] == "NotFound"
+    assert idle.get("/dumps") == {"dumps": []}
+    assert not any(idle.hub.settings.dumps.iterdir())
+
+
+@pytest.mark.parametrize(
+    "wish",
+    [{"space": "ram", "first": 0, "last": 256}, {"space": "xram", "first": 9, "last": 8},
+     {"space": "sfr", "last": 70000}, {"space": "rom", "last": 1}, {"space": "ram"},
+     {"space": "ram", "last": 1, "block": 0}],
+)  # fmt: skip
+def test_a_range_that_makes_no_sense_is_refused(shared_idle, wish):
+    assert shared_idle.post("/dumps", wish, 400)["ru"]
+    assert shared_idle.get("/dumps") == {"dumps": []}
+
+
+def test_a_folder_that_can_not_be_written_is_told(idle):
+    idle.hub.settings.recordings.write_text("in the way")
+    name = idle.post("/dumps", XRAM)["id"]
+    failed = ended(idle, name, "failed", "done")
+    assert failed["state"] == "failed"
+    assert "dumps" in failed["error"]["en"]
+
+
+def test_what_is_not_there_is_not_found(shared_idle):
+    for path in ("/dumps/x", "/dumps/..%2f..%2fetc"):
+        assert shared_idle.get(path, 404)["code"] == "NotFound"
+    assert shared_idle.client.get("/api/dumps/x/file").status_code == 404

@@ -1,0 +1,91 @@
+"""Errors in the band: spoilt exchanges with their bytes, each of them once, whoever tells it."""
+
+from __future__ import annotations
+
+from dashboard.rig import rig
+from mikas.catalog import load
+from mikas.dashboard.history import History
+from mikas.dashboard.story import Story
+from mikas.errors import NoResponse, NotSupported, PortNotFound
+from mikas.sampling.events import Gap, LineState, Sampled, StateChanged
+from mikas.tester import Statistics
+
+
+def story():
+    told = Story(load(), History())
+    told.take(StateChanged(0.0, LineState.SAMPLING, None))
+    return told
+
+
+def errors(told):
+    return [event for event in told.events if event["kind"] == "error"]
+
+
+def spoilt(time, kind=NoResponse):
+    return kind(seconds=0.5, request=b"\x01\x02", received=b"\x03", time=time)
+
+
+def test_what_a_repetition_cured_is_told_with_its_bytes():
+    told, statistics = story(), Statistics()
+    statistics.fail(spoilt(5.0))
+    told.spoilt(tuple(statistics.failures), 6.0)
+    told.spoilt(tuple(statistics.failures), 7.0)
+    (error,) = errors(told)
+    assert (error["time"], error["code"]) == (5.0, "NoResponse")
+    assert (error["sent"], error["received"]) == ("0102", "03")
+    assert error["text"]["ru"]
+    assert (told.meters.errors, told.meters.errors_minute(10.0)) == (1, 1)
+
+
+def test_an_error_that_ended_a_cycle_too_is_told_once():
+    told, statistics = story(), Statistics()
+    cured, last = spoilt(5.0), spoilt(5.5)
+    for error in (cured, last):
+        statistics.fail(error)
+    told.spoilt(tuple(statistics.failures), 5.6)
+    told.take(Gap(5.6, last))
+    told.spoilt(tuple(statistics.failures), 6.0)
+    assert [error["time"] for error in errors(told)] == [5.0, 5.5]
+    assert told.meters.errors == 2
+
+
+def test_a_verdict_on_exchanges_that_were_told_is_no_more_errors():
+    told, statistics = story(), Statistics()
+    last = spoilt(5.5)
+    statistics.fail(last)
+    verdict = NotSupported(command="x", request=b"\x01", received=b"", time=5.5)
+    verdict.__cause__ = last
+    told.take(Gap(5.6, verdict))
+    told.spoilt(tuple(statistics.failures), 6.0)
+    assert [error["code"] for error in errors(told)] == ["NotSupported"]
+
+
+def test_another_look_finds_only_what_is_new_though_the_tester_forgets():
+    told, statistics = story(), Statistics()
+    for time in range(100):
+        statistics.fail(spoilt(float(time)))
+        told.spoilt(tuple(statistics.failures), float(time))
+    assert [error["time"] for error in errors(told)] == [float(time) for time in range(100)]
+    assert told.meters.errors_minute(99.0) == 61
+
+
+def test_a_port_that_is_waited_for_is_one_error_and_a_gap():
+    told = story()
+    for time in range(1, 50):
+        told.take(Gap(float(time), PortNotFound(url="x", found="none", time=float(time))))
+    assert len(errors(told)) == 1
+    told.take(Sampled(50.0, {}, {}))
+    told.take(Gap(51.0, PortNotFound(url="x", found="none", time=51.0)))
+    assert len(errors(told)) == 2
+
+
+def test_a_bad_line_shows_its_errors_with_bytes(tmp_path):
+    with rig(tmp_path, "sim:?scenario=warm-idle&damaged=0.03&seed=3") as it, it.live() as live:
+        found, counted = [], 0
+        while len(found) < 3:
+            message = live.next()
+            found += [e for e in message.get("events", ()) if e["kind"] == "error"]
+            counted = message.get("state", {}).get("errors", counted)
+        assert all(error["sent"] for error in found)
+        assert any(error["received"] for error in found)
+        assert live.until(lambda m: m["state"]["errors"] >= 3)["state"]["errors_minute"] >= 1

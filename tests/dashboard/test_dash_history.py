@@ -1,0 +1,78 @@
+"""The past, kept and decimated: spikes stay, gaps stay, memory is bounded."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mikas.dashboard.history import History, Rows, decimated, plain
+
+NAN = float("nan")
+COLUMN = st.lists(st.one_of(st.just(NAN), st.integers(-1000, 1000).map(float)), min_size=1)
+
+
+@given(COLUMN, st.integers(2, 40))
+def test_decimation_keeps_every_extreme_and_invents_nothing(values, points):
+    rows = Rows(np.arange(len(values), dtype=float), {"A": np.array(values)})
+    shown = decimated(rows, points)
+    assert len(shown.times) <= max(points, 2)
+    assert (np.diff(shown.times) >= 0).all()
+    there = [value for value in values if value == value]
+    kept = [value for value in shown.values["A"].tolist() if value == value]
+    assert set(kept) <= set(there)
+    if there:
+        assert (min(kept), max(kept)) == (min(there), max(there))
+        assert all(np.diff([shown.times[0], shown.times[-1]]) <= len(values))
+
+
+def test_the_order_of_a_rise_and_a_fall_stays():
+    rows = Rows(np.arange(8.0), {"A": np.array([0, 9, 1, 1, 9, 0, 5, 5.0])})
+    assert decimated(rows, 4).values["A"].tolist() == [0, 9, 9, 0]
+
+
+def test_a_column_without_values_stays_empty():
+    rows = Rows(np.arange(100.0), {"A": np.full(100, NAN), "B": np.arange(100.0)})
+    shown = decimated(rows, 10)
+    assert np.isnan(shown.values["A"]).all()
+    assert shown.values["B"][-1] == 99
+
+
+def test_few_rows_are_shown_as_they_are():
+    rows = Rows(np.arange(3.0), {"A": np.array([1, NAN, 2.5])})
+    assert decimated(rows, 3) is rows
+    assert rows.json_columns() == {
+        "names": ["A"], "times": [0.0, 1.0, 2.0], "values": [[1, None, 2.5]],
+    }  # fmt: skip
+
+
+def test_whole_numbers_are_told_as_such():
+    assert plain(np.array([1.0, -0.0, 0.1, NAN])) == [1, 0, 0.1, None]
+
+
+def test_a_changed_plan_is_another_set_of_columns():
+    history = History()
+    history.add(1.0, ("A", "B"), [1, 2])
+    history.add(2.0, ("B", "C"), [3, 4])
+    rows = history.rows(60)
+    assert set(rows.values) == {"A", "B", "C"}
+    assert plain(rows.values["A"]) == [1, None]
+    assert plain(rows.values["B"]) == [2, 3]
+    assert plain(history.rows(60, ["C", "X"]).values["X"]) == [None, None]
+    assert history.rows(0.5).times.tolist() == [2.0]
+
+
+def test_what_is_too_old_goes():
+    history = History(seconds=1000)
+    for number in range(20_000):
+        history.add(float(number), ("A",), [number])
+    rows = history.rows(1e9)
+    assert 1000 <= len(rows.times) <= 1000 + 2 * 2048
+    assert rows.values["A"][-1] == 19_999
+
+
+def test_nothing_yet():
+    assert History().rows(60).json_columns() == {"names": [], "times": [], "values": []}
+    assert History().rows(60, ["A"]).json_columns() == {
+        "names": ["A"], "times": [], "values": [[]],
+    }  # fmt: skip

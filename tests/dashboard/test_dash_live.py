@@ -1,0 +1,158 @@
+"""Live data: what comes, how often, for whom; and clients that are slow, dead, or flood."""
+
+from __future__ import annotations
+
+import json
+import socket
+
+import pytest
+from websockets.exceptions import ConnectionClosed
+
+from dashboard.rig import rig
+from mikas.dashboard.listener import QUEUE, Listener, understood
+from mikas.dashboard.seat import Client
+
+
+def test_the_first_message_has_the_state(shared_off):
+    with shared_off.live() as live:
+        first = live.next()
+        assert (first["seq"], first["dropped"]) == (1, 0)
+        assert first["state"]["line"] == "off"
+        assert first["state"]["viewers"] == 1
+        assert first["now"] > 1e9
+
+
+def test_values_come_as_the_car_has_them(idle):
+    message = idle.until(lambda it: "data" in it)
+    data = message["data"]
+    assert data["names"] == ["FREQ", "TWAT", "UACC", "INJ", "DET", "FUEL_FLOW"]
+    assert all(len(column) == len(data["times"]) for column in data["values"])
+    latest = {name: column[-1] for name, column in zip(data["names"], data["values"], strict=True)}
+    assert latest["TWAT"] in (86, 87)
+    assert 600 < latest["FREQ"] < 1100
+    assert latest["DET"] in (0, 1)
+    assert message["state"]["rate"] > 0
+
+
+def test_what_is_asked_less_often_is_null_in_between(idle):
+    idle.put(
+        "/plan",
+        {"wanted": [{"name": "FREQ"}, {"name": "TWAT", "every": 3}], "method": "batch", "rate": 5},
+    )
+    columns = {"FREQ": [], "TWAT": []}
+    with idle.live() as live:
+        while len(columns["TWAT"]) < 12:
+            data = live.until(lambda it: it.get("data", {}).get("names") == ["FREQ", "TWAT"])[
+                "data"
+            ]
+            for name, column in zip(data["names"], data["values"], strict=True):
+                columns[name] += column
+    assert None not in columns["FREQ"]
+    assert 0 < sum(value is not None for value in columns["TWAT"]) <= len(columns["TWAT"]) / 2
+
+
+def test_a_client_may_want_some_columns_only(idle):
+    with idle.live() as live, idle.live("watcher-0002") as other:
+        live.send({"fields": ["UACC", "FREQ", "nothing"]})
+        got = live.until(lambda it: it.get("data", {}).get("names") == ["FREQ", "UACC"])
+        assert len(got["data"]["values"]) == 2
+        assert len(other.until(lambda it: "data" in it)["data"]["names"]) == 6
+        live.send({"fields": []})
+        live.until(lambda it: it.get("data", {}).get("names") == [])
+        live.send({"fields": None})
+        live.until(lambda it: len(it.get("data", {}).get("names", ())) == 6)
+
+
+def test_a_ping_is_answered(shared_off):
+    with shared_off.live() as live:
+        for ping in (1, 'a"b', 2.5):
+            live.send({"ping": ping})
+            assert live.until(lambda it: "pong" in it)["pong"] == ping
+
+
+@pytest.mark.parametrize(
+    "message",
+    ["", "x", "[]", "{}", '{"ping": null}', '{"ping": 1, "x": 2}', '{"fields": 1}',
+     '{"fields": [1]}', '{"plan": []}', b"\x00", '{"ping": NaN}', "[" * 100_0, "x" * 5000,
+     json.dumps({"fields": ["A"] * 201})],
+)  # fmt: skip
+def test_what_makes_no_sense_ends_the_talk(shared_off, message):
+    with shared_off.live() as live:
+        live.socket.send(message)
+        with pytest.raises(ConnectionClosed) as ended:
+            live.until(lambda _: False)
+        assert ended.value.rcvd.code == 1008
+
+
+def flood(live):
+    for number in range(10_000):
+        live.send({"ping": number})
+    live.until(lambda _: False)
+
+
+def test_who_floods_is_shown_the_door_and_the_others_see_nothing_of_it(idle):
+    with idle.live("watcher-0002") as other:
+        other.next()
+        with idle.live() as live:
+            with pytest.raises(ConnectionClosed) as ended:
+                flood(live)
+            assert ended.value.rcvd is None or ended.value.rcvd.code == 1008
+        assert other.until(lambda it: "data" in it)["dropped"] == 0
+
+
+def test_who_does_not_read_stops_nobody_and_loses_whole_messages(tmp_path):
+    with rig(tmp_path, "sim:?scenario=warm-idle", rate=None) as it:
+        it.sampling()
+        deaf = socket.create_connection(("127.0.0.1", it.port))
+        deaf.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        deaf.sendall(
+            f"GET /api/live?client=deaf-0001 HTTP/1.1\r\nHost: 127.0.0.1:{it.port}\r\n"
+            "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+            "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n".encode()
+        )
+        assert deaf.recv(12) == b"HTTP/1.1 101"
+        with it.live() as live:
+            samples = live.until(lambda m: m["state"]["viewers"] == 2)["state"]["samples"]
+            seen = live.until(lambda m: m["state"]["samples"] > samples + 500)
+            assert seen["dropped"] == 0
+        deaf.close()
+        with it.live() as live:
+            live.until(lambda m: m["state"]["viewers"] == 1)
+
+
+def test_the_queue_is_bounded_and_tells_what_it_lost():
+    listener = Listener(Client("x", "", False))
+    for number in range(QUEUE + 3):
+        listener.offer(f',"data":{number}')
+    assert len(listener.waiting) == QUEUE
+    first = json.loads(listener.next(1.0, '"rights":"view"', (1, '"line":"off"')))
+    assert (first["dropped"], first["data"], first["state"]["line"]) == (3, 3, "off")
+    second = json.loads(listener.next(2.0, "", (1, '"line":"off"')))
+    assert (second["dropped"], second["data"], second["seq"]) == (0, 4, 2)
+    assert "state" not in second
+
+
+def test_a_deep_nesting_is_no_trouble():
+    listener = Listener(Client("x", "", False))
+    assert not understood(listener, "[" * 4000)
+
+
+def test_a_reload_finds_what_it_missed_in_the_history(idle):
+    idle.put("/plan", {"wanted": [{"name": "FREQ"}], "method": "batch", "rate": 5})
+    idle.until(lambda it: it.get("data", {}).get("names") == ["FREQ"])
+    past = idle.get("/history", seconds=60, points=100, names="FREQ,TWAT")
+    assert past["names"] == ["FREQ", "TWAT"]
+    assert past["times"] == sorted(past["times"])
+    assert any(value is not None for value in past["values"][1])
+    assert past["values"][1][-1] is None  # no longer asked
+    kinds = {event["kind"] for event in idle.get("/history", seconds=3600)["events"]}
+    assert {"unit", "state"} <= kinds
+
+
+def test_when_the_last_has_gone_nothing_is_gathered_for_nobody(idle):
+    with idle.live() as live:
+        live.until(lambda it: "data" in it)
+    idle.post("/relearn")
+    with idle.live() as live:
+        live.next()
+    assert len(idle.hub.story.drain().rows) < 50

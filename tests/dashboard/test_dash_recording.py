@@ -1,0 +1,120 @@
+"""Recording the running connection from the page."""
+
+from __future__ import annotations
+
+import errno
+from itertools import pairwise
+
+import pytest
+
+import mikas
+from dashboard.rig import ME, OTHER
+from mikas.dashboard.recording import named
+
+
+def test_a_recording_is_made_with_its_markers_and_can_be_read_again(idle):
+    state = idle.post("/recording/start", {"name": "Volga"})
+    assert state["recording"]["file"] == "Volga.pcapng"
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 5)
+    at = idle.post("/recording/marker", {"label": "стук"})["time"]
+    idle.post("/recording/note", {"text": "на холостых"})
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 8)
+    assert idle.post("/recording/stop")["recording"] is None
+    path = idle.hub.settings.recordings / "Volga.pcapng"
+    frame = mikas.open(path).to_pandas()
+    assert frame["TWAT"].dropna().iloc[0] in (86, 87)
+    events = idle.get("/history", seconds=3600)["events"]
+    marker = next(event for event in events if event["kind"] == "marker")
+    assert (marker["label"], marker["time"]) == ("стук", pytest.approx(at))
+    assert [e["on"] for e in events if e["kind"] == "recording"] == [True, False]
+
+
+def test_a_name_that_is_taken_gets_a_number(idle):
+    assert idle.post("/recording/start", {"name": "a"})["recording"]["file"] == "a.pcapng"
+    assert idle.post("/recording/start", {"name": "a"})["recording"]["file"] == "a (2).pcapng"
+    assert idle.post("/recording/start", {})["recording"]["file"].startswith("20")
+
+
+@pytest.mark.parametrize(
+    ("name", "kept"),
+    [("../../etc/passwd", "etc passwd"), ("a/b\\c:d", "a b c d"), ("CON", "CON-"), (" . ", ""),
+     ("x.pcapng", "x"), ("\x00\n", ""), (None, ""), ("ж" * 300, "ж" * 100)],
+)  # fmt: skip
+def test_a_name_can_not_lead_elsewhere(name, kept):
+    assert named(name) == kept
+
+
+def test_a_folder_that_can_not_be_written_is_told_and_sampling_goes_on(idle):
+    idle.hub.settings.recordings.write_text("in the way")
+    error = idle.post("/recording/start", {}, 400)
+    assert error["ru"]
+    assert idle.sampling()["recording"] is None
+
+
+class _FullDisk:
+    def __init__(self, file):
+        self._file = file
+
+    def write(self, _):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    def __getattr__(self, name):
+        return getattr(self._file, name)
+
+
+def test_a_recording_that_breaks_off_says_so_and_another_can_begin(idle):
+    idle.post("/recording/start", {"name": "a"})
+    writer = idle.hub.recording.recorder._open.writer
+    writer._file = _FullDisk(writer._file)
+    state = idle.until(lambda it: (it["state"]["recording"] or {}).get("failure"))["state"]
+    assert state["recording"]["failure"]["ru"]
+    assert idle.post("/recording/start", {"name": "b"})["recording"]["failure"] is None
+
+
+def test_without_a_connection_nothing_can_be_recorded(off):
+    assert off.post("/recording/start", {}, 503)["code"] == "NotConnected"
+    assert off.post("/recording/note", {"text": "x"}, 409)["code"] == "Busy"
+    assert off.post("/recording/stop")["recording"] is None
+
+
+def test_it_begins_while_nobody_answers_and_waits_with_the_line(idle):
+    idle.cars.pull()
+    idle.until(lambda it: it["state"]["line"] == "no-port")
+    idle.post("/recording/start", {"name": "waiting"})
+    idle.cars.put_back()
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 0)
+
+
+def test_disconnecting_ends_it(idle):
+    idle.post("/recording/start", {"name": "a"})
+    assert idle.post("/recording/start", {"name": "b"}, 409, OTHER)["code"] == "NotController"
+    assert idle.post("/disconnect", headers=ME)["recording"] is None
+
+
+def test_a_lid_closed_for_ten_minutes_is_a_gap_and_nothing_is_doubled(idle):
+    idle.post("/recording/start", {"name": "lid"})
+    with idle.live() as live:
+        live.until(lambda it: it["state"]["recording"]["samples"] > 3)
+        idle.cars.clock.sleep(600)
+        began = idle.get("/state")["samples"]
+        live.until(lambda it: it["state"]["samples"] > began + 5)
+    state = idle.post("/recording/stop")
+    assert (state["line"], state["recording"]) == ("sampling", None)
+    times = idle.get("/recordings/lid.pcapng/rows", points=20000)["times"]
+    assert times == sorted(set(times))
+    assert sum(after - before > 500 for before, after in pairwise(times)) == 1
+    history = idle.get("/history", seconds=7200, points=20000)["times"]
+    assert history == sorted(set(history))
+    fuel = idle.get("/history", seconds=7200, points=20000, names="FUEL_FLOW")["values"][0]
+    assert all(value is None or value < 10 for value in fuel)
+
+
+def test_what_was_asked_for_before_the_recording_began_can_be_read_in_it(idle):
+    idle.put("/plan", {"wanted": [{"name": "TWAT"}], "method": "list", "rate": 5})
+    idle.until(lambda it: it["state"]["method"] == "list" and "data" in it)
+    idle.post("/recording/start", {"name": "list"})
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 3)
+    idle.post("/recording/stop")
+    rows = idle.get("/recordings/list.pcapng/rows")
+    assert rows["names"] == ["TWAT"]
+    assert len(rows["times"]) > 3

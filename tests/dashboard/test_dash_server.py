@@ -1,0 +1,181 @@
+"""The page, the description of the API, the socket; the command line in front of it."""
+
+from __future__ import annotations
+
+import socket
+
+import pytest
+
+from dashboard.rig import rig
+from mikas.cli.commands.dash import Wishes, show_dashboard, wishes_of
+from mikas.cli.run import Run
+from mikas.dashboard.api_docs import shape
+from mikas.dashboard.server import FIRST_PORT, listening, own_addresses
+from mikas.dashboard.virtual_cars import VirtualCars
+from mikas.errors import BadPortUrl, UsageError
+from mikas.link import open_link
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    tmp_path = tmp_path_factory.mktemp("page")
+    folder = tmp_path / "built"
+    (folder / "assets").mkdir(parents=True)
+    (folder / "index.html").write_text("<!doctype html>the page", "utf-8")
+    (folder / "icon.svg").write_text("<svg/>", "utf-8")
+    (folder / "assets" / "main-abc.js").write_text("1", "utf-8")
+    (tmp_path / "secret.txt").write_text("the treasure", "utf-8")
+    with rig(tmp_path, None, page=folder) as it:
+        yield it
+
+
+def test_the_page_is_asked_for_again_its_parts_are_kept(built):
+    page = built.client.get("/")
+    assert page.text == "<!doctype html>the page"
+    assert page.headers["cache-control"] == "no-cache"
+    part = built.client.get("/assets/main-abc.js")
+    assert part.headers["cache-control"] == "public, max-age=31536000, immutable"
+    assert part.headers["content-type"].startswith("text/javascript")
+    again = built.client.get("/", headers={"If-None-Match": page.headers["etag"]})
+    assert again.status_code in (200, 304)
+    assert built.client.get("/icon.svg").headers["content-type"] == "image/svg+xml"
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/../secret.txt", "/..%2fsecret.txt", "/assets/../../secret.txt", "/%2e%2e/secret.txt",
+     "/assets", "/nothing.js", "/%00"],
+)  # fmt: skip
+def test_nothing_else_is_served(built, path):
+    answer = built.client.get(path)
+    assert answer.status_code == 404
+    assert "treasure" not in answer.text
+
+
+def test_a_page_that_was_not_built_says_so_in_words(shared_off):
+    page = shared_off.client.get("/")
+    assert page.status_code == 200
+    assert "pip install" in page.text
+    assert "собранной" in page.text
+
+
+def test_the_api_describes_itself_without_any_network(shared_off):
+    page = shared_off.client.get("/api/docs")
+    assert page.headers["content-type"].startswith("text/html")
+    assert "<script" not in page.text
+    assert "//cdn" not in page.text
+    for path in shared_off.client.get("/api/openapi.json").json()["paths"]:
+        assert path in page.text
+    assert "text/css" in shared_off.client.get("/api/docs/style.css").headers["content-type"]
+
+
+def test_every_route_says_what_it_takes_gives_and_refuses(shared_off):
+    described = shared_off.client.get("/api/openapi.json").json()
+    for path, methods in described["paths"].items():
+        for method, route in methods.items():
+            said = f"{method} {path}"
+            assert route["description"] or route["summary"], said
+            assert {"400", "401", "403"} <= set(route["responses"]), said
+            good = route["responses"].get("200") or route["responses"]["204"]
+            assert "content" in good or "204" in route["responses"], said
+            for status, answer in route["responses"].items():
+                if status >= "400":
+                    schema = answer["content"]["application/json"]["schema"]
+                    assert schema == {"$ref": "#/components/schemas/ErrorAnswer"}, said
+            if method in ("post", "put"):
+                json = good["content"].get("application/json", {"schema": {"$ref": ""}})
+                assert "$ref" in json["schema"], said
+
+
+def test_shapes_are_said_in_a_word_or_two():
+    assert shape({"anyOf": [{"type": "string"}, {"type": "null"}]}) == "string or null"
+    assert shape({"type": "array", "items": {"$ref": "#/x/Y"}}) == "list of Y"
+    assert shape({"enum": ["a", 1]}) == '"a" | 1'
+    assert shape({"const": True}) == "true"
+    assert shape({"type": "object", "additionalProperties": {"type": "number"}}) == "name → number"
+    assert shape({}) == "anything"
+
+
+def test_a_taken_port_leads_to_the_next_one():
+    with listening(None, lan=False) as first:
+        assert first.getsockname()[0] == "127.0.0.1"
+        first.listen()
+        with listening(None, lan=False) as second:
+            assert second.getsockname()[1] != first.getsockname()[1]
+        taken = first.getsockname()[1]
+        with pytest.raises(UsageError, match=str(taken)):
+            listening(taken, lan=False)
+    assert taken >= FIRST_PORT
+
+
+def test_the_network_sees_us_only_when_that_is_wanted():
+    with listening(0, lan=True) as own:
+        assert own.getsockname()[0] == "0.0.0.0"
+    names = own_addresses()
+    assert socket.gethostname() in names
+    assert not any(name.startswith("127.") for name in names)
+
+
+def test_a_virtual_car_outlives_its_connection():
+    cars = VirtualCars()
+    first = cars.open("sim:?seed=3")
+    first.close()
+    second = cars.open("sim:?seed=3")
+    assert second.bus is first.bus
+    assert second.now() > 1e9
+    second.write(b"")
+    assert cars.open("sim:?seed=4").bus is not first.bus
+    simulated = "sim:?clock=simulated"
+    assert cars.open(simulated).bus is not cars.open(simulated).bus
+
+
+@pytest.fixture
+def served(monkeypatch, tmp_path):
+    """What the command line starts, instead of serving it."""
+    seen = []
+
+    def serve(app, own, *, ready):
+        seen.append((app, own.getsockname()))
+        ready()
+
+    monkeypatch.setattr("mikas.dashboard.server.serve", serve)
+    return seen
+
+
+def test_the_address_comes_first_and_the_browser_is_opened(served, monkeypatch, capsys, tmp_path):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setattr("threading.Thread.start", lambda thread: thread.run())
+    show_dashboard(Run(), Wishes(folder=tmp_path))
+    url = capsys.readouterr().out.splitlines()[0]
+    assert opened == [url]
+    assert url == f"http://127.0.0.1:{served[0][1][1]}/"
+
+
+def test_the_link_for_others_comes_with_a_picture(served, capsys, tmp_path):
+    show_dashboard(Run(), Wishes(lan=True, browser=False, folder=tmp_path))
+    told = capsys.readouterr()
+    assert "?token=" in told.out.splitlines()[1]
+    assert "█" in told.err or "▄" in told.err
+    app = served[0][0]
+    assert app.state.access.lan
+    assert not app.state.access.lan_control
+
+
+def test_what_makes_no_sense_is_refused_before_anything_is_opened(served, tmp_path):
+    run = Run(port="nonsense://x")
+    with pytest.raises(BadPortUrl):
+        show_dashboard(run, Wishes())
+    run.port, run.capture = None, tmp_path / "x.pcapng"
+    with pytest.raises(UsageError, match="record"):
+        show_dashboard(run, Wishes())
+    (tmp_path / "file").touch()
+    options = {"host_port": None, "lan": False, "no_browser": True}
+    with pytest.raises(UsageError):
+        wishes_of(**options, lan_control=False, record=str(tmp_path / "file"))
+    assert wishes_of(**options, lan_control=True, record=None).lan
+    assert not served
+
+
+def test_the_cars_of_the_demo_are_those_of_the_command_line():
+    assert type(open_link("sim:")) is type(VirtualCars().open("sim:"))

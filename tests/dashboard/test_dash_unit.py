@@ -1,0 +1,203 @@
+"""Faults, passport, memory; changes in two steps; the journal of what was changed."""
+
+from __future__ import annotations
+
+import pytest
+
+from dashboard.rig import ME, OTHER, rig
+from mikas.dashboard.nonces import LIFETIME
+
+
+@pytest.fixture
+def faulty(tmp_path):
+    with rig(tmp_path, "sim:?scenario=warm-idle&faults=13,14") as it:
+        it.sampling()
+        yield it
+
+
+def change(it, status=200, headers=ME, **wish):
+    return it.post("/changes", wish, status, headers)
+
+
+def confirm(it, asked, status=200, headers=ME):
+    return it.post(f"/changes/{asked['nonce']}", status=status, headers=headers)
+
+
+def test_faults_are_read_with_words_and_what_to_check(faulty):
+    told = faulty.get("/faults")
+    assert [fault["code"] for fault in told["faults"]] == [13, 14]
+    assert told["faults"][0]["text"]["ru"]
+    assert told["faults"][0]["related"] == ["JAIR"]
+    assert told["faults"][0]["first_seen"] <= told["time"]
+    assert faulty.get("/state")["fault_count"] == 2
+
+
+def test_faults_are_erased_in_two_steps_and_stand_in_the_journal(faulty):
+    asked = change(faulty, kind="erase_faults")
+    assert (asked["before"], asked["after"], asked["danger"]) == ([13, 14], [], False)
+    assert [lost["code"] for lost in asked["lost"]] == [13, 14]
+    assert faulty.get("/faults")["count"] == 2
+    assert confirm(faulty, asked) == {"before": [13, 14], "after": [], "done": True}
+    assert faulty.get("/faults")["count"] == 0
+    entries = faulty.get("/journal")["entries"]
+    done = [entry for entry in entries if entry["before"] == "0D 0E"]
+    assert [entry["state"] for entry in done] == ["done", "started"]
+    assert done[0]["change"] == {
+        "en": "erase 2 stored fault(s)",
+        "ru": "стереть ошибки, всего: 2",
+    }
+
+
+def test_older_entries_of_the_journal_are_told_in_english(tmp_path):
+    with rig(tmp_path, None) as it:
+        it.hub.settings.journal.parent.mkdir(parents=True)
+        it.hub.settings.journal.write_text('{"time": 1.0, "change": "jump to 1234"}\n{}\n5\n')
+        change = {"en": "jump to 1234", "ru": "jump to 1234"}
+        assert it.get("/journal")["entries"] == [
+            {"change": {"en": "", "ru": ""}},
+            {"time": 1.0, "change": change},
+        ]
+
+
+def test_a_nonce_is_good_once_for_one_client_for_two_minutes(faulty):
+    asked = change(faulty, kind="erase_faults")
+    faulty.post("/control/release")
+    assert confirm(faulty, asked, 410, OTHER)["code"] == "NonceUnknown"
+    faulty.post("/control/release", headers=OTHER)
+    confirm(faulty, asked)
+    assert confirm(faulty, asked, 410)["code"] == "NonceUnknown"
+    assert faulty.post("/changes/made-up", status=410)["code"] == "NonceUnknown"
+    late = change(faulty, kind="erase_faults")
+    clock = faulty.hub.nonces.clock
+    faulty.hub.nonces.clock = lambda: clock() + LIFETIME
+    assert confirm(faulty, late, 410)["code"] == "NonceUnknown"
+
+
+def test_what_is_no_longer_as_shown_is_not_changed(faulty):
+    asked = change(faulty, kind="erase_faults")
+    faulty.cars.car(faulty.hub.way.url).faults.append(15)
+    error = confirm(faulty, asked, 409)
+    assert error["code"] == "NonceStale"
+    assert [fault["code"] for fault in faulty.get("/faults")["faults"]] == [13, 14, 15]
+
+
+def test_a_change_shown_for_one_connection_is_nothing_to_the_next(faulty):
+    asked = change(faulty, kind="erase_faults")
+    faulty.post("/connect", {"port": "sim:?faults=13,14", "method": "batch", "rate": 5})
+    faulty.sampling()
+    assert confirm(faulty, asked, 410)["code"] == "NonceUnknown"
+
+
+def test_the_passport_is_read_once_and_for_all(idle):
+    told = idle.get("/passport")
+    assert told["model"]["ru"] == "Микас 7.1"
+    assert (told["parameter_count"], told["echo"], told["baud"]) == (21, True, 9600)
+    assert told["supported"] is None
+    idle.post("/relearn")
+    assert idle.get("/passport", headers=OTHER)["version_code"] == told["version_code"]
+
+
+def test_every_command_is_tried_when_asked(shared_idle):
+    told = shared_idle.post("/passport/probe")["supported"]
+    known = {it["source_name"]: it["supported"] for it in told}
+    assert known["CREADP"] is True
+    assert None in known.values()  # what would change something is not tried
+    assert shared_idle.get("/passport")["supported"] == told
+
+
+def test_memory_is_read_in_every_space(shared_idle):
+    for space in ("ram", "xram", "code", "sfr"):
+        told = shared_idle.get(f"/memory/{space}", address="0x80", count=8)
+        assert (told["address"], len(told["data"])) == (0x80, 16)
+    whole = shared_idle.get("/memory/code", address="4096", count=256)["data"]
+    part = shared_idle.get("/memory/code", address="0x1010", count=4)["data"]
+    assert whole[32:40] == part
+
+
+@pytest.mark.parametrize(
+    ("space", "address", "count"),
+    [("ram", "0xF0", 17), ("code", "65536", 1), ("rom", "0", 1), ("ram", "-1", 1),
+     ("ram", "0", 0), ("xram", "0", 1025), ("ram", "0x", 1)],
+)  # fmt: skip
+def test_addresses_outside_are_refused(shared_idle, space, address, count):
+    assert shared_idle.get(f"/memory/{space}", 400, address=address, count=count)["ru"]
+
+
+def test_writing_is_locked_until_somebody_unlocks_it(idle):
+    wish = {"kind": "write_memory", "space": "xram", "address": 0x100, "data": "AB"}
+    assert change(idle, 403, **wish)["code"] == "Locked"
+    assert change(idle, 403, kind="write_parameter", name="UOZ", value=10)["code"] == "Locked"
+    assert idle.post("/unlock", {"minutes": 5})["unlocked_until"] > idle.get("/state")["now"]
+    asked = change(idle, **wish)
+    idle.post("/lock")
+    assert confirm(idle, asked, 403)["code"] == "Locked"
+    idle.post("/unlock", {"minutes": 5})
+    clock = idle.hub.clock
+    idle.hub.lock.clock = lambda: clock() + 301
+    assert change(idle, 403, **wish)["code"] == "Locked"
+    assert idle.get("/state")["unlocked_until"] is None
+
+
+def test_a_cell_is_written_and_read_back(shared_idle):
+    before = shared_idle.get("/memory/xram", address="0x100", count=2)["data"]
+    shared_idle.post("/unlock", {})
+    asked = change(shared_idle, kind="write_memory", space="xram", address=0x100, data="ABCD")
+    assert (asked["before"], asked["after"], asked["danger"]) == (before, "ABCD", False)
+    assert asked["meaning"]["ru"]
+    done = confirm(shared_idle, asked)
+    assert (done["before"], done["after"]) == (before, "ABCD")
+    assert shared_idle.get("/memory/xram", address="0x100", count=2)["data"] == "ABCD"
+
+
+def test_the_program_is_dangerous_and_says_so(shared_idle):
+    shared_idle.post("/unlock", {})
+    asked = change(shared_idle, kind="write_memory", space="code", address=0x100, data="00")
+    assert asked["danger"] is True
+    assert "engine" in asked["meaning"]["en"]
+
+
+def test_a_cell_that_moved_meanwhile_is_left_alone(shared_idle):
+    shared_idle.post("/unlock", {})
+    wish = {"kind": "write_memory", "space": "xram", "address": 0x200}
+    asked = change(shared_idle, **wish, data="11")
+    confirm(shared_idle, change(shared_idle, **wish, data="22"))
+    assert confirm(shared_idle, asked, 409)["code"] == "NonceStale"
+    assert shared_idle.get("/memory/xram", address="0x200", count=1)["data"] == "22"
+
+
+def test_a_parameter_is_written_by_its_value(shared_idle):
+    shared_idle.post("/unlock", {})
+    asked = change(shared_idle, kind="write_parameter", name="RCOD", value=-0.5)
+    assert asked["after"]["raw"]
+    assert "→" in asked["meaning"]["ru"]
+    done = confirm(shared_idle, asked)
+    assert done["after"]["raw"] == asked["after"]["raw"]
+
+
+@pytest.mark.parametrize(
+    "wish",
+    [
+        {"kind": "write_parameter", "name": "UOZ"},
+        {"kind": "write_parameter", "name": "UOZ", "value": 1, "raw": "00"},
+        {"kind": "write_parameter", "name": "UOZ", "value": 9999},
+        {"kind": "write_parameter", "name": "UOZ", "raw": "0000"},
+        {"kind": "write_parameter", "name": "DET", "value": 1},
+        {"kind": "write_parameter", "name": "NOPE", "value": 1},
+        {"kind": "write_memory", "space": "ram", "address": 0xFF, "data": "0000"},
+        {"kind": "write_memory", "space": "ram", "address": 0, "data": "0"},
+        {"kind": "goto", "address": 0},
+        {},
+    ],
+)
+def test_a_change_that_makes_no_sense_is_refused(shared_idle, wish):
+    shared_idle.post("/unlock", {})
+    assert change(shared_idle, 400, **wish)["en"]
+
+
+def test_an_outcome_is_not_journalled_where_there_is_no_journal(faulty):
+    asked = change(faulty, kind="erase_faults")
+    faulty.hub.settings.journal.unlink(missing_ok=True)
+    faulty.hub.settings.journal.mkdir(parents=True)
+    assert confirm(faulty, asked, 400)["code"] == "JournalError"
+    assert faulty.get("/faults")["count"] == 2
+    assert faulty.get("/journal") == {"entries": []}

@@ -1,0 +1,303 @@
+"""Recordings to take away: the file, the exports, the report; and the one that is being made."""
+
+from __future__ import annotations
+
+import csv
+import io
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from urllib.parse import quote
+
+import pytest
+
+import mikas
+from dashboard.recordings_rig import record
+from dashboard.rig import ME, OTHER, rig
+from mikas.dashboard import recordings_desk, recordings_files
+from mikas.errors import ExportError
+from mikas.language import Text
+from mikas.report.page import policy
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    return record(tmp_path_factory.mktemp("made") / "drive.pcapng", "&faults=13", count=400)
+
+
+@pytest.fixture
+def temporary(tmp_path, monkeypatch):
+    """Where temporary files go, so that one sees whether they went."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return folder
+
+
+@pytest.fixture
+def desk(made, tmp_path, temporary):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    shutil.copy(made, folder / "drive.pcapng")
+    with rig(tmp_path, None) as it:
+        yield it
+
+
+def saved_as(answer):
+    return answer.headers["content-disposition"]
+
+
+def test_the_file_itself(desk, made) -> None:
+    answer = desk.get("/recordings/drive.pcapng/file")
+    assert answer.content == made.read_bytes()
+    assert answer.headers["content-type"] == "application/x-pcapng"
+    assert 'filename="drive.pcapng"' in saved_as(answer)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "mf4", "parquet", "msl", "mlg"])
+def test_every_format(desk, made, temporary, tmp_path, suffix) -> None:
+    answer = desk.get("/recordings/drive.pcapng/export", format=suffix, names="TWAT,FUEL_FLOW")
+    assert f'filename="drive.{suffix}"' in saved_as(answer)
+    assert int(answer.headers["content-length"]) == len(answer.content)
+    frame = mikas.open(made).to_pandas()
+    out = tmp_path / f"out.{suffix}"
+    out.write_bytes(answer.content)
+    assert _values(out, "TWAT") == pytest.approx(frame.TWAT.tolist())
+    assert list(temporary.iterdir()) == []
+
+
+def _values(out: Path, name: str) -> list[float]:
+    match out.suffix:
+        case ".csv":
+            rows = list(csv.reader(io.StringIO(out.read_text("utf-8-sig"))))
+            column = next(at for at, cell in enumerate(rows[0]) if name in cell)
+            return [float(row[column]) for row in rows[1:]]
+        case ".mf4":
+            from asammdf import MDF
+
+            with MDF(out) as file:
+                return file.get(name).samples.tolist()
+        case ".parquet":
+            import pyarrow.parquet
+
+            return pyarrow.parquet.read_table(out).column(name).to_pylist()
+        case ".msl":
+            lines = [line.split("\t") for line in out.read_text("utf-8").splitlines()]
+            head = next(at for at, cells in enumerate(lines) if cells[0] == "Time")
+            column = next(at for at, cell in enumerate(lines[head]) if name in cell)
+            return [float(cells[column]) for cells in lines[head + 2 :] if len(cells) > column]
+    assert out.read_bytes()[:6] == b"MLVLG\0"
+    return mikas.open(out.parent / "recordings/drive.pcapng").to_pandas()[name].tolist()
+
+
+def test_all_channels_and_a_spreadsheet_s_csv(desk, made) -> None:
+    answer = desk.get("/recordings/drive.pcapng/export", dialect="excel", lang="ru")
+    head = answer.content.decode("utf-8-sig").splitlines()[0]
+    assert ";" in head
+    assert "Температура" in head
+    assert head.count(";") == len(mikas.open(made).channels)
+
+
+def test_exports_that_can_not_be_made_leave_nothing(desk, temporary) -> None:
+    for query in ({"format": "xls"}, {"names": "TWATT"}, {"names": "0x1A"}, {"dialect": "?"}):
+        assert desk.get("/recordings/drive.pcapng/export", 400, **query)["ru"]
+    assert list(temporary.iterdir()) == []
+
+
+@pytest.mark.parametrize(("suffix", "library"), [("mf4", "asammdf"), ("parquet", "duckdb")])
+def test_a_missing_extra_is_told_with_its_command(
+    desk, temporary, monkeypatch, suffix, library
+) -> None:
+    monkeypatch.setitem(sys.modules, library, None)
+    error = desk.get("/recordings/drive.pcapng/export", 400, format=suffix)
+    assert error["code"] == "MissingExtra"
+    assert 'pip install "mikas[' in error["en"]
+    assert 'pip install "mikas[' in error["ru"]
+    assert list(temporary.iterdir()) == []
+
+
+def test_a_name_of_any_letters_arrives_as_it_is(desk) -> None:
+    folder = desk.hub.settings.recordings
+    name = "Волга 24, 100%.pcapng"
+    (folder / "drive.pcapng").rename(folder / name)
+    path = f"/recordings/{quote(name)}"
+    assert desk.get(path)["id"] == name
+    for what in ("/file", "/export", "/report"):
+        assert quote(name.removesuffix(".pcapng"), safe="") in saved_as(desk.get(path + what))
+
+
+def test_one_piece_of_heavy_work_at_a_time(desk, monkeypatch) -> None:
+    from concurrent.futures import ThreadPoolExecutor
+    from threading import Lock
+
+    here, most, lock = [], [], Lock()
+    write = recordings_files._export
+
+    def watched(*args, **settings):
+        with lock:
+            here.append(1)
+            most.append(len(here))
+        try:
+            return write(*args, **settings)
+        finally:
+            here.pop()
+
+    monkeypatch.setattr(recordings_files, "_export", watched)
+    with ThreadPoolExecutor(6) as pool:
+        ask = "/recordings/drive.pcapng/export"
+        for done in [pool.submit(desk.get, ask, format="csv") for _ in range(6)]:
+            done.result()
+    assert most == [1] * 6
+
+
+def test_a_queue_that_is_too_long_is_refused(desk, monkeypatch) -> None:
+    from concurrent.futures import ThreadPoolExecutor
+    from threading import Event, Semaphore
+
+    go, asked = Event(), Semaphore(0)
+    one = recordings_desk.Desk.alone
+
+    async def counted(self, work):
+        asked.release()
+        return await one(self, work)
+
+    def waits(*_, **__):
+        assert go.wait(60)
+        raise ExportError("a", Text("so be it", "пусть так"))
+
+    monkeypatch.setattr(recordings_desk.Desk, "alone", counted)
+    monkeypatch.setattr(recordings_files, "_export", waits)
+    path = "/api/recordings/drive.pcapng/export"
+    with ThreadPoolExecutor(8) as pool:
+        waiting = [pool.submit(desk.client.get, path, headers=ME) for _ in range(8)]
+        for _ in range(8):
+            assert asked.acquire(timeout=60)
+        assert desk.get("/recordings/drive.pcapng/export", 409)["code"] == "Busy"
+        assert desk.get("/recordings/drive.pcapng/report", 409)["code"] == "Busy"
+        go.set()
+        assert {each.result().status_code for each in waiting} == {400}
+    monkeypatch.undo()
+    assert desk.get("/recordings/drive.pcapng/export").content
+
+
+def test_nothing_is_left_when_nobody_waits_for_it_any_more(temporary) -> None:
+    import asyncio
+
+    folder = Path(tempfile.mkdtemp())
+    (folder / "a.csv").write_text("x" * 1000)
+    answer = recordings_files._Temporary(folder / "a.csv", filename="a.csv")
+
+    async def gone(_) -> None:
+        raise OSError("the other side is gone")
+
+    async def receive():
+        return {"type": "http.disconnect"}
+
+    scope = {"type": "http", "method": "GET", "headers": []}
+    with pytest.raises(OSError, match="gone"):
+        asyncio.run(answer(scope, receive, gone))
+    assert list(temporary.iterdir()) == []
+
+
+# --- the report
+
+
+def test_the_report(desk) -> None:
+    answer = desk.get("/recordings/drive.pcapng/report", lang="ru")
+    assert answer.headers["content-type"].startswith("text/html")
+    assert "drive.html" in saved_as(answer)
+    assert "attachment" in saved_as(answer)
+    assert "Отчёт о двигателе" in answer.text
+    assert "В памяти блока 1 ошибка: 13;" in answer.text
+    assert "Engine report" in desk.get("/recordings/drive.pcapng/report").text
+    assert desk.get("/recordings/drive.pcapng/report", 400, lang="de")["ru"]
+
+
+def test_the_report_to_be_looked_at_may_do_nothing_but_be_seen(desk) -> None:
+    answer = desk.get("/recordings/drive.pcapng/report", inline=1)
+    assert "content-disposition" not in answer.headers
+    policy_sent = answer.headers["content-security-policy"]
+    assert policy_sent.startswith(policy())
+    assert "frame-ancestors 'self'" in policy_sent
+    assert policy_sent.endswith("; sandbox allow-same-origin allow-modals")
+    assert "script" not in policy_sent
+    assert answer.headers["x-frame-options"] == "SAMEORIGIN"
+    assert "unsafe" not in policy_sent
+
+
+def test_without_a_connection_there_is_no_live_report(desk) -> None:
+    assert desk.get("/report", 503)["code"] == "NotConnected"
+
+
+# --- the running connection
+
+
+@pytest.fixture
+def idle(tmp_path, temporary):
+    names = ("FREQ", "TWAT", "THR", "UACC", "JAIR", "INJ", "FUEL_FLOW", "RXX")
+    with rig(tmp_path, "sim:?scenario=warm-idle&faults=13", names=names) as it:
+        it.sampling()
+        yield it
+
+
+def test_the_live_report(idle) -> None:
+    begun = idle.hub.now()
+    idle.until(lambda it: it["now"] > begun + 20 and it["state"]["fault_count"] == 1)
+    text = idle.get("/report", lang="ru").text
+    assert "измерено на связи с блоком" in text
+    assert "В памяти блока 1 ошибка: 13;" in text
+    assert "МИКАС 7.1" in text
+    assert "все значения, которые можно оценить (6)" in text
+    assert "много параметров одним запросом" in text
+    answer = idle.get("/report", inline=1)
+    assert "content-disposition" not in answer.headers
+    assert "mikas.html" in saved_as(idle.get("/report"))
+
+
+def test_the_recording_in_progress(idle) -> None:
+    idle.post("/recording/start", {"name": "now"})
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 20)
+    (it,) = idle.get("/recordings")["recordings"]
+    assert (it["id"], it["open"], it["problem"]) == ("now.pcapng", True, None)
+    assert it["date"] > 1e9
+    told = idle.get("/recordings/now.pcapng/rows", names="TWAT")
+    assert set(told["values"][0]) <= {86, 87, None}
+    assert idle.get("/recordings/now.pcapng")["open"] is True
+    answer = idle.get("/recordings/now.pcapng/file")
+    assert int(answer.headers["content-length"]) == len(answer.content)
+    assert len(answer.content) > 1000
+    note = idle.put("/recordings/now.pcapng/note", {"text": "идёт"})["note"]
+    assert note in ("идёт", "")  # it may not be on the disk yet
+    wish = {"kind": "delete_recording", "id": "now.pcapng"}
+    assert idle.post("/changes", wish, 409)["code"] == "Busy"
+    idle.post("/recording/stop")
+    after = idle.get("/recordings/now.pcapng")
+    assert (after["open"], after["note"]) == (False, "идёт")
+    assert "Engine report" in idle.get("/recordings/now.pcapng/report").text
+    nonce = idle.post("/changes", wish)["nonce"]
+    idle.post(f"/changes/{nonce}", headers=ME)
+    assert idle.get("/recordings")["recordings"] == []
+
+
+def test_a_recording_that_was_confirmed_and_then_goes_on_is_not_deleted(idle) -> None:
+    folder = idle.hub.settings.recordings
+    idle.post("/recording/start", {"name": "a"})
+    idle.post("/recording/stop")
+    nonce = idle.post("/changes", {"kind": "delete_recording", "id": "a.pcapng"})["nonce"]
+    (folder / "a.pcapng").unlink()
+    idle.post("/recording/start", {"name": "a"})
+    assert idle.post(f"/changes/{nonce}", status=409)["code"] in ("Busy", "NonceStale")
+    assert (folder / "a.pcapng").exists()
+
+
+def test_a_viewer_may_read_and_take_away_but_not_note_or_delete(made, tmp_path) -> None:
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    shutil.copy(made, folder / "drive.pcapng")
+    with rig(tmp_path, None) as it:
+        it.post("/control/take", {"force": True}, headers=OTHER)
+        assert it.get("/recordings")["recordings"]
+        assert it.get("/recordings/drive.pcapng/report").text
+        wish = {"kind": "delete_recording", "id": "drive.pcapng"}
+        assert it.post("/changes", wish, 409)["code"] == "NotController"
