@@ -24,25 +24,31 @@ demo: .venv/installed ## the product against a virtual car: no cable needed
 # The tests of these three with their coverage, then all others without: measuring costs the long runs half their speed.
 gated := tests/test_framing.py tests/commands tests/catalog
 
-test: .venv/with-test ## all tests; framing, commands and catalog need 100 % branch coverage
+test: .venv/with-test web/node_modules/installed ## all tests; framing, commands and catalog need 100 % branch coverage
 	@$(venv_python) -m pytest $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
 	@$(venv_python) -m pytest $(foreach path,$(gated),--ignore=$(path))
+	@$(npm) test
 
-check: .venv/with-check ## lint, format, types, import rules
+check: .venv/with-check web/node_modules/installed ## lint, format, types, import rules
 	$(venv_python) -m ruff check .
 	$(venv_python) -m ruff format --check .
 	$(venv_python) -m mypy
 	.venv/bin/lint-imports
+	@$(npm) run check
 
-bench: .venv/installed ## rates and times against the wire's limits (protocol.md, section 5)
+bench: .venv/with-test ## rates, times and memory against their targets, into docs/benchmarks.md: half an hour
 	@$(venv_python) -m bench
 
 clean: ## remove .venv and everything else that was generated
-	rm -rf .venv .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache build dist htmlcov
+	rm -rf .venv .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache build dist htmlcov \
+	  web/node_modules src/mikas/dashboard/page
 	find src tests bench -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
-.venv/installed: pyproject.toml
+# The page is built on installation, so its sources count as well.
+page := pyproject.toml hatch_build.py $(shell find web -path web/node_modules -prune -o -type f -print 2>/dev/null)
+
+.venv/installed: $(page)
 	@[ -f $@ ] || { $(find_python); $(make_venv); }
 	@echo "Installing mikas into .venv"
 	@$(venv_python) -m pip install --quiet --disable-pip-version-check --editable .
@@ -58,6 +64,14 @@ clean: ## remove .venv and everything else that was generated
 .venv/with-check: .venv/with-test
 	@echo "Installing what the checks need"
 	@$(venv_python) -m pip install --quiet --disable-pip-version-check --group check
+	@touch $@
+
+# The page's own tools, with Node from the environment.
+npm := PATH="$(CURDIR)/.venv/bin:$$PATH" npm --prefix web --silent
+
+web/node_modules/installed: web/package-lock.json .venv/with-test
+	@echo "Installing what the page is made of"
+	@$(npm) ci
 	@touch $@
 
 define find_python

@@ -1,0 +1,23 @@
+// The catalog: what there is to measure, with names, units, limits; asked once, after that it does not change.
+import { api } from "./api";
+import type { Catalog, Channel } from "./types";
+
+class CatalogStore {
+  loaded = $state.raw<Catalog | null>(null);
+  readonly channels = $derived<Channel[]>(
+    this.loaded ? [...this.loaded.parameters, ...this.loaded.derived] : [],
+  );
+  private readonly byName = $derived(
+    new Map(this.channels.map((channel) => [channel.name, channel])),
+  );
+
+  async load(): Promise<void> {
+    if (!this.loaded) this.loaded = await api.catalog();
+  }
+
+  get(name: string): Channel | undefined {
+    return this.byName.get(name);
+  }
+}
+
+export const catalog = new CatalogStore();

@@ -1,0 +1,146 @@
+// Samples as columns of Float64Array sharing one time column: what the live line keeps, and what a recording is played from.
+// NaN: not fresh in that row. Columns grow by doubling up to `capacity` rows; then the oldest quarter goes, in one move, so that a view
+// is always one contiguous piece and a row costs the same however long it runs.
+
+export type Cell = number | boolean | null;
+
+const FIRST = 4096;
+
+export class Columns {
+  /** Rows held now. */
+  length = 0;
+  /** Rows dropped from the front since the beginning: `start + i` names a row for good. */
+  start = 0;
+  private room: number;
+  private time: Float64Array;
+  private readonly held = new Map<string, Float64Array>();
+
+  constructor(
+    private readonly capacity = 1 << 18,
+    /** Seconds kept at most. */
+    private readonly span = Infinity,
+  ) {
+    this.room = Math.min(FIRST, capacity);
+    this.time = new Float64Array(this.room);
+  }
+
+  get names(): string[] {
+    return [...this.held.keys()];
+  }
+
+  get first(): number {
+    return this.length ? this.time[0]! : NaN;
+  }
+
+  get last(): number {
+    return this.length ? this.time[this.length - 1]! : NaN;
+  }
+
+  /** A view, valid until the next `append`. */
+  times(from = 0, to = this.length): Float64Array {
+    return this.time.subarray(from, to);
+  }
+
+  /** A view as of `times`; undefined if this name was never seen. */
+  column(name: string, from = 0, to = this.length): Float64Array | undefined {
+    return this.held.get(name)?.subarray(from, to);
+  }
+
+  /** Rows not later than the last one are refused: a repeated message adds nothing twice. Gives how many were taken. */
+  append(names: readonly string[], times: readonly number[], values: readonly (readonly Cell[])[]): number {
+    const last = this.last;
+    let skipped = 0;
+    while (skipped < times.length && times[skipped]! <= last) skipped += 1;
+    // More than there is room for: the last of it.
+    const over = Math.max(0, times.length - skipped - this.capacity);
+    skipped += over;
+    this.start += over;
+    const added = times.length - skipped;
+    if (added <= 0) return 0;
+    this.make(added);
+    const at = this.length;
+    for (let row = 0; row < added; row += 1) this.time[at + row] = times[skipped + row]!;
+    for (const name of names) if (!this.held.has(name)) this.held.set(name, this.blank(at));
+    const given = new Map(names.map((name, index) => [name, values[index]!]));
+    for (const [name, column] of this.held) {
+      const cells = given.get(name);
+      for (let row = 0; row < added; row += 1) column[at + row] = numeric(cells?.[skipped + row]);
+    }
+    this.length += added;
+    this.forget();
+    return added;
+  }
+
+  clear(): void {
+    this.start += this.length;
+    this.length = 0;
+    this.held.clear();
+  }
+
+  /** The row of this time: the last one not later. -1: all are later. */
+  rowAt(time: number): number {
+    let low = 0;
+    let high = this.length;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.time[middle]! <= time) low = middle + 1;
+      else high = middle;
+    }
+    return low - 1;
+  }
+
+  /** The last value not later than the row, and its row; undefined if there is none within `reach` seconds. */
+  valueAt(name: string, row: number, reach = Infinity): { value: number; row: number } | undefined {
+    const column = this.held.get(name);
+    if (!column || row < 0) return undefined;
+    const until = this.time[Math.min(row, this.length - 1)]! - reach;
+    for (let at = Math.min(row, this.length - 1); at >= 0 && this.time[at]! >= until; at -= 1) {
+      const value = column[at]!;
+      if (!Number.isNaN(value)) return { value, row: at };
+    }
+    return undefined;
+  }
+
+  private blank(filled: number): Float64Array {
+    const column = new Float64Array(this.room);
+    column.fill(NaN, 0, filled);
+    return column;
+  }
+
+  private make(added: number): void {
+    if (this.length + added <= this.room) return;
+    if (this.room < this.capacity) {
+      while (this.room < this.length + added && this.room < this.capacity) this.room *= 2;
+      this.room = Math.min(this.room, this.capacity);
+      this.time = grown(this.time, this.room);
+      for (const [name, column] of this.held) this.held.set(name, grown(column, this.room));
+    }
+    if (this.length + added > this.room) {
+      this.drop(Math.max(this.length + added - this.room, this.length >> 2));
+    }
+  }
+
+  /** Rows older than `span` go, a quarter at a time. */
+  private forget(): void {
+    if (this.span === Infinity || this.length < FIRST) return;
+    const quarter = this.length >> 2;
+    if (this.time[quarter]! < this.last - this.span) this.drop(quarter);
+  }
+
+  private drop(count: number): void {
+    const gone = Math.min(count, this.length);
+    this.time.copyWithin(0, gone, this.length);
+    for (const column of this.held.values()) column.copyWithin(0, gone, this.length);
+    this.length -= gone;
+    this.start += gone;
+  }
+}
+
+const numeric = (cell: Cell | undefined): number =>
+  cell === null || cell === undefined ? NaN : Number(cell);
+
+function grown(column: Float64Array, room: number): Float64Array {
+  const bigger = new Float64Array(room);
+  bigger.set(column);
+  return bigger;
+}

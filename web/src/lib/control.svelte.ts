@@ -1,0 +1,12 @@
+// Who holds the controls. `allowed`: this page may change things now, or gets the seat by itself with the first change.
+import { live } from "./live.svelte";
+
+class Control {
+  readonly viewOnly = $derived(live.state?.rights === "view");
+  readonly holder = $derived(live.state?.controller ?? null);
+  readonly mine = $derived(this.holder?.you ?? false);
+  readonly elsewhere = $derived(this.holder !== null && !this.mine);
+  readonly allowed = $derived(live.state !== null && !this.viewOnly && !this.elsewhere);
+}
+
+export const control = new Control();

@@ -1,0 +1,40 @@
+// A screen's words, both languages side by side, so that one can't be forgotten: the types ask for both.
+//
+//   const t = dictionary({ title: { en: "Faults", ru: "Неисправности" },
+//                          count: { en: { one: "{n} fault", other: "{n} faults" },
+//                                   ru: { one: "{n} неисправность", few: "{n} неисправности", many: "{n} неисправностей" } } });
+//   t("title"); t("count", { n: 3 })
+import { number } from "./formats";
+import { language, type Code } from "./language.svelte";
+
+type Forms = Partial<Record<Intl.LDMLPluralRule, string>>;
+type Words = string | Forms;
+type Params = Record<string, string | number>;
+
+const rules: Record<Code, Intl.PluralRules> = {
+  en: new Intl.PluralRules("en"),
+  ru: new Intl.PluralRules("ru"),
+};
+
+export function dictionary<Key extends string>(
+  words: Record<Key, Record<Code, Words>>,
+): (key: Key, params?: Params) => string {
+  return (key, params) => {
+    const said = words[key][language.code];
+    const text = typeof said === "string" ? said : form(said, Number(params?.n ?? 0));
+    return params ? fill(text, params) : text;
+  };
+}
+
+function form(forms: Forms, n: number): string {
+  const rule = rules[language.code].select(n);
+  return forms[rule] ?? forms.other ?? forms.many ?? forms.few ?? forms.one ?? "";
+}
+
+function fill(text: string, params: Params): string {
+  return text.replace(/\{(\w+)\}/g, (whole, name: string) => {
+    const value = params[name];
+    if (value === undefined) return whole;
+    return typeof value === "number" ? number(value) : value;
+  });
+}

@@ -1,0 +1,3 @@
+export { dictionary } from "./dictionary";
+export * from "./formats";
+export { language, say, type Code } from "./language.svelte";

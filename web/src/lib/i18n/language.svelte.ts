@@ -1,0 +1,30 @@
+// The language on the screen: chosen by a touch and kept; at first the browser's.
+import { keep, kept } from "../kept";
+import type { Text } from "../types";
+
+export type Code = "en" | "ru";
+
+function first(): Code {
+  const chosen = kept("language");
+  if (chosen === "en" || chosen === "ru") return chosen;
+  const browser = globalThis.navigator?.language ?? "en";
+  return /^(ru|be|kk|uk)/i.test(browser) ? "ru" : "en";
+}
+
+class Language {
+  code = $state<Code>(first());
+
+  choose(code: Code): void {
+    this.code = code;
+    keep("language", code);
+    if (globalThis.document) document.documentElement.lang = code;
+  }
+}
+
+export const language = new Language();
+if (globalThis.document) document.documentElement.lang = language.code;
+
+/** A text of the server in the language on the screen. */
+export function say(text: Text | null | undefined): string {
+  return text ? text[language.code] : "";
+}

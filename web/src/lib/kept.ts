@@ -1,0 +1,17 @@
+// What is kept on this computer between visits. A browser that forbids it (private window) forgets, nothing more.
+
+export function kept(name: string): string | null {
+  try {
+    return localStorage.getItem(`mikas.${name}`);
+  } catch {
+    return null;
+  }
+}
+
+export function keep(name: string, value: string): void {
+  try {
+    localStorage.setItem(`mikas.${name}`, value);
+  } catch {
+    // Forgotten on reload; the page works.
+  }
+}

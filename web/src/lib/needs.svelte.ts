@@ -1,0 +1,65 @@
+// What the line is asked for: what the chosen preset shows, and the chart's traces once the chart was opened after it was chosen. Fewer
+// channels come faster, so choosing a preset asks for its own and no more. While recording nothing is taken away: a recording keeps at
+// least what it had; when it ends, what nobody looks at goes. Somebody else at the controls: nothing is asked, and what is not sampled shows a
+// dash. A free seat is taken by a choice made here, not by looking on: only a page that is alone takes it by itself.
+import { untrack } from "svelte";
+import { ApiError, api } from "./api";
+import { catalog } from "./catalog.svelte";
+import { control } from "./control.svelte";
+import { live } from "./live.svelte";
+import { toasts } from "./toasts.svelte";
+import type { State, Wanted } from "./types";
+
+class Needs {
+  private preset = $state.raw<readonly string[]>([]);
+  private chart = $state.raw<readonly string[]>([]);
+
+  /** A preset is on the screen. */
+  ofPreset(names: readonly string[], chosen: boolean): void {
+    this.preset = names;
+    if (chosen) this.chart = [];
+    void this.settle(chosen);
+  }
+
+  ofChart(names: readonly string[], chosen: boolean): void {
+    this.chart = names;
+    void this.settle(chosen);
+  }
+
+  /** For the frame: asks again when the line, the controls or a recording changed. */
+  watch(): void {
+    const ready = live.link === "open" && control.allowed && catalog.loaded !== null && live.state?.line !== "off";
+    void (live.state?.recording != null);
+    if (ready) untrack(() => void this.settle(false));
+  }
+
+  get names(): string[] {
+    return [...new Set([...this.preset, ...this.chart])].filter((name) => catalog.get(name));
+  }
+
+  private async settle(chosen: boolean): Promise<void> {
+    const state = live.state;
+    if (!state || live.link !== "open" || !control.allowed || this.names.length === 0) return;
+    if (!chosen && !control.mine && (state.viewers > 1 || state.line === "off")) return;
+    const wanted = planFor(this.names, state);
+    if (!wanted) return;
+    try {
+      await api.plan(wanted, state.plan.method, state.plan.rate);
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      // Somebody took the controls in between: they decide.
+      if (error.code !== "NotController") toasts.trouble(() => error.said);
+    }
+  }
+}
+
+export const needs = new Needs();
+
+/** The plan to ask for; null: the one in force does. How often each is asked stays as it was. */
+export function planFor(names: readonly string[], state: State): Wanted[] | null {
+  const before = new Map(state.plan.wanted.map((wanted) => [wanted.name, wanted]));
+  const after = new Set(names);
+  if (state.recording) for (const name of before.keys()) after.add(name);
+  if (after.size === before.size && [...after].every((name) => before.has(name))) return null;
+  return [...after].map((name) => before.get(name) ?? { name, every: 1 });
+}

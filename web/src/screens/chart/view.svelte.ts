@@ -1,0 +1,203 @@
+// What the chart shows: panes and their traces (kept on this computer), the window of time, zoom in value, stacking. It outlives the screen.
+import { cursors } from "../../lib/cursors.svelte";
+import { keep, kept } from "../../lib/kept";
+import { shown } from "../../lib/source.svelte";
+
+export interface Trace {
+  name: string;
+  /** 1–8 of the tokens. */
+  colour: number;
+  hidden: boolean;
+}
+
+export interface Pane {
+  id: number;
+  traces: Trace[];
+}
+
+export const MOST_PANES = 5;
+export const SPANS = [10, 30, 60, 300, 900, 3600];
+const SHORTEST = 0.2;
+const LONGEST = 12 * 3600;
+
+const FIRST: string[][] = [["FREQ", "THR"], ["INJ", "JAIR"], ["UOZ"], ["TWAT", "UACC"]];
+
+function coloured(lists: string[][]): Pane[] {
+  let colour = 0;
+  return lists.slice(0, MOST_PANES).map((names, id) => ({
+    id,
+    traces: names.map((name) => ({ name, colour: (colour++ % 8) + 1, hidden: false })),
+  }));
+}
+
+function stored(): Pane[] {
+  try {
+    const panes = JSON.parse(kept("chart") ?? "") as Pane[];
+    const sound = panes.every(({ traces }) => traces.every(({ name, colour }) => typeof name === "string" && colour >= 1 && colour <= 8));
+    if (sound && panes.length > 0) return panes.slice(0, MOST_PANES).map((pane, id) => ({ ...pane, id }));
+  } catch {
+    // Nothing kept, or something else: as at first.
+  }
+  return coloured(FIRST);
+}
+
+/** Where a value range was moved to by hand: the middle and the extent, as shares of what fits by itself. */
+export interface Stretch {
+  shift: number;
+  scale: number;
+}
+
+class View {
+  panes = $state.raw<Pane[]>(stored());
+  /** Seconds in the window. */
+  span = $state(60);
+  /** Its right edge; null: it follows. */
+  end = $state<number | null>(null);
+  stacked = $state(false);
+  stretches = $state.raw<Record<number, Stretch>>({});
+  private of: string | null = null;
+
+  readonly names = $derived([...new Set(this.panes.flatMap(({ traces }) => traces.map(({ name }) => name)))]);
+
+  change(panes: Pane[]): void {
+    this.panes = panes;
+    keep("chart", JSON.stringify(panes));
+  }
+
+  /** From where to where, at this moment. */
+  window(): [number, number] {
+    const end = this.end ?? shown.source.now();
+    return [end - this.span, end];
+  }
+
+  follow(): void {
+    this.end = null;
+  }
+
+  show(from: number, to: number): void {
+    this.span = Math.min(LONGEST, Math.max(SHORTEST, to - from));
+    this.end = to;
+  }
+
+  /** A source is shown; unless it was shown already. */
+  begin(of: string): void {
+    if (of === this.of) return;
+    const first = this.of === null;
+    this.of = of;
+    cursors.a = cursors.b = null;
+    this.fit();
+    if (of !== "live") this.showAll();
+    else if (!first) {
+      this.span = 60;
+      this.follow();
+    }
+  }
+
+  /** All there is. */
+  showAll(): void {
+    const { columns } = shown.source;
+    if (columns.length < 2) return;
+    const room = (columns.last - columns.first) * 0.01;
+    if (shown.source.kind === "live") {
+      this.span = Math.max(SHORTEST, shown.source.now() - columns.first);
+      this.follow();
+    } else this.show(columns.first - room, columns.last + room);
+  }
+
+  /** Around a moment that stays where it is; when following, around the right edge. */
+  zoom(factor: number, around: number): void {
+    const span = Math.min(LONGEST, Math.max(SHORTEST, this.span * factor));
+    if (this.end !== null) {
+      const share = (this.end - around) / this.span;
+      this.end = around + share * span;
+    }
+    this.span = span;
+  }
+
+  pan(seconds: number): void {
+    const now = shown.source.now();
+    const end = (this.end ?? now) + seconds;
+    const live = shown.source.kind === "live" && !shown.source.paused;
+    this.end = live && end >= now ? null : end;
+  }
+
+  stretch(pane: number, change: (before: Stretch) => Stretch): void {
+    const before = this.stretches[pane] ?? { shift: 0, scale: 1 };
+    this.stretches = { ...this.stretches, [pane]: change(before) };
+  }
+
+  /** Every value fits again. */
+  fit(): void {
+    this.stretches = {};
+  }
+
+  toggleTrace(pane: number, name: string): void {
+    this.change(
+      this.panes.map((one) =>
+        one.id === pane
+          ? { ...one, traces: one.traces.map((trace) => (trace.name === name ? { ...trace, hidden: !trace.hidden } : trace)) }
+          : one,
+      ),
+    );
+  }
+
+  add(name: string, to: number): void {
+    if (this.names.includes(name)) return;
+    const used = this.panes.flatMap(({ traces }) => traces.map(({ colour }) => colour));
+    const counts = Array.from({ length: 8 }, (_, index) => used.filter((colour) => colour === index + 1).length);
+    const colour = counts.indexOf(Math.min(...counts)) + 1;
+    this.put({ name, colour, hidden: false }, to, this.panes);
+  }
+
+  move(name: string, to: number): void {
+    const trace = this.panes.flatMap(({ traces }) => traces).find((one) => one.name === name);
+    if (trace) this.put(trace, to, this.without(name));
+  }
+
+  remove(name: string): void {
+    this.change(tidy(this.without(name)));
+  }
+
+  /** To the pane above or below; beyond the last one: into a new pane. */
+  shift(name: string, step: number): void {
+    const at = this.panes.findIndex(({ traces }) => traces.some((trace) => trace.name === name));
+    const to = at + step;
+    if (at < 0 || to < 0 || to > this.panes.length || to >= MOST_PANES) return;
+    if (to === this.panes.length && this.panes[at]!.traces.length === 1) return;
+    this.move(name, this.panes[to]?.id ?? -1);
+  }
+
+  private without(name: string): Pane[] {
+    return this.panes.map((pane) => ({ ...pane, traces: pane.traces.filter((trace) => trace.name !== name) }));
+  }
+
+  /** Into that pane, or into a new one. */
+  private put(trace: Trace, to: number, panes: Pane[]): void {
+    const known = panes.some(({ id }) => id === to);
+    const next = known
+      ? panes.map((pane) => (pane.id === to ? { ...pane, traces: [...pane.traces, trace] } : pane))
+      : [...panes, { id: Math.max(-1, ...panes.map(({ id }) => id)) + 1, traces: [trace] }];
+    this.change(tidy(next));
+  }
+
+  /** The second cursor stands where the first one is; again: it goes. */
+  toggleSecond(): void {
+    if (cursors.b !== null) {
+      cursors.b = null;
+      return;
+    }
+    const [from, to] = this.window();
+    cursors.b = cursors.a ?? from + (to - from) / 3;
+    cursors.a ??= from + ((to - from) * 2) / 3;
+  }
+}
+
+/** No empty panes, and not more than there is room for. */
+function tidy(panes: Pane[]): Pane[] {
+  const full = panes.filter(({ traces }) => traces.length > 0);
+  if (full.length <= MOST_PANES) return full;
+  const over = full.slice(MOST_PANES).flatMap(({ traces }) => traces);
+  return full.slice(0, MOST_PANES).map((pane, index) => (index === MOST_PANES - 1 ? { ...pane, traces: [...pane.traces, ...over] } : pane));
+}
+
+export const view = new View();

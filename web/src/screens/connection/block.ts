@@ -1,0 +1,27 @@
+/**
+ * The car's 12-pin block as far as it is known (docs/wiring.md): the pins in the order of their
+ * numbers, not of their places. What no source confirms is marked so wherever it is drawn.
+ */
+
+export type Confidence = "reported" | "unconfirmed" | "unknown";
+
+export interface Pin {
+  number: number;
+  /** Key of its name in the dictionary; null: another circuit, not connected. */
+  what: "ground" | "request" | "supply" | "kline" | null;
+  confidence: Confidence;
+  /** The adapter's 16-pin plug; null: leave it free. */
+  plug: string | null;
+}
+
+const KNOWN: Record<number, Omit<Pin, "number">> = {
+  2: { what: "supply", confidence: "unconfirmed", plug: "16" },
+  10: { what: "request", confidence: "reported", plug: null },
+  11: { what: "kline", confidence: "unconfirmed", plug: "7" },
+  12: { what: "ground", confidence: "reported", plug: "4, 5" },
+};
+
+export const PINS: readonly Pin[] = Array.from({ length: 12 }, (_, at) => ({
+  number: at + 1,
+  ...(KNOWN[at + 1] ?? { what: null, confidence: "unknown" as const, plug: null }),
+}));

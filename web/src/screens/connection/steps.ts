@@ -1,0 +1,38 @@
+/** The examination as it is drawn: every step there is, with what is known of it so far. */
+
+import type { DoctorStep } from "../../lib/types";
+
+export const STEPS = ["port", "echo", "baud", "latency", "line", "ecu", "commands"] as const;
+export type StepName = (typeof STEPS)[number];
+export type Mark = "ok" | "bad" | "unsure" | "running" | "todo" | "skipped";
+
+export interface Drawn {
+  name: StepName;
+  mark: Mark;
+  step: DoctorStep | null;
+}
+
+/**
+ * A step that did not come although a later one did was left out (an adapter that keeps its echo has no
+ * speed to measure); one behind the end was not reached.
+ */
+export function drawn(steps: readonly DoctorStep[], running: boolean): Drawn[] {
+  const known = new Map(steps.map((step) => [step.name, step]));
+  const reached = Math.max(
+    -1,
+    ...steps.map((step) => STEPS.findIndex((name) => name === step.name)),
+  );
+  return STEPS.map((name, at) => {
+    const step = known.get(name) ?? null;
+    if (step) return { name, step, mark: step.ok === null ? "unsure" : step.ok ? "ok" : "bad" };
+    const mark = !running || at < reached ? "skipped" : at === reached + 1 ? "running" : "todo";
+    return { name, step, mark };
+  });
+}
+
+export type Verdict = "well" | "works" | "broken";
+
+export function verdict(steps: readonly DoctorStep[]): Verdict {
+  if (steps.some((step) => step.ok === false)) return "broken";
+  return steps.every((step) => step.ok) ? "well" : "works";
+}

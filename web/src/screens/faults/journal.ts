@@ -1,0 +1,114 @@
+/**
+ * The journal of changes. It is written twice for each change, before and after, so that one whose
+ * outcome nobody saw still stands there; here the two are one line.
+ */
+
+import type { Text } from "../../lib/types";
+
+export interface RawEntry {
+  time: number;
+  change: string | Text;
+  state: string;
+  before?: unknown;
+  after?: unknown;
+  outcome?: unknown;
+  command?: string;
+  safety?: string;
+  port?: string;
+  model?: string | Text;
+  [more: string]: unknown;
+}
+
+export interface Entry {
+  time: number;
+  change: string | Text;
+  /** `started`: nobody saw how it ended. */
+  state: string;
+  before: unknown;
+  after: unknown;
+  outcome: unknown;
+  model: string | Text | null;
+  erase: boolean;
+  /** The faults that an erase took away; null for other changes. */
+  codes: number[] | null;
+}
+
+function same(a: RawEntry, b: RawEntry): boolean {
+  return (
+    a.port === b.port &&
+    a.command === b.command &&
+    JSON.stringify(a.change) === JSON.stringify(b.change) &&
+    JSON.stringify(a.before ?? null) === JSON.stringify(b.before ?? null)
+  );
+}
+
+/** `entries` newest first, as the server gives them; so is what is returned. */
+export function folded(entries: readonly RawEntry[]): Entry[] {
+  const out: Entry[] = [];
+  const ends: RawEntry[] = [];
+  for (const entry of entries) {
+    if (entry.state === "started") {
+      const at = ends.findIndex((end) => same(end, entry));
+      if (at >= 0) {
+        ends.splice(at, 1);
+        continue; // its outcome is shown already
+      }
+    } else {
+      ends.push(entry);
+    }
+    out.push(told(entry));
+  }
+  return out;
+}
+
+function told(entry: RawEntry): Entry {
+  const change = typeof entry.change === "string" ? entry.change : (entry.change?.en ?? "");
+  const erase = /^erase\b/i.test(change);
+  return {
+    time: entry.time,
+    change: entry.change,
+    state: entry.state,
+    before: entry.before ?? null,
+    after: entry.after ?? null,
+    outcome: entry.outcome ?? null,
+    model: entry.model ?? null,
+    erase,
+    codes: erase ? codesOf(entry.before) : null,
+  };
+}
+
+/** `0D 35`, `[13, 53]` or `[{"code": 13}]` → 13, 53. */
+export function codesOf(before: unknown): number[] {
+  if (typeof before === "string") {
+    const found = before.match(/[0-9a-f]{2}/gi) ?? [];
+    return found.map((byte) => parseInt(byte, 16));
+  }
+  if (!Array.isArray(before)) return [];
+  return before
+    .map((it: unknown) => {
+      if (typeof it === "number") return it;
+      const code = (it as { code?: unknown } | null)?.code;
+      return typeof code === "number" ? code : NaN;
+    })
+    .filter((code) => Number.isInteger(code));
+}
+
+/** Older entries of the journal are in English only; here they too are read in the language on the screen. */
+const RUSSIAN: readonly (readonly [RegExp, string])[] = [
+  [/^write (\d+) byte\(s\) to (.+)$/, "записать байтов: $1, $2"],
+  [/^write parameter (.+)$/, "записать параметр $1"],
+  [/^write (\w+)$/, "записать $1"],
+  [/^set the unit's list to (\d+) code\(s\)$/, "задать список блока, кодов: $1"],
+  [/^erase (\d+) stored fault\(s\)$/, "стереть ошибки, всего: $1"],
+  [/^jump to (.+)$/, "перейти на $1"],
+  [/^send (.+)$/, "послать $1"],
+];
+
+export function changeText(change: string | Text): Text {
+  const en = typeof change === "string" ? change : change.en;
+  if (typeof change !== "string" && change.ru !== en) return change;
+  for (const [pattern, russian] of RUSSIAN) {
+    if (pattern.test(en)) return { en, ru: en.replace(pattern, russian) };
+  }
+  return { en, ru: en };
+}

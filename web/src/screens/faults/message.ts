@@ -1,0 +1,33 @@
+/**
+ * The faults as plain text, to send to someone: what they mean, how sure that is, what to check,
+ * and of which unit. The words come in, so that it is written in the reader's language.
+ */
+
+import type { Fault, Faults } from "../../lib/types";
+
+export interface Words {
+  title: string;
+  none: string;
+  unknown: string;
+  check: string;
+  now: string;
+  sure: (confidence: string) => string;
+  text: (of: Fault) => string;
+  check_text: (of: Fault) => string;
+  reading: (name: string) => string | null;
+}
+
+export function faultsText(faults: Faults, about: readonly string[], words: Words): string {
+  const lines = [words.title, ...about.filter(Boolean), ""];
+  if (faults.faults.length === 0) lines.push(words.none);
+  for (const fault of faults.faults) {
+    lines.push(
+      `${fault.code}: ${words.text(fault) || words.unknown} (${words.sure(fault.confidence)})`,
+    );
+    const check = words.check_text(fault);
+    if (check) lines.push(`   ${words.check}: ${check}`);
+    const readings = fault.related.map(words.reading).filter((it) => it !== null);
+    if (readings.length > 0) lines.push(`   ${words.now}: ${readings.join(", ")}`);
+  }
+  return `${lines.join("\n")}\n`;
+}

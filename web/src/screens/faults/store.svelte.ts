@@ -1,0 +1,28 @@
+// The stored faults as last read, and the journal: kept while one looks at another screen.
+import { api } from "../../lib/api";
+import { Asked } from "../../lib/asked.svelte";
+import { unitKey } from "../../lib/may.svelte";
+import type { Faults } from "../../lib/types";
+import { folded, type Entry, type RawEntry } from "./journal";
+
+class FaultStore {
+  readonly read = new Asked<Faults>();
+  readonly journal = new Asked<Entry[]>();
+  private unit = "";
+
+  /** Asks the unit; what was read of another one goes. */
+  async refresh(): Promise<void> {
+    const unit = unitKey();
+    if (unit !== this.unit) {
+      this.unit = unit;
+      this.read.forget();
+    }
+    await this.read.ask(() => api.faults());
+  }
+
+  async refreshJournal(): Promise<void> {
+    await this.journal.ask(async () => folded((await api.journal()).entries as RawEntry[]));
+  }
+}
+
+export const faults = new FaultStore();

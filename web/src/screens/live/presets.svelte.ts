@@ -1,0 +1,85 @@
+// The presets: shipped ones from the catalog, the user's own from the program; which one is on the screen; the one being edited.
+import { api } from "../../lib/api";
+import { catalog } from "../../lib/catalog.svelte";
+import { keep, kept } from "../../lib/kept";
+import { needs } from "../../lib/needs.svelte";
+import type { Preset, Tile } from "../../lib/types";
+
+class Presets {
+  own = $state.raw<Preset[]>([]);
+  loaded = $state(false);
+  private id = $state(kept("preset") ?? "idle");
+  /** What is on the screen while editing. */
+  draft = $state.raw<Preset | null>(null);
+
+  readonly all = $derived<Preset[]>([...(catalog.loaded?.presets ?? []), ...this.own]);
+  readonly chosen = $derived<Preset | undefined>(
+    this.all.find(({ id }) => id === this.id) ?? this.all[0],
+  );
+  readonly onScreen = $derived<Preset | undefined>(this.draft ?? this.chosen);
+  /** Channels that it shows. */
+  readonly names = $derived(this.onScreen ? namesOf(this.onScreen) : []);
+
+  async load(): Promise<void> {
+    this.own = (await api.presets()).presets;
+    this.loaded = true;
+  }
+
+  choose(id: string): void {
+    this.id = id;
+    this.draft = null;
+    keep("preset", id);
+    if (this.chosen) needs.ofPreset(namesOf(this.chosen), true);
+  }
+
+  edit(): void {
+    const from = this.chosen;
+    if (!from) return;
+    const name = from.shipped ? { en: `${from.name.en} 2`, ru: `${from.name.ru} 2` } : from.name;
+    this.draft = {
+      id: from.shipped ? fresh(this.all) : from.id,
+      name,
+      shipped: false,
+      tiles: from.tiles.map((tile) => ({ ...tile })),
+    };
+  }
+
+  change(tiles: Tile[]): void {
+    if (this.draft) this.draft = { ...this.draft, tiles };
+  }
+
+  async save(name: string): Promise<void> {
+    const draft = this.draft;
+    if (!draft) return;
+    const saved: Preset = { ...draft, name: { en: name, ru: name } };
+    const others = this.own.some(({ id }) => id === saved.id)
+      ? this.own.map((preset) => (preset.id === saved.id ? saved : preset))
+      : [...this.own, saved];
+    this.own = (await api.savePresets(others)).presets;
+    this.choose(saved.id);
+  }
+
+  async remove(): Promise<void> {
+    const gone = this.draft ?? this.chosen;
+    this.own = (await api.savePresets(this.own.filter(({ id }) => id !== gone?.id))).presets;
+    this.choose(this.all[0]?.id ?? "idle");
+  }
+}
+
+export const presets = new Presets();
+
+/** Every channel a preset shows; a table without names has them all. */
+export function namesOf(preset: Preset): string[] {
+  const names = preset.tiles.flatMap((tile) => (tile.names.length ? tile.names : everything(tile)));
+  return [...new Set(names)];
+}
+
+const everything = (tile: Tile): string[] =>
+  tile.kind === "table" ? catalog.channels.map(({ name }) => name) : [];
+
+function fresh(taken: readonly Preset[]): string {
+  for (let number = 1; ; number += 1) {
+    const id = `own-${number}`;
+    if (!taken.some((preset) => preset.id === id)) return id;
+  }
+}

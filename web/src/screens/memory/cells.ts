@@ -1,0 +1,113 @@
+/**
+ * The watch list: cells of memory with a name and a formula, kept in this browser. Cells that lie
+ * near each other are read with one request: a request costs more than the bytes between them.
+ */
+
+import { compile } from "./formula";
+import { SPACES, spaceOf, type SpaceName } from "./hex";
+
+export interface Cell {
+  id: string;
+  space: SpaceName;
+  address: number;
+  name: string;
+  formula: string;
+  unit: string;
+}
+
+export interface Read {
+  space: SpaceName;
+  address: number;
+  count: number;
+  cells: Cell[];
+}
+
+/** Bytes between two cells that are cheaper to read along than to ask twice (4 + 5 framing, §5). */
+const GAP = 9;
+const LONGEST_READ = 255;
+const MOST = 40;
+
+/** A new cell, not yet named. Over plain http there is no randomUUID. */
+export function newCell(space: SpaceName, address: number): Cell {
+  const id = [...crypto.getRandomValues(new Uint8Array(8))].map((it) => it.toString(16)).join("-");
+  return { id, space, address, name: "", formula: "b", unit: "" };
+}
+
+export function sizeOf(cell: Cell): number {
+  try {
+    return compile(cell.formula).size;
+  } catch {
+    return 1;
+  }
+}
+
+export function readsFor(cells: readonly Cell[]): Read[] {
+  const reads: Read[] = [];
+  for (const space of SPACES) {
+    const here = cells
+      .filter((cell) => cell.space === space.name)
+      .sort((a, b) => a.address - b.address);
+    for (const cell of here) {
+      const end = Math.min(cell.address + sizeOf(cell), space.last + 1);
+      const last = reads.at(-1);
+      const near =
+        last?.space === space.name &&
+        !space.single &&
+        cell.address <= last.address + last.count + GAP &&
+        end - last.address <= LONGEST_READ;
+      if (last && near) {
+        last.count = Math.max(last.count, end - last.address);
+        last.cells.push(cell);
+      } else {
+        reads.push({
+          space: space.name,
+          address: cell.address,
+          count: end - cell.address,
+          cells: [cell],
+        });
+      }
+    }
+  }
+  return reads;
+}
+
+/** The cell's bytes out of what was read. */
+export function bytesOf(cell: Cell, read: Read, data: Uint8Array): Uint8Array {
+  const from = cell.address - read.address;
+  return data.subarray(from, from + sizeOf(cell));
+}
+
+/** null: the formula is wrong, or the bytes are too few, or the result is no number. */
+export function valueOf(cell: Cell, bytes: Uint8Array): number | null {
+  try {
+    return compile(cell.formula).value(bytes);
+  } catch {
+    return null;
+  }
+}
+
+/** What was kept, as far as it makes sense; a list damaged by hand loses only the bad entries. */
+export function restored(text: string | null): Cell[] {
+  let stored: unknown;
+  try {
+    stored = JSON.parse(text ?? "[]");
+  } catch {
+    return [];
+  }
+  if (!Array.isArray(stored)) return [];
+  return stored.filter(isCell).slice(0, MOST);
+}
+
+function isCell(it: unknown): it is Cell {
+  if (typeof it !== "object" || it === null) return false;
+  const cell = it as Record<string, unknown>;
+  const texts = ["id", "name", "formula", "unit"].every((key) => typeof cell[key] === "string");
+  if (!texts || !SPACES.some((space) => space.name === cell.space)) return false;
+  const address = cell.address;
+  return (
+    typeof address === "number" &&
+    Number.isInteger(address) &&
+    address >= 0 &&
+    address <= spaceOf(cell.space as string).last
+  );
+}

@@ -1,0 +1,178 @@
+/**
+ * The formula of a watched cell: arithmetic over the cell's bytes, in the notation of §4.
+ *
+ * `b` is the first byte, `s` the same as a signed number, `w` = second·256 + first (low byte first,
+ * §2), `i` the same signed, `b2` the second byte. Numbers may be decimal (`0,5` too) or `0x1F`;
+ * `+ − * / & ( )`. Parsed here and walked as a tree: nothing is ever handed to eval, which the
+ * page's Content-Security-Policy would refuse anyway.
+ */
+
+export type Formula = (bytes: Uint8Array) => number | null;
+
+export class FormulaProblem extends Error {
+  constructor(
+    /** Which words to show: a key of the dictionary. */
+    readonly kind: "empty" | "sign" | "end" | "name" | "long",
+    readonly at: number,
+    readonly found: string,
+  ) {
+    super(`${kind} at ${at}: ${found}`);
+  }
+}
+
+interface Compiled {
+  value: Formula;
+  /** How many bytes the formula needs: 1 or 2. */
+  size: 1 | 2;
+}
+
+type Node = (bytes: Uint8Array) => number;
+
+const LONGEST = 80;
+
+interface Variable {
+  size: 1 | 2;
+  value: Node;
+}
+
+const VARIABLES = new Map<string, Variable>(
+  Object.entries<Variable>({
+    b: { size: 1, value: (d) => d[0] ?? NaN },
+    s: { size: 1, value: (d) => ((d[0] ?? NaN) << 24) >> 24 },
+    w: { size: 2, value: (d) => (d[1] ?? NaN) * 256 + (d[0] ?? NaN) },
+    i: { size: 2, value: (d) => (((d[1] ?? 0) * 256 + (d[0] ?? 0)) << 16) >> 16 },
+    b2: { size: 2, value: (d) => d[1] ?? NaN },
+  }),
+);
+
+interface Token {
+  text: string;
+  at: number;
+}
+
+function tokens(text: string): Token[] {
+  const found: Token[] = [];
+  const pattern = /\s*(0x[0-9a-f]+|\d+(?:[.,]\d+)?|[a-zA-Z_]\w*|[-+*/&()−·×])/giy;
+  let at = 0;
+  while (at < text.length) {
+    if (!text.slice(at).trim()) break;
+    pattern.lastIndex = at;
+    const match = pattern.exec(text);
+    if (!match?.[1]) {
+      const skipped = at + (text.slice(at).length - text.slice(at).trimStart().length);
+      throw new FormulaProblem("sign", skipped, text.charAt(skipped));
+    }
+    found.push({ text: match[1], at: pattern.lastIndex - match[1].length });
+    at = pattern.lastIndex;
+  }
+  return found;
+}
+
+class Parser {
+  #next = 0;
+  size: 1 | 2 = 1;
+
+  constructor(
+    private readonly text: string,
+    private readonly tokens: Token[],
+  ) {}
+
+  whole(): Node {
+    const node = this.masked();
+    const rest = this.tokens[this.#next];
+    if (rest) throw new FormulaProblem("sign", rest.at, rest.text);
+    return node;
+  }
+
+  private peek(): string | undefined {
+    return this.tokens[this.#next]?.text;
+  }
+
+  private masked(): Node {
+    let left = this.sum();
+    while (this.peek() === "&") {
+      this.#next++;
+      const a = left;
+      const b = this.sum();
+      left = (d) => a(d) & b(d);
+    }
+    return left;
+  }
+
+  private sum(): Node {
+    let left = this.product();
+    for (;;) {
+      const sign = this.peek();
+      if (sign !== "+" && sign !== "-" && sign !== "−") return left;
+      this.#next++;
+      const a = left;
+      const b = this.product();
+      left = sign === "+" ? (d) => a(d) + b(d) : (d) => a(d) - b(d);
+    }
+  }
+
+  private product(): Node {
+    let left = this.unary();
+    for (;;) {
+      const sign = this.peek();
+      if (sign !== "*" && sign !== "·" && sign !== "×" && sign !== "/") return left;
+      this.#next++;
+      const a = left;
+      const b = this.unary();
+      left = sign === "/" ? (d) => a(d) / b(d) : (d) => a(d) * b(d);
+    }
+  }
+
+  private unary(): Node {
+    if (this.peek() === "-" || this.peek() === "−") {
+      this.#next++;
+      const inner = this.unary();
+      return (d) => -inner(d);
+    }
+    return this.atom();
+  }
+
+  private atom(): Node {
+    const token = this.tokens[this.#next];
+    if (!token) throw new FormulaProblem("end", this.text.length, "");
+    this.#next++;
+    if (token.text === "(") {
+      const inner = this.masked();
+      const closing = this.tokens[this.#next];
+      if (closing?.text !== ")") {
+        throw new FormulaProblem("end", closing?.at ?? this.text.length, closing?.text ?? "");
+      }
+      this.#next++;
+      return inner;
+    }
+    if (/^\d/.test(token.text)) {
+      const value = Number(token.text.replace(",", "."));
+      return () => value;
+    }
+    const variable = VARIABLES.get(token.text.toLowerCase());
+    if (variable) {
+      if (variable.size === 2) this.size = 2;
+      return variable.value;
+    }
+    const kind = /^[a-z_]/i.test(token.text) ? "name" : "sign";
+    throw new FormulaProblem(kind, token.at, token.text);
+  }
+}
+
+/** Raises `FormulaProblem`. */
+export function compile(text: string): Compiled {
+  if (!text.trim()) throw new FormulaProblem("empty", 0, "");
+  // Recursion goes as deep as there are parentheses; the bound keeps that small.
+  if (text.length > LONGEST) throw new FormulaProblem("long", LONGEST, "");
+  const parser = new Parser(text, tokens(text));
+  const node = parser.whole();
+  const size = parser.size;
+  return {
+    size,
+    value: (bytes) => {
+      if (bytes.length < size) return null;
+      const value = node(bytes);
+      return Number.isFinite(value) ? value : null;
+    },
+  };
+}

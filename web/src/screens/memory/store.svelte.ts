@@ -1,0 +1,155 @@
+// What the memory screen keeps while one looks at another: the page of each space, the watched cells and what they read.
+import { api } from "../../lib/api";
+import { Asked } from "../../lib/asked.svelte";
+import { keep, kept } from "../../lib/kept";
+import { unitKey } from "../../lib/may.svelte";
+import type { Dump, MemoryRead, Space } from "../../lib/types";
+import { bytesOf, readsFor, restored, type Cell } from "./cells";
+import { Glow } from "./glow";
+import { SPACES, addressText, fromHex, parseAddress, spaceOf, type Charset } from "./hex";
+
+/** ms between two readings of what is watched, so that sampling gets its turn. */
+const PAUSE = 150;
+
+/** What is looked at of one space. */
+export class View {
+  typed = $state("0");
+  count = $state(256);
+  /** Where the page on the screen begins, and what stands there. */
+  first = $state(0);
+  data = $state.raw<Uint8Array | null>(null);
+  time = $state(0);
+  chosen = $state<number | null>(null);
+  readonly read = new Asked<MemoryRead>();
+  readonly glow = new Glow();
+
+  constructor(readonly name: Space) {
+    if (name === "sfr") this.typed = "80";
+    if (name === "sfr") this.count = 128;
+  }
+
+  get address(): number | null {
+    const address = parseAddress(this.typed);
+    return address !== null && address <= spaceOf(this.name).last ? address : null;
+  }
+
+  go(address: number): void {
+    const space = spaceOf(this.name);
+    this.typed = addressText(Math.max(0, Math.min(space.last, address)), space);
+  }
+
+  async refresh(): Promise<boolean> {
+    const address = this.address;
+    if (address === null) return false;
+    const count = Math.min(this.count, spaceOf(this.name).last + 1 - address);
+    const got = await this.read.ask(() => api.memory(this.name, address, count));
+    if (!got) return false;
+    this.take(got.address, fromHex(got.data), got.time);
+    return true;
+  }
+
+  take(first: number, data: Uint8Array, time: number): void {
+    this.glow.take(data, first, performance.now());
+    this.first = first;
+    this.data = data;
+    this.time = time;
+    if (this.chosen !== null && (this.chosen < first || this.chosen >= first + data.length)) {
+      this.chosen = null;
+    }
+  }
+
+  forget(): void {
+    this.read.forget();
+    this.glow.forget();
+    this.data = null;
+    this.chosen = null;
+  }
+}
+
+class MemoryStore {
+  readonly views: Record<Space, View> = {
+    ram: new View("ram"),
+    xram: new View("xram"),
+    code: new View("code"),
+    sfr: new View("sfr"),
+  };
+  shown = $state<Space>("ram");
+  charset = $state<Charset>("cp866");
+  /** Reading the page again and again; reading the watched cells again and again. */
+  following = $state(false);
+  watching = $state(false);
+  cells = $state.raw<Cell[]>(restored(kept("cells")));
+  bytes = $state.raw<ReadonlyMap<string, Uint8Array>>(new Map());
+  readonly watched = new Asked<true>();
+  readonly dumps = new Asked<Dump[]>();
+  private unit = "";
+
+  get view(): View {
+    return this.views[this.shown];
+  }
+
+  /** What was read of another unit goes; the list of cells stays. */
+  meet(): void {
+    const unit = unitKey();
+    if (unit === this.unit) return;
+    if (this.unit !== "") {
+      for (const { name } of SPACES) this.views[name].forget();
+      this.bytes = new Map();
+    }
+    this.unit = unit;
+  }
+
+  keepCell(cell: Cell): void {
+    const known = this.cells.some((it) => it.id === cell.id);
+    this.cells = known
+      ? this.cells.map((it) => (it.id === cell.id ? cell : it))
+      : [...this.cells, cell];
+    keep("cells", JSON.stringify(this.cells));
+  }
+
+  dropCell(cell: Cell): void {
+    this.cells = this.cells.filter((it) => it.id !== cell.id);
+    keep("cells", JSON.stringify(this.cells));
+  }
+
+  async readCells(): Promise<boolean> {
+    const done = await this.watched.ask(async () => {
+      const bytes = new Map(this.bytes);
+      for (const read of readsFor(this.cells)) {
+        const got = await api.memory(read.space, read.address, read.count);
+        const data = fromHex(got.data);
+        for (const cell of read.cells) bytes.set(cell.id, bytesOf(cell, read, data));
+      }
+      this.bytes = bytes;
+      return true as const;
+    });
+    return done === true;
+  }
+
+  /** One turn after another until `stop`; an error ends it, and stands on the screen. */
+  follow(stop: AbortSignal): void {
+    void (async () => {
+      while (!stop.aborted && (this.following || this.watching)) {
+        if (!document.hidden) {
+          if (this.following && !(await this.view.refresh())) this.following = false;
+          if (!stop.aborted && this.watching && !(await this.readCells())) this.watching = false;
+        }
+        await new Promise((go) => setTimeout(go, document.hidden ? 1000 : PAUSE));
+      }
+    })();
+  }
+
+  async refreshDumps(): Promise<void> {
+    await this.dumps.ask(async () => (await api.dumps()).dumps);
+  }
+
+  /** One dump as the server tells it now, in the list; the others as they were. */
+  put(dump: Dump): void {
+    const others = this.dumps.value ?? [];
+    this.dumps.value = others.some((it) => it.id === dump.id)
+      ? others.map((it) => (it.id === dump.id ? dump : it))
+      : [dump, ...others];
+  }
+}
+
+export const memory = new MemoryStore();

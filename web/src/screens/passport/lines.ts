@@ -1,0 +1,80 @@
+// The passport as names and values: once for the screen, the copied text and the saved file.
+import { DASH, number, say } from "../../lib/i18n";
+import type { Passport } from "../../lib/types";
+import type { Line } from "./sheet";
+import { methods, t } from "./words";
+
+type Method = Parameters<typeof methods>[0];
+const METHODS: readonly Method[] = ["stream", "list", "batch", "single"];
+
+/** A name the page knows is said in words; another one (stroke0 … stroke4) as it is. */
+export function methodText(name: string | null): string {
+  if (!name) return DASH;
+  const known = METHODS.find((it) => it === name);
+  return known ? methods(known) : name;
+}
+
+export const byteText = (value: number) => value.toString(16).toUpperCase().padStart(2, "0");
+
+/** The filled pieces; the piece `null` (this unit does not know the command) and "" (not filled in) are said apart. */
+export function piecesText(pieces: readonly (string | null)[]): string {
+  if (pieces.every((piece) => piece === null)) return t("not_told");
+  const filled = pieces.filter((piece) => piece?.trim());
+  return filled.length > 0 ? filled.join(" · ") : t("not_filled");
+}
+
+export function unitLines(passport: Passport): Line[] {
+  return [
+    [t("model"), say(passport.model)],
+    [t("version_code"), byteText(passport.version_code)],
+    [t("program"), piecesText(passport.program_passport)],
+    [t("data"), piecesText(passport.data_passport)],
+    [
+      t("parameters"),
+      passport.parameter_count === null ? t("not_told") : number(passport.parameter_count),
+    ],
+  ];
+}
+
+export function lineLines(passport: Passport): Line[] {
+  const { latency_ms: latency } = passport;
+  return [
+    [t("adapter"), passport.adapter || DASH],
+    [t("port"), passport.port || DASH],
+    [t("echo"), passport.echo ? t("echo_yes") : t("echo_no")],
+    [t("baud"), t("baud_value", { n: passport.baud })],
+    [
+      t("latency"),
+      latency === null ? t("not_measured") : t("latency_value", { n: number(latency, 0) }),
+    ],
+  ];
+}
+
+export function learntLines(passport: Passport): Line[] {
+  const { max_list: list, max_block: blocks, refused } = passport.limits;
+  const rates = Object.entries(passport.rates);
+  return [
+    [t("method"), methodText(passport.method)],
+    ...rates.map(([name, rate]): Line => {
+      return [
+        methodText(name),
+        rate > 0 ? t("rate_value", { n: number(rate, 1) }) : t("rate_none"),
+      ];
+    }),
+    [t("max_list"), list === null ? t("no_limit") : t("max_list_value", { n: list })],
+    ...Object.entries(blocks).map(([space, count]): Line => {
+      return [t("max_block", { space: space.toUpperCase() }), t("bytes", { n: count })];
+    }),
+    [t("refused"), refused.length > 0 ? refused.map(byteText).join(" ") : t("none")],
+  ];
+}
+
+export function commandLines(passport: Passport): Line[] {
+  return (passport.supported ?? []).map(({ code, title, supported }) => {
+    return [`${byteText(code)} ${say(title)}`, answerText(supported)];
+  });
+}
+
+export function answerText(supported: boolean | null): string {
+  return supported === null ? t("not_tried") : supported ? t("knows") : t("knows_not");
+}

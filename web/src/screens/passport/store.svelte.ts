@@ -1,0 +1,36 @@
+// The passport as last read: kept while one looks at another screen, forgotten with another unit.
+import { api } from "../../lib/api";
+import { Asked } from "../../lib/asked.svelte";
+import { unitKey } from "../../lib/may.svelte";
+import type { Passport } from "../../lib/types";
+
+class PassportStore {
+  readonly read = new Asked<Passport>();
+  /** The commands are being tried: seconds, not milliseconds. */
+  probing = $state(false);
+  private unit = "";
+
+  async refresh(): Promise<void> {
+    const unit = unitKey();
+    if (unit !== this.unit) {
+      this.unit = unit;
+      this.read.forget();
+    }
+    const tried = this.read.value?.supported ?? null;
+    const passport = await this.read.ask(() => api.passport());
+    // What was tried stays on the screen: reading the passport again untries nothing.
+    if (passport && !passport.supported && tried)
+      this.read.value = { ...passport, supported: tried };
+  }
+
+  async probe(): Promise<void> {
+    this.probing = true;
+    try {
+      await this.read.ask(() => api.probe());
+    } finally {
+      this.probing = false;
+    }
+  }
+}
+
+export const passports = new PassportStore();

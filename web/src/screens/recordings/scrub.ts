@@ -1,0 +1,65 @@
+/** The player's bar: places on it as times, its speeds, and the loop between two marks. */
+
+import { clock } from "../../lib/i18n";
+import { SPEEDS } from "../../lib/player.svelte";
+
+export interface Loop {
+  from: number;
+  to: number;
+}
+
+export function faster(speed: number): number {
+  return SPEEDS.find((it) => it > speed) ?? SPEEDS[SPEEDS.length - 1]!;
+}
+
+export function slower(speed: number): number {
+  return [...SPEEDS].reverse().find((it) => it < speed) ?? SPEEDS[0];
+}
+
+/** 0 … 1 along the bar. */
+export function share(time: number, first: number, last: number): number {
+  if (last <= first) return 0;
+  return Math.min(1, Math.max(0, (time - first) / (last - first)));
+}
+
+/** The first press marks where the loop begins, the second where it ends, the third clears it. */
+export function nextLoop(
+  loop: Partial<Loop> | null,
+  time: number,
+): { loop: Partial<Loop> | null; whole: Loop | null } {
+  if (loop?.from === undefined) return { loop: { from: time }, whole: null };
+  if (loop.to === undefined) {
+    if (time === loop.from) return { loop: null, whole: null };
+    const whole = { from: Math.min(loop.from, time), to: Math.max(loop.from, time) };
+    return { loop: whole, whole };
+  }
+  return { loop: null, whole: null };
+}
+
+/** What the arrow keys do on the slider: a second, ten with Shift or Page keys; null: not ours. */
+export function keyStep(key: string, shift: boolean): number | "first" | "last" | null {
+  switch (key) {
+    case "ArrowLeft":
+    case "ArrowDown":
+      return shift ? -10 : -1;
+    case "ArrowRight":
+    case "ArrowUp":
+      return shift ? 10 : 1;
+    case "PageDown":
+      return -30;
+    case "PageUp":
+      return 30;
+    case "Home":
+      return "first";
+    case "End":
+      return "last";
+    default:
+      return null;
+  }
+}
+
+/** 65.25 → `1:05.3`, for the player's clock. */
+export function precise(seconds: number): string {
+  const tenths = Math.max(0, Math.round(seconds * 10));
+  return `${clock(Math.floor(tenths / 10))}.${tenths % 10}`;
+}

@@ -1,0 +1,22 @@
+// The list of recordings: kept while one looks at another screen, asked again when it is opened.
+import { api } from "../../lib/api";
+import { Asked } from "../../lib/asked.svelte";
+import type { About, Recording } from "../../lib/types";
+
+class RecordingStore {
+  readonly list = new Asked<Recording[]>();
+  readonly about = new Asked<About>();
+  search = $state("");
+
+  async refresh(): Promise<void> {
+    if (!this.about.value) void this.about.ask(() => api.about());
+    await this.list.ask(async () => (await api.recordings()).recordings);
+  }
+
+  /** The note as it was saved, without asking for the whole list again. */
+  noted(id: string, note: string): void {
+    this.list.value = (this.list.value ?? []).map((it) => (it.id === id ? { ...it, note } : it));
+  }
+}
+
+export const recordings = new RecordingStore();

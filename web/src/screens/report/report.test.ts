@@ -1,0 +1,23 @@
+import { expect, it } from "vitest";
+import { mayFrame, reportAddress, reportFile } from "./address";
+
+it("is asked for by its recording and language", () => {
+  expect(reportAddress(null, "ru", true)).toBe("/api/report?lang=ru&inline=1");
+  expect(reportAddress("a b.pcapng", "en", false)).toBe(
+    "/api/recordings/a%20b.pcapng/report?lang=en",
+  );
+  expect(reportFile("a b.pcapng", "en")).toBe("a b-report-en.html");
+});
+
+it("is shown in a frame only where the server allows that", () => {
+  const of = (policy: string | null, options: string | null) => {
+    const headers = new Headers();
+    if (policy) headers.set("Content-Security-Policy", policy);
+    if (options) headers.set("X-Frame-Options", options);
+    return mayFrame(headers);
+  };
+  expect(of("default-src 'none'; frame-ancestors 'none'; sandbox", "DENY")).toBe(false);
+  expect(of("default-src 'none'; frame-ancestors 'self'; sandbox", "SAMEORIGIN")).toBe(true);
+  expect(of(null, "DENY")).toBe(false);
+  expect(of(null, null)).toBe(true);
+});
