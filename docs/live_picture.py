@@ -1,4 +1,4 @@
-"""Draws docs/live.svg, the README's picture: the real live table over a virtual car warming up.
+"""Draws docs/live.svg, the picture in docs/cli.md: the live table over a virtual car warming up.
 
 Run from the repository's root: python docs/live_picture.py
 """
@@ -11,9 +11,11 @@ from pathlib import Path
 
 from rich.console import Console
 
-import mikas
 from mikas.cli import layout
 from mikas.cli.live import LiveTable
+from mikas.cli.output import Output
+from mikas.cli.run import Run
+from mikas.cli.session import Asked, session
 
 SECONDS = 75
 WIDTH = 118
@@ -22,12 +24,12 @@ WIDTH = 118
 def main() -> None:
     """Writes the picture beside this file."""
     console = Console(record=True, width=WIDTH, height=40, file=io.StringIO(), force_terminal=True)
-    with mikas.connect("sim:?scenario=cold-start&seed=1&clock=simulated") as ecu:
-        table = LiveTable(ecu, ecu.catalog.parameters, console)
-        for sample in ecu.watch():
-            table.show(sample)
-            if sample.time > SECONDS:
-                break
+    run = Run(port="sim:?scenario=cold-start&seed=1&clock=simulated")
+    asked = Asked(duration=SECONDS)
+    with session(run, asked) as made:
+        table = LiveTable(made, Output(), console)
+        for event in made.events(asked):
+            table.take(event)
         console.print(table.drawing(layout.UNLIMITED))
     picture = console.export_svg(title="mikas watch")
     # The picture must not fetch a font from elsewhere: whatever monospaced one there is will do.

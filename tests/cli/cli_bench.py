@@ -106,6 +106,7 @@ WORDS = {
     "stream", "corrected", "literal", "alternative", "erase", "log", "capture", "sha256", "city",
     "highway", "baud", "byte", "clock", "cold-start", "warm-idle", "full-load", "key-off", "host",
     "real", "simulated", "nan", "inf", "empty", "scenario", "model", "faults", "seed", "sim",
+    "Enter", "min",
 }  # fmt: skip
 
 

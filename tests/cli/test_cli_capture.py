@@ -65,7 +65,8 @@ def test_log_tells_samples_with_json(mikas):
     assert "3 samples" in ran.err
 
 
-def test_log_stops_when_its_file_can_not_be_written(mikas, monkeypatch):
+def test_log_goes_on_when_its_file_can_not_be_written(mikas, monkeypatch, tmp_path):
+    """Nothing that is wrong with the disk costs the session; it is said once, and at the end."""
     from mikas.recording import CaptureWriter
 
     written = []
@@ -73,18 +74,68 @@ def test_log_stops_when_its_file_can_not_be_written(mikas, monkeypatch):
 
     def full(self, *args):
         written.append(args)
-        if len(written) > 20:
+        if len(written) > 40:
             raise self._failure(OSError(28, "No space left on device"))
         record(self, *args)
 
     monkeypatch.setattr(CaptureWriter, "record", full)
-    ran = mikas("log", "-o", "drive.pcapng", "TWAT", "--count", "1000")
-    assert ran.status == 2
-    assert "drive.pcapng" in ran.err.splitlines()[-1]
+    ran = mikas("log", "-o", "drive.pcapng", "TWAT", "--count", "300", "--json")
+    assert (ran.status, len(ran.objects)) == (2, 300)
+    told, last = ran.err.splitlines()
+    assert told.startswith("NOT RECORDING any more. drive.pcapng: there is no room left")
+    assert last.startswith("NOT RECORDING · drive.pcapng: 300 samples")
+    assert not any(isinstance(it, Problem) for it in CaptureReader(tmp_path / "drive.pcapng"))
     written.clear()
-    ran = mikas("watch", "TWAT", "--count", "20", "--capture", "b.pcapng")
-    assert (ran.status, len(ran.lines)) == (0, 21)  # the samples matter more than the capture
-    assert "The capture stopped early" in ran.err
+    ran = mikas("watch", "TWAT", "--count", "300", "--capture", "b.pcapng", "--lang", "ru")
+    assert (ran.status, len(ran.lines)) == (0, 301)
+    assert ran.err.startswith("ЗАПИСЬ ПРЕКРАЩЕНА. b.pcapng")
+
+
+def test_log_leaves_no_file_where_nobody_was(mikas, tmp_path):
+    """So that the same command works once the ignition is on."""
+    assert mikas("log", "-o", "drive.pcapng", "TWAT", sim="&lost=1").status == 3
+    assert not (tmp_path / "drive.pcapng").exists()
+    assert mikas("log", "-o", "drive.pcapng", "TWAT", "--count", "2", sim="").status == 0
+    before = (tmp_path / "drive.pcapng").read_bytes()
+    assert mikas("log", "-o", "drive.pcapng", "TWAT", sim="&lost=1").status == 2
+    assert (tmp_path / "drive.pcapng").read_bytes() == before
+
+
+@pytest.mark.parametrize("method", ["stream", "list", "batch"])
+def test_a_recording_can_be_read_alone_after_each_rotation(mikas, tmp_path, method):
+    from mikas.catalog import load
+    from mikas.recording.opening import Recording
+
+    ran = mikas("log", "-o", "a.pcapng", "TWAT", "FREQ", "--method", method,
+                "--rotate", "2s", "--duration", "7")  # fmt: skip
+    assert ran.status == 0, ran.err
+    files = sorted(tmp_path.glob("a*.pcapng"))
+    assert len(files) >= 3
+    assert "a-2.pcapng" in ran.err
+    for file in files[:3]:
+        recording = Recording(file, load())
+        assert {column.name for column in recording.channels} >= {"TWAT", "FREQ"}
+        assert sum(len(rows.times) for rows in recording.rows()) > 50
+        assert {"unit", "catalog", "plan"} <= {str(n.kind) for n in CaptureReader(file).notes()}
+
+
+def test_what_is_recorded_is_byte_for_byte_what_passed(mikas, tmp_path, monkeypatch):
+    from mikas.link.tee import CaptureTee, Direction
+
+    passed = dict.fromkeys(Direction, b"")
+    record = CaptureTee._record
+
+    def noted(self, direction, data, time):
+        passed[direction] += data
+        record(self, direction, data, time)
+
+    monkeypatch.setattr(CaptureTee, "_record", noted)
+    mikas("log", "-o", "a.pcapng", "--count", "200", sim="&damaged=0.02&noise=0.02&seed=3")
+    recorded = dict.fromkeys(Direction, b"")
+    for packet in CaptureReader(tmp_path / "a.pcapng"):
+        recorded[packet.direction] += packet.data
+    assert recorded == passed
+    assert len(passed[Direction.RECEIVED]) > 2000
 
 
 def test_decode(mikas):
@@ -93,6 +144,7 @@ def test_decode(mikas):
     assert "CREADP; read parameters: TWAT INJ" in text
     assert "TWAT=86" in text or "TWAT=8" in text
     assert "echo" in text
+    assert "  availability, model\n" in text  # and not our own word for it twice
     russian = mikas("decode", "wire.pcapng", "--lang", "ru").out
     assert "чтение параметров: TWAT INJ" in russian
     assert "мс" in russian

@@ -12,6 +12,7 @@ import click
 import pytest
 from cli_bench import is_russian
 
+from mikas.catalog import shipped
 from mikas.cli.main import cli
 from mikas.client import METHODS
 from mikas.virtual.disturbance import Trouble
@@ -73,7 +74,7 @@ def test_the_contract_s_commands_are_all_there():
     assert {
         "ports", "doctor", "info", "params", "read", "watch", "log", "faults", "write", "mem read",
         "mem write", "mem dump", "mem verify", "mem diff", "mem goto", "raw", "decode", "export",
-        "sim", "demo",
+        "sim", "dash", "demo",
     } <= paths  # fmt: skip
 
 
@@ -140,3 +141,18 @@ def test_help_loads_nothing_heavy(tmp_path, argv):
     heavy = {"mikas.catalog", "mikas.client", "mikas.link", "serial", "rich", "asyncio", "numpy",
              "tomllib", "platformdirs"}  # fmt: skip
     assert not loaded & heavy
+
+
+_TAKE_NAMES = {"demo", "log", "watch"}
+
+
+def test_the_names_in_the_examples_exist():
+    named = set()
+    for path, command in ALL:
+        for example in (
+            getattr(command, "examples", ()) if _TAKE_NAMES.intersection(path[-1:]) else ()
+        ):
+            named |= set(re.findall(r"(?<= )[A-Z][A-Z_]+(?=/|\s|$)", example))
+    assert {"FREQ", "FUEL_FLOW"} <= named
+    for name in named:
+        shipped().channel(name)

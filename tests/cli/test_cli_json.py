@@ -158,11 +158,26 @@ def test_ports_with_an_adapter(mikas, monkeypatch):
     assert (found["url"], found["chip"], found["likely"]) == ("COM3", "FT232R", True)
 
 
-def test_demo_tells_its_address_first(mikas):
-    first, *samples = mikas("demo", "TWAT", "--count", "2", "--json").objects
-    assert set(first) == {"schema", "url"}
-    assert first["url"].startswith("sim:?scenario=cold-start")
-    assert [set(s) for s in samples] == [{"schema", "time", "values", "gap"}] * 2
+@pytest.mark.parametrize("command", ["demo", "dash"])
+def test_the_dashboard_tells_its_address_first(mikas, monkeypatch, command):
+    monkeypatch.setattr("mikas.dashboard.server.serve", lambda app, own, *, ready: ready())
+    told = mikas(command, "--no-browser", "--json").object
+    assert set(told) == {"schema", "url", "lan_url"}
+    assert re.fullmatch(r"http://127\.0\.0\.1:\d+/", told["url"])
+    assert told["lan_url"] is None
+
+
+def test_derived_channels_are_listed(mikas):
+    derived = {it["name"]: it for it in mikas("params", "--json").object["derived"]}
+    assert derived["FUEL_USED"]["accumulates"] is True
+    assert set(derived["DUTY"]["inputs"]) == {"INJ", "FREQ"}
+    assert set(derived["DUTY"]) == {
+        "name", "unit", "formula", "constants", "inputs", "accumulates", "text", "source",
+        "confidence",
+    }  # fmt: skip
+    rows = mikas("params").lines
+    (row,) = (line.split("\t") for line in rows if line.startswith("FUEL_USED"))
+    assert row[3] == "∫ FUEL_FLOW / 3600"
 
 
 def test_the_manifest_is_what_dump_tells(mikas, tmp_path):

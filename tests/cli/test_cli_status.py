@@ -35,6 +35,11 @@ USAGE = [
     ["log"],
     ["log", "-o"],
     ["log", "-o", "."],
+    ["log", "-o", "a.pcapng", "--rotate", "10"],
+    ["log", "-o", "a.pcapng", "--rotate", "0s"],
+    ["log", "-o", "a.pcapng", "--rotate", "often"],
+    ["watch", "NOSUCH", "--price"],
+    ["watch", "TWAT/0"],
     ["read", "TWAAT"],
     ["read", "0x"],
     ["read", "0x1A:9"],
@@ -119,6 +124,13 @@ def test_wrong_usage(mikas, bad_files, argv, language):
         is_one_short_paragraph(ran.err)
         if language == "ru":
             is_russian(ran.err)
+
+
+def test_an_error_begins_as_a_sentence_and_a_file_by_its_name(mikas, bad_files):
+    assert mikas("sim", "--scenario", "nosuch").err.startswith("There is no scenario")
+    assert mikas("sim", "--scenario", "nosuch", "--lang", "ru").err.startswith("Нет ни сценария")
+    assert mikas("decode", "note.txt").err.startswith("note.txt: ")
+    assert mikas("write", "UOZ", "nan").err.startswith("nan does not fit")
 
 
 NOBODY = [

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
+from cli_bench import is_one_short_paragraph, is_russian
+
+from mikas.recording import CaptureReader
 
 
 def test_plain_lines(mikas):
@@ -45,29 +50,112 @@ def test_the_duration(mikas):
     assert len(mikas("watch", "TWAT", "--duration", "60", "--count", "2", "--json").objects) == 2
 
 
-def test_a_gap_is_null(mikas):
-    samples = mikas(
-        "watch",
-        "TWAT",
-        "RXX",
-        "--count",
-        "60",
-        "--retries",
-        "0",
-        "--json",
-        sim="&damaged=0.2&seed=5",
-    ).objects
-    gaps = [sample for sample in samples if sample["gap"]]
+KEY_OFF = "&scenario=key-off"  # the engine runs, then the ignition is switched off for good
+
+
+def test_ignition_off_is_waited_out_and_every_value_is_null(mikas):
+    ran = mikas("watch", "TWAT", "RXX", "--duration", "30", "--rate", "5", "--json", sim=KEY_OFF)
+    assert ran.status == 0
+    gaps = [sample for sample in ran.objects if sample["gap"]]
     assert gaps
-    assert len(gaps) < 60
-    for sample in samples:
+    assert len(gaps) < len(ran.objects)
+    for sample in ran.objects:
         nothing = {"TWAT": None, "RXX": None}
         assert (sample["values"] == nothing) is sample["gap"]
+    times = [sample["time"] for sample in gaps]
+    # A line a try: a reader of the lines sees that time goes on.
+    assert max(later - before for before, later in pairwise(times)) < 3
+    assert ran.objects[-1]["time"] - ran.objects[0]["time"] >= 29
+    assert "ignition off? Waiting; it goes on by itself." in ran.err
+    is_russian(mikas("watch", "TWAT", "--duration", "30", "--lang", "ru").err)
 
 
 def test_a_gap_in_plain_lines_is_a_dash(mikas):
-    ran = mikas("watch", "TWAT", "--count", "60", "--retries", "0", sim="&damaged=0.2&seed=5")
+    ran = mikas("watch", "TWAT", "--duration", "30", "--rate", "5", sim=KEY_OFF)
     assert any(line.endswith("\t–") for line in ran.lines)
+    assert ran.lines[1].split("\t")[1] != "–"
+
+
+def test_every_tenth_cycle_is_null_in_the_other_nine(mikas):
+    argv = ("FREQ", "TWAT/10", "--method", "batch", "--count", "60", "--json")
+    samples = [sample["values"] for sample in mikas("watch", *argv).objects]
+    assert all(list(values) == ["FREQ", "TWAT"] for values in samples)
+    assert all(values["FREQ"] is not None for values in samples)
+    assert 5 <= sum(values["TWAT"] is not None for values in samples) <= 8
+    plain = mikas("watch", "FREQ", "TWAT/10", "--method", "batch", "--count", "60").lines[1:]
+    assert sum(line.endswith("\t–") for line in plain) >= 52
+
+
+@pytest.mark.parametrize("bad", ["TWAT/0", "TWAT/x", "TWAT/", "TWAT/-1", "NOSUCH/10", "/10"])
+def test_a_wrong_name_or_turn_is_said_before_anything_is_sent(mikas, bad, tmp_path):
+    ran = mikas("log", "-o", "a.pcapng", bad)
+    assert (ran.status, ran.out) == (2, "")
+    is_one_short_paragraph(ran.err)
+    assert not (tmp_path / "a.pcapng").exists()
+    is_russian(mikas("watch", bad, "--lang", "ru").err)
+
+
+def test_a_derived_channel_comes_without_what_it_is_made_of(mikas):
+    samples = mikas("watch", "FUEL_FLOW", "DUTY", "--count", "20", "--json").objects
+    assert all(list(sample["values"]) == ["FUEL_FLOW", "DUTY"] for sample in samples)
+    assert all(0 < sample["values"]["FUEL_FLOW"] < 20 for sample in samples[1:])
+    plain = mikas("watch", "FUEL_FLOW", "--count", "2").lines
+    assert plain[0] == "time\tFUEL_FLOW"
+
+
+def test_another_method_is_found_where_one_is_missing(mikas):
+    ran = mikas("watch", "TWAT", "--count", "600", "-v", sim="&missing=stream,list")
+    assert ran.status == 0, ran.err
+    assert "Method: batch (" in ran.err
+    assert "Plan: batch, " in ran.err
+
+
+def test_what_was_learnt_is_shown_and_forgotten(mikas):
+    mikas("watch", "--duration", "10", sim="")
+    learnt = mikas("info", "--quick", "--json").object["limits"]["methods"]
+    (rates,) = learnt.values()
+    assert rates["stream"] > rates["batch"] > 0
+    assert "stream " in mikas("info", "--quick").out
+    second = mikas("watch", "--count", "5", "-v").err
+    assert "Method: stream" in second
+    again = mikas("watch", "--count", "5", "-v", "--relearn").err
+    assert "Method" not in again  # it is still measuring
+    is_russian(mikas("info", "--quick", "--lang", "ru").out, wordy=False, names=("batch", "ms"))
+
+
+def test_a_parameter_that_is_refused_is_said_once(mikas):
+    ran = mikas("watch", "0x55", "TWAT", "--count", "30", "--json")
+    assert ran.err.count("0x55") == 1
+    assert "left out, the others go on" in ran.err
+    is_russian(mikas("watch", "0x55", "TWAT", "--count", "3", "--lang", "ru").err)
+
+
+def test_an_alarm_is_said_in_words_and_recorded(mikas, tmp_path):
+    (tmp_path / "mine.toml").write_text("[parameter.TWAT.limits]\nwarning_high = 50\n")
+    ran = mikas("log", "-o", "a.pcapng", "TWAT", "--count", "5", "--catalog", "mine.toml")
+    assert "▲ Coolant temperature" in ran.err
+    assert "is above 50 °C: warning." in ran.err
+    (note,) = (n for n in CaptureReader(tmp_path / "a.pcapng").notes() if n.kind == "alarm")
+    assert note.data["channel"] == "TWAT"
+
+
+@pytest.mark.parametrize("names", [(), ("FREQ", "TWAT/10", "FUEL_FLOW")])
+def test_the_price_needs_no_port(mikas, monkeypatch, names):
+    monkeypatch.setenv("MIKAS_PORT", "/dev/nosuch")
+    prices = mikas("watch", *names, "--price", "--json").object["prices"]
+    by_method = {price["method"]: price for price in prices}
+    assert list(by_method) == ["single", "batch", "list", "stream"]
+    assert by_method["batch"]["sets_per_second"] > by_method["single"]["sets_per_second"]
+    for price in prices:
+        assert price["sets_per_second"] == pytest.approx(1000 / price["ms"], rel=0.02)
+    if names:
+        more = by_method["batch"]["one_more"]
+        assert more["ms"] == pytest.approx(2.1, abs=0.1)  # a code and a byte, 1.04 ms each
+        assert more["sets_per_second"] < by_method["batch"]["sets_per_second"]
+    table = mikas("watch", *names, "--price", "--lang", "ru")
+    assert (table.status, len(table.lines), table.err) == (0, 5, "")
+    is_russian(table.lines[0])
+    assert mikas("watch", "NOSUCH", "--price").status == 2
 
 
 def test_a_parameter_that_the_unit_does_not_know(mikas):

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import click
 
@@ -166,6 +167,50 @@ class Whole(ParamType[int]):
                 ctx,
             )
         return number
+
+
+@dataclass(frozen=True, slots=True)
+class Portion:
+    """How much goes into one file: so many bytes, or so many seconds. The other is None."""
+
+    bytes: int | None = None
+    seconds: float | None = None
+
+
+class PortionType(ParamType[Portion]):
+    """`100MB`, `30min`, `2h`."""
+
+    name = "portion"
+    _UNITS: ClassVar[dict[str, Portion]] = {
+        "kb": Portion(bytes=1 << 10),
+        "mb": Portion(bytes=1 << 20),
+        "gb": Portion(bytes=1 << 30),
+        "s": Portion(seconds=1),
+        "min": Portion(seconds=60),
+        "h": Portion(seconds=3600),
+    }
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Portion:
+        if isinstance(value, Portion):
+            return value
+        said = re.fullmatch(r"([0-9]{1,9}) ?([a-z]+)", str(value).strip().lower())
+        unit = self._UNITS.get(said[2]) if said else None
+        number = int(said[1]) if said else 0
+        if unit is None or number < 1:
+            self.fail(
+                say(
+                    f"“{value}” does not fit; write how much with its unit: 100MB, 30min, 2h.",
+                    f"«{value}» не подходит; пишите, сколько и чего: 100MB, 30min, 2h.",
+                ),
+                param,
+                ctx,
+            )
+        if unit.bytes is not None:
+            return Portion(bytes=number * unit.bytes)
+        assert unit.seconds is not None
+        return Portion(seconds=number * unit.seconds)
 
 
 class OneOf(ParamType[str]):

@@ -22,8 +22,18 @@ _HEAD = 3  # lines that are no parameter: the state, the headings, Ctrl-C
 
 
 @dataclass(frozen=True, slots=True)
+class Head:
+    """What stands around the rows: the line's state, who is in alarm, the latest notice."""
+
+    state: str
+    style: str
+    alarms: str = ""
+    notice: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Row:
-    """One parameter in words."""
+    """One channel in words; `style` is the value's."""
 
     name: str
     value: str
@@ -33,6 +43,7 @@ class Row:
     highest: str
     meaning: str
     curve: str
+    style: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,15 +74,15 @@ def _columns() -> list[_Column]:
 
 _ORDER = (0, 1, 2, 5, 6, 7, 3, 4)  # from left to right
 _NEEDED = 3
+_VALUE = 1  # the column whose style is the row's own
 
 
-def draw(state: str, style: str, rows: Sequence[Row], width: int, height: int) -> RenderableType:
-    """`state` in `style`, then `rows`, in `width` by `height` characters."""
+def draw(head: Head, rows: Sequence[Row], width: int, height: int) -> RenderableType:
+    """`head`, then `rows`, in `width` by `height` characters."""
     from rich.console import Group
     from rich.table import Table
-    from rich.text import Text as RichText
 
-    room = max(1, height - _HEAD)
+    room = max(1, height - _HEAD - bool(head.alarms))
     tables = _tables(rows, width, room)
     shown_rows, left_out = rows[: tables * room], rows[tables * room :]
     each = -(-len(shown_rows) // tables) if shown_rows else 0
@@ -84,9 +95,18 @@ def draw(state: str, style: str, rows: Sequence[Row], width: int, height: int) -
     end = say("Ctrl-C ends it", "Выход: Ctrl-C")
     if names:
         end = say(f"No room for {names}", f"Не поместились: {names}")
-    first = RichText(state, style=style, no_wrap=True, overflow="ellipsis")
-    last = RichText(end, style="dim", no_wrap=True, overflow="ellipsis")
-    return Group(first, grid) if height == UNLIMITED else Group(first, grid, last)
+    elif head.notice:
+        end = f"{head.notice} {end}"
+    above = [_line(head.state, head.style)]
+    if head.alarms:
+        above.append(_line(head.alarms, "bold red"))
+    return Group(*above, grid) if height == UNLIMITED else Group(*above, grid, _line(end, "dim"))
+
+
+def _line(text: str, style: str) -> RenderableType:
+    from rich.text import Text as RichText
+
+    return RichText(text, style=style, no_wrap=True, overflow="ellipsis")
 
 
 def _tables(rows: Sequence[Row], width: int, room: int) -> int:
@@ -132,5 +152,11 @@ def _table(part: Sequence[Row], rows: Sequence[Row], width: int) -> Table:
                 overflow="ellipsis",
             )
     for row in part:
-        table.add_row(*(RichText(columns[i].cell(row)) for i in _ORDER if i in chosen))
+        table.add_row(
+            *(
+                RichText(columns[i].cell(row), style=row.style if i == _VALUE else "")
+                for i in _ORDER
+                if i in chosen
+            )
+        )
     return table

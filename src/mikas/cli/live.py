@@ -1,70 +1,55 @@
-"""The live table of `watch`, and what stands for it where there is no terminal."""
+"""The live table of a session, redrawn in place on a terminal.
+
+A value of this cycle stands as it is; one from an earlier cycle is faded, with its age; in a gap
+there are dashes. A channel in alarm has a colour, and the line over the table says it in words.
+"""
 
 from __future__ import annotations
 
 import threading
 from collections import deque
 from collections.abc import Sequence
-from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, Self
 
-from mikas.catalog import Parameter
+from mikas.catalog import Level
 from mikas.cli import layout
+from mikas.cli.lines import fresh_in
 from mikas.cli.output import Output, stdout_console
 from mikas.cli.readings import reference, shown_unit, shown_value
 from mikas.cli.words import decimal, language, say, shown
-from mikas.client import Ecu, Reading, Sample
-from mikas.errors import MikasError
+from mikas.language import Text
+from mikas.sampling.alarms import AlarmEvent, Side
+from mikas.sampling.events import Gap, LineState, Sampled, StateChanged
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
+
+    from mikas.catalog import Derived, Model, Parameter
+    from mikas.client import Reading
+    from mikas.sampling.derived import DerivedValue
+    from mikas.sampling.events import Event
 
 _PER_SECOND = 5  # refreshes, as many as an eye can follow
 _SPARK = "▁▂▃▄▅▆▇█"
 _MEMORY = 60  # samples that the small curve shows, joined to its width
 _WIDTH = 20
+_OLD = 1.0  # s; a younger value is faded, but its age is not told: it would only flicker
+_BETTER = {LineState.ECU_ALIVE, LineState.SAMPLING}
 
 
-class Shown(Protocol):
-    """Something that samples are shown on."""
+class Watched(Protocol):
+    """What the table asks of a session."""
 
-    def show(self, sample: Sample) -> None:
-        """Shows `sample` now."""
+    model: Model | None
+    method: str | None
 
-    def __enter__(self) -> Self: ...
+    @property
+    def channels(self) -> Sequence[Parameter | Derived]:
+        """What was asked for."""
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None: ...
-
-
-class PlainLines:
-    """A line a sample, cells parted by tabs, a heading first."""
-
-    def __init__(self, output: Output, wanted: Sequence[Parameter]) -> None:
-        self._output = output
-        self._wanted = wanted
-        self._begun = False
-
-    def show(self, sample: Sample) -> None:
-        if not self._begun:  # not before there is something: an error needs no heading
-            self._begun = True
-            names = (p.name for p in self._wanted)
-            self._output.line("\t".join([say("time", "время"), *names]))
-        cells = [decimal(f"{sample.time:.3f}")]
-        for parameter in self._wanted:
-            reading = sample.readings.get(parameter.name)
-            cells.append(shown_value(reading) if reading else "–")
-        self._output.line("\t".join(cells))
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        return None
+    @property
+    def errors(self) -> int:
+        """Exchanges that failed."""
 
 
 class LiveTable:
@@ -74,22 +59,25 @@ class LiveTable:
     wire must not wait for it.
 
     It has the terminal's other screen, so that a change of its size leaves no rubbish; at the end
-    the last state is left on the usual one.
+    the last state is left on the usual one, and the notices on stderr.
     """
 
-    def __init__(
-        self, ecu: Ecu, wanted: Sequence[Parameter], console: Console | None = None
-    ) -> None:
+    def __init__(self, session: Watched, output: Output, console: Console | None = None) -> None:
         from rich.live import Live
 
-        self._ecu = ecu
-        self._wanted = wanted
+        self._session = session
+        self._output = output
         self._console = console or stdout_console()
-        self._past: dict[str, deque[float]] = {p.name: deque(maxlen=_MEMORY) for p in wanted}
-        self._lowest: dict[str, Reading] = {}
-        self._highest: dict[str, Reading] = {}
+        names = [channel.name for channel in session.channels]
+        self._past: dict[str, deque[float]] = {name: deque(maxlen=_MEMORY) for name in names}
+        self._latest: dict[str, Reading | DerivedValue] = {}
+        self._lowest: dict[str, Reading | DerivedValue] = {}
+        self._highest: dict[str, Reading | DerivedValue] = {}
         self._times: deque[float] = deque(maxlen=100)
-        self._sample: Sample | None = None
+        self._now: Sampled | Gap | None = None
+        self._broken: StateChanged | None = None
+        self._alarms: dict[str, AlarmEvent] = {}
+        self._notices: list[str] = []
         self._changing = threading.Lock()
         self._live = Live(
             console=self._console,
@@ -98,14 +86,33 @@ class LiveTable:
             screen=True,
         )
 
-    def show(self, sample: Sample) -> None:
+    def take(self, event: Event) -> None:
+        """Keeps what the next drawing shows."""
         with self._changing:
-            self._take(sample)
+            match event:
+                case Sampled():
+                    self._sampled(event)
+                case Gap():
+                    self._now = event
+                case StateChanged():
+                    self._broken = None if event.state in _BETTER else event
+                case AlarmEvent():
+                    self._alarms.pop(event.channel.name, None)
+                    if event.level is not Level.NONE:
+                        self._alarms[event.channel.name] = event
 
-    def _take(self, sample: Sample) -> None:
-        self._sample = sample
-        self._times.append(sample.time)
-        for name, reading in sample.readings.items():
+    def tell(self, sentence: str) -> None:
+        """Shows a notice until the next one comes; all of them are told again at the end."""
+        with self._changing:
+            self._notices.append(sentence)
+
+    def _sampled(self, event: Sampled) -> None:
+        self._now, self._broken = event, None
+        self._times.append(event.time)
+        for name, reading in fresh_in(event).items():
+            if name not in self._past:  # an input of something derived
+                continue
+            self._latest[name] = reading
             self._past[name].append(float(reading.value))
             lowest = self._lowest.setdefault(name, reading)
             highest = self._highest.setdefault(name, reading)
@@ -115,41 +122,71 @@ class LiveTable:
     def drawing(self, lines: int | None = None) -> RenderableType:
         """The table as it is now, for the console's size, or for so many lines."""
         with self._changing:
-            rows = [self._row(parameter) for parameter in self._wanted]
+            rows = [self._row(channel) for channel in self._session.channels]
             state = self._state()
-            style = "red" if self._sample and self._sample.gap else "green"
+            well = isinstance(self._now, Sampled) and self._broken is None
+            alarms = self._in_alarm()
+            notice = self._notices[-1] if self._notices else ""
         width, height = self._console.size
-        return layout.draw(state, style, rows, width, lines or height)
+        head = layout.Head(state, "green" if well or self._now is None else "red", alarms, notice)
+        return layout.draw(head, rows, width, lines or height)
 
-    def _row(self, parameter: Parameter) -> layout.Row:
-        name = parameter.name
-        reading = self._sample.readings.get(name) if self._sample else None
+    def _row(self, channel: Parameter | Derived) -> layout.Row:
+        name = channel.name
         told = self._lowest.get(name)
-        ranged = told if not parameter.is_flag else None
+        ranged = told if not channel.is_flag else None
+        value, style = self._value(channel)
         return layout.Row(
             name=name,
-            value=shown_value(reading) if reading else "–",
-            unit=shown_unit(told) if told else parameter.unit_text.to(language()),
-            reference=reference(parameter),
+            value=value,
+            style=style,
+            unit=shown_unit(told) if told else channel.unit_text.to(language()),
+            reference=reference(channel),
             lowest=shown_value(ranged) if ranged else "",
             highest=shown_value(self._highest[name]) if ranged else "",
-            meaning=shown(parameter.text),
+            meaning=shown(channel.text),
             curve=sparkline(self._past[name]),
         )
 
+    def _value(self, channel: Parameter | Derived) -> tuple[str, str]:
+        """What stands for the value, and how."""
+        latest = self._latest.get(channel.name)
+        if latest is None or self._broken is not None or not isinstance(self._now, Sampled):
+            return "–", ""
+        alarm = self._alarms.get(channel.name)
+        style = _STYLES[alarm.level] if alarm else ""
+        if channel.name in fresh_in(self._now):
+            return shown_value(latest), style
+        age = max(0.0, self._now.time - latest.time)
+        if age < _OLD:
+            return shown_value(latest), "dim"
+        return say(
+            f"{shown_value(latest)} ({age:.0f} s)", f"{shown_value(latest)} ({age:.0f} с)"
+        ), "dim"
+
+    def _in_alarm(self) -> str:
+        """The worst first: `▲ TWAT danger · ▼ UACC warning`."""
+        order = sorted(self._alarms.values(), key=lambda alarm: alarm.level is not Level.DANGER)
+        arrows = {Side.HIGH: "▲", Side.LOW: "▼"}
+        return " · ".join(
+            f"{arrows[alarm.side]} {alarm.channel.name}: {shown(_LEVELS[alarm.level])}"
+            for alarm in order
+        )
+
     def _state(self) -> str:
-        model = shown(self._ecu.model.text)
-        if self._sample is None:
+        model = shown(self._session.model.text) if self._session.model else "…"
+        failed = say(f"errors {self._session.errors}", f"ошибок {self._session.errors}")
+        if self._broken is not None:
+            waits = say("waiting, it goes on by itself", "ждём, опрос продолжится сам")
+            return f"○ {shown(self._broken.state.text)} · {waits} · {model}"
+        if self._now is None:
             return f"… {say('waiting for the first answer', 'ждём первого ответа')} · {model}"
-        errors = self._ecu.tester.statistics.failed
-        failed = say(f"errors {errors}", f"ошибок {errors}")
-        if self._sample.gap:
-            reason = self._sample.reason
-            why = shown(reason.reason) if isinstance(reason, MikasError) else str(reason)
-            return f"○ {why} · {model} · {failed}"
+        if isinstance(self._now, Gap):
+            return f"○ {shown(self._now.error.reason)} · {model} · {failed}"
         sets = decimal(f"{self._rate():.1f}")
         rate = say(f"{sets} sets/s", f"{sets} раз/с")
-        return f"● {say('ECU answers', 'блок отвечает')} · {model} · {rate} · {failed}"
+        told = [shown(LineState.SAMPLING.text), model, self._session.method or "", rate, failed]
+        return "● " + " · ".join(word for word in told if word)
 
     def _rate(self) -> float:
         if len(self._times) < 2 or self._times[-1] <= self._times[0]:
@@ -162,8 +199,18 @@ class LiveTable:
 
     def __exit__(self, *_: object) -> None:
         self._live.stop()
-        if self._sample:
+        if self._now:
             self._console.print(self.drawing(layout.UNLIMITED))
+        for sentence in self._notices:
+            self._output.note(sentence)
+
+
+_LEVELS = {
+    Level.NONE: Text("no alarm", "нет"),
+    Level.WARNING: Text("warning", "предупреждение"),
+    Level.DANGER: Text("DANGER", "ОПАСНО"),
+}
+_STYLES = {Level.NONE: "", Level.WARNING: "bold yellow", Level.DANGER: "bold white on red"}
 
 
 def sparkline(values: Sequence[float]) -> str:

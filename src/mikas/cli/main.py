@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -68,13 +69,24 @@ COMMANDS: dict[str, tuple[str, Text]] = {
             "запись в виде таблицы для других программ (порт не нужен)",
         ),
     ),
+    "report": (
+        f"{_HERE}.report:report",
+        Text(
+            "a page on the car for its owner, of a recording or measured now",
+            "страница о машине для её владельца: по записи или по измерению сейчас",
+        ),
+    ),
     "sim": (
         f"{_HERE}.sim:sim",
         Text("a virtual ECU for other programs", "виртуальный блок для других программ"),
     ),
+    "dash": (
+        f"{_HERE}.dash:dash",
+        Text("the dashboard, in the browser", "панель в браузере"),
+    ),
     "demo": (
         f"{_HERE}.demo:demo",
-        Text("the live table with a virtual car", "живая таблица с виртуальной машиной"),
+        Text("the dashboard with a virtual car", "панель с виртуальной машиной"),
     ),
 }
 
@@ -239,7 +251,11 @@ def _failed(error: Exception, *, verbose: bool) -> int:
 
             traceback.print_exception(error)
         return BUG
-    _tell(shown(error.text))
+    said = shown(error.text)
+    ours = error.what.en.startswith("{problem}") or not error.what.en.startswith("{")
+    if ours and re.match(r"[^\W\d_]+[ ,]", said):  # a word, not a file's name or a value
+        said = said[:1].upper() + said[1:]
+    _tell(said)
     if verbose and error.__cause__:
         _tell(f"  ({type(error).__name__} ← {type(error.__cause__).__name__}: {error.__cause__})")
     for tree, status in (

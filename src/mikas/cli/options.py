@@ -56,8 +56,10 @@ def common_options() -> list[click.Parameter]:
             ["--port"],
             metavar="URL",
             text=Text(
-                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: …",
-                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: …",
+                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (a virtual "
+                "ECU), replay:FILE (a recorded one)",
+                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (виртуальный "
+                "блок), replay:FILE (записанный)",
             ),
         ),
         CommonOption(

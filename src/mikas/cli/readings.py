@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from mikas.catalog import Parameter
+from mikas.catalog import Derived, Parameter
 from mikas.cli.words import decimal, language, say
 from mikas.client import Reading
+from mikas.sampling.derived import DerivedValue
 
 
 def as_json(reading: Reading) -> dict[str, Any]:
@@ -19,21 +20,25 @@ def as_json(reading: Reading) -> dict[str, Any]:
     }
 
 
-def shown_value(reading: Reading) -> str:
-    """The value with the parameter's decimals; a flag as yes or no."""
+def shown_value(reading: Reading | DerivedValue) -> str:
+    """The value with its channel's decimals; a flag as yes or no."""
+    if isinstance(reading, DerivedValue):
+        return decimal(f"{reading.value:.{reading.channel.decimals}f}")
     if isinstance(reading.value, bool):
         return say("yes", "да") if reading.value else say("no", "нет")
     return decimal(f"{reading.value:.{reading.parameter.decimals}f}")
 
 
-def shown_unit(reading: Reading) -> str:
+def shown_unit(reading: Reading | DerivedValue) -> str:
     """The unit in the language in force."""
+    if isinstance(reading, DerivedValue):
+        return reading.channel.unit_text.to(language())
     return reading.parameter.reading(reading.reading).unit_text.to(language())
 
 
-def reference(parameter: Parameter) -> str:
+def reference(parameter: Parameter | Derived) -> str:
     """`13 … 16`, what is usual at warm idle; empty if that is not known."""
-    if parameter.reference is None:
+    if isinstance(parameter, Derived) or parameter.reference is None:
         return ""
     low, high = parameter.reference
     return decimal(f"{low:g} … {high:g}" if high > low else f"{low:g}")

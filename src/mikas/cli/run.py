@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from mikas.catalog import Catalog
     from mikas.client import Change, Confirm, Ecu
     from mikas.link import Link, Sink
-    from mikas.recording import Coalescer
 
 _HOW = Text(
     "There is no terminal to ask at; --yes says yes beforehand.",
@@ -45,8 +44,6 @@ class Run:
     reading: str = "corrected"
     catalogs: tuple[Path, ...] = ()
     output: Output = field(default_factory=Output)
-    records: bool = False  # the capture is a recording: a packet a response, and notes
-    recorder: Coalescer | None = None
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Run:
@@ -69,6 +66,18 @@ class Run:
         from mikas.catalog import load
 
         return load(*self.catalogs)
+
+    def maker(self) -> Callable[[Link], Ecu]:
+        """Makes an ECU of a link, not connected yet, by this run's settings."""
+        from mikas.client.connecting import maker
+
+        return maker(
+            echo=self.echo,
+            timeout=self.timeout,
+            retries=self.retries,
+            reading=self.reading,
+            catalogs=self.catalogs,
+        )
 
     @contextmanager
     def ecu(self, confirm: Confirm | None = None) -> Iterator[Ecu]:
@@ -105,14 +114,10 @@ class Run:
         if self.capture is None:
             yield None
             return
-        from mikas.recording import CaptureWriter, Coalescer
+        from mikas.recording import CaptureWriter
 
         with CaptureWriter(self.capture, url=port) as writer:
-            if not self.records:
-                yield writer
-                return
-            with Coalescer(writer) as self.recorder:
-                yield self.recorder
+            yield writer
 
     def check_capture(self, link: Link) -> None:
         """Says if the capture on `link` has broken off."""

@@ -114,15 +114,101 @@ def test_a_killed_log_leaves_a_valid_file(start, sim, tmp_path):
     assert not [it for it in items if isinstance(it, Problem)]
 
 
-def test_the_other_end_goes_away(start, sim):
+def lines_until(stream, found) -> list[dict]:
+    """JSON lines up to the first that `found` likes."""
+    lines = []
+    while not (lines and found(lines[-1])):
+        line = stream.readline()
+        assert line, "ended before it came"
+        lines.append(json.loads(line))
+    return lines
+
+
+def test_an_adapter_that_goes_and_comes_back(start, sim, tmp_path):
+    """“Probing goes on for ever without a hand on the keyboard, the recording stays open and gets
+    a gap with its reason”: the address stays, what is behind it goes away and comes back.
+    """
     process, url = sim
-    watch = start("watch", "TWAT", "--port", url)
-    watch.stdout.readline()
+    adapter = tmp_path / "adapter"
+    adapter.symlink_to(url)
+    log = start("log", "-o", "a.pcapng", "TWAT", "--port", str(adapter), "--json")
+    lines_until(log.stdout, lambda line: line["values"]["TWAT"])
+    adapter.unlink()
     process.kill()
-    _, err = watch.communicate(timeout=PATIENCE)
-    assert watch.returncode == 3
-    assert url in err
-    assert len(err.splitlines()) == 1
+    gaps = lines_until(log.stdout, lambda line: line["gap"])
+    assert gaps[-1]["values"] == {"TWAT": None}
+    gaps += lines_until(log.stdout, lambda line: line["gap"])  # and another, while it waits
+    other = start("sim")
+    adapter.symlink_to(other.stdout.readline().strip())
+    lines_until(log.stdout, lambda line: line["values"]["TWAT"])
+    log.send_signal(signal.SIGINT)
+    _, err = log.communicate(timeout=PATIENCE)
+    assert log.returncode == 130
+    told = err.splitlines()
+    assert told[0] == "No adapter. Waiting; it goes on by itself."
+    assert re.fullmatch(r"Back after \d+ s\.", told[1])
+    assert "1 gaps" in told[2]
+    reader = CaptureReader(tmp_path / "a.pcapng")
+    assert all(isinstance(it, Packet) for it in reader)
+    (gap,) = (note.data for note in reader.notes() if note.kind == "gap")
+    assert gap["ended"] > gap["began"]
+    assert "is gone" in gap["reason"]["en"]
+    assert not list(tmp_path.glob("a-*"))  # the same unit: the same file
+
+
+def test_another_car_gets_a_file_of_its_own(start, tmp_path):
+    first = start("sim", "--tcp", "127.0.0.1:0")
+    url = first.stdout.readline().strip()
+    log = start("log", "-o", "a.pcapng", "TWAT", "--port", url, "--json")
+    lines_until(log.stdout, lambda line: line["values"]["TWAT"])
+    first.kill()
+    first.wait(PATIENCE)
+    lines_until(log.stdout, lambda line: line["gap"])
+    second = start("sim", "--model", "5.4", "--tcp", url.removeprefix("socket://"))
+    assert second.stdout.readline().strip() == url
+    lines_until(log.stdout, lambda line: line["values"]["TWAT"])
+    log.send_signal(signal.SIGINT)
+    _, err = log.communicate(timeout=PATIENCE)
+    assert "Another unit answers: Mikas 5.4" in err
+    assert "The recording goes on in a-2.pcapng." in err
+    for name in ("a.pcapng", "a-2.pcapng"):
+        items = list(CaptureReader(tmp_path / name))
+        assert items
+        assert all(isinstance(it, Packet) for it in items)
+
+
+def test_a_disk_that_is_full_costs_no_sample(start, sim, tmp_path):
+    import resource
+
+    _, url = sim
+    log = start(
+        "log", "-o", "a.pcapng", "TWAT", "--port", url, "--json", "--duration", "3",
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000)),
+    )  # fmt: skip
+    out, err = log.communicate(timeout=PATIENCE)
+    assert log.returncode == 2
+    assert err.count("NOT RECORDING any more") == 1
+    samples = [json.loads(line) for line in out.splitlines()]
+    assert samples[-1]["time"] - samples[0]["time"] > 2
+    assert all(isinstance(it, Packet) for it in CaptureReader(tmp_path / "a.pcapng"))
+    assert 9_000 < (tmp_path / "a.pcapng").stat().st_size <= 10_000
+
+
+def test_enter_marks_a_moment(start, tmp_path):
+    with terminal() as (behind, front):
+        log = start(
+            "log", "-o", "a.pcapng", "TWAT", "--port", "sim:", stdin=front, stdout=front,
+            stderr=front, start_new_session=True,
+            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+        )  # fmt: skip
+        read_until(behind, " samples")
+        os.write(behind, "горка\n".encode())
+        assert "Marker 1 “горка”." in read_until(behind, "Marker 1 “горка”.")
+        os.write(behind, b"\x03")
+        read_until(behind, " KiB")
+        assert log.wait(PATIENCE) == 130
+    (note,) = (n for n in CaptureReader(tmp_path / "a.pcapng").notes() if n.kind == "marker")
+    assert note.data == {"label": "горка"}
 
 
 def test_a_reader_that_has_had_enough(start, sim):
@@ -181,18 +267,18 @@ def read_until(behind: int, wanted: str) -> str:
     return got
 
 
-def test_demo_on_a_terminal(start):
+def test_the_live_table_on_a_terminal(start):
     with terminal() as (behind, front):
-        demo = start("demo", "--lang", "ru", stdin=front, stdout=front, stderr=front,
-                     start_new_session=True)  # fmt: skip
-        got = read_until(behind, "блок отвечает")
+        watch = start("watch", "--port", "sim:", "--lang", "ru", stdin=front, stdout=front,
+                      stderr=front, start_new_session=True)  # fmt: skip
+        got = read_until(behind, "идёт опрос")
         assert "\x1b[?1049h" in got
-        demo.send_signal(signal.SIGINT)
+        watch.send_signal(signal.SIGINT)
         got += read_until(behind, "\x1b[?1049l")
         got += read_until(behind, "TWATI")
         assert "\x1b[?25h" in got
         assert "Traceback" not in got
-        assert demo.wait(PATIENCE) == 130
+        assert watch.wait(PATIENCE) == 130
 
 
 def test_a_question_at_a_terminal(start, tmp_path):

@@ -1,23 +1,28 @@
-"""`mikas demo`: the live table with a virtual car. No adapter, no cable, no car."""
+"""`mikas demo`: the dashboard with a virtual car. No adapter, no cable, no car."""
 
 from __future__ import annotations
 
 from urllib.parse import urlencode
 
-from mikas.cli.commands.watch import samples, sampling_options, show
+from mikas.cli.arguments import Whole
+from mikas.cli.commands.dash import Wishes, dashboard_options, show_dashboard
 from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
 from mikas.cli.words import say
 from mikas.language import Text
 
+_FAULTS = "17"  # the air's temperature: something to find and to erase, and the engine runs well
+
 
 @command(
     "demo",
     Text(
-        "Opens the live table against a virtual ECU in this process: a cold start and warm-up.",
-        "Открывает живую таблицу с виртуальным блоком в этом же процессе: холодный пуск и прогрев.",
+        "Opens the dashboard with a virtual car in this process: a cold start and warm-up, with "
+        "one stored fault. The same in a terminal: mikas watch --port sim:",
+        "Открывает панель с виртуальной машиной в этом же процессе: холодный пуск и прогрев, одна "
+        "ошибка в памяти. То же в терминале: mikas watch --port sim:",
     ),
-    examples=("mikas demo", "mikas demo --scenario city --lang ru"),
+    examples=("mikas demo", "mikas demo --scenario city --lang ru", "mikas demo --no-browser"),
 )
 @option(
     "--scenario",
@@ -27,36 +32,19 @@ from mikas.language import Text
 )
 @option(
     "--seed",
-    default="1",
+    type=Whole(0),
+    default=1,
     metavar="N",
     text=Text("another number, other chances (1)", "другое число — другие случайности (1)"),
 )
 @option(
-    "--no-browser",
-    is_flag=True,
-    text=Text("the table in this terminal", "таблица в этом терминале"),
+    "--faults",
+    default=_FAULTS,
+    metavar="LIST",
+    text=Text(f"stored faults, as 13,53 ({_FAULTS})", f"ошибки в памяти, как 13,53 ({_FAULTS})"),
 )
-@sampling_options
-def demo(
-    run: Run,
-    names: tuple[str, ...],
-    scenario: str,
-    seed: str,
-    method: str,
-    rate: float | None,
-    count: int | None,
-    duration: float | None,
-    *,
-    no_browser: bool,  # noqa: ARG001  (the contract has it; there is no browser to open yet)
-) -> None:
-    run.port = f"sim:?{urlencode({'scenario': scenario, 'seed': seed})}"
-    with run.ecu() as ecu:
-        run.output.note(
-            say(
-                f"A virtual car ({scenario}). Ctrl-C ends it. With a real one: mikas doctor",
-                f"Виртуальная машина ({scenario}). Выход: Ctrl-C. С настоящей: mikas doctor",
-            )
-        )
-        if run.output.json:
-            run.output.data({"url": run.port})
-        show(run, ecu, samples(ecu, names, method, rate, count, duration), names)
+@dashboard_options
+def demo(run: Run, wishes: Wishes, *, scenario: str, seed: int, faults: str) -> None:
+    run.port = f"sim:?{urlencode({'scenario': scenario, 'seed': seed, 'faults': faults})}"
+    run.output.detail(say("virtual car:", "виртуальная машина:"), run.port)
+    show_dashboard(run, wishes)

@@ -105,8 +105,8 @@ def _check(file: Path, out: Path, dialect: str | None) -> None:
     if same:
         raise UsageError(
             problem=Text(
-                f"{out} is the recording itself; give the table another name",
-                f"{out} — это сама запись; дайте таблице другое имя",
+                f"“{out}” is the recording itself; give the table another name",
+                f"«{out}» — это сама запись; дайте таблице другое имя",
             )
         )
     if dialect and out.suffix.lower() != ".csv":

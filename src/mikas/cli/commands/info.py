@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from mikas.catalog import Catalog
 from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
-from mikas.cli.words import say, shown
+from mikas.cli.words import decimal, say, shown
 from mikas.client import Info, Support
+from mikas.client.limits import STARTING_LIST
+from mikas.client.methods import FixedMethod
 from mikas.language import Text
+from mikas.sampling.choosing import rates_of
+from mikas.sampling.plan import Plan, Wanted
+
+_BAUD = 9600  # §1
 
 
 @command(
@@ -28,7 +35,7 @@ def info(run: Run, *, quick: bool) -> None:
     with run.ecu() as ecu:
         found = ecu.info()
         supported = [] if quick else list(ecu.supported())
-        catalog = ecu.catalog.version
+        catalog = ecu.catalog
     if run.output.json:
         run.output.data(
             {
@@ -43,15 +50,19 @@ def info(run: Run, *, quick: bool) -> None:
                     "max_list": found.limits.max_list,
                     "max_block": found.limits.max_block,
                     "refused": [f"{code:02X}" for code in found.limits.refused],
+                    "methods": {
+                        adapter: {method: round(rate, 1) for method, rate in rates.items()}
+                        for adapter, rates in _rates(found, catalog).items()
+                    },
                 },
-                "catalog": catalog,
+                "catalog": catalog.version,
             }
         )
         return
-    run.output.table([], [*_rows(found), *_support_rows(supported)])
+    run.output.table([], [*_rows(found, catalog), *_support_rows(supported)])
 
 
-def _rows(found: Info) -> list[list[str]]:
+def _rows(found: Info, catalog: Catalog) -> list[list[str]]:
     unknown = say("this unit does not tell", "блок не сообщает")
     passport = found.passport
     rows = [
@@ -65,7 +76,7 @@ def _rows(found: Info) -> list[list[str]]:
         [say("echo", "эхо"), say("yes", "есть") if found.echo else say("no", "нет")],
     ]
     limits = found.limits
-    if limits.learnt:
+    if limits.max_list != STARTING_LIST or limits.max_block or limits.refused:
         blocks = ", ".join(f"{space} {count}" for space, count in limits.max_block.items())
         refused = " ".join(f"{code:02X}" for code in limits.refused)
         rows.append(
@@ -79,7 +90,30 @@ def _rows(found: Info) -> list[list[str]]:
                 ),
             ]
         )
+    for adapter, rates in _rates(found, catalog).items():
+        order = sorted(rates, key=lambda method: -rates[method])
+        told = ", ".join(f"{m} {rates[m]:.1f}" if rates[m] else f"{m} –" for m in order)
+        rows.append(
+            [
+                say("sampling", "опрос"),
+                say(
+                    f"all parameters, sets/s: {told} ({adapter})",
+                    f"все параметры, раз/с: {decimal(told)} ({adapter})",
+                ),
+            ]
+        )
     return rows
+
+
+def _rates(found: Info, catalog: Catalog) -> dict[str, dict[FixedMethod, float]]:
+    """By kind of adapter: sets a second of all parameters, by what was learnt; 0: not taken."""
+    lacks = set(found.limits.refused)
+    wanted = tuple(Wanted(p) for p in catalog.parameters if p.code not in lacks)
+    if not wanted:
+        return {}
+    plan = Plan(wanted, max_list=found.limits.max_list)
+    learnt = found.limits.methods
+    return {adapter: rates_of(plan, paces, _BAUD) for adapter, paces in learnt.items()}
 
 
 def _pieces(pieces: tuple[str | None, ...]) -> str:

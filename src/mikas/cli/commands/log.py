@@ -3,30 +3,44 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
 
-from mikas.cli.arguments import File
-from mikas.cli.commands.watch import samples, sampling_options, show
+from mikas.cli.arguments import File, Portion, PortionType
+from mikas.cli.commands.watch import sampling_options
 from mikas.cli.grammar import command, option
+from mikas.cli.lines import JsonLines
+from mikas.cli.main import USAGE
+from mikas.cli.marking import Marking
+from mikas.cli.notices import Notices, capital
 from mikas.cli.run import Run
-from mikas.cli.words import decimal, say
-from mikas.client import Ecu, Sample
-from mikas.errors import UsageError
+from mikas.cli.session import Asked, Session, session
+from mikas.cli.words import decimal, say, shown
+from mikas.client import Ecu
+from mikas.errors import MikasError, UsageError
 from mikas.language import Text
-from mikas.recording.notes import write_session_header
+from mikas.recording.recorder import RecordingStatus, begin_anew
+from mikas.sampling.events import Event, LineState, StateChanged
 
 
 @command(
     "log",
     Text(
         "Records everything on the wire to FILE (.pcapng) while reading each NAME until Ctrl-C. "
-        "The file is whole at any moment, even if the computer goes off.",
+        "The file is whole at any moment, even if the computer goes off. If the adapter or the "
+        "ignition goes away, it waits and goes on in the same file; another car gets FILE-2. On a "
+        "terminal, Enter sets a marker; what was typed before it is its name.",
         "Записывает всё, что есть на линии, в FILE (.pcapng), читая параметры NAME до Ctrl-C. "
-        "Файл цел в любой момент, даже если компьютер выключится.",
+        "Файл цел в любой момент, даже если компьютер выключится. Если пропал адаптер или "
+        "зажигание, ждёт и продолжает в том же файле; для другой машины начинает FILE-2. В "
+        "терминале Enter ставит метку; набранное перед ним — её имя.",
     ),
-    examples=("mikas log -o drive.pcapng", "mikas log -o idle.pcapng FREQ JAIR INJ --duration 60"),
+    examples=(
+        "mikas log -o drive.pcapng",
+        "mikas log -o idle.pcapng FREQ JAIR INJ TWAT/10 --duration 60",
+        "mikas log -o long.pcapng --rotate 1h",
+    ),
 )
 @option(
     "-o",
@@ -36,16 +50,17 @@ from mikas.recording.notes import write_session_header
     metavar="FILE",
     text=Text("where to record; needed", "куда записывать; обязательно"),
 )
+@option(
+    "--rotate",
+    type=PortionType(),
+    metavar="SIZE|TIME",
+    text=Text(
+        "go on in FILE-2, FILE-3 … after so much: 100MB, 30min, 2h",
+        "продолжать в FILE-2, FILE-3 … после стольких: 100MB, 30min, 2h",
+    ),
+)
 @sampling_options
-def log(
-    run: Run,
-    names: tuple[str, ...],
-    out: Path,
-    method: str,
-    rate: float | None,
-    count: int | None,
-    duration: float | None,
-) -> None:
+def log(run: Run, asked: Asked, *, out: Path, rotate: Portion | None) -> int:
     if run.capture is not None:
         raise UsageError(
             problem=Text(
@@ -53,68 +68,124 @@ def log(
                 "Команда log и так записывает, в файл после -o; уберите --capture",
             )
         )
-    run.capture, run.records = out, True
-    with run.ecu() as ecu:
-        _write_head(run, ecu)
-        taken = _counted(run, ecu, out, samples(ecu, names, method, rate, count, duration))
-        if run.output.json:
-            show(run, ecu, taken, names)
-        else:
-            for _ in taken:
-                pass
+    with session(run, asked, out) as current:
+        try:
+            return _record(run, current, asked, rotate)
+        except MikasError:
+            if not current.connected:
+                _leave_nothing(out)
+            raise
 
 
-def _write_head(run: Run, ecu: Ecu) -> None:
-    """Whose recording it is and what it is to be read with, before the first sample."""
-    assert run.recorder is not None  # `records` asked for it
-    write_session_header(
-        run.recorder,
-        ecu.tester.link.now(),
-        version_code=ecu.version_code,
-        passports=ecu.passport().pieces,
-        catalog_version=ecu.catalog.version,
-        adapter=ecu.tester.link.description,
-        baud=ecu.tester.link.baud,
-        echo=ecu.tester.echoes,
-        reading=run.reading,
-    )
-
-
-def _counted(run: Run, ecu: Ecu, out: Path, taken: Iterator[Sample]) -> Iterator[Sample]:
-    """Passes the samples on and tells the rate, errors and file size: as they come, and at the
-    end.
-    """
-    count = gaps = 0
-    began = last = told = ecu.tester.link.now()
+def _record(run: Run, current: Session, asked: Asked, rotate: Portion | None) -> int:
+    lines = JsonLines(current, run.output) if run.output.json else None
+    progress = _Progress(run, current)
+    notices = Notices(current, progress.note, verbose=run.output.verbose)
+    rotation = _Rotation(current, rotate)
     try:
-        for sample in taken:
-            count += not sample.gap
-            gaps += sample.gap
-            last = ecu.tester.link.now()
-            if last - told >= 1 and sys.stderr.isatty():
-                told = last
-                sys.stderr.write("\r\x1b[K" + _told(ecu, out, count, gaps, last - began))
-                sys.stderr.flush()
-            yield sample
-            failure = getattr(ecu.tester.link, "failure", None)
-            if failure is not None:
-                raise failure
+        with Marking(current.recorder, progress.note):
+            for event in current.events(asked):
+                if lines is not None:
+                    lines.take(event)
+                notices.take(event)
+                progress.take(event)
+                rotation.take(event)
     finally:
-        if sys.stderr.isatty():
-            sys.stderr.write("\r\x1b[K")
-        run.output.note(_told(ecu, out, count, gaps, last - began))
+        status = current.recorder.stop()
+        progress.end(status)
+    return USAGE if status and status.failure else 0
 
 
-def _told(ecu: Ecu, out: Path, count: int, gaps: int, seconds: float) -> str:
-    rate = f"{count / seconds if seconds > 0 else 0.0:.1f}"
-    size = 0.0
+def _leave_nothing(out: Path) -> None:
+    """Nobody was there: the same command must work again, not find a file in its way."""
     with suppress(OSError):
-        size = out.stat().st_size / 1024
-    failed = ecu.tester.statistics.failed
-    return say(
-        f"{out}: {count} samples, {rate} a second, {gaps} gaps, {failed} line errors, "
-        f"{size:.0f} KiB, {seconds:.0f} s",
-        f"{out}: отсчётов {count}, {decimal(rate)} в секунду, пропусков {gaps}, ошибок линии "
-        f"{failed}, "
-        f"{size:.0f} КиБ, {seconds:.0f} с",
-    )
+        if out.is_file():
+            out.unlink()
+
+
+class _Rotation:
+    """Begins the next file when this one has its portion."""
+
+    def __init__(self, current: Session, portion: Portion | None) -> None:
+        self._current = current
+        self._portion = portion or Portion()
+        self._job: Future[None] | None = None
+
+    def take(self, event: Event) -> None:
+        status = self._current.recorder.status
+        if status is None or status.failure or (self._job and not self._job.done()):
+            return
+        full = self._portion.bytes is not None and status.bytes >= self._portion.bytes
+        if self._portion.seconds is not None and status.since is not None:
+            full = full or event.time - status.since >= self._portion.seconds
+        if full:
+            # Between two cycles, which begins a stream anew. While no ECU answers it fails, and is
+            # asked for again; nothing grows meanwhile.
+            self._job = self._current.acquisition.call(self._go_on)
+
+    def _go_on(self, ecu: Ecu) -> None:
+        begin_anew(ecu)
+        self._current.recorder.next_file()
+
+
+class _Progress:
+    """Rate, errors and file size: once a second on a terminal, and at the end."""
+
+    def __init__(self, run: Run, current: Session) -> None:
+        self._run = run
+        self._current = current
+        self._live = sys.stderr.isatty()
+        self._told: float | None = None
+        self._broken: LineState | None = None
+
+    def take(self, event: Event) -> None:
+        if isinstance(event, StateChanged):
+            well = event.state in (LineState.SAMPLING, LineState.ECU_ALIVE)
+            self._broken = None if well else event.state
+        if self._live and (self._told is None or not 0 <= event.time - self._told < 1):
+            self._told = event.time
+            self._write(self._now())
+
+    def note(self, sentence: str) -> None:
+        """A notice on a line of its own."""
+        if self._live:
+            self._write("")
+        self._run.output.note(sentence)
+        if self._live:
+            self._write(self._now())
+
+    def end(self, status: RecordingStatus | None) -> None:
+        """The last line, once the file is closed; none if nobody ever answered."""
+        if self._current.connected and status is not None:
+            self.note(self._line(status))
+        elif self._live:
+            self._write("")
+
+    def _write(self, text: str) -> None:
+        from shutil import get_terminal_size
+
+        width = get_terminal_size().columns - 1
+        sys.stderr.write(f"\r\x1b[K{text[:width]}")
+        sys.stderr.flush()
+
+    def _now(self) -> str:
+        status = self._current.recorder.status
+        if status is None:
+            return ""
+        if self._broken is not None and status.failure is None:
+            return f"{capital(shown(self._broken.text))} · {self._line(status)}"
+        return self._line(status)
+
+    def _line(self, status: RecordingStatus) -> str:
+        current = self._current
+        rate = f"{current.rate:.1f}"
+        size, seconds = status.bytes / 1024, current.seconds
+        said = say(
+            f"{status.path}: {current.samples} samples, {rate} a second, {status.gaps} "
+            f"gaps, {current.errors} line errors, {size:.0f} KiB, {seconds:.0f} s",
+            f"{status.path}: отсчётов {current.samples}, {decimal(rate)} в секунду, пропусков "
+            f"{status.gaps}, ошибок линии {current.errors}, {size:.0f} КиБ, {seconds:.0f} с",
+        )
+        if status.failure is not None:
+            return f"{say('NOT RECORDING', 'ЗАПИСЬ ПРЕКРАЩЕНА')} · {said}"
+        return said

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mikas.catalog import Catalog, Parameter
+from mikas.catalog import Catalog, Derived, Parameter
 from mikas.cli.grammar import command
 from mikas.cli.readings import reference
 from mikas.cli.run import Run
@@ -15,10 +15,10 @@ from mikas.language import Text
 @command(
     "params",
     Text(
-        "Lists every known parameter with its code, unit, formula, limits and errata. Needs no "
-        "port.",
-        "Показывает все известные параметры: код, единицу, формулу, пределы, сомнительные места. "
-        "Порт не нужен.",
+        "Lists every known parameter with its code, unit, formula, limits and errata, then the "
+        "channels that are derived from them. Needs no port.",
+        "Показывает все известные параметры: код, единицу, формулу, пределы, сомнительные места; "
+        "затем каналы, которые из них выводятся. Порт не нужен.",
     ),
     examples=("mikas params", "mikas params --reading literal", "mikas params --json"),
 )
@@ -29,6 +29,7 @@ def params(run: Run) -> None:
             {
                 "catalog": catalog.version,
                 "parameters": [_as_json(catalog, p, run.reading) for p in catalog.parameters],
+                "derived": [_derived_as_json(channel) for channel in catalog.derived.values()],
             }
         )
         return
@@ -36,7 +37,9 @@ def params(run: Run) -> None:
         say("name", "имя"), say("code", "код"), say("bytes", "байт"), say("formula", "формула"),
         say("unit", "ед."), say("warm idle", "на хх"), say("meaning", "что это"), say("see", "см."),
     ]  # fmt: skip
-    run.output.table(headers, [_row(p, run.reading) for p in catalog.parameters], right="2")
+    rows = [_row(p, run.reading) for p in catalog.parameters]
+    rows += [_derived_row(channel) for channel in catalog.derived.values()]
+    run.output.table(headers, rows, right="2")
     used = sorted({name for p in catalog.parameters for name in p.errata})
     for name in used:
         erratum = catalog.errata[name]
@@ -54,6 +57,27 @@ def _row(parameter: Parameter, reading: str) -> list[str]:
         shown(parameter.text),
         " ".join(parameter.errata),
     ]
+
+
+def _derived_row(channel: Derived) -> list[str]:
+    """Computed, not asked: it has no code and no bytes."""
+    formula = f"∫ {channel.formula}" if channel.accumulates else channel.formula
+    unit, text = shown(channel.unit_text), shown(channel.text)
+    return [channel.name, "", "", formula, unit, "", text, ""]
+
+
+def _derived_as_json(channel: Derived) -> dict[str, Any]:
+    return {
+        "name": channel.name,
+        "unit": channel.unit,
+        "formula": channel.formula,
+        "constants": dict(channel.constants),
+        "inputs": channel.inputs,
+        "accumulates": channel.accumulates,
+        "text": {"en": channel.text.en, "ru": channel.text.ru},
+        "source": channel.source,
+        "confidence": channel.confidence,
+    }
 
 
 def _as_json(catalog: Catalog, parameter: Parameter, reading: str) -> dict[str, Any]:

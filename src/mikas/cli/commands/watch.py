@@ -4,115 +4,139 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import wraps
 from typing import Any
 
 import click
 
 from mikas.cli.arguments import Number, OneOf, Whole
 from mikas.cli.grammar import command, option
-from mikas.cli.live import LiveTable, PlainLines
+from mikas.cli.lines import JsonLines, PlainLines, Shown
+from mikas.cli.live import LiveTable
+from mikas.cli.notices import Notices
 from mikas.cli.run import Run
-from mikas.client import METHODS, Ecu, Sample
+from mikas.cli.session import Asked, Session, session
+from mikas.client import METHODS
 from mikas.language import Text
 
 
 def sampling_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that `watch` and `log` share."""
-    for add in (
-        option(
-            "--duration",
-            type=Number(above=0),
-            metavar="S",
-            text=Text("stop after so many seconds", "остановиться через столько секунд"),
+    """The options that `watch`, `log` and `demo` share; they come as one `Asked`."""
+
+    @wraps(function)
+    def gathered(
+        run: Run,
+        *args: Any,
+        names: tuple[str, ...],
+        method: str,
+        rate: float | None,
+        count: int | None,
+        duration: float | None,
+        relearn: bool,
+        **rest: Any,
+    ) -> Any:  # noqa: ANN401  (as the command)
+        asked = Asked(names, method, rate, count, duration, relearn)
+        return function(run, asked, *args, **rest)
+
+    gathered_with: Callable[..., Any] = gathered
+    for add in _OPTIONS:
+        gathered_with = add(gathered_with)
+    return click.argument("names", metavar="[NAME[/N]]...", nargs=-1)(gathered_with)
+
+
+_OPTIONS = (
+    option(
+        "--relearn",
+        is_flag=True,
+        text=Text(
+            "forget which method is the fastest on this unit, and measure anew",
+            "забыть, какой способ на этом блоке быстрее, и измерить заново",
         ),
-        option(
-            "--count",
-            type=Whole(1),
-            metavar="N",
-            text=Text("stop after so many samples", "остановиться после стольких отсчётов"),
+    ),
+    option(
+        "--duration",
+        type=Number(above=0),
+        metavar="S",
+        text=Text("stop after so many seconds", "остановиться через столько секунд"),
+    ),
+    option(
+        "--count",
+        type=Whole(1),
+        metavar="N",
+        text=Text("stop after so many samples", "остановиться после стольких отсчётов"),
+    ),
+    option(
+        "--rate",
+        type=Number(above=0),
+        metavar="HZ",
+        text=Text("samples a second at most", "не больше отсчётов в секунду"),
+    ),
+    option(
+        "--method",
+        type=OneOf(METHODS),
+        metavar="METHOD",
+        default="auto",
+        text=Text(
+            "how the unit is asked: auto (the fastest that works), single, batch, list, stream, "
+            "stroke0 … stroke4",
+            "как спрашивать блок: auto (самый быстрый из работающих), single, batch, list, stream, "
+            "stroke0 … stroke4",
         ),
-        option(
-            "--rate",
-            type=Number(above=0),
-            metavar="HZ",
-            text=Text("samples a second at most", "не больше отсчётов в секунду"),
-        ),
-        option(
-            "--method",
-            type=OneOf(METHODS),
-            metavar="METHOD",
-            default="auto",
-            text=Text(
-                "how the unit is asked: auto, single, batch, list, stream, stroke0 … stroke4",
-                "как спрашивать блок: auto, single, batch, list, stream, stroke0 … stroke4",
-            ),
-        ),
-    ):
-        function = add(function)
-    return click.argument("names", metavar="[NAME]...", nargs=-1)(function)
+    ),
+)
 
 
 @command(
     "watch",
     Text(
-        "Shows each NAME again and again until Ctrl-C; with no name, all. A value that could not "
-        "be read is a dash, never the last number.",
-        "Показывает параметры NAME снова и снова до Ctrl-C; без имён — все. Значение, которое не "
-        "прочлось, — прочерк, а не прежнее число.",
+        "Shows each NAME again and again until Ctrl-C; with no name, all parameters. NAME/10: "
+        "every tenth cycle, so that the others come faster. A value that could not be read is a "
+        "dash, never the last number. If the adapter or the ignition goes away, it waits and goes "
+        "on.",
+        "Показывает параметры NAME снова и снова до Ctrl-C; без имён — все. NAME/10: в каждом "
+        "десятом цикле, тогда остальные приходят чаще. Значение, которое не прочлось, — прочерк, "
+        "а не прежнее число. Если пропал адаптер или зажигание, ждёт и продолжает.",
     ),
     examples=(
-        "mikas watch TWAT FREQ UOZ",
+        "mikas watch FREQ UOZ TWAT/10 FUEL_FLOW",
         "mikas watch --method stream --duration 60",
         "mikas watch FREQ --rate 2 --json",
+        "mikas watch FREQ JAIR TWAT/10 --price",
+    ),
+)
+@option(
+    "--price",
+    is_flag=True,
+    text=Text(
+        "only tell what these names cost by each method (needs no port)",
+        "только показать, сколько эти имена стоят при каждом способе (порт не нужен)",
     ),
 )
 @sampling_options
-def watch(
-    run: Run,
-    names: tuple[str, ...],
-    method: str,
-    rate: float | None,
-    count: int | None,
-    duration: float | None,
-) -> None:
-    with run.ecu() as ecu:
-        show(run, ecu, samples(ecu, names, method, rate, count, duration), names)
+def watch(run: Run, asked: Asked, *, price: bool) -> None:
+    if price:
+        from mikas.cli.prices import tell_prices
 
-
-def samples(
-    ecu: Ecu,
-    names: tuple[str, ...],
-    method: Any,  # noqa: ANN401  (one of METHODS, checked by click)
-    rate: float | None,
-    count: int | None,
-    duration: float | None,
-) -> Iterator[Sample]:
-    """The samples asked for, ended by count or duration, and closed however the loop is left."""
-    began = ecu.tester.link.now()
-    if rate is not None and duration is not None:  # lest it waits for one that comes too late
-        most = int(rate * duration) + 1
-        count = most if count is None else min(count, most)
-    taken = ecu.watch(*names, method=method, rate=rate, count=count)
-    for sample in taken:
-        yield sample
-        if duration is not None and ecu.tester.link.now() - began >= duration:
-            return
-
-
-def show(run: Run, ecu: Ecu, taken: Iterator[Sample], names: tuple[str, ...]) -> None:
-    """Tells `taken` as JSON lines, as a live table on a terminal, else as plain lines."""
-    wanted = [ecu.catalog.parameter(name) for name in names] or list(ecu.catalog.parameters)
-    if run.output.json:
-        for sample in taken:
-            values = {
-                p.name: sample.readings[p.name].value if p.name in sample.readings else None
-                for p in wanted
-            }
-            run.output.data({"time": round(sample.time, 6), "values": values, "gap": sample.gap})
+        tell_prices(run, asked)
         return
-    live = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
-    table = LiveTable(ecu, wanted) if live else PlainLines(run.output, wanted)
-    with table:
-        for sample in taken:
-            table.show(sample)
+    with session(run, asked, run.capture, joined=False) as current:
+        show(run, current, asked)
+
+
+def show(run: Run, current: Session, asked: Asked) -> None:
+    """Tells a session as JSON lines, as a live table on a terminal, else as plain lines."""
+    with shown_on(run, current) as screen:
+        notices = Notices(current, screen.tell, verbose=run.output.verbose)
+        for event in current.events(asked):
+            screen.take(event)
+            notices.take(event)
+
+
+def shown_on(run: Run, current: Session) -> Shown:
+    """What fits where the output goes."""
+    if run.output.json:
+        return JsonLines(current, run.output)
+    if sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown"):
+        return LiveTable(current, run.output)
+    return PlainLines(current, run.output)

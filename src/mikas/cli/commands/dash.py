@@ -1,0 +1,188 @@
+"""`mikas dash`: the dashboard, in the browser."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mikas.cli.arguments import Whole
+from mikas.cli.grammar import command, option
+from mikas.cli.run import Run
+from mikas.cli.words import say
+from mikas.errors import UsageError
+from mikas.language import Text
+
+if TYPE_CHECKING:
+    from mikas.dashboard.access import Access
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What the command line says about the server. `port` None: the first free one."""
+
+    port: int | None = None
+    lan: bool = False
+    lan_control: bool = False
+    browser: bool = True
+    folder: Path | None = None
+
+
+def dashboard_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The options that `dash` and `demo` share; they come as one `Wishes`."""
+
+    @wraps(function)
+    def gathered(
+        run: Run,
+        *,
+        host_port: int | None,
+        lan: bool,
+        lan_control: bool,
+        no_browser: bool,
+        record: str | None,
+        **rest: Any,
+    ) -> Any:  # noqa: ANN401  (as the command)
+        folder = Path(record) if record else None
+        if folder is not None and folder.exists() and not folder.is_dir():
+            raise UsageError(
+                problem=Text(f"“{record}” is a file; a folder is needed", f"«{record}» — не папка")
+            )
+        wishes = Wishes(host_port, lan or lan_control, lan_control, not no_browser, folder)
+        return function(run, wishes, **rest)
+
+    gathered_with: Callable[..., Any] = gathered
+    for add in (
+        option(
+            "--record",
+            metavar="DIR",
+            text=Text(
+                "where recordings and dumps are kept (mikas in your documents)",
+                "где хранить записи и образы памяти (mikas в «Документах»)",
+            ),
+        ),
+        option(
+            "--no-browser",
+            is_flag=True,
+            text=Text("print the address only", "только напечатать адрес"),
+        ),
+        option(
+            "--lan-control",
+            is_flag=True,
+            text=Text(
+                "others in the network may control as well, not only look",
+                "из сети можно не только смотреть, но и управлять",
+            ),
+        ),
+        option(
+            "--lan",
+            is_flag=True,
+            text=Text(
+                "let others in the network look on: by a link with a key, shown as a QR code too",
+                "пустить зрителей из сети: по ссылке с ключом, она же показана QR-кодом",
+            ),
+        ),
+        option(
+            "--host-port",
+            type=Whole(1, 65535),
+            metavar="N",
+            text=Text(
+                "the TCP port of the page (8071, or the next that is free)",
+                "порт TCP для страницы (8071 или следующий свободный)",
+            ),
+        ),
+    ):
+        gathered_with = add(gathered_with)
+    return gathered_with
+
+
+@command(
+    "dash",
+    Text(
+        "Opens the dashboard in the browser: live values, charts, faults, memory, recordings. "
+        "With --port it connects at once, otherwise by a click. Nothing leaves this computer, "
+        "unless --lan lets others look on.",
+        "Открывает панель в браузере: живые значения, графики, ошибки, память, записи. С ключом "
+        "--port соединяется сразу, иначе — по щелчку. Наружу не уходит ничего, если только --lan "
+        "не пустит зрителей.",
+    ),
+    examples=("mikas dash", "mikas dash --port /dev/ttyUSB0", "mikas dash --lan --no-browser"),
+)
+@dashboard_options
+def dash(run: Run, wishes: Wishes) -> None:
+    show_dashboard(run, wishes)
+
+
+def show_dashboard(run: Run, wishes: Wishes) -> None:
+    """Serves until Ctrl-C; tells the address first."""
+    from mikas.dashboard.access import Access
+    from mikas.dashboard.app import create_app
+    from mikas.dashboard.hub import Hub
+    from mikas.dashboard.server import listening, own_addresses, serve
+    from mikas.dashboard.settings import Settings, default_recordings
+    from mikas.dashboard.virtual_cars import VirtualCars
+
+    if run.capture is not None:
+        raise UsageError(
+            problem=Text(
+                "the dashboard records by itself (--record DIR); leave --capture out",
+                "Панель записывает сама (--record DIR); уберите --capture",
+            )
+        )
+    if run.port is not None:
+        _check(run.port)
+    settings = Settings(
+        wishes.folder or default_recordings(),
+        catalog=run.catalog(),
+        echo=run.echo,
+        timeout=run.timeout,
+        retries=run.retries,
+        reading=run.reading,
+        open_port=VirtualCars().open,
+    )
+    own = listening(wishes.port, lan=wishes.lan)
+    with own:
+        access = Access(
+            own.getsockname()[1],
+            lan=wishes.lan,
+            lan_control=wishes.lan_control,
+            hosts=own_addresses() if wishes.lan else (),
+        )
+        hub = Hub(settings, begin=run.port, lan=wishes.lan)
+        serve(create_app(hub, access), own, ready=lambda: _tell(run, access, wishes))
+
+
+def _check(url: str) -> None:
+    """Raises for an address that makes no sense; a port that is not there will be waited for."""
+    from mikas.link import open_link
+    from mikas.link.urls import parse
+
+    if parse(url).scheme in ("sim", "replay"):
+        open_link(url).close()
+
+
+def _tell(run: Run, access: Access, wishes: Wishes) -> None:
+    if run.output.json:
+        run.output.data({"url": access.url, "lan_url": access.lan_url})
+    else:
+        run.output.line(access.url)
+        if access.lan_url:
+            run.output.line(access.lan_url)
+    run.output.note(say("Ctrl-C ends it.", "Выход: Ctrl-C."))
+    if access.lan_url and not run.output.json:
+        import sys
+
+        import segno
+
+        segno.make(access.lan_url, error="m").terminal(sys.stderr, compact=True)
+    if wishes.browser:
+        # Some systems' browsers hold on to whoever opens them.
+        threading.Thread(target=_open, args=(access.url,), daemon=True).start()
+
+
+def _open(url: str) -> None:
+    import webbrowser
+
+    webbrowser.open(url)

@@ -1,0 +1,197 @@
+"""`mikas report`: one page on a car, of a recording or measured now."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+import click
+
+from mikas.cli.arguments import File, Number
+from mikas.cli.grammar import command, option
+from mikas.cli.notices import Notices
+from mikas.cli.run import Run
+from mikas.cli.session import Asked, Session, session
+from mikas.cli.words import decimal, language, say, shown
+from mikas.errors import UsageError
+from mikas.language import Text
+from mikas.report import writing
+from mikas.sampling.events import UnitFound
+
+if TYPE_CHECKING:
+    from mikas.report.findings import Findings, Value
+
+_SECONDS = 30.0
+
+
+@command(
+    "report",
+    Text(
+        "Makes a page on the car (OUT.html), to be read, printed or sent: stored faults in plain "
+        "words, values at warm idle against what is usual, charts, and what could not be known. Of "
+        "the recording FILE, or, without one, of the car that is connected: measured for half a "
+        "minute, best with the engine idling warm.",
+        "Делает страницу о машине (OUT.html), чтобы прочесть, напечатать или переслать: ошибки "
+        "понятными словами, значения на прогретом холостом ходу рядом с нормой, графики и то, чего "
+        "узнать не удалось. По записи FILE, а без неё — по подключённой машине: полминуты "
+        "измерений, лучше на прогретом холостом ходу.",
+    ),
+    examples=(
+        "mikas report drive.pcapng -o drive.html",
+        "mikas report -o car.html --duration 60 --lang ru",
+    ),
+)
+@click.argument("file", metavar="[FILE]", required=False, type=File(there=True))
+@option(
+    "-o",
+    "--out",
+    required=True,
+    type=File(),
+    metavar="OUT",
+    text=Text("where to write; needed", "куда писать; обязательно"),
+)
+@option(
+    "--duration",
+    type=Number(above=0),
+    metavar="S",
+    text=Text(
+        f"measure for so many seconds ({_SECONDS:g}); not with FILE",
+        f"измерять столько секунд ({_SECONDS:g}); без FILE",
+    ),
+)
+@option(
+    "--overwrite",
+    is_flag=True,
+    text=Text("replace OUT if it is there", "заменить OUT, если такой файл есть"),
+)
+def report(
+    run: Run, file: Path | None, out: Path, *, duration: float | None, overwrite: bool
+) -> None:
+    if file is not None and (duration is not None or run.capture is not None):
+        raise UsageError(
+            problem=Text(
+                "--duration and --capture are for measuring now; with FILE nothing is measured",
+                "--duration и --capture нужны, когда измеряют сейчас; с FILE ничего не измеряется",
+            )
+        )
+    writing.check(out, overwrite=overwrite)
+    from mikas.report.gathering import of_recording
+    from mikas.report.page import render
+
+    if file is not None:
+        found = of_recording(file, run.catalog())
+    else:
+        found = _measured_now(run, duration or _SECONDS)
+    writing.write(out, render(found, language()), overwrite=overwrite)
+    _tell(run, out, found)
+
+
+def _measured_now(run: Run, seconds: float) -> Findings:
+    """Of a recording that is made for it, and kept only if `--capture` names it."""
+    from mikas.report.gathering import of_recording
+
+    with TemporaryDirectory(prefix="mikas-") as folder:
+        path = run.capture or Path(folder) / "report.pcapng"
+        asked = Asked(duration=seconds)
+        with session(run, asked, path) as current:
+            try:
+                _sample(run, current, asked, seconds)
+            except KeyboardInterrupt:
+                if not current.samples:
+                    raise
+                run.output.note(
+                    say(
+                        "Ended early: the report is of what came.",
+                        "Прервано: отчёт — по тому, что есть.",
+                    )
+                )
+            failure = current.recorder.failure
+        if failure is not None:
+            raise failure
+        name = path.name if run.capture else ""
+        return of_recording(path, run.catalog(), name=name, errors=current.errors)
+
+
+def _sample(run: Run, current: Session, asked: Asked, seconds: float) -> None:
+    progress = _Progress(seconds)
+    notices = Notices(current, progress.over(run.output.note), verbose=run.output.verbose)
+    try:
+        for event in current.events(asked):
+            notices.take(event)
+            if isinstance(event, UnitFound):
+                if event.another:
+                    return  # the report is of the car that it began with
+                current.acquisition.call(lambda ecu: ecu.faults())
+            progress.show(current)
+    finally:
+        progress.clear()
+
+
+class _Progress:
+    """How far the measuring is, on a terminal."""
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds = seconds
+        self._live = sys.stderr.isatty()
+        self._told = -1
+
+    def show(self, current: Session) -> None:
+        """Once a second."""
+        if self._live and int(current.seconds) != self._told:
+            self._told = int(current.seconds)
+            rate = decimal(f"{current.rate:.1f}")
+            said = say(
+                f"measuring: {self._told} of {self._seconds:g} s, {rate} samples a second",
+                f"измерение: {self._told} из {self._seconds:g} с, отсчётов в секунду {rate}",
+            )
+            sys.stderr.write(f"\r\x1b[K{said}")
+            sys.stderr.flush()
+
+    def clear(self) -> None:
+        """Leaves an empty line."""
+        if self._live:
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()
+
+    def over(self, tell: Callable[[str], None]) -> Callable[[str], None]:
+        """`tell`, on a line of its own."""
+
+        def on_its_own(sentence: str) -> None:
+            self.clear()
+            tell(sentence)
+
+        return on_its_own
+
+
+def _tell(run: Run, out: Path, found: Findings) -> None:
+    from mikas.report.verdict import sentence
+
+    verdict = sentence(found)
+    if not run.output.json:
+        run.output.note(f"{shown(verdict)}\n{out}")
+        return
+    faults = None if found.faults is None else [stored.fault.code for stored in found.faults]
+    run.output.data(
+        {
+            "out": str(out),
+            "outcome": found.outcome.value,
+            "verdict": {"en": verdict.en, "ru": verdict.ru},
+            "faults": faults,
+            "warm_idle_seconds": round(found.measured.idle.seconds, 3),
+            "values": {value.channel.name: _as_json(value) for value in found.judged},
+        }
+    )
+
+
+def _as_json(value: Value) -> dict[str, object]:
+    return {
+        "median": value.stats.median,
+        "low": value.stats.low,
+        "high": value.stats.high,
+        "unit": value.channel.unit,
+        "reference": getattr(value.channel, "reference", None),
+        "mark": value.mark.value,
+    }

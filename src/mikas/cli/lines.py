@@ -1,0 +1,92 @@
+"""Samples as lines: JSON, or cells parted by tabs. A value that is not fresh is null, or a dash."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import TYPE_CHECKING, Protocol, Self
+
+from mikas.cli.output import Output
+from mikas.cli.readings import shown_value
+from mikas.cli.words import decimal, say
+from mikas.sampling.events import Gap, Sampled
+
+if TYPE_CHECKING:
+    from mikas.cli.session import Session
+    from mikas.client import Reading
+    from mikas.sampling.derived import DerivedValue
+    from mikas.sampling.events import Event
+
+
+class Shown(Protocol):
+    """Something that a session is shown on."""
+
+    def take(self, event: Event) -> None:
+        """Shows `event` now."""
+
+    def tell(self, sentence: str) -> None:
+        """Shows a notice."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None: ...
+
+
+class _Lines:
+    """What both kinds of lines have: notices on stderr, and which value is new."""
+
+    def __init__(self, session: Session, output: Output) -> None:
+        self._channels = session.channels
+        self._output = output
+
+    def tell(self, sentence: str) -> None:
+        self._output.note(sentence)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        return None
+
+
+class JsonLines(_Lines):
+    """`{"time", "values", "gap"}`, one a cycle; in a gap one a try, about one a second."""
+
+    def take(self, event: Event) -> None:
+        if not isinstance(event, Sampled | Gap):
+            return
+        fresh = fresh_in(event)
+        values = {c.name: fresh[c.name].value if c.name in fresh else None for c in self._channels}
+        time = round(event.time, 6)
+        self._output.data({"time": time, "values": values, "gap": isinstance(event, Gap)})
+
+
+class PlainLines(_Lines):
+    """A line a sample, a heading first."""
+
+    def __init__(self, session: Session, output: Output) -> None:
+        super().__init__(session, output)
+        self._begun = False
+
+    def take(self, event: Event) -> None:
+        if not isinstance(event, Sampled | Gap):
+            return
+        if not self._begun:  # not before there is something: an error needs no heading
+            self._begun = True
+            names = (channel.name for channel in self._channels)
+            self._output.line("\t".join([say("time", "время"), *names]))
+        fresh = fresh_in(event)
+        cells = (
+            shown_value(fresh[channel.name]) if channel.name in fresh else "–"
+            for channel in self._channels
+        )
+        self._output.line("\t".join([decimal(f"{event.time:.3f}"), *cells]))
+
+
+def fresh_in(event: Sampled | Gap) -> dict[str, Reading | DerivedValue]:
+    """What came in this cycle, by name; nothing in a gap."""
+    return {**event.fresh, **event.derived} if isinstance(event, Sampled) else {}

@@ -1,0 +1,136 @@
+"""What happens beside the values, in one sentence each: the line's state, a drop, an alarm.
+
+On stderr for plain lines and JSON; in the live table's last line, and under it at its end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mikas.cli.words import decimal, say, shown
+from mikas.errors import MikasError
+from mikas.sampling.alarms import AlarmEvent
+from mikas.sampling.events import Chosen, Dropped, LineState, PlanChanged, StateChanged, UnitFound
+
+if TYPE_CHECKING:
+    from mikas.cli.session import Session
+    from mikas.sampling.events import Event
+    from mikas.sampling.plan import Plan
+
+Tell = Callable[[str], None]
+
+
+class Notices:
+    """Follows a session's events and hands each sentence to `tell`. `verbose`: more of them.
+
+    Nothing is said while all is well: the values speak.
+    """
+
+    def __init__(self, session: Session, tell: Tell, *, verbose: bool = False) -> None:
+        self._session = session
+        self._tell = tell
+        self._verbose = verbose
+        self._broken: float | None = None  # since when
+        self._waiting: LineState | None = None
+        self._failure: MikasError | None = None
+        session.recorder.on_file = self._new_file
+
+    def take(self, event: Event) -> None:
+        """Says what there is to say of `event`."""
+        for sentence in self._of(event):
+            self._tell(sentence)
+        failure = self._session.recorder.failure
+        if failure is not None and failure is not self._failure:
+            self._failure = failure
+            self._tell(stopped(failure))
+
+    def _of(self, event: Event) -> Iterator[str]:
+        match event:
+            case StateChanged():
+                yield from self._state(event)
+            case UnitFound(another=True):
+                yield say(
+                    f"Another unit answers: {self._model()}. Everything from here on is its own.",
+                    f"Отвечает другой блок: {self._model()}. Всё дальнейшее относится к нему.",
+                )
+            case Dropped():
+                yield say(
+                    f"The unit refuses {event.name}: left out, the others go on.",
+                    f"Блок не знает {event.name}: он пропущен, остальные читаются дальше.",
+                )
+            case AlarmEvent():
+                yield f"{'✓' if event.better else '▲'} {capital(shown(event.text))}."
+            case Chosen() if self._verbose:
+                yield chosen(event)
+            case PlanChanged() if self._verbose:
+                yield priced(event.plan)
+
+    def _state(self, event: StateChanged) -> Iterator[str]:
+        if event.state is LineState.SAMPLING:
+            if self._broken is not None:
+                seconds = f"{max(0.0, event.time - self._broken):.0f}"
+                self._waiting = None
+                yield say(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
+            self._broken = None
+        elif event.state is not LineState.ECU_ALIVE and self._session.connected:
+            if self._broken is None:
+                self._broken = event.time
+            if event.state is not self._waiting:  # the same with another reason is no news
+                yield waiting(event)
+            self._waiting = event.state
+            if self._verbose and event.error is not None:
+                yield shown(event.error.text)
+
+    def _model(self) -> str:
+        model = self._session.model
+        return shown(model.text) if model else "?"
+
+    def _new_file(self, path: Path) -> None:
+        self._tell(say(f"The recording goes on in {path}.", f"Запись продолжается в {path}."))
+
+
+def waiting(event: StateChanged) -> str:
+    """The state in words, and that nobody need do anything in this window."""
+    state = capital(shown(event.state.text))
+    state += "" if state.endswith("?") else "."
+    return say(f"{state} Waiting; it goes on by itself.", f"{state} Ждём; опрос продолжится сам.")
+
+
+def stopped(failure: MikasError) -> str:
+    """That nothing more is recorded, and what of it is left."""
+    why = shown(failure.reason)
+    return say(
+        f"NOT RECORDING any more. {why}. Sampling goes on.",
+        f"ЗАПИСЬ ПРЕКРАЩЕНА. {why}. Опрос идёт дальше.",
+    )
+
+
+def priced(plan: Plan) -> str:
+    """What the plan in force costs a cycle."""
+    price = plan.price()
+    size, milliseconds = f"{price.bytes:.0f}", f"{price.seconds * 1000:.0f}"
+    rate = decimal(f"{price.rate:.1f}")
+    return say(
+        f"Plan: {plan.method}, {size} bytes and {milliseconds} ms a cycle, {rate} sets/s at best.",
+        f"План: {plan.method}, байт на цикл {size}, {milliseconds} мс, не больше {rate} раз/с.",
+    )
+
+
+def chosen(event: Chosen) -> str:
+    """The method, and what each gave that was measured; a dash: it does not work."""
+    rates = ", ".join(
+        f"{name} {rate:.1f}" if rate else f"{name} –" for name, rate in event.rates.items()
+    )
+    if not rates:
+        return say(f"Method: {event.method}.", f"Способ: {event.method}.")
+    return say(
+        f"Method: {event.method} (sets/s: {rates}).",
+        f"Способ: {event.method} (раз/с: {decimal(rates)}).",
+    )
+
+
+def capital(text: str) -> str:
+    """`text` with its first letter as at the beginning of a sentence."""
+    return text[:1].upper() + text[1:]

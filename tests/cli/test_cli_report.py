@@ -1,0 +1,133 @@
+"""`mikas report`: of a recording, and measured now."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from cli_bench import is_one_short_paragraph, is_russian
+
+
+@pytest.fixture
+def drive(mikas, tmp_path):
+    assert mikas("log", "-o", "drive.pcapng", "--duration", "25", sim="&faults=13").status == 0
+    return tmp_path / "drive.pcapng"
+
+
+def page(tmp_path, name="car.html"):
+    return (tmp_path / name).read_text("utf-8")
+
+
+def test_of_a_recording(mikas, drive, tmp_path) -> None:
+    before = drive.read_bytes()
+    ran = mikas("report", "drive.pcapng", "-o", "car.html")
+    assert ran.status == 0, ran.err
+    assert "in their bands at warm idle" in ran.err
+    assert ran.err.strip().endswith("car.html")
+    assert '<html lang="en">' in page(tmp_path)
+    assert "drive.pcapng" in page(tmp_path)
+    assert drive.read_bytes() == before
+    assert not list(tmp_path.glob("*.part"))
+
+
+def test_measured_now(mikas, tmp_path) -> None:
+    ran = mikas("report", "-o", "car.html", sim="&faults=13,53,55&scenario=key-off")
+    assert ran.status == 0, ran.err
+    assert "3 faults are stored: 13, 53, 55;" in ran.err
+    assert "measured live" in page(tmp_path)
+    assert "a stream from the unit (71)" in page(tmp_path)
+    assert [path.name for path in tmp_path.iterdir() if path.is_file()] == ["car.html"]
+
+
+def test_measured_now_and_kept(mikas, tmp_path) -> None:
+    ran = mikas(
+        "report", "-o", "car.html", "--duration", "20", "--capture", "kept.pcapng", "--json", sim=""
+    )
+    assert ran.status == 0, ran.err
+    told = ran.object
+    assert told["outcome"] == "good"
+    assert told["faults"] == []
+    assert told["warm_idle_seconds"] > 10
+    assert told["values"]["UACC"]["mark"] == "inside"
+    assert told["values"]["UACC"]["reference"] == [13.5, 14.5]
+    assert "kept.pcapng" in page(tmp_path)
+    again = mikas("report", "kept.pcapng", "-o", "again.html", "--json").object
+    assert again["values"] == told["values"]
+
+
+def test_in_russian(mikas, drive, tmp_path) -> None:
+    ran = mikas("report", "drive.pcapng", "-o", "car.html", "--lang", "ru")
+    assert ran.status == 0
+    is_russian(ran.err.replace("car.html", ""))
+    assert "Отчёт о двигателе" in page(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        (("drive.pcapng", "-o", "car.pdf"), "browser prints it"),
+        (("drive.pcapng", "-o", "drive.pcapng"), "browser prints it"),
+        (("drive.pcapng", "-o", "there.html"), "is there already"),
+        (("drive.pcapng", "-o", "nowhere/car.html"), "no such folder"),
+        (("drive.pcapng", "-o", "car.html", "--duration", "5"), "nothing is measured"),
+        (("drive.pcapng", "-o", "car.html", "--capture", "x.pcapng"), "nothing is measured"),
+        (("there.html", "-o", "car.html"), "there.html"),
+        (("drive.pcapng",), "--out is missing"),
+        (("none.pcapng", "-o", "car.html"), "there is no file"),
+    ],
+)
+def test_what_is_refused(mikas, drive, tmp_path, argv, said) -> None:
+    (tmp_path / "there.html").write_text("mine", "utf-8")
+    before = drive.read_bytes()
+    ran = mikas("report", *argv)
+    assert ran.status == 2
+    assert said in ran.err
+    is_one_short_paragraph(ran.err)
+    assert page(tmp_path, "there.html") == "mine"
+    assert drive.read_bytes() == before
+    assert not (tmp_path / "car.html").exists()
+    if argv[-1] != "drive.pcapng":
+        is_russian(mikas("report", *argv, "--lang", "ru").err, names={"html", "pcapng"})
+
+
+def test_it_replaces_when_told_to(mikas, drive, tmp_path) -> None:
+    (tmp_path / "car.html").write_text("mine", "utf-8")
+    assert mikas("report", "drive.pcapng", "-o", "car.html", "--overwrite").status == 0
+    assert "Engine report" in page(tmp_path)
+
+
+def test_nobody_there(mikas, tmp_path) -> None:
+    ran = mikas("report", "-o", "car.html", "--port", str(tmp_path / "no-adapter"))
+    assert ran.status == 3
+    is_one_short_paragraph(ran.err)
+    assert not (tmp_path / "car.html").exists()
+
+
+def test_ended_by_hand_it_reports_what_came(mikas, tmp_path, monkeypatch) -> None:
+    from mikas.cli.commands import report
+
+    shown = report._Progress.show
+
+    def stops(self, current) -> None:
+        shown(self, current)
+        if current.samples == 40:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(report._Progress, "show", stops)
+    ran = mikas("report", "-o", "car.html", sim="")
+    assert ran.status == 0
+    assert "Ended early" in ran.err
+    samples = re.search(r"<dt>Samples</dt><dd>(\d+), ", page(tmp_path))
+    assert samples is not None
+    assert 40 <= int(samples[1]) < 400  # with those by which the method was chosen
+
+
+def test_ended_before_anything_came(mikas, tmp_path, monkeypatch) -> None:
+    from mikas.cli.commands import report
+
+    def stops(self, current) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(report._Progress, "show", stops)
+    assert mikas("report", "-o", "car.html", sim="").status == 130
+    assert not (tmp_path / "car.html").exists()
