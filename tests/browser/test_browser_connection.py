@@ -1,0 +1,76 @@
+"""The Connection screen: one click to connect; each trouble told apart, in words."""
+
+from __future__ import annotations
+
+import pytest
+from playwright.sync_api import expect
+
+from browser.rig import FT232, dashboard
+
+
+@pytest.fixture(scope="module")
+def unconnected(chromium, tmp_path_factory):
+    with dashboard(tmp_path_factory.mktemp("off"), begin=False, baud="57600") as dash:
+        dash.garage.plug("/dev/ttyUSB8", "CH340", supplied="0")
+        dash.garage.plug("/dev/ttyUSB9", "CP2102", adapter="elm327")
+        dash.garage.plug("/dev/ttyUSB6", "PL2303", scenario=dash.garage.key_off())
+        yield dash
+
+
+@pytest.fixture
+def off(unconnected):
+    unconnected.post("/control/take", {"force": True})
+    unconnected.post("/disconnect")
+    unconnected.post("/control/release")
+    return unconnected
+
+
+def test_an_adapter_is_one_click_away(off, visitor):
+    tab = visitor(off.url).show("live")
+    tab.says("Not connected")
+    tab.find("#screen").get_by_role("link", name="Connect").click()
+    expect(tab.find("#screen ul li").first).to_contain_text("FT232R")
+    tab.press(f"Connect to {FT232.url}")
+    tab.is_line("sampling")
+    expect(tab.find("header[data-line]")).to_contain_text("Mikas 7.1")
+    tab.show("live")
+    expect(tab.value("TWAT")).to_have_text("87")
+
+
+@pytest.mark.parametrize(
+    ("port", "said", "line"),
+    [
+        ("/dev/ttyUSB8", "Nothing comes back, not even the echo", "no-echo"),
+        ("/dev/ttyUSB9", "This is an ELM327: the wrong kind of adapter", "off"),
+        ("/dev/ttyUSB6", "The adapter works, the ECU is silent", "echo-only"),
+    ],
+)
+def test_what_hinders_is_told_apart(off, visitor, port, said, line):
+    tab = visitor(off.url).show("connection")
+    tab.refused = True
+    tab.press(f"Connect to {port}")
+    tab.says(said)
+    tab.is_line(line)
+
+
+def test_a_port_that_is_not_there_is_said_and_waited_for(off, visitor, tmp_path):
+    tab = visitor(off.url, locale="ru-RU").show("connection")
+    tab.refused = True
+    tab.find("summary", has_text="Другой порт").click()
+    tab.find("form input").fill(str(tmp_path / "ttyUSB0"))
+    tab.find("form [type=submit]").click()
+    tab.is_line("no-port")
+    expect(tab.find("#screen [role=alert]").first).to_be_visible()
+
+
+def test_the_examination_is_drawn_step_by_step(off, visitor):
+    tab = visitor(off.url).show("connection")
+    tab.press(f"Connect to {FT232.url}")
+    tab.is_line("sampling")
+    tab.press("Examine")
+    steps = tab.find("ol[aria-busy] li")
+    expect(steps).to_have_count(7)
+    for step in ("Port", "Echo", "Speed"):
+        expect(steps.filter(has_text=step).first).to_contain_class("ok")
+    tab.press("Stop")  # the rest takes seconds
+    tab.is_line("sampling")

@@ -1,0 +1,133 @@
+"""Memory: read, dumped and compared; written only behind the lock, with before and after shown."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import expect
+
+from browser.rig import dashboard
+
+
+@pytest.fixture(scope="module")
+def quick(chromium, tmp_path_factory):
+    """A car on a faster wire: what is read is what matters here."""
+    with dashboard(tmp_path_factory.mktemp("quick"), baud="57600") as dash:
+        yield dash.samples()
+
+
+@pytest.fixture
+def fast(quick):
+    quick.nobody_controls()
+    return quick
+
+
+def space(tab, name):
+    tab.page.get_by_role("tab", name=name).click()
+
+
+def read(tab, address):
+    tab.find(".bar input").first.fill(address)
+    tab.find(".bar [type=submit]").click()
+
+
+def dump(tab, name, first, last, *, verify=False):
+    form = tab.find("form", has=tab.button("Begin the dump"))
+    form.get_by_label("Space").select_option(label=name)
+    form.get_by_label("From").fill(first)
+    form.get_by_label("To").fill(last)
+    form.get_by_label("Read twice").set_checked(verify)
+    form.locator("[type=submit]").click()
+    card = tab.find("article", has_text=f"{name} {first}–{last}")
+    expect(card).to_be_visible()
+    return card
+
+
+def downloaded(tab, where):
+    with tab.page.expect_download() as begun:
+        where.click()
+    return Path(begun.value.path()).read_bytes()
+
+
+def test_the_cells_are_those_of_the_unit(fast, visitor):
+    tab = visitor(fast.url).show("memory")
+    space(tab, "XRAM")
+    read(tab, "8000")
+    row = tab.find("[role=grid] tbody tr").first
+    expect(row.locator("[role=gridcell]")).to_have_text(
+        [
+            "4D",
+            "49",
+            "4B",
+            "41",
+            "53",
+            "20",
+            "37",
+            "2E",
+            "31",
+            "0D",
+            "40",
+            "0A",
+            "FF",
+            "00",
+            "10",
+            "80",
+        ]
+    )
+    expect(row.locator(".characters")).to_contain_text("MIKAS 7.1")
+
+
+def test_a_dump_is_compared_with_a_file(fast, visitor, tmp_path):
+    tab = visitor(fast.url).show("memory")
+    card = dump(tab, "XRAM", "8000", "80FF", verify=True)
+    expect(card).to_contain_text("both passes agree")
+    kept = fast.garage.memory.read("xram", 0x8000, 256)
+    assert downloaded(tab, card.get_by_role("link", name="Download")) == kept
+    other = tmp_path / "other.bin"
+    other.write_bytes(kept)
+    card.get_by_role("button", name="Compare").click()
+    sheet = tab.page.get_by_role("dialog")
+    sheet.locator("[type=file]").set_input_files(other)
+    expect(sheet).to_contain_text("They are the same: 256 bytes")
+    other.write_bytes(kept[:5] + b"\x99" + kept[6:])
+    sheet.locator("[type=file]").set_input_files([])
+    sheet.locator("[type=file]").set_input_files(other)
+    expect(sheet).to_contain_text("1 byte differs")
+    expect(sheet.locator(".differs")).to_have_text(["20", "99"])
+
+
+def test_a_reload_in_the_middle_of_a_dump_loses_nothing(fast, visitor):
+    tab = visitor(fast.url).show("memory")
+    card = dump(tab, "CODE", "0000", "0BFF")
+    expect(card).to_contain_text("reading")
+    tab.until("() => document.querySelector('article progress')?.value > 0")
+    assert fast.get("/dumps")["dumps"][0]["state"] == "running"
+    tab.page.reload()
+    expect(card).to_contain_text("complete")
+    assert len([it for it in fast.get("/dumps")["dumps"] if it["space"] == "code"]) == 1
+    data = downloaded(tab, card.get_by_role("link", name="Download"))
+    assert data == fast.garage.memory.read("code", 0, 0xC00)
+
+
+def test_writing_is_unlocked_shown_and_confirmed(fast, visitor):
+    tab = visitor(fast.url).show("memory")
+    space(tab, "XRAM")
+    read(tab, "9000")
+    before = fast.garage.memory.read("xram", 0x9000, 2)
+    expect(tab.button("Write bytes…")).to_have_count(0)
+    tab.press("Unlock writing for 5 minutes…")
+    sheet = tab.page.get_by_role("dialog")
+    sheet.get_by_role("button", name="Unlock", exact=True).click()
+    tab.press("Write bytes…")
+    sheet.get_by_label("Bytes, hex").fill("0D 40")
+    sheet.get_by_role("button", name="Look at it…").click()
+    expect(sheet.locator("dl")).to_contain_text(before.hex().upper())
+    expect(sheet.locator("dl")).to_contain_text("0D40")
+    assert fast.garage.memory.read("xram", 0x9000, 2) == before
+    sheet.get_by_label("The car stands still").check()
+    sheet.get_by_role("button", name="Write", exact=True).click()
+    tab.says("Written and read back")
+    assert fast.garage.memory.read("xram", 0x9000, 2) == b"\x0d\x40"
+    tab.press("Lock now")
+    expect(tab.button("Write bytes…")).to_have_count(0)

@@ -1,0 +1,112 @@
+"""Recordings: made, replayed in the same screens, exported, reported, deleted."""
+
+from __future__ import annotations
+
+import csv
+import re
+from io import StringIO
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import expect
+
+
+@pytest.fixture(scope="module")
+def with_recording(served):
+    """A recording of 87 °C and then 88 °C, with a marker where it changed; 55 °C since."""
+    served.post("/recording/start", {"name": "drive"})
+    _more(served)
+    served.garage.set("TWAT", "80")
+    served.post("/recording/marker", {"label": "hotter"})
+    _more(served)
+    served.post("/recording/stop")
+    served.garage.set("TWAT", "5F")
+    return served
+
+
+@pytest.fixture
+def recorded(with_recording):
+    with_recording.nobody_controls()
+    return with_recording
+
+
+def _more(dash):
+    began = dash.state()["recording"]["samples"]
+    dash.until(lambda: dash.state()["recording"]["samples"] >= began + 10)
+
+
+def test_r_records_m_marks_r_ends(own, visitor):
+    tab = visitor(own.url).show("live")
+    expect(tab.value("TWAT")).to_have_text("87")
+    tab.page.keyboard.press("r")
+    tab.is_line("recording")
+    expect(tab.line).to_have_text("Recording")
+    own.until(lambda: own.state()["recording"]["samples"] > 5)
+    tab.page.keyboard.press("m")
+    own.until(lambda: any(it["kind"] == "marker" for it in own.get("/history")["events"]))
+    tab.page.keyboard.press("r")
+    tab.is_line("sampling")
+    made = own.get("/recordings")["recordings"]
+    assert [(it["open"], it["markers"], it["gaps"]) for it in made] == [(False, 1, 0)]
+    tab.show("recordings")
+    expect(tab.find("tbody tr")).to_have_count(1)
+    expect(tab.find("tbody tr")).to_contain_text("M71 PROG")
+
+
+def test_it_is_played_in_the_same_screens(recorded, visitor):
+    tab = visitor(recorded.url).show("live")
+    expect(tab.value("TWAT")).to_have_text("55")
+    tab.show("recordings").press("Open")
+    player = tab.page.get_by_role("region", name="Player")
+    expect(player).to_contain_text("drive.pcapng")
+    expect(tab.value("TWAT")).to_have_text("87")
+    expect(tab.value("UACC")).to_have_text("13.8")
+    player.get_by_role("slider").press("End")
+    expect(tab.value("TWAT")).to_have_text("88")
+    tab.show("chart")
+    expect(tab.traced("TWAT")).to_have_text("88")
+    expect(tab.find(".flags button.marker")).to_have_accessible_name(re.compile("hotter$"))
+    player.get_by_role("slider").press("Home")
+    expect(tab.traced("TWAT")).to_have_text("87")
+    tab.page.keyboard.press("Space")
+    expect(tab.traced("TWAT")).to_have_text("88")
+    player.get_by_role("button", name="Back to now").click()
+    expect(tab.traced("TWAT")).to_have_text("55")
+
+
+def test_a_table_of_it_is_downloaded(recorded, visitor):
+    tab = visitor(recorded.url).show("recordings")
+    tab.press("Export drive.pcapng")
+    with tab.page.expect_download() as begun:
+        tab.press(".csv", exact=True)
+    assert begun.value.suggested_filename == "drive.csv"
+    text = Path(begun.value.path()).read_text("utf-8-sig")
+    head, *rows = csv.reader(StringIO(text))
+    column = next(n for n, name in enumerate(head) if name.startswith("TWAT"))
+    values = [float(row[column]) for row in rows if row[column]]
+    assert values[0] == 87
+    assert values[-1] == 88
+    assert set(values) == {87, 88}
+
+
+def test_the_report_is_shown_and_opens_by_itself(recorded, visitor):
+    tab = visitor(recorded.url).show("recordings")
+    tab.find("tbody").get_by_role("link", name="Report on drive.pcapng").click()
+    frame = tab.page.frame_locator("iframe")
+    expect(frame.locator("h1")).to_be_visible()
+    expect(frame.locator("body")).to_contain_text("M71 PROG")
+    with tab.page.expect_popup() as opened:
+        tab.page.get_by_role("link", name="Open in a new tab").click()
+    expect(opened.value.locator("body")).to_contain_text("M71 PROG")
+
+
+def test_deleting_asks(recorded, visitor):
+    tab = visitor(recorded.url).show("recordings")
+    tab.press("Delete drive.pcapng")
+    sheet = tab.page.get_by_role("dialog")
+    sheet.get_by_role("button", name="Cancel").click()
+    assert len(recorded.get("/recordings")["recordings"]) == 1
+    tab.press("Delete drive.pcapng")
+    sheet.get_by_role("button", name="Delete", exact=True).click()
+    tab.says("No recordings yet")
+    assert recorded.get("/recordings")["recordings"] == []

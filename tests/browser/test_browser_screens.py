@@ -1,0 +1,108 @@
+"""All eight screens: no findings of axe, nothing on the console, nothing wider than a phone; and
+pictures of each in both languages and themes, in build/screenshots or `MIKAS_SCREENSHOTS`.
+"""
+
+from __future__ import annotations
+
+import os
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import expect
+
+from browser.rig import SCREENS
+
+THERE = {  # what a screen shows once it has what it shows
+    "live": '[data-value="FREQ"]',
+    "chart": ".panes canvas",
+    "faults": "ol.cards article",
+    "passport": "dl, table",
+    "memory": '[role="grid"]',
+    "recordings": "tbody tr",
+    "report": "iframe",
+    "connection": ".columns",
+}
+AXE = Path(find_spec("axe_playwright_python").origin).parent / "axe.min.js"
+PICTURES = Path(
+    os.environ.get("MIKAS_SCREENSHOTS")
+    or Path(__file__).parent.parent.parent / "build" / "screenshots"
+)
+
+
+@pytest.fixture(scope="module")
+def lived_in(served):
+    """A program that has a recording and a dump to show."""
+    served.post("/recording/start", {"name": "Волга"})
+    served.post("/recording/marker", {"label": "knock"})
+    served.post("/dumps", {"space": "xram", "first": 0x8000, "last": 0x80FF})
+    served.until(lambda: served.get("/dumps")["dumps"][0]["state"] == "done")
+    served.post("/recording/stop")
+    return served
+
+
+def there(tab, screen):
+    """Goes to a screen and waits until it shows what it shows."""
+    tab.show(screen)
+    if screen == "memory":
+        tab.page.get_by_role("tab", name="XRAM").click()
+        tab.find(".bar input").first.fill("8000")
+        tab.find(".bar [type=submit]").click()
+    expect(tab.find(f"#screen {THERE[screen]}").first).to_be_visible()
+    expect(tab.find("#screen [aria-busy=true]")).to_have_count(0)
+    if screen == "report":
+        expect(tab.page.frame_locator("iframe").locator("h1")).to_be_visible()
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_has_nothing_serious_against_any_screen(lived_in, visitor, theme):
+    lived_in.nobody_controls()
+    tab = visitor(lived_in.url, color_scheme=theme)
+    findings = {}
+    tab.show("live")
+    tab.page.evaluate(AXE.read_text("utf-8"))
+    for screen in SCREENS:
+        there(tab, screen)
+        found = tab.page.evaluate(
+            "axe.run(document, {iframes: false, resultTypes: ['violations']})"
+        )
+        findings |= {
+            f"{screen}: {it['id']}": [node["html"] for node in it["nodes"]]
+            for it in found["violations"]
+            if it["impact"] in ("serious", "critical")
+        }
+    assert findings == {}
+
+
+@pytest.mark.parametrize("language", ["en", "ru"])
+@pytest.mark.parametrize("theme", ["day", "night"])
+def test_pictures_of_every_screen(lived_in, visitor, language, theme):
+    lived_in.nobody_controls()
+    scheme = {"day": "light", "night": "dark"}[theme]
+    locale = {"en": "en-GB", "ru": "ru-RU"}[language]
+    tab = visitor(lived_in.url, locale=locale, color_scheme=scheme)
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for screen in SCREENS:
+        there(tab, screen)
+        tab.page.screenshot(path=PICTURES / f"{screen}-{language}-{theme}.png")
+
+
+def test_nothing_is_wider_than_a_phone(lived_in, visitor):
+    lived_in.nobody_controls()
+    tab = visitor(lived_in.url, viewport={"width": 390, "height": 844}, locale="ru-RU")
+    wide = {}
+    for screen in SCREENS:
+        there(tab, screen)
+        tab.page.screenshot(path=PICTURES / f"{screen}-ru-phone.png")
+        wide[screen] = tab.page.evaluate(
+            """() => [...document.querySelectorAll("html, #screen, #screen *")].filter((it) => {
+                 if (!it.matches("html, #screen") && !it.closest("#screen")) return false;
+                 return it.getBoundingClientRect().right > innerWidth + 1 && !inside(it);
+                 function inside(it) {
+                   for (let up = it.parentElement; up && up.id !== "screen"; up = up.parentElement)
+                     if (/auto|scroll|hidden/.test(getComputedStyle(up).overflowX)) return true;
+                   return false;
+                 }
+               }).map((it) => it.outerHTML.slice(0, 200))"""
+        )
+    assert {screen: found for screen, found in wide.items() if found} == {}
