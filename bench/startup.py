@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Iterator
 from statistics import median
 from time import perf_counter
 
-_RUNS = 11
+from bench.rows import Row, Scope, Theme
 
 
-def run() -> None:
-    bare = median(_seconds("-c", "pass") for _ in range(_RUNS))
-    helped = median(_seconds("-m", "mikas", "--help") for _ in range(_RUNS))
-    print(f"`mikas --help`: {helped * 1000:.0f} ms (median of {_RUNS}), of which ", end="")
-    print(f"{bare * 1000:.0f} ms are Python's own.")
+def run(scope: Scope) -> Iterator[Theme]:
+    runs = scope.of(11, 3)
+    bare = median(_seconds("-c", "pass") for _ in range(runs))
+    helped = [1000 * _seconds("-m", "mikas", "--help") for _ in range(runs)]
+    aside = f"of which {bare * 1000:.0f} ms are Python's own"
+    rows = [Row("`mikas --help`", helped, "ms", 0, aside=aside)]
+    yield Theme("Start-up", f"A whole process, {runs} times.", rows)
 
 
 def _seconds(*arguments: str) -> float:

@@ -1,0 +1,174 @@
+"""The dashboard: how late a value is on the screen, what the page weighs and costs."""
+
+from __future__ import annotations
+
+import gzip
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from pathlib import Path
+from statistics import median, quantiles
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from bench.dash_rig import (
+    COUNTER,
+    RATE,
+    CountingUnit,
+    Program,
+    browser,
+    chromium,
+    counting_unit,
+    cpu_seconds,
+    program,
+)
+from bench.rows import Row, Scope, Theme
+from mikas.dashboard.page import FOLDER
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, CDPSession
+
+_METHOD = """\
+`mikas dash` is a process of its own; the unit is on a pty paced at 9600 baud; the page, in Chromium
+without a window, shows the table of all channels, {rate:.0f} sets a second of 21 parameters."""
+_DELAY = """\
+from the moment when the last byte of a response has left the wire until a frame with its value, or
+a newer one, has been painted (`requestAnimationFrame`, then a task of its own). The unit counts its
+responses in place of a temperature; both ends read the same clock. All responses of {seconds} s."""
+_READY = "from the navigation, with nothing in the cache, to the first frame with a value in it."
+_CPU = "user and system time of the whole program over {seconds} s, with one page open."
+_HEAP = "JavaScript's after a collection, {first} s after the page was opened and {last} s later."
+
+# Kept by the page: [ms of the clock, what stands in the cell], once it has been painted.
+_WATCH = """
+name => {
+  const painted = (window.painted = []);
+  const channel = new MessageChannel();
+  let last = null, waiting = null;
+  channel.port1.onmessage = () => { painted.push([Date.now(), waiting]); waiting = null; };
+  const look = () => {
+    const text = document.querySelector(`td[data-value="${name}"]`)?.textContent ?? null;
+    if (text !== null && text !== last && waiting === null) {
+      last = waiting = text;
+      channel.port2.postMessage(0);
+    }
+    requestAnimationFrame(look);
+  };
+  requestAnimationFrame(look);
+}"""
+_READY_WATCH = """
+const look = () => {
+  const there = [...document.querySelectorAll("#screen [data-value]")];
+  if (there.some((it) => /[0-9]/.test(it.textContent)))
+    setTimeout(() => { window.readyAt = performance.now(); });
+  else requestAnimationFrame(look);
+};
+requestAnimationFrame(look);"""
+
+
+def run(scope: Scope) -> Iterator[Theme]:
+    rows = [_size()]
+    if chromium() is not None and Path("/proc/self/stat").exists():
+        with counting_unit() as unit, program(unit.url) as served, browser() as it:
+            rows += _opened(it, served, scope.of(11, 3))
+            rows += _long(it, served, unit, scope)
+    yield Theme("The dashboard", _METHOD.format(rate=RATE), rows)
+
+
+def _size() -> Row:
+    files = [file for file in FOLDER.rglob("*") if file.is_file()]
+    bare = sum(file.stat().st_size for file in files)
+    packed = sum(len(gzip.compress(file.read_bytes(), 9)) for file in files)
+    aside = f"{len(files)} files, {bare / 1000:.0f} KB as they are"
+    return Row("the page, gzipped", [packed / 1000], "KB", 0, at_most=300, aside=aside)
+
+
+def _opened(it: Browser, served: Program, runs: int) -> list[Row]:
+    _warm(it, served)
+    took = []
+    for _ in range(runs):
+        context = it.new_context()
+        page = context.new_page()
+        page.add_init_script(_READY_WATCH)
+        page.goto(served.url)
+        took.append(page.wait_for_function("() => window.readyAt").json_value())
+        context.close()
+    return [Row("page ready", took, "ms", 0, at_most=1000, how=_READY)]
+
+
+def _warm(it: Browser, served: Program) -> None:
+    """Until the program samples."""
+    context = it.new_context()
+    page = context.new_page()
+    page.goto(served.url)
+    page.wait_for_selector('[data-line="sampling"]', timeout=60_000)
+    context.close()
+
+
+def _long(it: Browser, served: Program, unit: CountingUnit, scope: Scope) -> list[Row]:
+    settle, seconds = scope.of(60, 10), scope.of(600, 60)
+    delay_seconds = scope.of(60, 15)
+    context = it.new_context(viewport={"width": 1280, "height": 800})
+    page = context.new_page()
+    page.goto(f"{served.url}#/live")
+    page.get_by_role("tab").last.click()  # all channels
+    page.wait_for_selector(f'td[data-value="{COUNTER}"]')
+    page.wait_for_timeout(1000 * settle)
+    tools = context.new_cdp_session(page)
+    heap, backing = _heap(tools)
+    began, cpu = perf_counter(), cpu_seconds(served.process)
+    count = len(unit.sent)
+    page.wait_for_timeout(1000 * (seconds - delay_seconds))
+    page.evaluate(_WATCH, COUNTER)
+    page.wait_for_timeout(1000 * delay_seconds)
+    painted = page.evaluate("() => window.painted")
+    passed = perf_counter() - began
+    share = 100 * (cpu_seconds(served.process) - cpu) / passed
+    rate = (len(unit.sent) - count) / passed
+    grown, backing_then = _heap(tools)
+    context.close()
+    delays = _delays(unit, painted)
+    parts = quantiles(delays, n=20)
+    how = _DELAY.format(seconds=delay_seconds)
+    aside = f"{len(delays)} responses, {len(painted)} paints; the slowest {max(delays):.0f} ms"
+    held = f"{heap:.1f} MB, then {grown:.1f}; the last hour's values beside it: "
+    held += f"{backing:.1f} MB, then {backing_then:.1f}"
+    told = f"{rate:.1f} sets/s"
+    return [
+        Row("wire to screen, p50", [median(delays)], "ms", 0, how=how),
+        Row("wire to screen, p95", [parts[18]], "ms", 0, at_most=100, aside=aside),
+        Row(
+            "the program's CPU", [share], "%", 1, at_most=8, aside=told,
+            how=_CPU.format(seconds=seconds),
+        ),
+        Row(
+            "the page's heap grew by", [grown - heap], "MB", 2, at_most=1, aside=held,
+            how=_HEAP.format(first=settle, last=seconds),
+        ),
+    ]  # fmt: skip
+
+
+def _heap(tools: CDPSession) -> tuple[float, float]:
+    """MB in use by JavaScript after a collection, and by its arrays of numbers."""
+    tools.send("HeapProfiler.collectGarbage")
+    usage = tools.send("Runtime.getHeapUsage")
+    return usage["usedSize"] / 1e6, usage.get("backingStorageSize", 0) / 1e6
+
+
+def _delays(unit: CountingUnit, painted: Sequence[tuple[float, str]]) -> list[float]:
+    """ms for each response sent between the first paint and the last."""
+    seen: list[tuple[int, float]] = []
+    # Where to begin counting: the newest response when the first value was painted, or before.
+    last = max(n for n, sent in unit.sent.items() if sent <= painted[0][0] / 1000) - 128
+    for stamp, text in painted:
+        shown = text.replace("−", "-")
+        if not shown.lstrip("-").isdigit():
+            continue
+        last += (int(shown) + 40 - last) % 256
+        seen.append((last, stamp))
+    delays = []
+    for (before, _), (number, stamp) in pairwise(seen):
+        answers = (unit.sent[n] for n in range(before + 1, number + 1) if n in unit.sent)
+        delays += [stamp - 1000 * sent for sent in answers]
+    if not delays:
+        raise RuntimeError("the page showed no values")
+    return delays

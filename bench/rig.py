@@ -1,0 +1,193 @@
+"""What the benchmarks of the wire share: a unit to sample, and a meter on the way to it.
+
+The unit is a virtual one, in this process on the simulated clock, or in a process of its own
+(`mikas sim`) behind a pty paced at 9600 baud. Either echoes, and turns round in 2 ms.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+from mikas.catalog import shipped
+from mikas.client import Ecu
+from mikas.client.methods import FixedMethod
+from mikas.link import Chunk, open_link
+from mikas.link.base import Link
+from mikas.link.plug import Plug
+from mikas.sampling.events import Chosen, Gap, Sampled
+from mikas.sampling.plan import Wanted
+from mikas.sampling.sampler import Sampler
+from mikas.tester import Tester
+
+TURN_ROUND = 0.002
+_WARM = 3  # cycles before the first one that counts: lists are set, limits learnt
+
+Port = Callable[..., Any]
+"""`simulated` or `paced`: gives a context in which there is a `Plug`."""
+
+
+class Meter(Link):
+    """A link that counts what came: echo and responses, so everything that the wire carried."""
+
+    def __init__(self, link: Link) -> None:
+        self.link = link
+        self.url = link.url
+        self.baud = link.baud
+        self.received = 0
+
+    def write(self, data: bytes) -> None:
+        self.link.write(data)
+
+    def read(self, deadline: float) -> Chunk:
+        chunk = self.link.read(deadline)
+        self.received += len(chunk.data)
+        return chunk
+
+    def gather(self, until: float) -> None:
+        self.link.gather(until)
+
+    def now(self) -> float:
+        return self.link.now()
+
+    def send_break(self, seconds: float) -> None:
+        self.link.send_break(seconds)
+
+    def close(self) -> None:
+        self.link.close()
+
+
+@contextmanager
+def simulated(*, latency_ms: int = 0, settings: str = "") -> Iterator[Plug]:
+    """A virtual unit on simulated time."""
+    url = f"sim:?clock=simulated&latency_ms={latency_ms}{settings}"
+    yield Plug(url, open_port=lambda url: Meter(open_link(url)))
+
+
+@contextmanager
+def paced(*, latency_ms: int = 0) -> Iterator[Plug]:
+    """A virtual unit in another process, in real time, on a pty."""
+    with serving(f"--latency-ms={latency_ms}") as url:
+        yield Plug(url, open_port=lambda url: Meter(open_link(url)))
+
+
+@contextmanager
+def serving(*options: str) -> Iterator[str]:
+    """`mikas sim`; gives the path of its pty."""
+    command = [sys.executable, "-m", "mikas", "sim", *options]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    ) as process:
+        try:
+            assert process.stdout is not None
+            url = process.stdout.readline().strip()
+            if not url:
+                raise RuntimeError(f"{' '.join(command)} does not serve")
+            yield url
+        finally:
+            process.terminate()
+
+
+@contextmanager
+def connected(port: Port) -> Iterator[Ecu]:
+    """An ECU that is asked by hand."""
+    with port() as plug, make_ecu(plug.open()) as ecu:
+        ecu.tester.connect()
+        yield ecu
+
+
+def make_ecu(link: Link) -> Ecu:
+    """With nothing remembered from an earlier session."""
+    return Ecu(Tester(link), shipped())
+
+
+def everything() -> list[Wanted]:
+    return [Wanted(parameter) for parameter in shipped().parameters]
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A stretch of work: what was done, how long it took, and the wire's time for it (§5)."""
+
+    count: int
+    seconds: float
+    limit: float
+
+    @property
+    def rate(self) -> float:
+        return self.count / self.seconds
+
+    @property
+    def percent(self) -> float:
+        return 100 * self.limit / self.seconds
+
+
+class Watch:
+    """Times stretches on one ECU's line.
+
+    The limit is computed from what was really carried, stuffing included: bytes · 10 / 9600 and
+    2 ms for each request.
+    """
+
+    def __init__(self, ecu: Ecu) -> None:
+        self._ecu = ecu
+        assert isinstance(ecu.tester.link, Meter)
+        self._meter = ecu.tester.link
+        self._mark = self._look()
+
+    def _look(self) -> tuple[float, int, int]:
+        return self._meter.now(), self._meter.received, self._ecu.tester.statistics.requests
+
+    def lap(self, count: int) -> Stretch:
+        """What passed since the last lap, or since the watch was made."""
+        before, self._mark = self._mark, self._look()
+        seconds, carried, requests = (
+            now - then for now, then in zip(self._mark, before, strict=True)
+        )
+        limit = carried * self._meter.byte_time + requests * TURN_ROUND
+        return Stretch(count, seconds, limit)
+
+
+@dataclass(slots=True)
+class Session:
+    """What sampling brought: the method that was used, stretches of it, and cycles lost."""
+
+    stretches: list[Stretch]
+    method: str = ""
+    gaps: int = 0
+
+
+def sample(
+    plug: Plug, wanted: Sequence[Wanted], method: FixedMethod | None, *, sets: int, runs: int
+) -> Session:
+    """Runs the sampler for `runs` stretches of `sets` cycles. `method` None: the fastest."""
+    ecus: list[Ecu] = []
+
+    def make(link: Link) -> Ecu:
+        ecus.append(make_ecu(link))
+        return ecus[-1]
+
+    session = Session([], method or "")
+    seen = -_WARM if method else -inf  # what is sampled while it still tries does not count
+    watch: Watch | None = None
+    with closing(Sampler(plug, make, wanted, method=method).run()) as events:
+        for event in events:
+            if isinstance(event, Chosen):
+                session.method, seen = event.method, -_WARM
+            session.gaps += isinstance(event, Gap)
+            if not isinstance(event, Sampled):
+                continue
+            seen += 1
+            if seen == 0:
+                watch = Watch(ecus[-1])
+            elif seen > 0 and seen % sets == 0:
+                assert watch is not None
+                session.stretches.append(watch.lap(sets))
+                if len(session.stretches) == runs:
+                    break
+    return session
