@@ -54,6 +54,7 @@ def _bound(host: str, port: int) -> socket.socket:
             own.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SEND_BUFFER)
         own.bind((host, port))
+        own.listen()  # bound alone, two programs may have it, and the second finds out too late
     except OSError:
         own.close()
         raise
