@@ -131,3 +131,16 @@ def option(*names: str, text: Text, **settings: Any) -> Callable[[F], F]:
 
 
 YES = option("--yes", is_flag=True, text=Text("do not ask", "не спрашивать"))
+OUT = option(
+    "-o",
+    "--out",
+    required=True,
+    type=File(),
+    metavar="OUT",
+    text=Text("where to write; needed", "куда писать; обязательно"),
+)
+OVERWRITE = option(
+    "--overwrite",
+    is_flag=True,
+    text=Text("replace OUT if it is there", "заменить OUT, если такой файл есть"),
+)

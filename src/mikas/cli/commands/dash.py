@@ -45,12 +45,13 @@ def dashboard_options(function: Callable[..., Any]) -> Callable[..., Any]:
         record: str | None,
         **rest: Any,
     ) -> Any:  # noqa: ANN401  (as the command)
-        folder = Path(record) if record else None
-        if folder is not None and folder.exists() and not folder.is_dir():
-            raise UsageError(
-                problem=Text(f"“{record}” is a file; a folder is needed", f"«{record}» — не папка")
-            )
-        wishes = Wishes(host_port, lan or lan_control, lan_control, not no_browser, folder)
+        wishes = wishes_of(
+            host_port=host_port,
+            lan=lan,
+            lan_control=lan_control,
+            no_browser=no_browser,
+            record=record,
+        )
         return function(run, wishes, **rest)
 
     gathered_with: Callable[..., Any] = gathered
@@ -96,6 +97,18 @@ def dashboard_options(function: Callable[..., Any]) -> Callable[..., Any]:
     ):
         gathered_with = add(gathered_with)
     return gathered_with
+
+
+def wishes_of(
+    *, host_port: int | None, lan: bool, lan_control: bool, no_browser: bool, record: str | None
+) -> Wishes:
+    """Those options together. Raises `UsageError`."""
+    folder = Path(record) if record else None
+    if folder is not None and folder.exists() and not folder.is_dir():
+        raise UsageError(
+            problem=Text(f"“{record}” is a file; a folder is needed", f"«{record}» — не папка")
+        )
+    return Wishes(host_port, lan or lan_control, lan_control, not no_browser, folder)
 
 
 @command(

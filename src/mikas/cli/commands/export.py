@@ -11,6 +11,7 @@ import click
 
 from mikas.cli.arguments import File, OneOf
 from mikas.cli.grammar import command, option
+from mikas.cli.options import OUT, OVERWRITE
 from mikas.cli.run import Run
 from mikas.cli.words import language, say, shown
 from mikas.errors import UsageError
@@ -42,14 +43,7 @@ MOST_PROBLEMS = 20
 )
 @click.argument("file", metavar="FILE", type=File(there=True))
 @click.argument("names", metavar="[NAME]...", nargs=-1)
-@option(
-    "-o",
-    "--out",
-    required=True,
-    type=File(),
-    metavar="OUT",
-    text=Text("where to write; needed", "куда писать; обязательно"),
-)
+@OUT
 @option(
     "--dialect",
     type=OneOf(tuple(DIALECTS)),
@@ -58,11 +52,7 @@ MOST_PROBLEMS = 20
         "вид файла .csv: через запятую (plain) или для таблиц с десятичной запятой (excel)",
     ),
 )
-@option(
-    "--overwrite",
-    is_flag=True,
-    text=Text("replace OUT if it is there", "заменить OUT, если такой файл есть"),
-)
+@OVERWRITE
 def export(
     run: Run, file: Path, names: tuple[str, ...], out: Path, dialect: str | None, overwrite: bool
 ) -> None:

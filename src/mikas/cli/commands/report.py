@@ -13,6 +13,7 @@ import click
 from mikas.cli.arguments import File, Number
 from mikas.cli.grammar import command, option
 from mikas.cli.notices import Notices
+from mikas.cli.options import OUT, OVERWRITE
 from mikas.cli.run import Run
 from mikas.cli.session import Asked, Session, session
 from mikas.cli.words import decimal, language, say, shown
@@ -45,14 +46,7 @@ _SECONDS = 30.0
     ),
 )
 @click.argument("file", metavar="[FILE]", required=False, type=File(there=True))
-@option(
-    "-o",
-    "--out",
-    required=True,
-    type=File(),
-    metavar="OUT",
-    text=Text("where to write; needed", "куда писать; обязательно"),
-)
+@OUT
 @option(
     "--duration",
     type=Number(above=0),
@@ -62,11 +56,7 @@ _SECONDS = 30.0
         f"измерять столько секунд ({_SECONDS:g}); без FILE",
     ),
 )
-@option(
-    "--overwrite",
-    is_flag=True,
-    text=Text("replace OUT if it is there", "заменить OUT, если такой файл есть"),
-)
+@OVERWRITE
 def report(
     run: Run, file: Path | None, out: Path, *, duration: float | None, overwrite: bool
 ) -> None:
