@@ -23,8 +23,8 @@ THEMES = {
     "cpu": cpu,
     "memory": memory,
     "reading": reading,
-    "dash": dash,
     "startup": startup,
+    "dash": dash,
 }
 DOCUMENT = Path(__file__).parent.parent / "docs" / "benchmarks.md"
 
@@ -44,22 +44,29 @@ def main() -> None:
     if unknown := set(given.themes) - set(THEMES):
         arguments.error(f"no theme {', '.join(sorted(unknown))}; there is {', '.join(THEMES)}")
     scope = Scope(quick=given.quick)
+    writes = not scope.quick and not given.themes
     began = perf_counter()
-    parts = [_ABOUT, _machine()]
-    print(parts[-1], flush=True)
+    machine = _machine()
+    print(machine, flush=True)
     themes: list[Theme] = []
     for name in given.themes or THEMES:
         for theme in THEMES[name].run(scope):
             themes.append(theme)
             print(f"\n{theme.markdown()}", flush=True)
-    parts += [theme.markdown() for theme in themes]
-    parts.append(_end(themes, perf_counter() - began))
-    print(f"\n{parts[-1]}")
-    if scope.quick or given.themes:
+            if writes:  # half an hour is long: what was measured stays, however it ends
+                _write(machine, themes, "This run has not come to its end.")
+    end = _end(themes, perf_counter() - began)
+    print(f"\n{end}")
+    if not writes:
         print("\nNothing was written: that is for a full run.")
         return
-    DOCUMENT.write_text("\n\n".join(parts) + "\n", encoding="utf-8", newline="\n")
+    _write(machine, themes, end)
     print(f"\nWritten: {DOCUMENT.name}")
+
+
+def _write(machine: str, themes: list[Theme], end: str) -> None:
+    parts = [_ABOUT, machine, *(theme.markdown() for theme in themes), end]
+    DOCUMENT.write_text("\n\n".join(parts) + "\n", encoding="utf-8", newline="\n")
 
 
 def _machine() -> str:
