@@ -10,12 +10,15 @@ import pytest
 
 import mikas
 from mikas.catalog import shipped
+from mikas.client import Limits
 from mikas.errors import CaptureError, CatalogError, MissingExtra, UnknownParameter, UsageError
 from mikas.language import Text
-from mikas.recording import CaptureWriter
+from mikas.recording import CaptureWriter, write_session_header
 from mikas.recording.deriving import FRESH, Deriver
 from mikas.recording.notebook import Table, arrow_table, pandas_frame, polars_frame
+from mikas.recording.notes import learnt_note
 from mikas.recording.table import Channel, Rows
+from mikas.sampling.plan import Plan, Wanted
 
 NAN = np.nan
 PORT = "sim:?clock=simulated"
@@ -203,3 +206,16 @@ def test_a_clock_that_runs_back_holds_nothing():
     deriver = Deriver(shipped(), ["DUTY"])
     deriver.columns(rows([10.0], FREQ=[800.0], INJ=[NAN]))
     assert np.isnan(deriver.columns(rows([5.0], FREQ=[NAN], INJ=[4.0]))["DUTY"]).all()
+
+
+def test_it_tells_the_methods_that_were_used_not_the_first_guess(tmp_path):
+    path = tmp_path / "measured.pcapng"
+    wanted = (Wanted(shipped().parameter("FREQ")),)
+    with CaptureWriter(path, url=PORT) as sink:
+        write_session_header(
+            sink, 1.0, version_code=10, passports=[None] * 8, catalog_version="1",
+            plan=Plan(wanted, "batch"),
+        )  # fmt: skip
+        sink.note(learnt_note(2.0, Limits(), method="stream", rates={"stream": 34.0}))
+        sink.note(learnt_note(9.0, Limits(), method="list", rates={"list": 29.0}))
+    assert mikas.open(path).about["method"] == "stream, list"

@@ -20,7 +20,7 @@ from mikas.catalog import Catalog, Derived, load
 from mikas.errors import UsageError
 from mikas.language import Text
 from mikas.recording.capture import CaptureReader
-from mikas.recording.happened import Happened, Unit, events_of, unit_of
+from mikas.recording.happened import Happened, MethodChosen, Unit, events_of, unit_of
 from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import Packet, Problem, Source
 from mikas.recording.table import Channel, Rows
@@ -92,7 +92,14 @@ class Recording:
     @cached_property
     def about(self) -> dict[str, str]:
         """What the first recording of the file says of itself, by title; the rest is left out."""
-        return _about(self._capture, self.unit, self.catalog, self.reading)
+        about = _about(self._capture, self.unit, self.catalog, self.reading)
+        if self.unit and (chosen := self._chosen_methods()):
+            about["method"] = ", ".join(chosen)  # the first plan was made before any was measured
+        return about
+
+    def _chosen_methods(self) -> list[str]:
+        chosen = [event.method for event in self.events if isinstance(event, MethodChosen)]
+        return list(dict.fromkeys(chosen))
 
     @cached_property
     def unit(self) -> Unit | None:
