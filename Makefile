@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench clean
+.PHONY: help demo test browser check bench clean
 
 help: ## list these targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -24,11 +24,14 @@ demo: .venv/installed ## the product against a virtual car: no cable needed
 # The tests of these three with their coverage, then all others without: measuring costs the long runs half their speed.
 gated := tests/test_framing.py tests/commands tests/catalog
 
-test: .venv/with-test web/node_modules/installed ## all tests; framing, commands and catalog need 100 % branch coverage
+test: .venv/with-test web/node_modules/installed ## all tests but those in a browser; framing, commands, catalog: 100 % branches
 	@$(venv_python) -m pytest $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
-	@$(venv_python) -m pytest $(foreach path,$(gated),--ignore=$(path))
+	@$(venv_python) -m pytest $(foreach path,$(gated) tests/browser,--ignore=$(path))
 	@$(npm) test
+
+browser: .venv/with-test ## the tests that drive the page in Chromium; pictures of all screens in build/screenshots
+	@$(venv_python) -m pytest tests/browser
 
 check: .venv/with-check web/node_modules/installed ## lint, format, types, import rules
 	$(venv_python) -m ruff check .
