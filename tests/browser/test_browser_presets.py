@@ -1,0 +1,49 @@
+"""A preset of one's own: added to, put in order by keys and by hand, kept over a reload, deleted."""
+
+from __future__ import annotations
+
+from playwright.sync_api import expect
+
+
+def tiles(tab):
+    return tab.page.locator("[data-tile]").evaluate_all("all => all.map(it => it.dataset.tile)")
+
+
+def test_a_preset_is_made_kept_and_deleted(dash, visitor):
+    tab = visitor(dash.url).show("live")
+    tab.is_line("sampling")
+    tab.press("Edit")
+    first, second, third, *rest = tiles(tab)
+
+    tab.press("Add…")
+    sheet = tab.page.get_by_role("dialog")
+    sheet.get_by_role("searchbox").fill("intake")
+    expect(sheet.locator("li")).to_have_count(1)
+    expect(sheet.locator(".cost")).to_contain_text("sets/s")  # what it would cost
+    sheet.locator("li button").click()
+    tab.page.keyboard.press("Escape")
+    expect(tab.page.locator('[data-tile="TAIR"]')).to_be_visible()
+
+    grips = tab.page.locator(".grip")
+    grips.first.press("ArrowRight")
+    assert tiles(tab)[:3] == [second, first, third]
+    grips.nth(2).drag_to(tab.page.locator(f'[data-tile="{second}"]'))
+    assert tiles(tab)[0] == third
+
+    order = tiles(tab)
+    tab.page.get_by_label("Name of the preset").fill("Winter")
+    tab.press("Save")
+    expect(tab.page.get_by_role("tab", name="Winter")).to_have_attribute("aria-selected", "true")
+    assert tiles(tab) == order
+    expect(tab.value("TAIR")).not_to_have_text("–")  # what is shown is asked
+
+    tab.page.reload()
+    expect(tab.page.get_by_role("tab", name="Winter")).to_have_attribute("aria-selected", "true")
+    expect(tab.page.locator("[data-tile]")).to_have_count(len(order))
+    assert tiles(tab) == order
+
+    tab.press("Edit")
+    tab.press("Delete preset")
+    tab.page.get_by_role("dialog").get_by_role("button", name="Delete", exact=True).click()
+    expect(tab.page.get_by_role("tab", name="Winter")).to_have_count(0)
+    assert [preset["id"] for preset in dash.get("/presets")["presets"]] == []
