@@ -1,8 +1,8 @@
 """Runs the benchmarks, prints their tables, and writes docs/benchmarks.md: `make bench`.
 
-python -m bench                   everything; writes the document
-python -m bench --quick           everything, but briefly; writes nothing
-python -m bench wire cpu          these themes only; writes nothing
+python -m bench                   everything
+python -m bench wire cpu          these themes only; their sections of the document are renewed
+python -m bench --quick           briefly; writes nothing
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from __future__ import annotations
 import argparse
 import os
 import platform
+import signal
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from time import perf_counter
 
 from bench import cpu, dash, memory, reading, startup, wire
-from bench.rows import Scope, Theme
+from bench.rows import Scope
 
 THEMES = {
     "wire": wire,
@@ -33,7 +33,8 @@ _ABOUT = """\
 
 Made by `make bench`, which takes about half an hour; not edited by hand. A figure is the
 median of its runs, lowest and highest stand beside it. A target that was not reached says MISSED.
-The limits of the wire are those of [protocol.md](protocol.md), §5."""
+The limits of the wire are those of [protocol.md](protocol.md), §5. Under each table stands where
+and when it was measured, and what else the machine was doing."""
 
 
 def main() -> None:
@@ -44,53 +45,45 @@ def main() -> None:
     if unknown := set(given.themes) - set(THEMES):
         arguments.error(f"no theme {', '.join(sorted(unknown))}; there is {', '.join(THEMES)}")
     scope = Scope(quick=given.quick)
-    writes = not scope.quick and not given.themes
-    began = perf_counter()
-    machine = _machine()
-    print(machine, flush=True)
-    themes: list[Theme] = []
+    # Started in the background, it would hand on that Ctrl-C is ignored, and nothing would end.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     for name in given.themes or THEMES:
+        load = _load()
         for theme in THEMES[name].run(scope):
-            themes.append(theme)
-            print(f"\n{theme.markdown()}", flush=True)
-            if writes:  # half an hour is long: what was measured stays, however it ends
-                _write(machine, themes, "This run has not come to its end.")
-    end = _end(themes, perf_counter() - began)
-    print(f"\n{end}")
-    if not writes:
-        print("\nNothing was written: that is for a full run.")
-        return
-    _write(machine, themes, end)
-    print(f"\nWritten: {DOCUMENT.name}")
+            section = f"{theme.markdown()}\n\n{_machine(load)}"
+            print(f"\n{section}", flush=True)
+            if not scope.quick:  # at once: half an hour is long, and what was measured stays
+                _write(theme.title, section)
+    if scope.quick:
+        print("\nNothing was written: a quick run is not to be quoted.")
+    else:
+        print(f"\nWritten: {DOCUMENT.name}")
 
 
-def _write(machine: str, themes: list[Theme], end: str) -> None:
-    parts = [_ABOUT, machine, *(theme.markdown() for theme in themes), end]
-    DOCUMENT.write_text("\n\n".join(parts) + "\n", encoding="utf-8", newline="\n")
+def _write(title: str, section: str) -> None:
+    """Renews one section of the document; the others stay as they were measured."""
+    known = DOCUMENT.read_text("utf-8") if DOCUMENT.is_file() else ""
+    sections = {part.partition("\n")[0]: part.strip() for part in known.split("\n## ")[1:]}
+    sections[title] = section.removeprefix("## ").strip()
+    told = "\n".join(sections.values())
+    met, missed = told.count("| met |"), told.count("**MISSED**")
+    about = f"{_ABOUT}\n\n{met} of {met + missed} targets met."
+    text = "\n\n## ".join([about, *sections.values()])
+    DOCUMENT.write_text(text + "\n", encoding="utf-8", newline="\n")
 
 
-def _machine() -> str:
+def _machine(load: str) -> str:
     return (
-        f"{datetime.now(UTC):%Y-%m-%d}. {_processor()}, {os.cpu_count()} cores; "
-        f"{platform.system()}; Python {platform.python_version()}"
-        f"{_load(', load average at the begin')}."
+        f"*{datetime.now(UTC):%Y-%m-%d}; {_processor()}, {os.cpu_count()} cores; "
+        f"{platform.system()}; Python {platform.python_version()}{load}.*"
     )
 
 
-def _end(themes: list[Theme], seconds: float) -> str:
-    with_target = [row for theme in themes for row in theme.rows if row.met is not None]
-    met = sum(bool(row.met) for row in with_target)
-    return (
-        f"{met} of {len(with_target)} targets met; it took {seconds / 60:.0f} minutes"
-        f"{_load(', load average at the end')}."
-    )
-
-
-def _load(what: str) -> str:
+def _load() -> str:
     """Other programs on the machine disturb: what there was of them belongs to the figures."""
     if not hasattr(os, "getloadavg"):
         return ""
-    return f"{what} {os.getloadavg()[0]:.1f}"
+    return f"; load average before it {os.getloadavg()[0]:.1f}"
 
 
 def _processor() -> str:
