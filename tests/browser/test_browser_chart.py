@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from playwright.sync_api import expect
 
-PAINTED = "document.querySelector('.panes canvas').toDataURL()"
+PAINTED = "document.querySelector('.panes canvas')?.toDataURL()"
+"""Nothing until the plot is made: that is after the legend, when the pane knows how large it is."""
 
 
 def test_new_values_are_drawn(dash, visitor):
     tab = visitor(dash.url).show("chart")
     expect(tab.traced("TWAT")).to_have_text("87")
-    before = tab.page.evaluate(PAINTED)
+    before = tab.until(PAINTED)
     assert tab.until(f"before => {PAINTED} !== before", before)
     dash.garage.set("TWAT", "80")
     expect(tab.traced("TWAT")).to_have_text("88")
@@ -29,7 +30,7 @@ def test_a_frozen_view_stands_and_the_recording_goes_on(own, visitor):
     began = own.state()["recording"]["samples"]
     own.until(lambda: own.state()["recording"]["samples"] > began + 5)
     expect(tab.traced("TWAT")).to_have_text("87")
-    standing = tab.page.evaluate(PAINTED)
+    standing = tab.until(PAINTED)
     own.until(lambda: own.state()["recording"]["samples"] > began + 15)
     assert tab.page.evaluate(PAINTED) == standing
     tab.page.keyboard.press("Space")
