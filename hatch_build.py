@@ -58,7 +58,7 @@ or set MIKAS_SKIP_PAGE=1 to install without the page.
 """
 
 
-class PageHook(BuildHookInterface):  # type: ignore[type-arg]
+class PageHook(BuildHookInterface[Any]):
     """For the wheel (editable or not) and for the source distribution alike."""
 
     PLUGIN_NAME = "custom"
@@ -67,7 +67,11 @@ class PageHook(BuildHookInterface):  # type: ignore[type-arg]
         """Node is asked for only where it is going to be used: it is 60 MB."""
         return [NODE] if self._wanted() else []
 
-    def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002
+    def initialize(
+        self,
+        version: str,  # noqa: ARG002  (hatchling calls it with both)
+        build_data: dict[str, Any],  # noqa: ARG002  (hatchling calls it with both)
+    ) -> None:
         if not self._wanted():
             if _skipped():
                 self.app.display_warning("mikas: MIKAS_SKIP_PAGE is set: without the page")

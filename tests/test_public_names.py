@@ -31,6 +31,7 @@ TREE = {
     "PortDenied": ("NoConnection", ConnectionError),
     "PortFailed": ("NoConnection", ConnectionError),
     "LinkLost": ("NoConnection", ConnectionError),
+    "RecordingOver": ("LinkLost", ConnectionError),
     "NoEcho": ("NoConnection", ConnectionError),
     "EchoOnly": ("NoConnection", ConnectionError),
     "NotAKLineAdapter": ("NoConnection", ConnectionError),

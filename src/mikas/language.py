@@ -31,3 +31,22 @@ class Text(NamedTuple):
             for name, value in fields.items()
         }
         return self.to(language).format(**shown)
+
+
+def counted(count: int, english: tuple[str, str], russian: tuple[str, str, str]) -> Text:
+    """`1 fault`, `3 faults`; `1 ошибка`, `3 ошибки`, `5 ошибок`."""
+    en = english[0] if count == 1 else english[1]
+    last = count % 10
+    if count % 100 in _TENS or last == 0 or last > 4:
+        ru = russian[2]
+    else:
+        ru = russian[0] if last == 1 else russian[1]
+    return Text(f"{count} {en}", f"{count} {ru}")
+
+
+_TENS = range(11, 15)
+
+
+def byte_count(count: int) -> Text:
+    """`1 byte`, `2 bytes`; `1 байт`, `2 байта`, `256 байт`."""
+    return counted(count, ("byte", "bytes"), ("байт", "байта", "байт"))

@@ -6,34 +6,19 @@ import pickle
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
+from catalog_bench import Write, assert_refused, refused
 
 from mikas.catalog import Confidence, Derived, Level, Parameter, load, shipped
 from mikas.catalog.derived import in_order
-from mikas.errors import CatalogError, UnknownParameter
+from mikas.errors import UnknownParameter
 from mikas.language import Text
-
-Write = Callable[[str], Path]
 
 NEW = '[derived.D]\nformula = "TWAT + 1"\ntext = "d"\n'
 DOCUMENT = Path(__file__).parents[2] / "docs" / "catalog.md"
-
-
-@pytest.fixture
-def write(tmp_path: Path) -> Write:
-    count = 0
-
-    def to_file(text: str) -> Path:
-        nonlocal count
-        count += 1
-        path = tmp_path / f"own{count}.toml"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return to_file
 
 
 def computed(channels: Mapping[str, Derived], **values: float) -> dict[str, float]:
@@ -241,13 +226,7 @@ def test_a_thousand_channels_in_a_row(write: Write) -> None:
     ],
 )  # fmt: skip
 def test_a_wrong_file(write: Write, text: str, line: int, problem: str) -> None:
-    path = write(text)
-    with pytest.raises(CatalogError) as caught:
-        load(path)
-    assert caught.value.file == str(path)
-    assert problem in caught.value.problem.en
-    assert caught.value.line == line
-    assert re.search("[А-яЁё]", caught.value.problem.ru)
+    assert_refused(write(text), line, problem)
 
 
 def test_the_file_that_brought_a_name_last_is_to_blame(write: Write) -> None:
@@ -258,9 +237,8 @@ def test_the_file_that_brought_a_name_last_is_to_blame(write: Write) -> None:
         ((parameter, derived, again), derived),
         ((derived, parameter, again), parameter),
     ]:
-        with pytest.raises(CatalogError) as caught:
-            load(*files)
-        assert (caught.value.file, caught.value.line) == (str(to_blame), 1)
+        error = refused(*files)
+        assert (error.file, error.line) == (str(to_blame), 1)
 
 
 # --- limits

@@ -3,42 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from catalog_bench import Write, assert_refused, refused
 
 import mikas.catalog
 from mikas.catalog import Catalog, Confidence, load, shipped
 from mikas.catalog.source import parse_source
-from mikas.errors import CatalogError, UsageError
 from mikas.language import Text
 
-Write = Callable[[str], Path]
-
 NEW = '[parameter.P]\ncode = 0x33\nsize = 1\ntext = "p"\n'
-
-
-@pytest.fixture
-def write(tmp_path: Path) -> Write:
-    count = 0
-
-    def to_file(text: str) -> Path:
-        nonlocal count
-        count += 1
-        path = tmp_path / f"own{count}.toml"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return to_file
-
-
-def refused(path: Path, *more: Path) -> CatalogError:
-    with pytest.raises(CatalogError) as caught:
-        load(path, *more)
-    place = f":{caught.value.line}" if caught.value.line else ""
-    assert str(caught.value).startswith(f"{caught.value.file}{place}: ")
-    return caught.value
 
 
 # --- adding and overriding
@@ -298,13 +273,7 @@ def test_public_names() -> None:
     ],
 )  # fmt: skip
 def test_a_wrong_file(write: Write, text: str, line: int, problem: str) -> None:
-    path = write(text)
-    error = refused(path)
-    assert error.file == str(path)
-    assert problem in error.problem.en
-    assert error.line == line
-    assert re.search("[А-яЁё]", error.problem.ru)
-    assert isinstance(error, UsageError)
+    assert_refused(write(text), line, problem)
 
 
 def test_the_file_that_is_wrong_is_named(write: Write) -> None:

@@ -26,8 +26,8 @@ LAW = [
     ("RCOK", 0x42, "", "", "(b − 128)/256 − 0.5", {"00": -1.0, "80": -0.5, "FF": -0.00390625}),
     ("RCOD", 0x41, "", "", "(b − 128)/256 − 0.5", {"00": -1.0, "80": -0.5, "FF": -0.00390625}),
     ("UOZOC", 0x28, "° crank", "° ПКВ", "s / 2", {"00": 0.0, "FA": -3.0, "7F": 63.5}),
-    ("SSM", 0x5B, "step", "шаг", "b", {"00": 0, "FF": 255}),
-    ("FSM", 0x5C, "step", "шаг", "b", {"00": 0, "3C": 60}),
+    ("SSM", 0x5B, "step", "шаг.", "b", {"00": 0, "FF": 255}),
+    ("FSM", 0x5C, "step", "шаг.", "b", {"00": 0, "3C": 60}),
     ("MINERR", 0x72, "", "", "b", {"0D": 13, "C3": 195}),
     ("UGB", 0x59, "kg/h", "кг/ч", "w / 100", {"7805": 14.0, "FFFF": 655.35}),
     ("TAIR", 0x1C, "°C", "°C", "b − 40", {"00": -40, "3C": 20}),
@@ -59,7 +59,7 @@ def test_row(
 ) -> None:
     parameter = shipped().parameter(name)
     assert (parameter.code, parameter.unit) == (code, unit)
-    assert parameter.unit_text == Text(unit, unit_ru)
+    assert parameter.unit_text == Text("steps" if unit == "step" else unit, unit_ru)
     assert parameter.size == (2 if code in TWO_BYTES else 1)
     assert parameter.formula() == formula
     for raw, value in values.items():

@@ -3,34 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
+from catalog_bench import Write, assert_refused
 
 from mikas.catalog import Confidence, Lamp, Meaning, load, shipped
-from mikas.errors import CatalogError
 from mikas.language import Text
-
-Write = Callable[[str], Path]
 
 FLAG = '[parameter.F]\ncode = 0x33\nsize = 1\nmask = 1\ntext = "f"\n'
 NUMBER = '[parameter.N]\ncode = 0x34\nsize = 1\ntext = "n"\n'
 LAMP = 'lamp = { on = "yes", off = "no" }\n'
-
-
-@pytest.fixture
-def write(tmp_path: Path) -> Write:
-    count = 0
-
-    def to_file(text: str) -> Path:
-        nonlocal count
-        count += 1
-        path = tmp_path / f"own{count}.toml"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return to_file
 
 
 def in_both_languages(text: Text) -> bool:
@@ -134,7 +116,4 @@ def test_a_flag_made_of_a_number_has_no_meaning_any_more(write: Write) -> None:
     ],
 )
 def test_what_is_refused(write: Write, text: str, line: int, problem: str) -> None:
-    with pytest.raises(CatalogError) as caught:
-        load(write(text))
-    assert caught.value.line == line
-    assert problem in str(caught.value)
+    assert_refused(write(text), line, problem)

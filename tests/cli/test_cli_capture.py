@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from cli_bench import is_one_short_paragraph, is_russian
 
 from mikas.recording import CaptureReader
 from mikas.recording.reader import Packet, Problem
@@ -83,12 +84,56 @@ def test_log_goes_on_when_its_file_can_not_be_written(mikas, monkeypatch, tmp_pa
     assert (ran.status, len(ran.objects)) == (2, 300)
     told, last = ran.err.splitlines()
     assert told.startswith("NOT RECORDING any more. drive.pcapng: there is no room left")
-    assert last.startswith("NOT RECORDING · drive.pcapng: 300 samples")
+    assert last.startswith("NOT RECORDING · drive.pcapng: 300 samples, ")
     assert not any(isinstance(it, Problem) for it in CaptureReader(tmp_path / "drive.pcapng"))
+    lost = int(last.split("samples, ")[1].split(" of them not recorded")[0])
+    assert recorded_samples(tmp_path / "drive.pcapng") == pytest.approx(300 - lost, abs=2)
     written.clear()
     ran = mikas("watch", "TWAT", "--count", "300", "--capture", "b.pcapng", "--lang", "ru")
     assert (ran.status, len(ran.lines)) == (0, 301)
     assert ran.err.startswith("ЗАПИСЬ ПРЕКРАЩЕНА. b.pcapng")
+
+
+def test_samples_behind_a_next_file_that_could_not_be_begun_are_counted_as_lost(
+    mikas, monkeypatch, tmp_path
+):
+    from mikas.recording import recorder
+
+    def no_more(named):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(recorder, "_next", no_more)
+    argv = ("log", "-o", "a.pcapng", "TWAT", "--method", "batch", "--count", "300")
+    ran = mikas(*argv, "--rotate", "1s", "--lang", "ru")
+    assert ran.status == 2
+    last = ran.err.splitlines()[-1]
+    assert last.startswith("ЗАПИСЬ ПРЕКРАЩЕНА · a.pcapng: отсчётов 300, из них не записано ")
+    lost = int(last.split("не записано ")[1].split(",")[0])
+    assert recorded_samples(tmp_path / "a.pcapng") == pytest.approx(300 - lost, abs=2)
+
+
+def recorded_samples(file) -> int:
+    """Readings in a recording of one parameter; one or two are asked before the first sample."""
+    from mikas.catalog import load
+    from mikas.recording.opening import Recording
+
+    return sum(len(rows.times) for rows in Recording(file, load()).rows())
+
+
+@pytest.mark.parametrize("name", ["drive.csv", "drive.MF4", "drive.parquet", "a.msl", "a.mlg", "-"])
+def test_a_name_that_promises_something_else_is_refused(mikas, tmp_path, name):
+    """`log` makes no table: whoever opened drive.csv in a spreadsheet would find no line of it."""
+    ran = mikas("log", "-o", name, "TWAT", "--count", "1", sim="&lost=1")
+    assert (ran.status, ran.out) == (2, "")  # before anybody is asked
+    is_one_short_paragraph(ran.err)
+    assert "mikas export" in ran.err or name == "-"
+    is_russian(mikas("log", "-o", name, "--lang", "ru").err)
+    assert not [file for file in tmp_path.iterdir() if file.is_file()]
+
+
+def test_a_name_without_a_suffix_is_taken_as_it_is(mikas, tmp_path):
+    assert mikas("log", "-o", "drive", "TWAT", "--count", "2").status == 0
+    assert recorded_samples(tmp_path / "drive") >= 2
 
 
 def test_log_leaves_no_file_where_nobody_was(mikas, tmp_path):

@@ -12,7 +12,11 @@ from asammdf import MDF
 from cli_bench import is_one_short_paragraph, is_russian
 from pyarrow import parquet
 
+from mikas.catalog import shipped
 from mikas.cli.commands.export import MOST_PROBLEMS
+from mikas.recording import pcapng
+from mikas.recording.notes import block_of, marker_note
+from mikas.recording.opening import Recording
 
 SUFFIXES = ("csv", "mf4", "parquet", "msl", "mlg")
 NAMES = ("TWAT", "FREQ", "INJ", "RXX")
@@ -49,6 +53,15 @@ def test_every_format(mikas, tmp_path, drive, suffix):
     assert (tmp_path / f"drive.{suffix}").stat().st_size
     ran = mikas("export", "drive.pcapng", "-o", f"again.{suffix}")
     assert (ran.status, ran.out, ran.err) == (0, "", f"again.{suffix}: {rows} rows, 10 channels\n")
+
+
+def test_a_marker_is_in_the_table(mikas, tmp_path, drive):
+    times = np.concatenate([rows.times for rows in Recording(drive, shipped()).rows()])
+    with drive.open("ab") as file:
+        file.write(pcapng.encode(block_of(marker_note(float(times[20]), "knock")), "<"))
+    assert mikas("export", "drive.pcapng", "-o", "drive.msl").status == 0
+    lines = (tmp_path / "drive.msl").read_text("utf-8").splitlines()
+    assert lines.index("MARK 000 - knock") == 4 + 20  # behind the heading and twenty rows
 
 
 def test_the_formats_agree(mikas, tmp_path, drive):

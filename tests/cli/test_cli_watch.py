@@ -70,6 +70,17 @@ def test_ignition_off_is_waited_out_and_every_value_is_null(mikas):
     is_russian(mikas("watch", "TWAT", "--duration", "30", "--lang", "ru").err)
 
 
+@pytest.mark.parametrize("method", ["stream", "batch"])
+def test_how_long_it_was_away_is_the_length_of_the_gap(mikas, tmp_path, method):
+    argv = ("TWAT", "--method", method, "--duration", "50")
+    ran = mikas("log", "-o", "a.pcapng", *argv, sim=KEY_OFF)
+    (gap,) = (note.data for note in CaptureReader(tmp_path / "a.pcapng").notes()
+              if note.kind == "gap")  # fmt: skip
+    assert gap["ended"] - gap["began"] > 15  # it was off for so long
+    assert ran.err.count("Back after ") == 1
+    assert f"Back after {gap['ended'] - gap['began']:.0f} s." in ran.err
+
+
 def test_a_gap_in_plain_lines_is_a_dash(mikas):
     ran = mikas("watch", "TWAT", "--duration", "30", "--rate", "5", sim=KEY_OFF)
     assert any(line.endswith("\t–") for line in ran.lines)
@@ -135,6 +146,16 @@ def test_an_alarm_is_said_in_words_and_recorded(mikas, tmp_path):
     ran = mikas("log", "-o", "a.pcapng", "TWAT", "--count", "5", "--catalog", "mine.toml")
     assert "▲ Coolant temperature" in ran.err
     assert "is above 50 °C: warning." in ran.err
+    (note,) = (n for n in CaptureReader(tmp_path / "a.pcapng").notes() if n.kind == "alarm")
+    assert note.data["channel"] == "TWAT"
+
+
+def test_an_alarm_of_the_very_last_sample_is_said_and_recorded_too(mikas, tmp_path):
+    (tmp_path / "mine.toml").write_text("[parameter.TWAT.limits]\nwarning_high = 50\n")
+    argv = ("TWAT", "--count", "1", "--catalog", "mine.toml", "--json")
+    ran = mikas("log", "-o", "a.pcapng", *argv)
+    assert len(ran.objects) == 1
+    assert ran.err.count("is above 50 °C: warning.") == 1
     (note,) = (n for n in CaptureReader(tmp_path / "a.pcapng").notes() if n.kind == "alarm")
     assert note.data["channel"] == "TWAT"
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import AsyncIterator, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from mikas.catalog import shipped
-from mikas.client import Ecu
+from mikas.client import METHODS, AsyncEcu, Ecu
 from mikas.client.journal import Journal
 from mikas.client.limits import LimitsStore
 from mikas.link.virtual import VirtualLink
@@ -21,6 +23,9 @@ from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
 from virtual_bench import DATA, FAULTS, IDENTITY
 
+STROKES = [method for method in METHODS if method.startswith("stroke")]
+STREAMS = ["stream", *STROKES]
+ASKED = [method for method in METHODS if method not in STREAMS]
 PROBES = (b"\x01", bytes([0x61, 0x29]), bytes([0x61, 0x29, 0x29]))
 
 
@@ -95,6 +100,13 @@ def ecu_on(
     )
     it.forget()
     return ecu
+
+
+@asynccontextmanager
+async def by_worker(it: Bench, **settings: object) -> AsyncIterator[AsyncEcu]:
+    """The same, asynchronous."""
+    async with AsyncEcu(ecu_on(it, **settings), ThreadPoolExecutor(1)) as ecu:
+        yield ecu
 
 
 def lines(path: Path) -> list[dict[str, object]]:

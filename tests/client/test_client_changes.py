@@ -221,6 +221,14 @@ class TestTheList:
             assert all(r.raw == DATA[r.parameter.code] for r in readings.values())
         assert it.requests() == [b"\x64\x1a\x07\x3f", b"\x63", b"\x63"]
 
+    def test_it_is_told_in_plain_words(self, tmp_path):
+        asked = []
+        ecu = ecu_on(bench(), confirm=lambda c: asked.append(c) or True, journal=tmp_path / "j")
+        ecu.set_list("TWAT", "INJ")
+        assert asked[0].what.en == "set what the unit is to tell at once: 2 parameters"
+        assert asked[0].what.ru.endswith("2 параметра")
+        assert lines(tmp_path / "j")[0]["change"] == asked[0].what.en
+
     def test_all_of_it(self):
         ecu = ecu_on(bench())
         assert len(ecu.set_list()) == 23

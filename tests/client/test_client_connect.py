@@ -20,10 +20,11 @@ def links(monkeypatch):
     """Every link opened as `bench:`, on units queued in `links.units`."""
 
     class Links(list):
-        units: list = []  # noqa: RUF012
+        def __init__(self):
+            super().__init__()
+            self.units = []
 
     opened = Links()
-    opened.units = []
 
     def opener(url, options):
         link = VirtualLink(opened.units.pop(0).bus, url=url)

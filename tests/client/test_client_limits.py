@@ -10,7 +10,7 @@ import pytest
 from client_bench import bench, ecu_on
 
 from mikas.client import Limits
-from mikas.client.limits import STARTING_LIST, LimitsStore
+from mikas.client.limits import STARTING_LIST, LimitsStore, Pace
 from mikas.errors import NoResponse, NotSupported
 from mikas.virtual.assumptions import Assumptions
 from mikas.virtual.disturbance import Trouble
@@ -48,6 +48,16 @@ def test_a_short_list_and_refused_codes_together(long_list, unknown):
     assert 5 <= limits.max_list <= 10
 
 
+@pytest.mark.parametrize("takes", [1, 2, 5])
+def test_what_was_learnt_holds_for_the_rest_of_the_same_list(takes):
+    """A unit that is silent to what is too long: each such request is a second of waiting."""
+    it = bench(max_list=takes, long_list="silent", unknown="silent")
+    ecu = ecu_on(it)
+    assert len(ecu.read()) == 23
+    assert len([body for body in it.requests(0x61) if len(body) - 1 > takes]) <= 8
+    assert ecu.tester.link.now() < 12
+
+
 @pytest.mark.parametrize("losses", [1, 2])
 @pytest.mark.parametrize("unknown", ["silent", "01"])
 def test_lost_responses_are_no_limit(losses, unknown):
@@ -81,7 +91,7 @@ def test_bad_line_for_long_leaves_the_limits_alone():
     it = bench()
     it.bus.disturbance.rates = {Trouble.LOST: 0.02, Trouble.DAMAGED: 0.02}
     ecu = ecu_on(it)
-    came = [sample for sample in ecu.watch(count=500)]  # noqa: C416
+    came = list(ecu.watch(count=500))
     assert sum(not sample.gap for sample in came) > 490
     assert ecu.info().limits == Limits()
 
@@ -109,6 +119,25 @@ class TestKeptForTheUnit:
         assert len(other.requests(0x61)) == 1
         same_passport = bench(identity=Identity(0x09, bench().bus.ecu.responder.identity.passports))
         assert ecu_on(same_passport, state=tmp_path).info().limits == Limits()
+
+    @pytest.mark.parametrize("unknown", ["silent", "01"])
+    def test_units_without_a_passport_share_nothing_but_what_is_measured_anyway(
+        self, tmp_path, unknown
+    ):
+        """Nothing tells them apart: what one refuses the other may have."""
+        passports = "+".join(f"{code:02X}" for code in range(0x51, 0x59))
+        poor = {code: raw for code, raw in DATA.items() if code not in (0x1A, 0x3F)}
+        it = bench(poor, max_list=10, missing=passports, unknown=unknown)
+        ecu = ecu_on(it, state=tmp_path)
+        ecu.read()
+        paces = {"batch": Pace(21, 0.002), "stream": Pace(21, None)}
+        ecu.learn_paces("cable, 2 ms", paces)
+        assert ecu.limits().refused
+        assert ecu.limits().methods == {"cable, 2 ms": paces}
+        ecu.close()
+        other = ecu_on(bench(missing=passports, unknown=unknown), state=tmp_path)
+        assert other.limits() == Limits(methods={"cable, 2 ms": {"batch": Pace(21, 0.002)}})
+        assert len(other.read()) == 23
 
     def test_the_passport_is_asked_only_if_there_is_anything_to_know(self, tmp_path):
         it = bench()

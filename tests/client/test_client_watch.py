@@ -2,33 +2,16 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from itertools import islice, pairwise
 
 import pytest
-from client_bench import bench, ecu_on
+from client_bench import ASKED, STROKES, bench, ecu_on
 
 from mikas.client import METHODS
-from mikas.errors import (
-    DamagedResponse,
-    EchoOnly,
-    EcuRefused,
-    LinkLost,
-    NoResponse,
-    NotConfirmed,
-    NotSupported,
-    UnknownParameter,
-    UsageError,
-    WriteRefused,
-    WrongLength,
-)
+from mikas.errors import EchoOnly, LinkLost, UnknownParameter, UsageError
 from mikas.virtual.disturbance import Trouble
 from mikas.virtual.table_car import TableCar
 from virtual_bench import DATA
-
-STROKES = [m for m in METHODS if m.startswith("stroke")]
-STREAMS = ["stream", *STROKES]
-ASKED = [m for m in METHODS if m not in STREAMS]
 
 
 class CountingCar(TableCar):
@@ -211,175 +194,6 @@ def test_requests_by_method():
     ]
 
 
-@pytest.mark.parametrize("unknown", ["silent", "01"])
-class TestRefused:
-    @pytest.mark.parametrize("method", STREAMS)
-    def test_a_stream_that_the_unit_does_not_have(self, unknown, method):
-        it = bench(missing="stream,stroke", unknown=unknown)
-        ecu = ecu_on(it)
-        with pytest.raises(NotSupported) as told:
-            next(ecu.watch("TWAT", "FREQ", method=method))
-        assert told.value.request
-        assert ecu.read("TWAT")
-
-    def test_a_stream_of_too_many(self, unknown):
-        for long_list in ("silent", "short"):
-            it = bench(max_list=5, long_list=long_list, unknown=unknown)
-            ecu = ecu_on(it)
-            with pytest.raises(NotSupported):
-                next(ecu.watch(method="stream"))
-            assert next(ecu.watch("TWAT", method="stream", count=1)).readings
-
-    def test_a_list_that_the_unit_does_not_have(self, unknown):
-        for missing in ("list", "64", "63"):
-            ecu = ecu_on(bench(missing=missing, unknown=unknown))
-            with pytest.raises(EcuRefused):
-                next(ecu.watch("TWAT", "FREQ", method="list"))
-            assert ecu.read("TWAT")
-
-    def test_a_list_of_too_many_says_what_to_do(self, unknown):
-        ecu = ecu_on(bench(max_list=5, unknown=unknown))
-        with pytest.raises(WriteRefused, match="too long"):
-            next(ecu.watch(method="list"))
-
-    def test_a_unit_without_61(self, unknown):
-        for method in ("auto", "single"):
-            ecu = ecu_on(bench(missing="61", unknown=unknown))
-            with pytest.raises(NotSupported):
-                next(ecu.watch("TWAT", method=method))
-
-    @pytest.mark.parametrize("method", ["auto", "batch", "single"])
-    def test_all_parameters_refused_is_an_error_not_an_empty_log(self, unknown, method):
-        data = {code: raw for code, raw in DATA.items() if code not in (0x42, 0x72)}
-        ecu = ecu_on(bench(data, unknown=unknown))
-        ecu.read("TWAT")
-        for _ in range(2):
-            with pytest.raises(NotSupported, match="RCOK"):
-                list(ecu.watch("RCOK", "MINERR", method=method, count=3))
-
-    @pytest.mark.parametrize("method", ["auto", "batch", "single"])
-    def test_some_parameters_refused_are_missing(self, unknown, method):
-        data = {code: raw for code, raw in DATA.items() if code != 0x42}
-        it = bench(data, unknown=unknown)
-        ecu = ecu_on(it)
-        ecu.read("TWAT")
-        samples = list(ecu.watch("TWAT", "RCOK", method=method, count=3))
-        assert [list(s.readings) for s in samples] == [["TWAT"]] * 3
-        assert len([b for b in it.requests(0x61) if 0x42 in b]) <= 8  # asked about once
-
-
-@pytest.mark.parametrize("unknown", ["silent", "01"])
-@pytest.mark.parametrize("method", STREAMS)
-def test_a_lost_beginning_of_a_stream_is_no_refusal(unknown, method, monkeypatch):
-    it = bench(unknown=unknown)
-    ecu = ecu_on(it)
-    answer = it.bus.ecu.responder.answer
-    deaf = iter([True])  # once the unit does not hear
-
-    class Deaf:
-        def __getattr__(self, name):
-            return getattr(responder, name)
-
-        def answer(self, body, now):
-            if body[0] in (0x71, 0x7F, 0x80, 0x81, 0x82, 0x83) and next(deaf, False):
-                return None
-            return answer(body, now)
-
-    responder = it.bus.ecu.responder
-    it.bus.ecu.responder = Deaf()
-    assert next(ecu.watch("TWAT", "INJ", method=method, count=1)).readings
-
-
-@pytest.mark.parametrize("method", STROKES)
-def test_a_standing_engine_gives_gaps_that_say_so(method):
-    ecu = ecu_on(bench(DATA | {0x29: b"\x00"}, rpm=0.0))
-    samples = list(ecu.watch("TWAT", method=method, count=3))
-    assert all(isinstance(s.reason, NoResponse) for s in samples)
-    assert "engine turns" in str(samples[0].reason)
-    assert samples[2].time - samples[0].time > 9  # it waits for the engine, 5 s each
-
-
-class TestTheList:
-    def test_it_is_set_again_after_a_power_cycle_that_nobody_noticed(self):
-        it = bench()
-        ecu = ecu_on(it)
-        for names in (("TWAT", "INJ"), ("TWAT",)):  # one byte: 01 could pass for a datum
-            samples = ecu.watch(*names, method="list", rate=0.1)
-            assert next(samples).readings
-            it.power_cycle(ecu)
-            after = [next(samples) for _ in range(3)]
-            values = [r.raw for s in after for r in s.readings.values()]
-            assert set(values) <= {DATA[0x1A], DATA[0x3F]}
-            assert not after[-1].gap
-            samples.close()
-
-    def test_another_list_in_between_is_noticed(self):
-        it = bench()
-        ecu = ecu_on(it)
-        samples = ecu.watch("TWAT", method="list")
-        next(samples)
-        ecu.set_list("FREQ")
-        assert list(next(samples).readings) == ["TWAT"]
-        ecu.raw(bytes([0x64, 0x20, 0x20]))
-        assert next(samples).readings["TWAT"].raw == DATA[0x1A]
-
-    def test_two_watches_by_list_do_not_mix(self):
-        ecu = ecu_on(bench())
-        one = ecu.watch("TWAT", method="list")
-        two = ecu.watch("FREQ", method="list")
-        for _ in range(3):
-            assert next(one).readings["TWAT"].raw == DATA[0x1A]
-            assert next(two).readings["FREQ"].raw == DATA[0x29]
-
-    def test_setting_it_is_a_change_that_may_be_refused(self):
-        it = bench()
-        ecu = ecu_on(it, confirm=lambda change: False)
-        with pytest.raises(NotConfirmed):
-            next(ecu.watch("TWAT", method="list"))
-        assert it.requests() == []
-
-    def test_a_lost_answer_to_setting_it_is_no_refusal(self):
-        it = bench()
-        ecu = ecu_on(it)
-        it.trouble(Trouble.LOST)
-        assert next(ecu.watch("TWAT", method="list", count=1)).readings
-
-
-@pytest.mark.parametrize("method", STREAMS)
-def test_during_a_stream_nothing_else_can_be_asked_in_this_thread(method):
-    ecu = ecu_on(bench())
-    samples = ecu.watch("TWAT", method=method)
-    next(samples)
-    with pytest.raises(UsageError, match="stream"):
-        ecu.read("TWAT")
-    with pytest.raises(UsageError, match="stream"):
-        next(ecu.watch("TWAT"))
-    samples.close()
-    assert ecu.read("TWAT")
-
-
-@pytest.mark.parametrize("method", STREAMS)
-def test_closing_the_ecu_ends_a_stream_that_runs(method):
-    it = bench()
-    ecu = ecu_on(it)
-    samples = ecu.watch("TWAT", method=method)
-    next(samples)
-    ecu.close()
-    assert any(h.kind == "stream-end" for h in it.happenings)
-    with pytest.raises((LinkLost, StopIteration)):
-        next(samples)
-    samples.close()
-
-
-@pytest.mark.parametrize("stream_end", ["byte", "request", "break"])
-def test_a_stream_ends_however_the_unit_wants_it(stream_end):
-    it = bench(stream_end=stream_end)
-    ecu = ecu_on(it)
-    assert len(list(ecu.watch("TWAT", "FREQ", method="stream", count=5))) == 5
-    assert any(h.kind == "stream-end" for h in it.happenings)
-    assert ecu.read("FREQ")["FREQ"].raw == DATA[0x29]
-
-
 def test_a_parameter_that_is_a_true_01_in_every_method():
     for method in METHODS:
         for unknown in ("silent", "01"):
@@ -395,14 +209,3 @@ def test_no_rate_means_as_fast_as_the_wire_gives(method):
     times = [s.time for s in ecu.watch(method=method, count=21)]
     limit = {"single": 5.0, "list": 30}.get(method, 17.8)  # sets a second, §5
     assert 20 / (times[-1] - times[0]) > 0.95 * limit
-
-
-def test_a_damaged_response_of_a_stream_is_a_gap_and_the_stream_goes_on():
-    it = bench()
-    with closing(ecu_on(it).watch("FREQ", "TWAT", method="stream")) as samples:
-        next(samples)
-        it.trouble(None, Trouble.DAMAGED, None, Trouble.FOREIGN)
-        came = list(islice(samples, 12))
-    assert [type(s.reason) for s in came if s.gap] == [DamagedResponse, WrongLength]
-    assert all(s.reason.received for s in came if s.gap)
-    assert len(it.requests(0x71)) == 1  # it was not begun again

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import pytest
+from client_bench import bench, ecu_on
 
+from mikas import commands
 from mikas.catalog import shipped
 from mikas.client.doctor import STEPS, Step, examine
+from mikas.client.identity import try_commands
 from mikas.errors import BadPortUrl
 from mikas.link import Link, open_link
 from mikas.tester import Tester as TheTester
+from virtual_bench import DATA
 
 ALL = list(STEPS)
 
@@ -27,6 +31,7 @@ class Examined:
 
     def _opened(self, url: str) -> Link:
         self.links.append(open_link(url))
+        self.links[-1].baud = 9600  # so says the port, whatever the wire's pace
         return self.links[-1]
 
     @property
@@ -107,10 +112,20 @@ def test_an_adapter_that_hands_bytes_over_in_lumps(milliseconds):
 def test_a_unit_that_lacks_commands(unknown):
     found = Examined(f"&missing=blocks,stream&unknown={unknown}")
     assert found.names == ALL
-    commands = found.steps["commands"]
-    assert commands.ok is None
-    assert "21 read RAM bytes" in commands.detail.en
-    assert "71 циклический поток" in commands.detail.ru
+    tried = found.steps["commands"]
+    assert tried.ok is None
+    assert "21 read RAM bytes" in tried.detail.en
+    assert "71 циклический поток" in tried.detail.ru
+
+
+@pytest.mark.parametrize("unknown", ["silent", "01"])
+@pytest.mark.parametrize("most", [1, 255])
+def test_no_single_parameter_decides_whether_reading_and_streams_are_known(unknown, most):
+    data = {code: raw for code, raw in DATA.items() if code not in (0x29, 0x2C)}
+    ecu = ecu_on(bench(data, unknown=unknown, max_list=most))
+    known = {support.command: support.known for support in try_commands(ecu.tester)}
+    assert known[commands.ReadParameters]
+    assert known[commands.StreamCyclic] is (most > 1)
 
 
 def test_a_clean_unit_that_answers_01_to_what_it_does_not_know():
@@ -140,13 +155,7 @@ def test_a_little_noise_is_no_failure():
 
 def test_another_pace_than_was_asked_for():
     """As with a wire at 4800 behind a port that says 9600."""
-
-    def opened() -> Link:
-        link = open_link("sim:?clock=simulated&baud=4800")
-        link.baud = 9600
-        return link
-
-    steps = {step.name: step for step in examine(opened, TheTester, shipped())}
+    steps = Examined("&baud=4800").steps
     assert steps["baud"].ok is False
     assert steps["baud"].detail.en.startswith("about 4800 bit/s instead of 9600")
     assert steps["latency"].ok is True  # measured by the wire's own pace
@@ -154,12 +163,7 @@ def test_another_pace_than_was_asked_for():
 
 
 def test_an_echo_that_no_wire_makes():
-    def opened() -> Link:
-        link = open_link("sim:?clock=simulated&baud=115200")
-        link.baud = 9600
-        return link
-
-    steps = {step.name: step for step in examine(opened, TheTester, shipped())}
+    steps = Examined("&baud=115200").steps
     assert steps["baud"].ok is None
     assert "faster than a wire" in steps["baud"].detail.en
 

@@ -84,6 +84,10 @@ class Cars:
         """The virtual unit's car behind `url`."""
         return self._buses[url].ecu.responder.car
 
+    def park(self, car, url):
+        """From here on the car of the URL `car` stands behind `url`."""
+        self._buses[url] = build_bus(dict(parse_qsl(car.partition("?")[2])), start=self.clock.now())
+
     def pull(self):
         """The adapter is pulled out."""
         self.pulled = True
@@ -156,7 +160,17 @@ class Live:
 
 
 @contextmanager
-def rig(tmp_path, begin="sim:", *, names=NAMES, method="batch", rate=5, page=None, **access):
+def rig(
+    tmp_path,
+    begin="sim:",
+    *,
+    names=NAMES,
+    method="batch",
+    rate=5,
+    page=None,
+    language=None,
+    **access,
+):
     cars = Cars()
     settings = Settings(
         tmp_path / "recordings",
@@ -164,6 +178,7 @@ def rig(tmp_path, begin="sim:", *, names=NAMES, method="batch", rate=5, page=Non
         find=lambda: list(cars.ports),
         open_port=cars.open,
         link_clock=cars.clock.now,
+        language=language,
     )
     hub = Hub(settings, begin=begin, lan=access.get("lan", False))
     hub.wish = Wish(dict.fromkeys(names, 1), method, rate)

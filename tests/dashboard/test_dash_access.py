@@ -105,7 +105,7 @@ def test_the_link_becomes_a_cookie_and_leaves_the_address_bar(tmp_path):
         assert (answer.status_code, answer.headers["location"]) == (303, "/")
         cookie = answer.headers["set-cookie"]
         assert "HttpOnly" in cookie
-        assert "SameSite=strict" in cookie
+        assert "SameSite=lax" in cookie
         with httpx.Client(base_url=it.client.base_url) as fresh:
             refused = fresh.get("/", headers={**host, "Accept": "text/html"})
             assert refused.status_code == 401
@@ -182,6 +182,7 @@ def test_every_answer_keeps_the_browser_in_its_place(shared_off):
         assert headers["x-frame-options"] == "DENY"
         assert headers["referrer-policy"] == "no-referrer"
         assert headers["cross-origin-resource-policy"] == "same-origin"
+        assert headers["cross-origin-opener-policy"] == "same-origin"
         assert "access-control-allow-origin" not in headers
         assert "server" not in headers
 

@@ -7,6 +7,9 @@ import json
 import pytest
 
 from dashboard.rig import ADAPTER, ME, OTHER, rig
+from mikas.client.doctor import Step
+from mikas.errors import LinkLost
+from mikas.language import Text
 
 
 def test_nothing_is_connected_until_somebody_says_so(off):
@@ -138,6 +141,45 @@ def test_the_doctor_without_a_connection_leaves_none(off):
     assert "12 V" not in last["detail"]["en"]
     assert "doctor" not in last["to_try"]["ru"]
     assert off.get("/state")["line"] == "off"
+
+
+@pytest.fixture
+def patient(monkeypatch):
+    """A doctor that never comes to an end by itself."""
+
+    def examine(open_port, make_tester, catalog):
+        with open_port() as link:
+            yield Step("port", True, Text("open", "открыт"))
+            try:
+                while True:
+                    link.read(link.now() + 3600)
+            except LinkLost as error:
+                yield Step("ecu", False, error.text)
+
+    monkeypatch.setattr("mikas.dashboard.examination.examine", examine)
+
+
+def test_a_doctor_that_is_stopped_lets_go_of_the_port_at_once(patient, idle):
+    with idle.client.stream("POST", "/api/doctor", json={}, headers=ME) as answer:
+        lines = answer.iter_lines()
+        assert json.loads(next(lines))["name"] == "port"
+        examined = idle.cars.links[-1]
+        assert idle.post("/doctor", status=409)["code"] == "Busy"
+        assert idle.post("/doctor/stop", status=409, headers=OTHER)["code"] == "NotController"
+        idle.post("/doctor/stop")
+        with pytest.raises(LinkLost):
+            examined.write(b"")
+        assert list(lines) == []  # what it says of a port that we closed ourselves is not told
+    idle.post("/connect", {"port": "sim:?scenario=warm-idle"})  # nobody is in the way
+    assert idle.sampling()["line"] == "sampling"
+    idle.post("/doctor/stop")  # there is none: nothing to do
+
+
+def test_a_doctor_to_whom_nobody_listens_ends(patient, idle):
+    with idle.client.stream("POST", "/api/doctor", json={}, headers=ME) as answer:
+        next(answer.iter_lines())
+    assert idle.sampling()["line"] == "sampling"
+    assert idle.hub.examination is None
 
 
 def test_one_has_control_the_others_watch(idle):

@@ -129,11 +129,66 @@ def test_dumps_are_compared_and_deleted(idle):
     assert told["differences"][1] == {"address": 0x80, "a": None, "b": "55"}
     shifted = f"/api/dumps/{name}/compare?first=65"
     assert idle.client.post(shifted, content=own[1:], headers=ME).json()["count"] == 1
-    assert idle.client.delete(f"/api/dumps/{name}", headers=OTHER).status_code == 409
-    assert idle.client.delete(f"/api/dumps/{name}", headers=ME).status_code == 204
+
+
+def delete(it, name, status=200, headers=ME):
+    return it.post("/changes", {"kind": "delete_dump", "id": name}, status, headers=headers)
+
+
+def small(it):
+    name = it.post("/dumps", {"space": "xram", "first": 0x40, "last": 0x7F})["id"]
+    ended(it, name, "done")
+    return name
+
+
+def test_deleting_a_dump_asks_first(idle):
+    name = small(idle)
+    assert idle.client.delete(f"/api/dumps/{name}", headers=ME).status_code == 405
+    assert delete(idle, name, 409, headers=OTHER)["code"] == "NotController"
+    asked = delete(idle, name)
+    assert asked["before"] == {"id": name, "file": f"{name}.bin", "done": 64, "total": 64}
+    assert asked["lost"] == [asked["before"]]
+    assert asked["meaning"]["ru"]
+    assert idle.get(f"/dumps/{name}")["state"] == "done"
+    idle.post(f"/changes/{asked['nonce']}", status=409, headers=OTHER)
+    assert idle.post(f"/changes/{asked['nonce']}")["after"] is None
     assert idle.get(f"/dumps/{name}", 404)["code"] == "NotFound"
     assert idle.get("/dumps") == {"dumps": []}
     assert not any(idle.hub.settings.dumps.iterdir())
+    assert idle.post(f"/changes/{asked['nonce']}", status=410)["code"] == "NonceUnknown"
+    assert delete(idle, name, 404)["code"] == "NotFound"
+
+
+def test_a_dump_that_is_being_read_is_not_deleted(idle):
+    name = idle.post("/dumps", XRAM)["id"]
+    assert delete(idle, name, 409)["code"] == "Busy"
+    idle.post(f"/dumps/{name}/pause")
+    nonce = delete(idle, name)["nonce"]
+    idle.post(f"/dumps/{name}/resume")
+    assert idle.post(f"/changes/{nonce}", status=409)["code"] == "Busy"
+    ended(idle, name, "done")
+
+
+def test_a_dump_that_is_no_longer_as_it_was_shown_is_not_deleted(idle):
+    name = idle.post("/dumps", XRAM)["id"]
+    idle.post(f"/dumps/{name}/pause")
+    nonces = [delete(idle, name)["nonce"] for _ in range(2)]
+    idle.post(f"/dumps/{name}/resume")
+    ended(idle, name, "done")
+    assert idle.post(f"/changes/{nonces[0]}", status=409)["code"] == "NonceStale"
+    assert idle.client.get(f"/api/dumps/{name}/file").content == memory(idle, 0x100, 2048)
+    idle.post(f"/changes/{delete(idle, name)['nonce']}")
+    assert idle.post(f"/changes/{nonces[1]}", status=409)["code"] == "NonceStale"
+
+
+def test_a_dump_whose_file_can_not_be_removed_is_still_there(idle):
+    name = small(idle)
+    nonce = delete(idle, name)["nonce"]
+    file = idle.hub.settings.dumps / f"{name}.bin"
+    file.unlink()
+    (file / "not a file").mkdir(parents=True)
+    assert name in idle.post(f"/changes/{nonce}", status=400)["en"]
+    assert idle.get(f"/dumps/{name}")["state"] == "done"
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from dashboard.rig import rig
 from mikas.catalog import load
 from mikas.dashboard.history import History
 from mikas.dashboard.story import Story
-from mikas.errors import NoResponse, NotSupported, PortNotFound
+from mikas.errors import LinkLost, NoResponse, NotSupported, PortNotFound
 from mikas.sampling.events import Gap, LineState, Sampled, StateChanged
 from mikas.tester import Statistics
 
@@ -89,3 +89,13 @@ def test_a_bad_line_shows_its_errors_with_bytes(tmp_path):
         assert all(error["sent"] for error in found)
         assert any(error["received"] for error in found)
         assert live.until(lambda m: m["state"]["errors"] >= 3)["state"]["errors_minute"] >= 1
+
+
+def test_an_adapter_that_is_out_is_one_error_whatever_it_is_called_meanwhile():
+    told = story()
+    told.take(Sampled(0.5, {}, {}))
+    told.take(Gap(1.0, LinkLost(url="x", problem="gone", time=1.0)))
+    for time in range(2, 12):
+        told.take(Gap(float(time), PortNotFound(url="x", found="none")))
+    assert [error["code"] for error in errors(told)] == ["LinkLost"]
+    assert told.meters.errors == 1

@@ -16,7 +16,7 @@ from schemathesis.specs.openapi.checks import (
     status_code_conformance,
 )
 
-from dashboard.rig import ME, rig
+from dashboard.rig import ME
 from mikas.dashboard.access import Access
 from mikas.dashboard.app import create_app
 from mikas.dashboard.hub import Hub
@@ -34,16 +34,8 @@ def described():
 OPERATIONS = {it.ok().label: it.ok() for it in described().get_all_operations()}
 
 
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    with rig(tmp_path_factory.mktemp("api"), "sim:?scenario=warm-idle") as it:
-        it.sampling()
-        it.post("/unlock", {"minutes": 30})
-        yield it
-
-
 @pytest.mark.parametrize("operation", OPERATIONS.values(), ids=OPERATIONS.keys())
-def test_no_request_meets_a_bug(served, operation):
+def test_no_request_meets_a_bug(shared_idle, operation):
     @given(case=operation.as_strategy())
     @settings(
         max_examples=8,
@@ -54,7 +46,7 @@ def test_no_request_meets_a_bug(served, operation):
         suppress_health_check=list(HealthCheck),
     )
     def holds(case):
-        answer = case.call(base_url=str(served.client.base_url), headers=ME)
+        answer = case.call(base_url=str(shared_idle.client.base_url), headers=ME)
         assert answer.status_code != 500, answer.text
         case.validate_response(answer, checks=CHECKS)
 

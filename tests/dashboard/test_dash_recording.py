@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 
 import mikas
-from dashboard.rig import ME, OTHER
+from dashboard.rig import ADAPTER, ME, OTHER, rig
 from mikas.dashboard.recording import named
 
 
@@ -89,6 +89,8 @@ def test_disconnecting_ends_it(idle):
     idle.post("/recording/start", {"name": "a"})
     assert idle.post("/recording/start", {"name": "b"}, 409, OTHER)["code"] == "NotController"
     assert idle.post("/disconnect", headers=ME)["recording"] is None
+    (only,) = idle.get("/recordings")["recordings"]
+    assert (only["id"], only["gaps"]) == ("a.pcapng", 0)
 
 
 def test_a_lid_closed_for_ten_minutes_is_a_gap_and_nothing_is_doubled(idle):
@@ -118,3 +120,54 @@ def test_what_was_asked_for_before_the_recording_began_can_be_read_in_it(idle):
     rows = idle.get("/recordings/list.pcapng/rows")
     assert rows["names"] == ["TWAT"]
     assert len(rows["times"]) > 3
+
+
+def test_where_nobody_has_answered_yet_nothing_can_be_recorded(tmp_path):
+    with rig(tmp_path, "sim:?supplied=0") as it:
+        it.until(lambda message: message["state"]["line"] == "no-echo")
+        error = it.post("/recording/start", {}, 503)
+        assert error["code"] == "NotConnected"
+        assert "12 V" in error["en"]
+        assert not it.hub.settings.recordings.exists()
+
+
+def _recordings(it):
+    events = it.get("/history", seconds=7200)["events"]
+    return [(e["file"], e["on"]) for e in events if e["kind"] == "recording"]
+
+
+def test_another_port_is_another_recording(idle):
+    idle.post("/recording/start", {"name": "a"})
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 3)
+    idle.post("/connect", {"port": ADAPTER.url, "method": "batch", "rate": 5})
+    idle.until(lambda it: (it["state"]["recording"] or {"samples": 0})["samples"] > 3)
+    idle.post("/recording/stop")
+    assert _recordings(idle) == [
+        ("a.pcapng", True),
+        ("a.pcapng", False),
+        ("a (2).pcapng", True),
+        ("a (2).pcapng", False),
+    ]
+    first, second = (idle.get(f"/recordings/{file}/rows") for file in ("a.pcapng", "a (2).pcapng"))
+    assert first["times"][-1] < second["times"][0]
+    idle.post("/disconnect")
+    idle.post("/connect", {"port": "sim:?scenario=warm-idle"})
+    assert idle.sampling()["recording"] is None
+
+
+def test_the_same_port_goes_on_in_the_same_file_with_a_gap(idle):
+    idle.post("/recording/start", {"name": "a"})
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 3)
+    idle.post("/connect", {"port": "sim:?scenario=warm-idle", "method": "batch", "rate": 5})
+    idle.until(lambda it: it["state"]["line"] == "sampling" and "data" in it)
+    state = idle.post("/recording/marker", {"label": "x"}) and idle.get("/state")
+    assert (state["recording"]["file"], state["recording"]["gaps"]) == ("a.pcapng", 1)
+
+
+def test_another_car_behind_the_same_port_gets_its_own_file(idle):
+    idle.post("/recording/start", {"name": "a"})
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 3)
+    url = idle.get("/state")["port"]
+    idle.cars.park(f"{url}&model=5.4", url)
+    idle.post("/connect", {"port": url, "method": "batch", "rate": 5})
+    idle.until(lambda it: it["state"]["recording"]["file"] == "a-2.pcapng")

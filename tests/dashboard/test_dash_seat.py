@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from dashboard.rig import OTHER as SOMEBODY
 from mikas.dashboard.refusals import NotAllowed, NotController
 from mikas.dashboard.seat import AFTER_REQUEST, AFTER_SOCKET, Client, Seat
 
@@ -58,6 +59,16 @@ def test_with_a_socket_it_is_kept_and_a_reload_does_not_lose_it(seat):
     assert seat.holder is None
 
 
+def test_a_page_that_was_closed_does_not_keep_it_by_a_request_that_came_late(seat):
+    seat.opened(ME)
+    seat.closed(ME)
+    seat.demand(ME)  # was under way when the page was closed
+    seat.passes(AFTER_SOCKET - 0.1)
+    assert seat.holder == ME  # it may be a reload, whose socket is not there yet
+    seat.passes(0.1)
+    assert seat.holder is None
+
+
 def test_it_can_be_let_go_and_taken_over(seat):
     seat.demand(ME)
     seat.release(OTHER)
@@ -81,3 +92,57 @@ def test_viewers_are_clients_not_sockets(seat):
     assert seat.viewers == 2
     seat.closed(ME)
     assert seat.viewers == 2
+
+
+def test_every_change_of_hands_is_told(seat):
+    hands = []
+    seat._changed = lambda: hands.append(seat._holder and seat._holder.id)
+    seat.demand(ME)
+    seat.demand(ME)
+    seat.demand(OTHER, force=True)
+    seat.release(OTHER)
+    seat.demand(ME)
+    seat.passes(AFTER_REQUEST)
+    assert seat.holder is None
+    assert hands == ["me", "it", None, "me", None]
+
+
+def test_a_request_that_came_to_nothing_is_taken_back(seat):
+    before = seat.demand(ME)
+    seat.take_back(before)
+    assert seat.holder is None
+    seat.demand(ME)
+    seat.passes(AFTER_REQUEST - 1)
+    seat.take_back(seat.demand(ME))
+    seat.passes(1)
+    assert seat.holder is None
+    before = seat.demand(ME)
+    seat.demand(ME)  # a good one of the same client, at the same time
+    seat.take_back(before)
+    assert seat.holder == ME
+
+
+def test_only_what_was_understood_and_allowed_takes_the_seat(off):
+    for path, body, status in (
+        ("/connect", {"port": 5}, 400),
+        ("/connect", {"port": "nonsense://x"}, 400),
+        ("/changes/unknown", {}, 410),
+        ("/recording/note", {"text": "x" * (1 << 20)}, 413),
+        ("/changes", {"kind": "delete_recording", "id": "none.pcapng"}, 404),
+    ):
+        off.post(path, body, status, SOMEBODY)
+        assert off.get("/state")["controller"] is None, path
+    off.post("/disconnect", headers=SOMEBODY)
+    assert off.get("/state")["controller"]["id"] == "tester-0002"
+    off.post("/connect", {"port": 5}, 409)
+
+
+def test_an_unlock_is_not_handed_on(idle):
+    idle.post("/unlock", {"minutes": 5})
+    assert idle.get("/state")["unlocked_until"]
+    state = idle.post("/control/take", {"force": True}, headers=SOMEBODY)
+    assert state["unlocked_until"] is None
+    wish = {"kind": "write_memory", "space": "ram", "address": 64, "data": "00"}
+    assert idle.post("/changes", wish, 403, SOMEBODY)["code"] == "Locked"
+    idle.post("/control/take", {"force": True})
+    assert idle.post("/changes", wish, 403)["code"] == "Locked"

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 from dashboard.rig import ME, OTHER, rig
+from mikas.commands import WriteList
 from mikas.dashboard.nonces import LIFETIME
 
 
@@ -43,9 +46,21 @@ def test_faults_are_erased_in_two_steps_and_stand_in_the_journal(faulty):
     done = [entry for entry in entries if entry["before"] == "0D 0E"]
     assert [entry["state"] for entry in done] == ["done", "started"]
     assert done[0]["change"] == {
-        "en": "erase 2 stored fault(s)",
-        "ru": "стереть ошибки, всего: 2",
+        "en": "erase 2 stored faults",
+        "ru": "стереть 2 ошибки",
     }
+
+
+def test_the_units_list_is_no_change_of_the_car(tmp_path):
+    with rig(tmp_path, None) as it:
+        entries = [
+            {"time": 1, "change": "what to tell at once", "command": WriteList.SOURCE_NAME},
+            {"time": 2, "change": "erase 1 stored fault", "command": "parameter write"},
+        ]
+        it.hub.settings.journal.parent.mkdir(parents=True, exist_ok=True)
+        text = "".join(json.dumps(entry) + "\n" for entry in entries)
+        it.hub.settings.journal.write_text(text, "utf-8")
+        assert [entry["time"] for entry in it.get("/journal")["entries"]] == [2]
 
 
 def test_older_entries_of_the_journal_are_told_in_english(tmp_path):

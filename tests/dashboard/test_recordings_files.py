@@ -91,6 +91,12 @@ def _values(out: Path, name: str) -> list[float]:
     return mikas.open(out.parent / "recordings/drive.pcapng").to_pandas()[name].tolist()
 
 
+def test_what_happened_is_in_the_export(desk) -> None:
+    answer = desk.get("/recordings/drive.pcapng/export", format="msl", lang="ru")
+    marks = [line for line in answer.text.splitlines() if line.startswith("MARK")]
+    assert marks == ["MARK 000 - here", "MARK 001 - разрыв 0,1 с: нет эха"]
+
+
 def test_all_channels_and_a_spreadsheet_s_csv(desk, made) -> None:
     answer = desk.get("/recordings/drive.pcapng/export", dialect="excel", lang="ru")
     head = answer.content.decode("utf-8-sig").splitlines()[0]
@@ -253,6 +259,43 @@ def test_the_live_report(idle) -> None:
     answer = idle.get("/report", inline=1)
     assert "content-disposition" not in answer.headers
     assert "mikas.html" in saved_as(idle.get("/report"))
+
+
+def erase(idle) -> None:
+    idle.until(lambda it: it["state"]["fault_count"] == 1)
+    nonce = idle.post("/changes", {"kind": "erase_faults"})["nonce"]
+    assert idle.post(f"/changes/{nonce}", headers=ME)["after"] == []
+
+
+def test_the_live_report_tells_what_was_erased(idle) -> None:
+    begun = idle.hub.now()
+    erase(idle)
+    idle.until(lambda it: it["now"] > begun + 20)
+    text = idle.get("/report").text
+    assert "verdict open" in text
+    assert "Nothing wrong was found" not in text
+    assert "fault 13 was erased at" in text
+    assert "read the faults again" in text
+
+
+def test_a_recording_begun_in_mid_session_knows_the_faults_read_before(idle) -> None:
+    idle.until(lambda it: it["state"]["fault_count"] == 1)
+    idle.post("/recording/start", {"name": "now"})
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 20)
+    idle.post("/recording/stop")
+    text = idle.get("/recordings/now.pcapng/report").text
+    assert "1 fault is stored: 13;" in text
+    assert "Read at " in text
+
+
+def test_a_recording_begun_after_erasing_says_so(idle) -> None:
+    erase(idle)
+    idle.post("/recording/start", {"name": "now"})
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 20)
+    idle.post("/recording/stop")
+    text = idle.get("/recordings/now.pcapng/report", lang="ru").text
+    assert "; ошибка 13 стёрта в " in text
+    assert "verdict open" in text
 
 
 def test_the_recording_in_progress(idle) -> None:

@@ -19,7 +19,7 @@ def wrapping(inner: Exception, text: str = "could not open port: {}") -> Excepti
         try:
             raise inner
         except Exception as error:
-            raise SerialException(text.format(error))  # noqa: B904  # just as pyserial does it
+            raise SerialException(text.format(error))  # noqa: B904  (as pyserial does it)
     except SerialException as error:
         return error
 

@@ -22,7 +22,7 @@ def test_the_system_refuses_to_let_the_file_grow(tmp_path):
         try:
             resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
             kept = 0
-            with pytest.raises(CaptureError, match="no room left"):  # noqa: PT012
+            with pytest.raises(CaptureError, match="no room left"):  # noqa: PT012  (at some record)
                 while True:
                     writer.record(SENT, b"0123456789", kept)
                     kept += 1
@@ -37,7 +37,7 @@ def test_a_file_deleted_while_being_recorded(tmp_path):
     with CaptureWriter(path, url="sim:") as writer:
         writer.record(SENT, b"x", 100.0)
         path.unlink()
-        with pytest.raises(CaptureError, match="deleted"):  # noqa: PT012
+        with pytest.raises(CaptureError, match="deleted"):  # noqa: PT012  (at some record)
             for tenth in range(20):
                 writer.record(SENT, b"x", 100 + tenth / 10)
         assert tenth == 10  # looked for once a second

@@ -60,7 +60,7 @@ def test_what_is_not_known_has_no_meaning(request_body):
 
 
 def test_a_response_of_the_wrong_length_is_said_to_be_one():
-    assert "byte(s)" in told("611A", "0102").en
+    assert "Bytes in the response" in told("611A", "0102").en
 
 
 def test_a_list_is_remembered():
@@ -84,13 +84,22 @@ def test_while_a_list_is_being_set_nobody_knows_which_one_the_unit_has():
     assert told("63", "1520", describe).en == "FREQ=840rpm THR=32%"
 
 
-def test_a_lone_01_is_a_value_only_of_a_parameter_that_is_known_to_answer():
+def test_a_lone_01_may_be_a_refusal():
     describe = Describer(shipped())
-    assert told("6120", "01", describe).en == "a value of 01, or a refusal"
     assert told("6120", "02", describe).en == "THR=2%"
-    assert told("6120", "01", describe).en == "THR=1%"
-    assert told("611A", "01", describe).en == "a value of 01, or a refusal"
+    assert told("6120", "01", describe).en == "a value of 01, or a refusal"
     assert told("61201A", "0101", describe).en.startswith("THR=1%")
+
+
+def test_the_first_response_of_a_stream_may_be_a_refusal():
+    describe = Describer(shipped())
+    for stream in ("7120", "8320"):
+        told(stream, None, describe)
+        assert told(stream, "01", describe).en == "a value of 01, or a refusal"
+        assert told(stream, "01", describe).en == "THR=1%"
+    told("7120", None, describe)
+    assert told("7120", "02", describe).en == "THR=2%"
+    assert told("7120", "01", describe).en == "THR=1%"
 
 
 def test_the_reading_asked_for():

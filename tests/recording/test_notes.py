@@ -48,11 +48,6 @@ noted = st.builds(
 )
 
 
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "line.pcapng"
-
-
 def notes(path):
     return list(CaptureReader(path).notes())
 
@@ -110,9 +105,11 @@ def test_what_each_kind_holds():
         n.state_note(5.0, LineState.ECHO_ONLY, why),
         n.alarm_note(event),
         n.learnt_note(8.0, Limits(max_list=8, refused=[0x99])),
+        n.faults_note(9.0, [(7.0, (13, 53), False), (8.5, (), True)]),
     ]
     assert {note.kind for note in made} == set(Kind)
     data = {note.kind: note.data for note in made}
+    assert data[Kind.FAULTS]["readings"][0] == {"time": 7.0, "codes": [13, 53], "erased": False}
     assert data[Kind.UNIT]["passports"] == ["A", None]
     assert data[Kind.UNIT]["baud"] == 9600
     assert data[Kind.PLAN]["names"] == ["FREQ", "TWAT"]

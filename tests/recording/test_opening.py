@@ -202,6 +202,35 @@ def test_an_input_holds_for_a_second_and_across_stretches():
     np.testing.assert_array_equal(np.concatenate([part["DUTY"] for part in parts]), at_once)
 
 
+def test_an_input_holds_for_a_cycle_that_is_longer_and_no_longer_than_that():
+    times, speeds, pulses = [], [], []
+    for cycle in (0, 6, 12, 30, 36):  # a hole before the fourth
+        times += [cycle, cycle + 2.5]
+        speeds += [800.0, NAN]
+        pulses += [NAN, 4.0]
+    whole = rows(times, FREQ=speeds, INJ=pulses)
+    at_once = Deriver(shipped(), ["DUTY"]).columns(whole)["DUTY"]
+    there = [0, 0, 0, 1, 1, 1, 0, 1, 1, 1]  # once a cycle's length is known
+    np.testing.assert_array_equal(np.isfinite(at_once), np.array(there, dtype=bool))
+    deriver = Deriver(shipped(), ["DUTY"])
+    parts = [
+        deriver.columns(
+            Rows(whole.times[i : i + 1], {n: v[i : i + 1] for n, v in whole.values.items()})
+        )["DUTY"]
+        for i in range(len(times))
+    ]
+    np.testing.assert_array_equal(np.concatenate(parts), at_once)
+
+
+def test_what_is_asked_seldom_holds_for_a_second_beside_what_is_asked_often():
+    times = np.arange(0, 12, 0.5)
+    pulses = np.where(times % 4 == 0, 4.0, NAN)
+    column = Deriver(shipped(), ["DUTY"]).columns(
+        rows(times, FREQ=np.full(times.size, 800.0), INJ=pulses)
+    )["DUTY"]
+    np.testing.assert_array_equal(np.isfinite(column), times % 4 <= FRESH)
+
+
 def test_a_clock_that_runs_back_holds_nothing():
     deriver = Deriver(shipped(), ["DUTY"])
     deriver.columns(rows([10.0], FREQ=[800.0], INJ=[NAN]))

@@ -31,11 +31,6 @@ from mikas.sampling.alarms import Alarms
 from mikas.sampling.events import Chosen, Dropped, LineState
 
 
-@pytest.fixture
-def recorder():
-    return Recorder(ecu=ecu)
-
-
 def test_it_writes_between_start_and_stop(recorder, tmp_path):
     file = tmp_path / "a.pcapng"
     recorder.record(SENT, b"\x01\xff\x0d", 1.0)
@@ -264,58 +259,6 @@ def test_no_room_for_the_next_file(tmp_path, monkeypatch):
     assert wire(tmp_path / "a.pcapng") == {SENT: b"", RECEIVED: b""}
 
 
-# Disks
-
-
-def _session(recorder) -> None:
-    """A bit of everything."""
-    recorder.record(SENT, b"\x01\xff\x0d", 1.0)
-    recorder.record(RECEIVED, b"\x01\xff\x0d\x0a\xf6\x0d", 1.1)
-    begin_session(recorder, 1.2)
-    recorder.record(RECEIVED, b"\x0a", 2.0)
-    recorder.take(sampled(2.0))
-    recorder.take(gap(3.0))
-    recorder.take(sampled(4.0))
-
-
-def test_a_disk_that_is_full_at_any_byte_hurts_nothing_written(tmp_path, monkeypatch):
-    disk = SmallDisk(monkeypatch)
-    recorder = Recorder(ecu=ecu)
-    recorder.start(tmp_path / "whole.pcapng", url="sim:")
-    begun = recorder.status.bytes
-    _session(recorder)
-    whole = recorder.stop().bytes
-    passed = wire(tmp_path / "whole.pcapng")
-    told = kinds(tmp_path / "whole.pcapng")
-    for room in range(begun, whole):
-        file = tmp_path / f"{room}.pcapng"
-        disk.room = room
-        recorder = Recorder(ecu=ecu)
-        recorder.start(file, url="sim:")
-        _session(recorder)
-        status = recorder.status
-        assert isinstance(recorder.failure, CaptureError)
-        assert "full" in status.failure.reason.en
-        assert status.bytes == file.stat().st_size <= room
-        assert passed[SENT].startswith(wire(file)[SENT])
-        assert passed[RECEIVED].startswith(wire(file)[RECEIVED])
-        assert told[: len(kinds(file))] == kinds(file)
-        assert recorder.stop().failure is status.failure
-    disk.room = 1 << 30
-    recorder.start(tmp_path / "again.pcapng", url="sim:")
-    recorder.record(SENT, b"\x01\xff\x0d", 9.0)
-    assert recorder.stop().failure is None
-    assert kinds(tmp_path / "again.pcapng") == ["unit", "catalog", "plan", "state"]
-
-
-def test_a_disk_that_is_full_at_the_start_is_told_there(tmp_path, monkeypatch):
-    SmallDisk(monkeypatch).room = 10
-    recorder = Recorder()
-    with pytest.raises(CaptureError):
-        recorder.start(tmp_path / "a.pcapng", url="sim:")
-    assert recorder.status is None
-
-
 def test_a_clock_that_jumps_loses_nothing(recorder, tmp_path):
     file = tmp_path / "a.pcapng"
     recorder.start(file, url="sim:")
@@ -365,24 +308,3 @@ def test_other_threads_may_mark_and_start_and_stop(tmp_path):
     for file in files:
         wire(file)
         assert kinds(file)[:4] == ["unit", "catalog", "plan", "state"]
-
-
-def test_why_it_broke_off_is_told_to_the_end(recorder, tmp_path, monkeypatch):
-    disk = SmallDisk(monkeypatch)
-    recorder.start(tmp_path / "a.pcapng", url="sim:")
-    begin_session(recorder)
-    disk.room = 100
-    for at in range(40):
-        recorder.record(SENT, b"\x01\xff\x0d", 2.0 + at)
-        recorder.record(RECEIVED, b"\x01\xff", 2.1 + at)
-        recorder.take(sampled(2.2 + at))
-        recorder.take(gap(2.9 + at))
-        if recorder.failure is not None:
-            why = recorder.failure
-            disk.room = 1 << 20
-            break
-    for at in range(100, 110):
-        recorder.record(RECEIVED, b"\x01\xff", at)
-        recorder.take(sampled(at + 5.0))
-    assert recorder.failure is why
-    assert recorder.stop().failure is why

@@ -45,6 +45,8 @@ def test_a_folder_that_is_gone(tmp_path):
         recorder.record(SENT, b"\x01\xff\x0d", 3.0 + turn)
         recorder.take(sampled(3.0 + turn))
     assert "deleted" in recorder.failure.reason.en
+    assert (recorder.status.samples, recorder.status.lost) == (0, 5)  # those in it are gone too
+    assert recorder.status.bytes == 0
     recorder.start(tmp_path / "b.pcapng", url="sim:")
     recorder.record(SENT, b"\x02\xfe\x0d", 9.0)
     recorder.stop()

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from replay_bench import METHODS, NAMES, again, do, session, sim
 
-from mikas.errors import EchoOnly
+from mikas.errors import RecordingOver
 from mikas.framing import encode
 from mikas.link import open_link
 from mikas.link.virtual import VirtualLink
@@ -132,8 +132,9 @@ def test_seek_and_hold_while_it_runs(tmp_path):
         car.seek(car.duration - 0.5)
         assert ecu.read("FREQ")["FREQ"].raw == recorded[-1][1]["FREQ"]
         car.set_speed(1, link.now())
-        ecu.tester.wait(link.now() + 2)
-        with pytest.raises(EchoOnly):
+        with pytest.raises(RecordingOver):
+            ecu.tester.wait(link.now() + 2)
+        with pytest.raises(RecordingOver):
             ecu.read("FREQ")
         for speed in (-1, float("inf"), float("nan")):
             with pytest.raises(ValueError, match="speed"):

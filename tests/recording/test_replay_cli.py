@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -10,6 +11,8 @@ import pytest
 from mikas.cli.commands import sim
 from mikas.cli.main import run
 from mikas.cli.run import Run
+from mikas.recording import CaptureReader
+from mikas.recording.reader import Packet
 
 
 @pytest.fixture
@@ -53,6 +56,40 @@ def test_a_recording_is_served_with_the_other_options(capture, served, capsys):
     assert "damaged part(s) passed over" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("more", [[], ["--json"], ["-v"], ["--lang", "ru"]])
+def test_the_end_of_a_served_recording_is_told_once(capture, served, capsys, more):
+    """On the wire it is a silence like that of a key that was turned off."""
+    assert run(["sim", "--replay", str(capture), *more]) == 0
+    capsys.readouterr()
+    served.bus.send(b"\x01\xff\x0d", 1.0)
+    served.bus.advance(60.0)
+    served.bus.send(b"\x01\xff\x0d", 61.0)
+    served.bus.advance(90.0)
+    out, err = capsys.readouterr()
+    if more == ["--lang", "ru"]:
+        assert err.count(f"Запись {capture} закончилась") == 1
+        return
+    assert err.count(f"The recording {capture} is over") == 1
+    assert "loop=1" in err
+    assert out.count('"event": "recording-over"') == (more == ["--json"])
+
+
+def test_a_silence_in_the_middle_is_not_its_end(tmp_path, monkeypatch, served, capsys):
+    for name in ("HOME", "XDG_CONFIG_HOME", "XDG_STATE_HOME"):
+        monkeypatch.setenv(name, str(tmp_path))
+    port = "sim:?clock=simulated&scenario=key-off"
+    file = str(tmp_path / "key.pcapng")
+    slowly = ["TWAT", "--method", "batch", "--rate", "4", "--duration", "50"]
+    assert run(["log", "-o", file, *slowly, "--port", port]) == 0
+    assert run(["sim", "--replay", file, "--lang", "en"]) == 0
+    capsys.readouterr()
+    for time, on in ((1.0, True), (30.0, False), (45.0, True), (90.0, False)):
+        served.bus.send(b"\x01\xff\x0d", time)
+        served.bus.advance(time + 0.1)
+        assert served.bus.ecu.on == on
+        assert ("is over" in capsys.readouterr().err) == (time == 90.0)
+
+
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
@@ -72,9 +109,46 @@ def test_what_contradicts_itself_is_refused(capture, served, capsys, words, reas
 def test_a_file_that_is_no_recording(capture, capsys, tmp_path):
     (tmp_path / "notes.txt").write_text("hello")
     assert run(["sim", "--replay", str(tmp_path / "notes.txt")]) == 2
-    assert "not a capture" in capsys.readouterr().err
+    assert "not a recording" in capsys.readouterr().err
     assert run(["sim", "--replay", str(tmp_path / "nowhere")]) == 2
     assert run(["read", "FREQ", "--port", f"replay:{tmp_path / 'nowhere'}"]) == 2
+
+
+def test_info_of_a_recording_is_quick_and_says_what_a_recording_cannot_tell(
+    capture, capsys, tmp_path
+):
+    """A unit that is silent to 02 does not know it; a recording in which nobody asked may."""
+    port = f"replay:{capture}?clock=simulated&loop=1"
+    capsys.readouterr()
+    wire = tmp_path / "wire.pcapng"
+    assert run(["info", "--json", "--port", port, "--capture", str(wire)]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["supported"]["CREADP (61)"] is True
+    assert [known for known in told["supported"].values() if known is False] == []
+    assert list(told["supported"].values()).count(None) > 15
+    assert told["program_passport"] == [None] * 3
+    packets = [packet for packet in CaptureReader(wire) if isinstance(packet, Packet)]
+    assert packets[-1].time - packets[0].time < 1
+    assert run(["info", "--port", port]) == 0
+    out = capsys.readouterr().out
+    assert "the recording does not tell" in out
+    assert "does not know" not in out
+    assert run(["info", "--port", port, "--lang", "ru"]) == 0
+    assert "по записи не узнать" in capsys.readouterr().out
+
+
+def test_info_of_a_recording_tells_what_its_unit_refused(tmp_path, monkeypatch, capsys):
+    for name in ("HOME", "XDG_CONFIG_HOME", "XDG_STATE_HOME"):
+        monkeypatch.setenv(name, str(tmp_path))
+    file = str(tmp_path / "info.pcapng")
+    live = "sim:?clock=simulated&missing=stream,sfr"
+    assert run(["info", "--json", "--port", live, "--capture", file]) == 0
+    unit = json.loads(capsys.readouterr().out)
+    assert run(["info", "--json", "--port", f"replay:{file}?clock=simulated"]) == 0
+    replayed = json.loads(capsys.readouterr().out)
+    assert replayed["supported"] == unit["supported"]
+    assert False in unit["supported"].values()
+    assert replayed["program_passport"] == unit["program_passport"]
 
 
 def test_a_recording_as_a_port(capture, capsys):

@@ -97,7 +97,7 @@ def recorded_bytes():
 def test_what_is_no_recording_is_refused_with_a_reason(tmp_path):
     cases = {
         "empty.pcapng": (b"", "empty"),
-        "table.csv": (b"Time,TWAT\n0,85\n", "not a capture"),
+        "table.csv": (b"Time,TWAT\n0,85\n", "not a recording"),
         "old.pcap": (bytes.fromhex("d4c3b2a1") + bytes(40), "old pcap"),
         "head.pcapng": (recorded_bytes()[:200], "nothing to replay"),
     }

@@ -7,7 +7,7 @@ from contextlib import suppress
 import pytest
 from replay_bench import NAMES, RECEIVED, SENT, again, do, linger, session, sim
 
-from mikas.errors import EchoOnly, MikasError
+from mikas.errors import EchoOnly, MikasError, RecordingOver
 from mikas.framing import encode
 from mikas.recording import CaptureWriter, write_session_header
 from mikas.recording.replay import load, playing
@@ -46,7 +46,9 @@ def test_what_was_never_asked_is_not_made_up(tmp_path):
         assert ecu.passport().pieces == ("",) * 8
         assert ecu.passport().program == (None,) * 3
         assert ecu.raw(b"\x02") is None
-        assert ecu.raw(b"\x60") is None
+        for code in (0x51, 0x54, 0x60):  # refused: that can't be taken for an answer (D10)
+            assert ecu.raw(bytes([code])) == b"\x01"
+        assert ecu.info().parameter_count is None
         assert ecu.raw(b"\x11\x40") is None
         assert ecu.raw(b"\x62\x29\x10") == b"\x01"  # a write is refused
         assert ecu.raw(b"\x99") is None
@@ -213,14 +215,15 @@ def test_a_pause_of_the_tester_is_no_silence_of_the_unit(tmp_path):
     assert load(path).silences == []
 
 
-def test_behind_its_end_it_is_silent_or_begins_again(tmp_path):
+def test_behind_its_end_it_is_over_or_begins_again(tmp_path):
     path = tmp_path / "a.pcapng"
     with session(sim(scenario="cold-start"), tmp_path, path) as ecu:
         do(ecu, [("batch", ["TWAT", "FREQ"], 40, 0)])
     duration = load(path).duration
     with session(again(path), tmp_path) as ecu:
-        ecu.tester.wait(ecu.tester.link.now() + duration)
-        with pytest.raises(EchoOnly):
+        with pytest.raises(RecordingOver):
+            ecu.tester.wait(ecu.tester.link.now() + duration)
+        with pytest.raises(RecordingOver):
             ecu.read("TWAT")
         assert playing(ecu.tester.link).position() == duration
     with session(again(path, loop=1), tmp_path) as ecu:

@@ -112,7 +112,7 @@ def test_what_stands_astride_two_windows_is_found(tmp_path, monkeypatch):
     ("content", "reason"),
     [
         (b"", "empty"),
-        (b"Time,TWAT\n", "not a capture"),
+        (b"Time,TWAT\n", "not a recording"),
         (bytes.fromhex("d4c3b2a1") + bytes(40), "old pcap"),
     ],
 )

@@ -86,6 +86,20 @@ def test_what_is_off_is_in_the_sentence() -> None:
     all_texts(findings)
 
 
+def test_a_throttle_that_was_asked_for_a_part_of_the_time_only() -> None:
+    def part(times):
+        return np.where(times < 20, 0.0, np.nan)
+
+    findings = found(rows(THR=part, RXX=None))
+    assert "For 37 s of 1 min the throttle position (THR) was not asked" in of_idle(findings).en
+    assert "37 с из 1 мин не измерялось: положение дроссельной" in of_idle(findings).ru
+    all_texts(findings)
+    findings = found(rows(THR=part))
+    assert "was not asked, and" not in of_idle(findings).en
+    assert "the unit's own sign of idle" in of_idle(findings).en
+    all_texts(findings)
+
+
 def test_a_median_inside_is_inside_however_it_trembles() -> None:
     def trembling(times):
         return np.where(np.arange(times.size) % 10 < 3, 700, 850)

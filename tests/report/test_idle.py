@@ -65,6 +65,41 @@ def test_a_pause_parts_two_stretches() -> None:
     assert idle.stretches[1][0] == START + 20 + PAUSE + SETTLING
 
 
+def only(until, value=0.0):
+    return lambda times: np.where(times < until, value, np.nan)
+
+
+def test_a_throttle_that_is_not_asked_any_more_is_replaced_by_the_units_own_sign() -> None:
+    idle, _ = look(rows(60, THR=only(20)))
+    assert idle.stretches == ((START + SETTLING, START + 59.9),)
+    (throttle,) = [seen for seen in idle.rules if seen.name == "THR"]
+    assert throttle.instead is not None
+    assert throttle.missing == 0
+
+
+def test_a_sign_that_is_not_there_does_not_make_an_idle() -> None:
+    idle, _ = look(rows(60, THR=only(20), RXX=0.0))
+    assert idle.seconds == pytest.approx(20 - SETTLING + PAUSE, abs=0.2)
+
+
+def test_the_throttle_itself_counts_where_it_is_known() -> None:
+    idle, _ = look(rows(60, THR=30.0, RXX=1.0))
+    assert idle.stretches == ()
+
+
+def test_what_nothing_told_is_counted() -> None:
+    idle, _ = look(rows(60, THR=only(20), RXX=None))
+    assert idle.seconds == pytest.approx(20 - SETTLING + PAUSE, abs=0.2)
+    (throttle,) = [seen for seen in idle.rules if seen.name == "THR"]
+    assert throttle.missing == pytest.approx(40 - PAUSE, abs=0.2)
+    assert [seen.missing for seen in idle.rules if seen is not throttle] == [0, 0]
+
+
+def test_the_other_speed_does_as_well() -> None:
+    idle, _ = look(rows(60, FREQ=only(20, 840.0)))
+    assert idle.stretches == ((START + SETTLING, START + 59.9),)
+
+
 def test_too_little_of_it() -> None:
     idle, _ = look(rows(SETTLING + ENOUGH - 0.5))
     assert 0 < idle.seconds < ENOUGH

@@ -97,6 +97,23 @@ def test_a_whole_page_that_needs_nothing_from_elsewhere(make, language) -> None:
     assert not re.search(r"\bNone\b|\bnan\b|\binf\b|Markup|object at|[{}]", parsed.said)
 
 
+@pytest.mark.parametrize(
+    ("language", "said"), [("en", "virtual ECU · "), ("ru", "виртуальный блок · ")]
+)
+def test_a_virtual_unit_is_called_so_in_the_page_s_language(language, said) -> None:
+    text = page.render(found(adapter="virtual ECU", port="sim:"), language)
+    assert said in Parsed(text).said
+
+
+def test_a_virtual_car_is_told_in_words() -> None:
+    url = "sim:?scenario=warm-idle&seed=1"
+    text = page.render(found(port=url, adapter="virtual ECU"), "ru")
+    assert "scenario=" not in text
+    assert "виртуальный блок · " in text
+    assert "виртуальный автомобиль" in page.render(found(port="sim:?scenario=/home/x.toml"), "ru")
+    assert "/dev/ttyUSB0" in page.render(found(port="/dev/ttyUSB0"), "en")
+
+
 def test_its_policy_lets_in_the_style_it_carries_and_nothing_else() -> None:
     text = page.render(found(), "en")
     style = re.search(r"<style>(.*?)</style>", text, re.DOTALL)

@@ -14,8 +14,9 @@ from mikas.language import Text
 from mikas.recording import CaptureWriter, write_session_header
 from mikas.recording.notes import gap_note, marker_note, text_note
 from mikas.report.findings import Mark, Outcome
-from mikas.report.gathering import date_of, of_recording
+from mikas.report.gathering import of_recording
 from mikas.report.page import render
+from mikas.report.words import date_of
 
 IDLE = "sim:?clock=simulated&scenario=warm-idle"
 

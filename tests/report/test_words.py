@@ -5,13 +5,12 @@ from __future__ import annotations
 import pytest
 
 from mikas.catalog import Confidence, shipped
-from mikas.language import Text
+from mikas.language import Text, counted
 from mikas.report.labels import NAMES, Labels
 from mikas.report.words import (
     SURE,
     band,
     clock,
-    counted,
     duration,
     number,
     percent,

@@ -23,6 +23,8 @@ from mikas.sampling.events import (
 )
 from mikas.sampling.plan import Plan
 from mikas.sampling.selecting import select
+from mikas.virtual.assumptions import Assumptions
+from mikas.virtual.disturbance import Disturbance, Trouble
 from mikas.virtual.responder import Identity
 from virtual_bench import DATA, PASSPORTS, make_bus
 
@@ -102,6 +104,58 @@ def test_a_gap_is_counted_where_something_is_added_up():
         told = take(events, enough)
     assert of(Gap, told)
     assert of(Sampled, told)[-1].derived["FUEL_USED"].gaps == 1
+
+
+@pytest.mark.parametrize("method", ["batch", "stream"])
+def test_a_spoilt_response_does_not_interrupt_what_adds_up(method):
+    disturbance = Disturbance({Trouble.DAMAGED: 0.05}, seed=4)
+    made = acquisition(SimulatedPlug(make_bus(disturbance=disturbance)), "FUEL_USED", method=method)
+    with closing(made.run()) as events:
+        told = take(events, lambda e: len(of(Sampled, e)) == 600)
+    samples = of(Sampled, told)
+    used = samples[-1].derived["FUEL_USED"]
+    flow = samples[-1].derived["FUEL_USED"].inputs["FUEL_FLOW"].value
+    assert bool(of(Gap, told)) == (method == "stream")
+    assert used.gaps == 0
+    assert used.value == pytest.approx(flow * (used.time - used.since) / 3600, rel=1e-6)
+
+
+def test_what_came_in_a_cycle_is_fresh_however_long_it_lasts():
+    """One request a parameter and a slow unit: the last response is seconds after the first."""
+    limits = {"TAIR": AlarmLimits(warning_high=-30), "DUTY": AlarmLimits(warning_high=0.1)}
+    made = acquisition(
+        SimulatedPlug(make_bus(assumptions=Assumptions(turn_round=0.3))),
+        *(each.name for each in shipped().parameters),
+        "DUTY",
+        method="single",
+        limits=limits,
+    )
+    with closing(made.run()) as events:
+        told = take(events, lambda e: len(of(AlarmEvent, e)) >= 2, most=30)
+    (first, *_) = of(Sampled, told)
+    assert first.fresh["TAIR"].time > first.time + 2
+    assert first.derived["DUTY"].value > 0
+    assert {alarm.channel.name for alarm in of(AlarmEvent, told)} >= {"TAIR", "DUTY"}
+
+
+def test_it_says_whether_a_sample_has_alarms_behind_it():
+    """So that whoever has had enough still gets them, and sends nothing more."""
+    plug = SimulatedPlug(make_bus())
+    limits = {
+        "TWAT": AlarmLimits(warning_high=-30, hysteresis=2),
+        "FREQ": AlarmLimits(warning_high=1, hysteresis=0.5),
+    }
+    made = acquisition(plug, "FREQ", "TWAT", limits=limits)
+    assert not made.has_more
+    with closing(made.run()) as events:
+        take(events, lambda e: bool(of(Sampled, e)))
+        asked, behind = plug.bus.bytes_carried, []
+        while made.has_more:
+            behind.append(next(events))
+        assert {alarm.channel.name for alarm in behind} == {"TWAT", "FREQ"}
+        assert plug.bus.bytes_carried == asked
+        take(events, lambda e: bool(of(Sampled, e)))
+        assert not made.has_more
 
 
 def test_alarms_come_behind_the_sample_that_shows_them():

@@ -268,3 +268,16 @@ def test_who_waits_sees_time_go_by(spoil):
     assert times == sorted(times)
     assert max(later - before for before, later in pairwise([began, *times])) < 4
     assert len(of(StateChanged, told)) == (2 if spoil == "pull" else 1)  # lost, then not found
+
+
+def test_an_answer_to_01_that_is_lost_after_an_outage_ends_nothing():
+    """The unit answered 01 when it was met: it does know it."""
+    plug = SimulatedPlug(make_bus())
+    with closing(make_sampler(plug, method="batch").run()) as events:
+        take(events, enough)
+        plug.bus.ecu.responder.car.on = False
+        take(events, lambda e: bool(of(StateChanged, e)))
+        plug.bus.ecu.responder.car.on = True
+        # The step is found again, and then 01 is asked for: lost each time.
+        plug.bus.disturbance.next(None, Trouble.LOST, None, Trouble.LOST, None)
+        assert of(Sampled, take(events, enough))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import closing
+from itertools import pairwise
 
 import pytest
 from sampling_bench import (
@@ -77,16 +78,66 @@ def test_a_parameter_refused_midway_is_dropped_and_the_others_go_on(method, unkn
     assert_values_are_the_units(after)
 
 
-@pytest.mark.parametrize("method", ["batch", "list", "stream"])
-def test_a_one_that_means_no_is_no_datum(method):
+def test_a_silent_one_among_many_is_found_soon():
+    """A list of 21 is halved five times until the silent one is alone."""
+    plug = SimulatedPlug(make_bus(assumptions=Assumptions(unknown=Unknown.SILENT)))
+    sampler = make_sampler(plug, method="batch")
+    with closing(sampler.run()) as events:
+        take(events, enough)
+        changing(sampler, plug.bus, without(0x1A))
+        began = plug.now()
+        take(events, lambda e: bool(of(Gap, e)))
+    assert plug.now() - began < 10
+
+
+@pytest.mark.parametrize("method", ["single", "batch", "list", "stream"])
+def test_the_others_do_not_wait_while_it_is_found_out_who_is_silent(method):
+    plug = SimulatedPlug(make_bus(assumptions=Assumptions(unknown=Unknown.SILENT)))
+    sampler = make_sampler(plug, method=method)
+    with closing(sampler.run()) as events:
+        take(events, enough)
+        changing(sampler, plug.bus, without(0x3F, 0x72))
+        after = take(events, enough)
+    assert {d.name for d in of(Dropped, after)} == {"INJ", "MINERR"}
+    first = next(at for at, event in enumerate(after) if isinstance(event, Gap))
+    found = next(at for at, event in enumerate(after) if isinstance(event, Dropped))
+    times = [after[first].time, *(s.time for s in of(Sampled, after[first:found]))]
+    assert len(times) > 4
+    assert max(later - before for before, later in pairwise(times)) < 2
+    assert_values_are_the_units(after)
+
+
+@pytest.mark.parametrize(
+    ("method", "wanted"),
+    [
+        *((method, "TWAT") for method in ("single", "batch", "list", "stream")),
+        ("list", "TWAT/10"),  # asked for by itself, by 61
+    ],
+)
+def test_a_one_that_means_no_is_no_datum(method, wanted):
     """D10 again: a unit that refuses with 01 refuses a one-byte parameter."""
     bus = make_bus(assumptions=Assumptions(unknown=Unknown.ERROR))
-    sampler = make_sampler(SimulatedPlug(bus), "FREQ", "TWAT", "THR", method=method)
+    sampler = make_sampler(SimulatedPlug(bus), "FREQ", wanted, "THR", method=method)
     with closing(sampler.run()) as events:
         take(events, enough)
         changing(sampler, bus, without(0x1A))
         after = take(events, enough)
     assert [d.name for d in of(Dropped, after)] == ["TWAT"]
+    assert_values_are_the_units(after)
+
+
+@pytest.mark.parametrize("unknown", Unknown)
+@pytest.mark.parametrize("method", ["single", "batch"])
+def test_what_most_units_have_may_be_refused_as_well(method, unknown):
+    """Neither FREQ nor any other is promised to anybody."""
+    bus = make_bus(assumptions=Assumptions(unknown=unknown))
+    sampler = make_sampler(SimulatedPlug(bus), "FREQ", "TWAT", "UACC", "THR", method=method)
+    with closing(sampler.run()) as events:
+        take(events, enough)
+        changing(sampler, bus, without(0x29, 0x2C, 0x1A, 0x1E))
+        after = take(events, enough)
+    assert {d.name for d in of(Dropped, after)} == {"FREQ", "TWAT", "UACC"}
+    assert list(of(Sampled, after)[-1].fresh) == ["THR"]
     assert_values_are_the_units(after)
 
 

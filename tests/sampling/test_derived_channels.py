@@ -98,15 +98,18 @@ def test_only_derived_channels(name: str, error: type[Exception]) -> None:
         DerivedChannels(shipped(), [name])
 
 
-def test_missing_stale_and_undefined_have_no_value() -> None:
-    channels = DerivedChannels(shipped(), ["FILLING", "DUTY"], fresh=0.5)
+def test_missing_and_undefined_have_no_value() -> None:
+    channels = DerivedChannels(shipped(), ["FILLING", "DUTY"])
     assert channels.update({}, 1.0) == {}
     assert list(channels.update(readings(1.0, INJ=4, FREQ=840), 1.0)) == ["DUTY"]
     assert list(channels.update(readings(1.0, JAIR=15, FREQ=0, INJ=4), 1.0)) == ["DUTY"]
-    assert channels.update(readings(1.0, age=0.51, INJ=4, FREQ=840), 1.0) == {}
-    assert list(channels.update(readings(1.0, age=0.5, INJ=4, FREQ=840), 1.0)) == ["DUTY"]
-    assert channels.update(readings(1.0, age=-0.6, INJ=4, FREQ=840), 1.0) == {}
-    assert channels.update(readings(1.0, INJ=4, FREQ=840), math.nan) == {}
+
+
+def test_a_sample_may_last() -> None:
+    """One request a parameter on a slow unit: its own readings are seconds apart, all fresh."""
+    channels = DerivedChannels(shipped(), ["DUTY"])
+    sample = readings(1.0, INJ=4) | readings(7.0, FREQ=840)
+    assert list(channels.update(sample, 1.0)) == ["DUTY"]
 
 
 def test_formulas_mean_the_corrected_reading(tmp_path: Path) -> None:
@@ -163,11 +166,16 @@ def test_a_gap_adds_nothing_and_is_counted(catalog: Catalog) -> None:
     assert channels.accumulated["REVS"] == Accumulated(30, 100.0, 3)
 
 
-def test_stale_readings_alone_are_a_gap(catalog: Catalog) -> None:
+def test_what_comes_seldom_adds_up_as_well(catalog: Catalog) -> None:
     channels = DerivedChannels(catalog, ["REVS"])
-    channels.update(readings(0, FREQ=600), 0)
-    channels.update(readings(1.5, age=1.5, FREQ=600), 1.5)
-    assert channels.accumulated["REVS"].gaps == 1
+    for time in range(0, 50, 5):
+        assert revs(channels, time) == max(0, time - 10) * 10  # two steps to know that it is usual
+    assert channels.accumulated["REVS"].gaps == 2
+    assert revs(channels, 57) == 470  # one value was lost
+    assert revs(channels, 62) == 520
+    assert revs(channels, 92) == 520
+    assert revs(channels, 120) == 520  # twice long is not usual yet
+    assert channels.accumulated["REVS"].gaps == 4
 
 
 def test_what_is_asked_less_often_is_no_gap(catalog: Catalog) -> None:

@@ -78,9 +78,13 @@ def test_every_code_comes_as_often_as_it_was_wanted(wanted, method, longest):
 
 @given(wishes, st.sampled_from(FIXED_METHODS))
 def test_prices_are_those_of_the_requests(wanted, method):
-    price = Plan(wanted, method).price()
-    assert price.seconds == pytest.approx(price.bytes * 10 / 9600 + price.requests * 0.002)
+    plan = Plan(wanted, method)
+    price = plan.price()
+    asking = price.bytes * 10 / 9600 + price.requests * 0.002
+    assert price.seconds == pytest.approx(asking / plan.busy)
     assert price.rate > 0
+    assert 0 < plan.busy <= 1
+    assert plan.busy == 1 or min(plan.every.values()) > 1
 
 
 def test_slow_ones_are_spread():

@@ -76,7 +76,10 @@ def test_other_threads_wait_until_a_stream_has_ended(command):
 
 def session(unit, link, command):
     """Connecting, reading through a lost response, a stream: all that touches the link."""
-    tester = unit.tester(link)
+    play(unit, unit.tester(link), command)
+
+
+def play(unit, tester, command):
     tester.connect()
     right(tester, 16)
     unit.disturbance.next(Trouble.LOST)
@@ -85,7 +88,6 @@ def session(unit, link, command):
         for _ in range(3):
             next(stream)
     right(tester, 22)
-    return tester
 
 
 def operations_of(end, command):
@@ -126,14 +128,7 @@ def test_ctrl_c_at_any_point_leaves_it_usable(end, command):
         link = StrikingLink(unit.bus, at, strike)
         tester = unit.tester(link)
         try:
-            tester.connect()
-            right(tester, 16)
-            unit.disturbance.next(Trouble.LOST)
-            right(tester, 17)
-            with tester.stream(command) as stream:
-                for _ in range(3):
-                    next(stream)
-            right(tester, 22)
+            play(unit, tester, command)
         except KeyboardInterrupt:
             pass
         else:

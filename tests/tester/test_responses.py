@@ -6,6 +6,7 @@ import pytest
 from tester_rig import (
     ADAPTERS,
     DATA,
+    READS,
     Fate,
     Watched,
     adapter_name,
@@ -34,22 +35,6 @@ from mikas.framing import encode
 from mikas.virtual.assumptions import GROUPS, Unknown
 from mikas.virtual.disturbance import Trouble
 
-READS = [
-    c.Availability(),
-    c.ReadFaults(),
-    c.ReadRamByte(0x20),
-    c.ReadXramByte(0x1234),
-    c.ReadCodeByte(0x400D),
-    c.ReadSfr(0x81),
-    c.ReadRamBlock(3, 5),
-    c.ReadXramBlock(0x100, 40),
-    c.ReadCodeBlock(0x0D0D, 3),
-    c.ReadProgramPassport(2),
-    c.ReadDataPassport(5),
-    c.CountParameters(),
-    c.ReadParameters(tuple(c.Datum(code, len(DATA[code])) for code in DATA)),
-    read(16),
-]
 WRITES = [
     c.WriteRamByte(0x20, 1),
     c.WriteXramByte(0x1234, 2),

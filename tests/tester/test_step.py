@@ -9,7 +9,18 @@ from random import Random
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from tester_rig import ADAPTERS, DATA, ECHOING, ONE_BYTE, Fate, Watched, adapter_name, read, right
+from tester_rig import (
+    ADAPTERS,
+    DATA,
+    ECHOING,
+    ONE_BYTE,
+    READS,
+    Fate,
+    Watched,
+    adapter_name,
+    read,
+    right,
+)
 
 from mikas import commands as c
 from mikas.errors import EchoOnly, MikasError, NoEcho, OutOfStep
@@ -225,23 +236,7 @@ def test_a_unit_swapped_for_another_model_is_out_of_step():
 def test_other_commands_keep_to_their_own_responses_too():
     """Commands of all families by turns, in bad weather."""
     unit = Watched()
-    wanted = [
-        c.Availability(),
-        c.ReadFaults(),
-        c.ReadRamByte(0x0D),
-        c.ReadRamByte(0x40),
-        c.ReadXramByte(0x0D40),
-        c.ReadCodeByte(0x400D),
-        c.ReadSfr(0x81),
-        c.ReadRamBlock(3, 5),
-        c.ReadXramBlock(0x100, 40),
-        c.ReadCodeBlock(0x0D0D, 3),
-        c.ReadProgramPassport(2),
-        c.ReadDataPassport(5),
-        c.CountParameters(),
-        c.ReadParameters(tuple(c.Datum(code, len(DATA[code])) for code in DATA)),
-        read(16),
-    ]
+    wanted = [*READS, c.ReadRamByte(0x0D), c.ReadRamByte(0x40), c.ReadXramByte(0x0D40)]
     tester = unit.connected()
     truth = {command: tester.request(command) for command in wanted}
     random = Random(3)

@@ -84,6 +84,25 @@ def read(code: int, size: int | None = None) -> c.ReadParameters:
     return c.ReadParameters((c.Datum(code, size or len(DATA[code])),))
 
 
+READS = [
+    c.Availability(),
+    c.ReadFaults(),
+    c.ReadRamByte(0x20),
+    c.ReadXramByte(0x1234),
+    c.ReadCodeByte(0x400D),
+    c.ReadSfr(0x81),
+    c.ReadRamBlock(3, 5),
+    c.ReadXramBlock(0x100, 40),
+    c.ReadCodeBlock(0x0D0D, 3),
+    c.ReadProgramPassport(2),
+    c.ReadDataPassport(5),
+    c.CountParameters(),
+    c.ReadParameters(tuple(c.Datum(code, len(DATA[code])) for code in DATA)),
+    read(16),
+]
+"""Every family of commands that only read."""
+
+
 def right(tester: Tester, *codes: int) -> None:
     """What these parameters read as is what they are."""
     for code in codes or (16, 17, 22, 67):

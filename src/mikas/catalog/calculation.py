@@ -53,7 +53,11 @@ class Calculation:
     def _of_columns(self) -> SimpleEval:
         return _evaluator(of_columns())
 
-    def _evaluated(self, evaluator: SimpleEval, names: Mapping[str, object]) -> Any:  # noqa: ANN401
+    def _evaluated(
+        self,
+        evaluator: SimpleEval,
+        names: Mapping[str, object],
+    ) -> Any:  # noqa: ANN401  (a number or a column, as the evaluator's arithmetic is)
         evaluator.names = names
         return evaluator.eval("", self._tree)
 

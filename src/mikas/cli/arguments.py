@@ -252,7 +252,12 @@ class File(ParamType[Path]):
     def __init__(self, *, there: bool = False) -> None:
         self._there = there
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:  # noqa: ANN401
+    def convert(
+        self,
+        value: Any,  # noqa: ANN401  (as click has it)
+        param: click.Parameter | None,
+        ctx: click.Context | None,
+    ) -> Path:
         path = Path(value)
         try:
             folder, found = path.is_dir(), path.exists()

@@ -189,7 +189,7 @@ def _with_run(function: Callable[..., Any]) -> Callable[..., Any]:
     from functools import wraps
 
     @wraps(function)
-    def call(ctx: click.Context, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401
+    def call(ctx: click.Context, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401  (the command's)
         from mikas.cli.run import Run
 
         return function(Run.of(ctx.find_root().ensure_object(dict)), *args, **kwargs)

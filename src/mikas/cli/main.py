@@ -86,7 +86,7 @@ COMMANDS: dict[str, tuple[str, Text]] = {
     ),
     "demo": (
         f"{_HERE}.demo:demo",
-        Text("the dashboard with a virtual car", "панель с виртуальной машиной"),
+        Text("the dashboard with a virtual car", "панель с виртуальным автомобилем"),
     ),
 }
 
@@ -133,7 +133,8 @@ def _make_writable() -> None:
     """Closed streams swallow what is written; a character that one can't show costs no crash."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            setattr(sys, name, Path(os.devnull).open(mode, encoding="utf-8"))  # noqa: SIM115
+            nowhere = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115  (open for good)
+            setattr(sys, name, nowhere)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")

@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING
 from mikas.cli.words import decimal, say, shown
 from mikas.errors import MikasError
 from mikas.sampling.alarms import AlarmEvent
-from mikas.sampling.events import Chosen, Dropped, LineState, PlanChanged, StateChanged, UnitFound
+from mikas.sampling.events import (
+    Chosen,
+    Dropped,
+    LineState,
+    PlanChanged,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
 
 if TYPE_CHECKING:
     from mikas.cli.session import Session
@@ -32,7 +40,8 @@ class Notices:
         self._session = session
         self._tell = tell
         self._verbose = verbose
-        self._broken: float | None = None  # since when
+        self._sampled: float | None = None  # when the latest sample came
+        self._broken: float | None = None  # since when: from the last sample, as a gap is recorded
         self._waiting: LineState | None = None
         self._failure: MikasError | None = None
         session.recorder.on_file = self._new_file
@@ -46,11 +55,19 @@ class Notices:
             self._failure = failure
             self._tell(stopped(failure))
 
+    def end(self) -> None:
+        """Says why it has ended, if nobody asked for that."""
+        if self._session.over is not None:
+            self._tell(f"{shown(self._session.over.reason)}.")
+
     def _of(self, event: Event) -> Iterator[str]:
         match event:
+            case Sampled():
+                yield from self._came(event)
             case StateChanged():
                 yield from self._state(event)
             case UnitFound(another=True):
+                self._broken = self._waiting = None  # the other one is not back
                 yield say(
                     f"Another unit answers: {self._model()}. Everything from here on is its own.",
                     f"Отвечает другой блок: {self._model()}. Всё дальнейшее относится к нему.",
@@ -67,16 +84,18 @@ class Notices:
             case PlanChanged() if self._verbose:
                 yield priced(event.plan)
 
+    def _came(self, event: Sampled) -> Iterator[str]:
+        self._sampled = event.time
+        if self._broken is not None:
+            seconds = f"{max(0.0, event.time - self._broken):.0f}"
+            yield say(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
+        self._broken = self._waiting = None
+
     def _state(self, event: StateChanged) -> Iterator[str]:
-        if event.state is LineState.SAMPLING:
-            if self._broken is not None:
-                seconds = f"{max(0.0, event.time - self._broken):.0f}"
-                self._waiting = None
-                yield say(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
-            self._broken = None
-        elif event.state is not LineState.ECU_ALIVE and self._session.connected:
+        well = event.state in (LineState.SAMPLING, LineState.ECU_ALIVE)
+        if not well and self._session.connected:
             if self._broken is None:
-                self._broken = event.time
+                self._broken = event.time if self._sampled is None else self._sampled
             if event.state is not self._waiting:  # the same with another reason is no news
                 yield waiting(event)
             self._waiting = event.state

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.run import Run
 from mikas.cli.words import say
+from mikas.errors import RecordingOver
 from mikas.link import choose_port
 from mikas.link.plug import Plug
 from mikas.recording.recorder import Recorder
@@ -63,6 +64,8 @@ class Session:
         self.samples = 0
         self.gap_cycles = 0
         self.seconds = 0.0
+        self.over: RecordingOver | None = None
+        """What was played is at its end, and so are the events."""
         self._began: float | None = None
         self._ecu: Ecu | None = None
         self._searched = 0  # lost cycles before the first sample
@@ -84,11 +87,14 @@ class Session:
         return self.samples / self.seconds if self.seconds > 0 else 0.0
 
     def events(self, asked: Asked) -> Generator[Event, None, None]:
-        """Events, recorded already, until `asked` has enough; a lost cycle counts as a sample."""
+        """Events, recorded already, until `asked` has enough; a lost cycle counts as a sample.
+
+        A recording that is played may end before: `over` tells. Raises as `Acquisition.run` does.
+        """
         asked = asked.bounded()
         period = 1 / asked.rate if asked.rate else 0.0
         due = -inf
-        with closing(self.acquisition.run()) as events:
+        with closing(self._until_it_is_over()) as events:
             for event in events:
                 self.recorder.take(event)
                 if isinstance(event, Gap) and self._is_searching():
@@ -99,8 +105,17 @@ class Session:
                     due = event.time + 0.75 * period
                 self._follow(event)
                 yield event
-                if self._is_enough(asked):
+                if self._is_enough(asked) and not self.acquisition.has_more:
                     return
+
+    def _until_it_is_over(self) -> Generator[Event, None, None]:
+        with closing(self.acquisition.run()) as events:
+            try:
+                yield from events
+            except RecordingOver as error:
+                if not self.samples:
+                    raise
+                self.over = error
 
     def _is_searching(self) -> bool:
         """Whether this gap may only be the unit's refusal of a method, which is raised next."""

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from mikas.language import Language, Text
 
 _chosen: Language = "en"
+_wished = False
 
 
 def choose(language: Language) -> None:
@@ -20,6 +21,11 @@ def choose(language: Language) -> None:
 def language() -> Language:
     """The language in force."""
     return _chosen
+
+
+def wished() -> Language | None:
+    """The language in force, if the user named one; None if it is only the system's."""
+    return _chosen if _wished else None
 
 
 def say(en: str, ru: str) -> str:
@@ -43,8 +49,10 @@ def from_surroundings(argv: Sequence[str]) -> Language:
     Looked up before the arguments are parsed, because the help itself speaks it. What is wrong with
     `--lang`, or with the config file, is said later, by whoever reads it in earnest.
     """
-    named = _in_arguments(argv) or os.environ.get("MIKAS_LANG") or _in_config() or _of_locale()
-    return "ru" if named.lower().startswith("ru") else "en"
+    global _wished  # noqa: PLW0603  (as `choose`)
+    named = _in_arguments(argv) or os.environ.get("MIKAS_LANG") or _in_config()
+    _wished = bool(named)
+    return "ru" if (named or _of_locale()).lower().startswith("ru") else "en"
 
 
 def _in_arguments(argv: Sequence[str]) -> str:

@@ -47,8 +47,8 @@ class _Delegated(Generic[T, P, R]):
         self, instance: _Remote[T], owner: type[_Remote[T]]
     ) -> Callable[P, asyncio.Future[R]]:
         def call(*args: P.args, **kwargs: P.kwargs) -> asyncio.Future[R]:
-            bound = partial(self._method, instance._there, *args, **kwargs)  # noqa: SLF001
-            return instance._here.run(bound)  # noqa: SLF001  (both are there for this)
+            here, there = instance._here, instance._there  # noqa: SLF001  (they are for this)
+            return here.run(partial(self._method, there, *args, **kwargs))
 
         update_wrapper(call, self._method)
         return call
@@ -63,8 +63,8 @@ class _Iterated(Generic[T, P, R]):
 
     def __get__(self, instance: _Remote[T], owner: type[_Remote[T]]) -> Callable[P, AsyncItems[R]]:
         def call(*args: P.args, **kwargs: P.kwargs) -> AsyncItems[R]:
-            bound = partial(self._method, instance._there, *args, **kwargs)  # noqa: SLF001
-            return instance._here.iterate(bound)  # noqa: SLF001  (both are there for this)
+            here, there = instance._here, instance._there  # noqa: SLF001  (they are for this)
+            return here.iterate(partial(self._method, there, *args, **kwargs))
 
         update_wrapper(call, self._method)
         return call
@@ -100,7 +100,7 @@ class AsyncItems(AsyncIterator[R]):
 
     def _let_go(self) -> None:
         # Behind what the worker is doing now, before whatever it is given next.
-        self._ecu._submit(self._items.close)  # noqa: SLF001  (its own)
+        self._ecu._submit(self._items.close)  # noqa: SLF001  (it is the one whose items these are)
 
     def __del__(self) -> None:
         if not self._items.ended:

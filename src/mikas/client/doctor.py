@@ -25,6 +25,7 @@ from mikas.errors import (
 )
 from mikas.language import Text
 from mikas.link import Link
+from mikas.link.descriptions import described
 from mikas.tester import Tester
 
 STEPS = ("port", "echo", "baud", "latency", "line", "ecu", "commands")
@@ -41,13 +42,15 @@ _RPM = c.Datum(0x29, 1)
 class Step:
     """One finding. `ok` None: could not be told, or could be better; the rest does not hang on it.
 
-    `detail` says what to do, unless all is well. `to_try`: that part of it, where it stands apart.
+    `detail` says what to do, unless all is well. `to_try`: that part of it, where it stands apart;
+    `on_screen`: the same for whoever has no terminal.
     """
 
     name: str
     ok: bool | None
     detail: Text
     to_try: Text | None = None
+    on_screen: Text | None = None
 
 
 def examine(
@@ -60,20 +63,11 @@ def examine(
     try:
         link = open_port()
     except NoConnection as error:
-        yield Step("port", False, error.text, error.to_try)
+        yield Step("port", False, error.text, error.to_try, error.to_try_on_screen)
         return
     with link:
-        yield Step("port", True, _told_port(link))
+        yield Step("port", True, described(link.description))
         yield from _on_the_line(make_tester(link), catalog)
-
-
-def _told_port(link: Link) -> Text:
-    if link.description == _VIRTUAL.en:
-        return _VIRTUAL
-    return Text(link.description, link.description)
-
-
-_VIRTUAL = Text("virtual ECU", "виртуальный блок")
 
 
 def _on_the_line(tester: Tester, catalog: Catalog) -> Iterator[Step]:
@@ -112,7 +106,8 @@ _NO_ECHO = Text(
 
 
 def _failed(name: str, error: MikasError) -> Step:
-    return Step(name, False, _advice(error), Text(*map(_without_us, error.to_try)))
+    to_try = Text(*map(_without_us, error.to_try))
+    return Step(name, False, _advice(error), to_try, error.to_try_on_screen)
 
 
 def _advice(error: MikasError) -> Text:

@@ -33,7 +33,7 @@ from mikas.client.parameters import Parameters, WrittenParameter
 from mikas.client.reading import Reading, Sample
 from mikas.client.watching import Watcher
 from mikas.errors import NoResponse, NotSupported, UsageError
-from mikas.language import Text
+from mikas.language import Text, counted
 from mikas.tester import Tester
 
 
@@ -43,6 +43,12 @@ class Erased:
 
     before: tuple[Fault, ...]
     after: tuple[Fault, ...]
+
+
+def erasing(count: int) -> Text:
+    """What erasing so many faults is called."""
+    faults = counted(count, ("stored fault", "stored faults"), ("ошибку", "ошибки", "ошибок"))
+    return Text("erase {faults}", "стереть {faults}").filled(faults=faults)
 
 
 class Ecu:
@@ -108,11 +114,15 @@ class Ecu:
     def passport(self, *, again: bool = False) -> Passport:
         """The program's and the data's passport (51–58), asked once a session.
 
-        `again`: ask once more; after a pause it may be another unit that answers.
+        `again`: ask once more; after a pause it may be another unit that answers. A piece that was
+        given before and is not now was lost on the line, and stays.
         """
         if again or self._passport is None:
-            before, self._passport = self._passport, read_passport(self.tester)
-            if again and before != self._passport:
+            before, found = self._passport, read_passport(self.tester)
+            if before is not None and before.may_be(found):
+                found = found.filled_from(before)
+            self._passport = found
+            if before is not None and before != found:
                 self._learnt.another_unit()
         return self._passport
 
@@ -193,9 +203,7 @@ class Ecu:
         """Erases them (two writes, §3) and reads again. Raises `NotConfirmed`, `WriteRefused`."""
         before = self.faults()
         change = Change(
-            what=Text(
-                f"erase {len(before)} stored fault(s)", f"стереть ошибки, всего: {len(before)}"
-            ),
+            what=erasing(len(before)),
             safety=c.WriteParameter.SAFETY,
             command=c.WriteParameter.SOURCE_NAME,
             before=hexed(bytes(fault.code for fault in before)),

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from mikas import commands as c
 from mikas.catalog import Model
+from mikas.client.asking import COMMON
 from mikas.client.limits import Limits
 from mikas.errors import EcuRefused, LineError, NoResponse, NotSupported
 from mikas.tester import Tester
 
-_RPM = c.Datum(0x29, 1)
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +31,26 @@ class Passport:
     def pieces(self) -> tuple[str, ...]:
         """All eight, "" for what is missing: what a unit is recognised by."""
         return tuple(piece or "" for piece in (*self.program, *self.data))
+
+    def may_be(self, other: Passport) -> bool:
+        """Whether both may be one unit's: noise can take pieces, but not change them."""
+        pairs = zip((*self.program, *self.data), (*other.program, *other.data), strict=True)
+        both = [(own, others) for own, others in pairs if own is not None and others is not None]
+        return all(own == others for own, others in both) and (bool(both) or self == other)
+
+    def filled_from(self, other: Passport) -> Passport:
+        """With the pieces of `other` where there is none."""
+        return Passport(
+            _filled(self.program, other.program),
+            _filled(self.data, other.data),
+        )
+
+
+def _filled(
+    pieces: tuple[str | None, ...], others: tuple[str | None, ...]
+) -> tuple[str | None, ...]:
+    pairs = zip(pieces, others, strict=True)
+    return tuple(other if piece is None else piece for piece, other in pairs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +81,7 @@ def _pieces(
     return tuple(pieces + [None] * (len(kind.CODES) - len(pieces)))
 
 
-def _asked(tester: Tester, command: c.Command[Any]) -> Any:  # noqa: ANN401  (as the command)
+def _asked(tester: Tester, command: c.Command[T]) -> T | None:
     try:
         return tester.request(command)
     except NotSupported:
@@ -68,7 +90,7 @@ def _asked(tester: Tester, command: c.Command[Any]) -> Any:  # noqa: ANN401  (as
 
 def count_parameters(tester: Tester) -> int | None:
     """60. A count of one can only be D10's `01`: no unit has a single parameter."""
-    count: int | None = _asked(tester, c.CountParameters())
+    count = _asked(tester, c.CountParameters())
     return None if count == 1 else count
 
 
@@ -90,6 +112,22 @@ def try_commands(tester: Tester) -> Iterator[Support]:
 
     Raises a `NoConnection` if the unit goes away meanwhile.
     """
+    datum = COMMON[0]  # until another one is known to be there: nothing promises any
+
+    def parameters() -> object:
+        nonlocal datum
+        for common in COMMON:
+            for wanted in ((common, common), (common,)):  # some take one code at a time
+                with suppress(EcuRefused, NoResponse):
+                    if tester.request(c.ReadParameters(wanted)) != (b"\x01",):
+                        datum = common
+                        return True
+        return None
+
+    def stream() -> object:
+        with tester.stream(c.StreamCyclic((datum, datum))) as responses:
+            return next(responses)
+
     trials: dict[type[c.Command[Any]], Callable[[], object]] = {
         c.Availability: lambda: tester.request(c.Availability()),
         c.ReadFaults: lambda: tester.request(c.ReadFaults()),
@@ -103,8 +141,8 @@ def try_commands(tester: Tester) -> Iterator[Support]:
         c.ReadProgramPassport: lambda: tester.request(c.ReadProgramPassport(1)),
         c.ReadDataPassport: lambda: tester.request(c.ReadDataPassport(1)),
         c.CountParameters: lambda: count_parameters(tester),
-        c.ReadParameters: lambda: tester.request(c.ReadParameters((_RPM, _RPM))),
-        c.StreamCyclic: lambda: _first_of_stream(tester),
+        c.ReadParameters: parameters,
+        c.StreamCyclic: stream,
     }
     for command in c.ALL_COMMANDS:
         trial = trials.get(command)
@@ -118,8 +156,3 @@ def _works(trial: Callable[[], object]) -> bool | None:
         return False
     except LineError:
         return None
-
-
-def _first_of_stream(tester: Tester) -> object:
-    with tester.stream(c.StreamCyclic((_RPM, _RPM))) as stream:
-        return next(stream)

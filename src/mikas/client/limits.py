@@ -80,7 +80,7 @@ class LimitsStore:
         """What was learnt of this unit; a file that can't be read counts as nothing learnt."""
         with suppress(OSError, *_NO_LIMITS):
             stored = json.loads(self._file(version_code, passports).read_text("utf-8"))
-            return Limits(
+            limits = Limits(
                 max_list=min(max(int(stored["max_list"]), 1), STARTING_LIST),
                 max_block={
                     str(space): min(max(int(count), 1), LARGEST_BLOCK)
@@ -92,10 +92,18 @@ class LimitsStore:
                     for adapter, paces in stored.get("methods", {}).items()
                 },
             )
+            # An earlier version kept all of it.
+            return limits if any(passports) else Limits(methods=_working(limits.methods))
         return Limits()
 
     def save(self, version_code: int, passports: tuple[str, ...], limits: Limits) -> None:
-        """Keeps `limits`; that this fails costs only the next session's time, so it is not told."""
+        """Keeps `limits`; that this fails costs only the next session's time, so it is not told.
+
+        Units with no word in their passports can't be told apart. Of them only paces are kept,
+        which are held against what the first cycles show.
+        """
+        if not any(passports):
+            limits = Limits(methods=_working(limits.methods))
         with suppress(OSError):
             self.folder.mkdir(parents=True, exist_ok=True)
             kept = self._file(version_code, passports)
@@ -113,6 +121,14 @@ class LimitsStore:
     def _file(self, version_code: int, passports: tuple[str, ...]) -> Path:
         named = "\0".join((f"{version_code:02X}", *passports))
         return self.folder / f"{sha256(named.encode()).hexdigest()[:16]}.json"
+
+
+def _working(methods: dict[str, dict[str, Pace]]) -> dict[str, dict[str, Pace]]:
+    """Without those that a unit does not take: another one may."""
+    return {
+        adapter: {method: pace for method, pace in paces.items() if pace.delay is not None}
+        for adapter, paces in methods.items()
+    }
 
 
 def _pace(stored: dict[str, Any]) -> Pace:

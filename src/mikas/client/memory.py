@@ -27,8 +27,15 @@ from mikas.errors import (
     WrongLength,
     in_hex,
 )
-from mikas.language import Text
+from mikas.language import Text, byte_count
 from mikas.tester import Tester
+
+
+def writing(count: int, where: str) -> Text:
+    """What writing so many bytes is called."""
+    return Text("write {bytes} to {where}", "записать {bytes}, {where}").filled(
+        bytes=byte_count(count), where=where
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,9 +122,7 @@ class MemorySpace:
         if largest is None:
             largest = c.LARGEST_BLOCK
         if not 1 <= largest <= c.LARGEST_BLOCK:
-            raise UsageError(
-                problem=Text("a block has 1 to 255 bytes", "в блоке от 1 до 255 байтов")
-            )
+            raise UsageError(problem=Text("a block has 1 to 255 bytes", "в блоке от 1 до 255 байт"))
         return self._walk(address, address + count, largest)
 
     def _walk(self, address: int, end: int, largest: int) -> Iterator[bytes]:
@@ -189,9 +194,7 @@ class MemorySpace:
         """
         check_range(self.name, self.last, address, len(data))
         where = f"{self.name} {address:04X}"
-        what = Text(
-            f"write {len(data)} byte(s) to {where}", f"записать байтов: {len(data)}, {where}"
-        )
+        what = writing(len(data), where)
         self._gate.refuse_unasked(what, self._commands.write.SAFETY)
         before = self.read_block(address, len(data))
         change = Change(

@@ -24,7 +24,7 @@ from mikas.errors import (
     WrongLength,
     in_hex,
 )
-from mikas.language import Text
+from mikas.language import Text, byte_count, counted
 from mikas.tester import StreamItem, Tester
 
 if TYPE_CHECKING:
@@ -117,9 +117,15 @@ class Parameters:
 
     def _write_list(self, wanted: tuple[Parameter, ...]) -> None:
         data = _list_of(wanted)
+        parameters = counted(
+            len(data),
+            ("parameter", "parameters"),
+            ("параметр", "параметра", "параметров"),
+        )
         change = Change(
             what=Text(
-                f"set the unit's list to {len(data)} code(s)", f"задать список кодов: {len(data)}"
+                f"set what the unit is to tell at once: {parameters.en}",
+                f"задать, что блок сообщает разом: {parameters.ru}",
             ),
             safety=c.WriteList.SAFETY,
             command=c.WriteList.SOURCE_NAME,
@@ -252,7 +258,9 @@ class Parameters:
             raise ValueDoesNotFit(
                 value=raw.hex().upper(),
                 name=parameter.name,
-                allowed=Text(f"it has {parameter.size} byte(s)", f"байтов: {parameter.size}"),
+                allowed=Text("it has {size}", "в нём {size}").filled(
+                    size=byte_count(parameter.size)
+                ),
             )
         return raw
 

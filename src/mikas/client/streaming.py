@@ -134,7 +134,7 @@ class ReadingStream:
         code = StreamCyclic.CODES[0] if cyclic else StreamAtStroke.CODES[self._stroke or 0]
         count = len(self._wanted)
         command = Text(
-            f"a stream ({code:02X}) of {count} parameter(s)",
+            f"a stream ({code:02X}) of parameters ({count})",
             f"потока ({code:02X}) с числом параметров {count}",
         )
         return NotSupported(command=command, request=error.request, received=b"", time=error.time)

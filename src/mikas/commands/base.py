@@ -120,6 +120,30 @@ class Command(ABC, Generic[T]):
         """The request that `body` is: the ECU's side of `body()`. Raises `MalformedRequest`."""
 
 
+class ReadNumber(Command[int]):
+    """A command of nothing but its code, answered by one byte."""
+
+    __slots__ = ()
+
+    def body(self) -> bytes:
+        return bytes([self.code])
+
+    def response_lengths(self) -> Sequence[int]:
+        return (1,)
+
+    def _read(self, body: bytes) -> int:
+        return body[0]
+
+    def respond(self, value: int) -> bytes:
+        return bytes([value])
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        if len(body) != 1:
+            raise MalformedRequest
+        return cls()
+
+
 class Write(Command[None]):
     """A command answered by a completion code: `00` ok, `01` error."""
 

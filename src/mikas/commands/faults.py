@@ -39,7 +39,7 @@ class ReadFaults(Command[tuple[int, ...]]):
         if count != len(numbers):
             raise WrongContent(
                 problem=Text(
-                    f"it announces {count} fault(s) and holds {len(numbers)}",
+                    f"it announces {count} and holds {len(numbers)} faults",
                     f"объявлено ошибок {count}, а пришло {len(numbers)}",
                 ),
                 request=self.body(),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from mikas.commands.base import Command, MalformedRequest, SizeOf
+from mikas.commands.base import Command, MalformedRequest, ReadNumber, SizeOf
 from mikas.language import Text
 
 PASSPORT_LENGTH = 16
@@ -14,7 +14,7 @@ PASSPORT_ENCODING = "cp866"
 
 
 @dataclass(frozen=True, slots=True)
-class Availability(Command[int]):
+class Availability(ReadNumber):
     """01: is anybody there? `01` → the version code, `09` Mikas 5.4, `0A` Mikas 7.1.
 
     Any other code is an unknown model, still usable. Wire: `01 FF 0D` → `0A F6 0D`.
@@ -23,24 +23,6 @@ class Availability(Command[int]):
     CODES: ClassVar[tuple[int, ...]] = (0x01,)
     SOURCE_NAME: ClassVar[str] = "availability"
     TITLE: ClassVar[Text] = Text("availability, model", "доступность, модель")
-
-    def body(self) -> bytes:
-        return b"\x01"
-
-    def response_lengths(self) -> Sequence[int]:
-        return (1,)
-
-    def _read(self, body: bytes) -> int:
-        return body[0]
-
-    def respond(self, value: int) -> bytes:
-        return bytes([value])
-
-    @classmethod
-    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        if len(body) != 1:
-            raise MalformedRequest
-        return cls()
 
 
 @dataclass(frozen=True, slots=True)

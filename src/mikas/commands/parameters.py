@@ -13,6 +13,7 @@ from typing import ClassVar, NamedTuple, Self
 from mikas.commands.base import (
     Command,
     MalformedRequest,
+    ReadNumber,
     Safety,
     SizeOf,
     Write,
@@ -31,30 +32,12 @@ class Datum(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class CountParameters(Command[int]):
+class CountParameters(ReadNumber):
     """60 CNUMPAR: `60` → `B`, how many parameters the unit has."""
 
     CODES: ClassVar[tuple[int, ...]] = (0x60,)
     SOURCE_NAME: ClassVar[str] = "CNUMPAR"
     TITLE: ClassVar[Text] = Text("number of parameters", "количество параметров")
-
-    def body(self) -> bytes:
-        return b"\x60"
-
-    def response_lengths(self) -> Sequence[int]:
-        return (1,)
-
-    def _read(self, body: bytes) -> int:
-        return body[0]
-
-    def respond(self, value: int) -> bytes:
-        return bytes([value])
-
-    @classmethod
-    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        if len(body) != 1:
-            raise MalformedRequest
-        return cls()
 
 
 @dataclass(frozen=True, slots=True)

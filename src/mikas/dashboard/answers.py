@@ -15,6 +15,7 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 
+from mikas.dashboard import not_valid
 from mikas.dashboard.refusals import ApiRefusal, BadRequest, Bug, NotFound
 from mikas.errors import (
     EcuRefused,
@@ -100,7 +101,7 @@ def status_of(error: MikasError) -> int:
 
 def body_of(error: MikasError) -> dict[str, Any]:
     """`error` as the value of "error" in an answer, or in an event."""
-    text = error.text
+    text = error.text_on_screen
     return {
         "code": type(error).__name__,
         "en": text.en,
@@ -135,10 +136,7 @@ async def _ours(_: Request, error: Exception) -> JSONResponse:
 
 async def _not_valid(_: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)
-    first = error.errors()[0]
-    where = ".".join(str(part) for part in first["loc"])
-    told = f"{where}: {first['msg']}"
-    return answer_to(BadRequest(problem=Text(told, told)))
+    return answer_to(BadRequest(problem=not_valid.told(error.errors()[0])))
 
 
 async def _of_the_framework(request: Request, error: Exception) -> JSONResponse:
@@ -146,7 +144,7 @@ async def _of_the_framework(request: Request, error: Exception) -> JSONResponse:
     if isinstance(error.__cause__, MikasError):  # from under the reading of a body
         return answer_to(error.__cause__)
     if error.status_code == 404:
-        return answer_to(NotFound(name=request.url.path))
+        return answer_to(NotFound.at(request.url.path))
     told = f"{request.method} {request.url.path}: {error.detail}"
     answer = answer_to(BadRequest(problem=Text(told, told)))
     answer.status_code = error.status_code

@@ -94,6 +94,6 @@ def create_app(hub: Hub, access: Access, *, folder: Path = page.FOLDER) -> FastA
     answers.install(app)
     for router in _routers():
         app.include_router(router, prefix="/api")
-    app.include_router(page.router(folder))
+    app.include_router(page.router(folder, hub.settings.language))
     app.add_middleware(Doorkeeper, access=access)
     return app

@@ -9,18 +9,23 @@
 from __future__ import annotations
 
 import re
+from collections.abc import AsyncIterator
 from typing import Annotated
 from urllib.parse import unquote
 
 from fastapi import Depends, Header, Request
+from fastapi.exceptions import RequestValidationError
 
+from mikas.dashboard.answers import status_of
 from mikas.dashboard.hub import Hub
 from mikas.dashboard.refusals import BadRequest, NotAllowed
 from mikas.dashboard.seat import Client
+from mikas.errors import MikasError
 from mikas.language import Text
 
 ID = re.compile(r"[A-Za-z0-9-]{8,64}")
 _LONGEST_NAME = 40
+_NO_USE = (400, 403, 404, 410, 413)  # not understood, or not allowed
 
 _WHO = Text(
     "the header X-Mikas-Client must hold 8 to 64 letters, digits or hyphens",
@@ -73,9 +78,14 @@ Asker = Annotated[Client, Depends(_asker)]
 """With rights and an id, but it need not hold the seat."""
 
 
-def _controller(hub: TheHub, client: Asker) -> Client:
-    hub.seat.demand(client)
-    return client
+async def _controller(hub: TheHub, client: Asker) -> AsyncIterator[Client]:
+    before = hub.seat.demand(client)
+    try:
+        yield client
+    except (RequestValidationError, MikasError) as error:
+        if not isinstance(error, MikasError) or status_of(error) in _NO_USE:
+            hub.seat.take_back(before)
+        raise
 
 
 Controller = Annotated[Client, Depends(_controller)]

@@ -16,11 +16,13 @@ from mikas.dashboard.asking import Controller, TheHub
 from mikas.dashboard.changes_prepared import erase, write_memory, write_parameter
 from mikas.dashboard.changes_wishes import (
     ChangeWish,
+    DeleteDump,
     DeleteRecording,
     EraseFaults,
     WriteMemory,
     WriteParameter,
 )
+from mikas.dashboard.dumps_delete import prepared_delete_of_dump
 from mikas.dashboard.hub import Hub
 from mikas.dashboard.nonces import LIFETIME, Prepared
 from mikas.dashboard.recordings_delete import prepared_delete
@@ -89,6 +91,8 @@ async def _prepared(hub: Hub, wish: ChangeWish) -> Prepared:
             return await write_memory(hub, wish)
         case DeleteRecording():
             return await prepared_delete(hub, wish.id)
+        case DeleteDump():
+            return prepared_delete_of_dump(hub, wish.id)
 
 
 def _check_lock(hub: Hub, prepared: Prepared) -> None:

@@ -9,7 +9,9 @@ from typing import Any
 
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
+from mikas.client.ecu import erasing
 from mikas.client.gate import hexed
+from mikas.client.memory import writing
 from mikas.client.reading import decode
 from mikas.commands.base import check_range
 from mikas.dashboard.answers import in_hex
@@ -18,7 +20,7 @@ from mikas.dashboard.hub import Hub
 from mikas.dashboard.nonces import Prepared
 from mikas.dashboard.refusals import BadRequest
 from mikas.errors import NotSupported, ValueDoesNotFit
-from mikas.language import Text
+from mikas.language import Text, byte_count
 
 
 async def erase(hub: Hub) -> Prepared:
@@ -32,13 +34,13 @@ async def erase(hub: Hub) -> Prepared:
         def erase(ecu: Ecu) -> list[int]:
             with hub.approval.given(hexed(bytes(codes))):
                 erased = ecu.erase_faults()
-            hub.fault_book.keep(erased.after, ecu.tester.link.now())
+            hub.fault_book.keep(erased.after, ecu.tester.link.now(), erased=True)
             return [fault.code for fault in erased.after]
 
         return {"before": codes, "after": await hub.ask(erase)}
 
     return Prepared(
-        what=Text(f"erase {len(codes)} stored fault(s)", f"стереть ошибки, всего: {len(codes)}"),
+        what=erasing(len(codes)),
         before=codes,
         after=[],
         lost=tuple(
@@ -88,7 +90,7 @@ def _datum(parameter: Parameter, wish: WriteParameter, reading: str) -> bytes:
         raise ValueDoesNotFit(
             value=wish.raw,
             name=parameter.name,
-            allowed=Text(f"it has {parameter.size} byte(s)", f"байтов: {parameter.size}"),
+            allowed=Text("it has {size}", "в нём {size}").filled(size=byte_count(parameter.size)),
         )
     return raw
 
@@ -123,9 +125,7 @@ async def write_memory(hub: Hub, wish: WriteMemory) -> Prepared:
     where = f"{wish.space} {wish.address:04X}"
     danger = wish.space == "code"
     return Prepared(
-        what=Text(
-            f"write {len(data)} byte(s) to {where}", f"записать байтов: {len(data)}, {where}"
-        ),
+        what=writing(len(data), where),
         before=in_hex(before),
         after=in_hex(data),
         make=make,

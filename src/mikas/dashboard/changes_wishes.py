@@ -43,6 +43,14 @@ class DeleteRecording(BaseModel):
     id: str = Field(max_length=255)
 
 
+class DeleteDump(BaseModel):
+    """Deletes a dump's file, and what is known of it."""
+
+    kind: Literal["delete_dump"]
+    id: str = Field(max_length=100)
+
+
 ChangeWish = Annotated[
-    EraseFaults | WriteParameter | WriteMemory | DeleteRecording, Field(discriminator="kind")
+    EraseFaults | WriteParameter | WriteMemory | DeleteRecording | DeleteDump,
+    Field(discriminator="kind"),
 ]

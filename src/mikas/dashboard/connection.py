@@ -156,7 +156,7 @@ def price(hub: TheHub, wish: PriceWish) -> PriceTag:
 @router.post("/relearn", responses=errors(409, 503))
 async def relearn(hub: TheHub, client: Controller) -> State:
     """Forgets what was learnt about this unit; it is measured anew."""
-    hub.relearn()
+    hub.planning.relearn()
     return state_of(hub, client)
 
 

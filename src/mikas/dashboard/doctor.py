@@ -1,7 +1,7 @@
 """The doctor's steps, told as they end; the session lets go of the port meanwhile and comes back.
 
-The examination is a task of its own: whoever asked for it may close the page, the port is given
-back all the same.
+The examination is a task of its own: it ends by itself, when it is stopped, or when whoever asked
+for it listens no more; the port is given back all the same.
 """
 
 from __future__ import annotations
@@ -9,24 +9,25 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import AsyncIterator
-from contextlib import suppress
 from typing import Any
 
 from fastapi import APIRouter
 from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, Field
 
-from mikas.client.doctor import Step, examine
+from mikas.client.doctor import Step
 from mikas.dashboard.answers import TwoTexts, errors
 from mikas.dashboard.asking import Controller, TheHub
+from mikas.dashboard.examination import Examination
 from mikas.dashboard.happenings import both
 from mikas.dashboard.hub import Hub
 from mikas.dashboard.reach import TheReach
 from mikas.dashboard.refusals import Busy
+from mikas.dashboard.shown import state_of
+from mikas.dashboard.state import State
+from mikas.errors import MikasError
 from mikas.language import Text
-from mikas.link import Link
 from mikas.link.urls import parse
-from mikas.tester import Echo, Tester, Timing
 
 router = APIRouter(tags=["connection"])
 
@@ -72,49 +73,47 @@ async def doctor(
     if port is None:
         port = await asyncio.to_thread(hub.switch.likely)
     parse(port)
-    if hub.switch.changing:
+    if hub.switch.changing or hub.examination is not None:
         raise Busy(problem=_BUSY)
     told: asyncio.Queue[dict[str, Any] | None] = asyncio.Queue()
-    task = asyncio.create_task(_examine(hub, port, told))
-    hub.tasks.add(task)
-    task.add_done_callback(hub.tasks.discard)
+    examination = Examination(port, hub.settings, hub.catalog)
+    hub.examination = examination
+    examination.task = asyncio.create_task(_examine(hub, examination, told))
 
     async def lines() -> AsyncIterator[str]:
-        while (step := await told.get()) is not None:
-            yield json.dumps(step, ensure_ascii=False) + "\n"
+        try:
+            while (step := await told.get()) is not None:
+                yield json.dumps(step, ensure_ascii=False) + "\n"
+        finally:  # nobody listens any more; not awaited, for this may be a cancelled task
+            asyncio.get_running_loop().run_in_executor(None, examination.stop)
 
     return StreamingResponse(lines(), media_type="application/x-ndjson")
 
 
-async def _examine(hub: Hub, port: str, told: asyncio.Queue[dict[str, Any] | None]) -> None:
+@router.post("/doctor/stop", responses=errors(409))
+async def stop(hub: TheHub, client: Controller) -> State:
+    """Ends the examination, if there is one; answers when the port was let go of."""
+    if hub.examination is not None:
+        await hub.examination.end()
+    return state_of(hub, client)
+
+
+async def _examine(
+    hub: Hub, examination: Examination, told: asyncio.Queue[dict[str, Any] | None]
+) -> None:
     loop = asyncio.get_running_loop()
 
-    def tell(step: dict[str, Any]) -> None:
-        loop.call_soon_threadsafe(told.put_nowait, step)
+    def tell(step: Step) -> None:
+        loop.call_soon_threadsafe(told.put_nowait, _line(step))
 
     try:
         async with hub.switch.lent():
-            await asyncio.to_thread(_run, hub, port, tell)
-    except Busy as error:
-        tell(_line(Step("port", False, error.text)))
+            await asyncio.to_thread(examination.run, tell)
+    except MikasError as error:
+        told.put_nowait(_line(Step("port", False, error.text_on_screen)))
     finally:
+        hub.examination = None
         told.put_nowait(None)
-
-
-def _run(hub: Hub, port: str, tell: Any) -> None:  # noqa: ANN401  (a plain function)
-    settings = hub.settings
-
-    def tester(link: Link) -> Tester:
-        return Tester(
-            link,
-            timing=Timing(first_byte=settings.timeout),
-            echo=Echo(settings.echo),
-            retries=settings.retries,
-        )
-
-    with suppress(GeneratorExit):
-        for step in examine(lambda: settings.open_port(port), tester, hub.catalog):
-            tell(_line(step))
 
 
 def _line(step: Step) -> dict[str, Any]:
@@ -130,5 +129,5 @@ def _line(step: Step) -> dict[str, Any]:
         "title": both(_TITLES[step.name]),
         "ok": step.ok,
         "detail": both(found),
-        "to_try": both(to_try),
+        "to_try": both(step.on_screen or to_try),
     }

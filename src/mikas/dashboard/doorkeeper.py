@@ -7,15 +7,15 @@ streams pass untouched.
 
 from __future__ import annotations
 
-from html import escape
-from typing import Any
+from collections.abc import Mapping
 
 from starlette.datastructures import MutableHeaders
-from starlette.responses import HTMLResponse, RedirectResponse, Response
+from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from mikas.dashboard.access import Access
 from mikas.dashboard.answers import answer_to
+from mikas.dashboard.plain_page import refusal
 from mikas.dashboard.refusals import ApiRefusal, TokenWanted, TooLarge
 from mikas.language import Text
 
@@ -29,10 +29,11 @@ _HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
     "Referrer-Policy": "no-referrer",
-    "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
+_HERE = {"Cross-Origin-Opener-Policy": "same-origin"}
+"""Over plain HTTP a browser heeds this one on its own computer only, and complains elsewhere."""
 _YEAR = 365 * 24 * 3600
 _POLICY_VIOLATION = 1008
 _TOO_LARGE = Text(f"more than {LARGEST_BODY >> 20} MiB", f"больше {LARGEST_BODY >> 20} МиБ")
@@ -50,27 +51,28 @@ class Doorkeeper:
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
+        dressed = _dressed(send, _HEADERS | (_HERE if self.access.is_here(scope) else {}))
         try:
             judged = {"rights": self.access.judge(scope), "here": self.access.is_here(scope)}
             scope.setdefault("state", {}).update(judged)
         except ApiRefusal as error:
-            await self._turn_away(error, scope, receive, send)
+            await self._turn_away(error, scope, receive, dressed)
             return
         if scope["type"] == "websocket":
             await self.app(scope, receive, send)
         elif self.access.offers_token(scope):
-            await self._welcome()(scope, receive, _dressed(send))
+            await self._welcome()(scope, receive, dressed)
         else:
-            await self._bounded(scope, receive, _dressed(send))
+            await self._bounded(scope, receive, dressed)
 
     async def _turn_away(
         self, error: ApiRefusal, scope: Scope, receive: Receive, send: Send
     ) -> None:
         if scope["type"] == "http":
             if isinstance(error, TokenWanted) and self.access.offers_token(scope):
-                await self._welcome()(scope, receive, _dressed(send))
+                await self._welcome()(scope, receive, send)
                 return
-            await _refusal(error, scope)(scope, receive, _dressed(send))
+            await refusal(error, scope)(scope, receive, send)
             return
         await receive()  # the handshake
         if "websocket.http.response" in scope.get("extensions", {}):
@@ -87,14 +89,18 @@ class Doorkeeper:
         await send({"type": "websocket.close", "code": _POLICY_VIOLATION})
 
     def _welcome(self) -> Response:
-        """The token becomes a cookie, and leaves the address bar."""
+        """The token becomes a cookie, and leaves the address bar.
+
+        Lax, since a strict one does not go along with a link that was pressed in a messenger's
+        page; what other pages may do is decided by `Access`, cookie or not.
+        """
         answer = RedirectResponse("/", 303)
         answer.set_cookie(
             self.access.cookie,
             self.access.token,
             max_age=_YEAR,
             httponly=True,
-            samesite="strict",
+            samesite="lax",
         )
         return answer
 
@@ -127,29 +133,14 @@ class Doorkeeper:
             await answer_to(error)(scope, receive, send)
 
 
-def _refusal(error: ApiRefusal, scope: Scope) -> Response:
-    """JSON for the API; a page in plain words for a person who opened an address."""
-    wanted = dict(scope["headers"]).get(b"accept", b"").decode("latin-1")
-    if scope["path"].startswith("/api") or "text/html" not in wanted:
-        return answer_to(error)
-    said = "".join(
-        f'<p lang="{language}">{escape(text)}</p>'
-        for language, text in zip(("en", "ru"), error.text, strict=True)
-    )
-    return HTMLResponse(
-        f'<!doctype html><meta charset="utf-8"><title>mikas</title><h1>mikas</h1>{said}',
-        error.status,
-    )
+def _dressed(send: Send, headers: Mapping[str, str]) -> Send:
+    """Adds `headers` to the answer, unless it brings its own."""
 
-
-def _dressed(send: Send) -> Send:
-    """Adds our headers to the answer, unless it brings its own."""
-
-    async def dress(message: Any) -> None:  # noqa: ANN401  (as ASGI has it)
+    async def dress(message: Message) -> None:
         if message["type"] == "http.response.start":
-            headers = MutableHeaders(scope=message)
-            for name, value in _HEADERS.items():
-                headers.setdefault(name, value)
+            own = MutableHeaders(scope=message)
+            for name, value in headers.items():
+                own.setdefault(name, value)
         await send(message)
 
     return dress

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from mikas.client import Ecu
-from mikas.client.dump import Dump, Manifest, compare, manifest_path, read_manifest
+from mikas.client.dump import Dump, Manifest, compare, read_manifest
 from mikas.dashboard.refusals import Busy, NotConnected
 from mikas.dashboard.settings import made
 from mikas.errors import LineError, MikasError, NoConnection, UsageError, reason_of
@@ -134,13 +134,6 @@ class Dumping:
             job.task = None
         if job.phase == "running":
             job.phase = "paused"
-
-    async def forget(self, job: Job) -> None:
-        """Ends it and deletes its file."""
-        await self.pause(job)
-        self.jobs.pop(job.id, None)
-        for path in (job.file, manifest_path(job.file)):
-            path.unlink(missing_ok=True)
 
     async def close(self) -> None:
         """The program ends."""

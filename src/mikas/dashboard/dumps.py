@@ -1,4 +1,7 @@
-"""The API's side of dumps: begun, looked at, paused, resumed, compared, taken away."""
+"""The API's side of dumps: begun, looked at, paused, resumed, compared.
+
+Deleting one is a change, shown and confirmed as every other (`mikas.dashboard.dumps_delete`).
+"""
 
 from __future__ import annotations
 
@@ -115,7 +118,7 @@ def dump(hub: TheHub, id: DumpId) -> DumpAnswer:  # noqa: A002  (the API's name)
 
 
 @router.post("/dumps/{id}/pause", responses=errors(404, 409))
-async def pause(hub: TheHub, _: Controller, id: DumpId) -> DumpAnswer:  # noqa: A002
+async def pause(hub: TheHub, _: Controller, id: DumpId) -> DumpAnswer:  # noqa: A002  (as above)
     """Stops reading; nothing that was read is lost."""
     job = _job(hub, id)
     await hub.dumping.pause(job)
@@ -123,7 +126,7 @@ async def pause(hub: TheHub, _: Controller, id: DumpId) -> DumpAnswer:  # noqa: 
 
 
 @router.post("/dumps/{id}/resume", responses=errors(404, 409))
-async def resume(hub: TheHub, _: Controller, id: DumpId) -> DumpAnswer:  # noqa: A002
+async def resume(hub: TheHub, _: Controller, id: DumpId) -> DumpAnswer:  # noqa: A002  (as above)
     """Goes on behind what was read."""
     job = _job(hub, id)
     if job.phase != "done":
@@ -131,18 +134,12 @@ async def resume(hub: TheHub, _: Controller, id: DumpId) -> DumpAnswer:  # noqa:
     return _answer(job)
 
 
-@router.delete("/dumps/{id}", status_code=204, responses=errors(404, 409))
-async def delete(hub: TheHub, _: Controller, id: DumpId) -> None:  # noqa: A002
-    """Ends it and deletes its file."""
-    await hub.dumping.forget(_job(hub, id))
-
-
 @router.get(
     "/dumps/{id}/file",
     response_class=Response,
     responses={**errors(404), 200: {"content": {"application/octet-stream": {}}}},
 )
-def file(hub: TheHub, id: DumpId) -> Response:  # noqa: A002
+def file(hub: TheHub, id: DumpId) -> Response:  # noqa: A002  (the API's name)
     """What was read so far, as it is."""
     job = _job(hub, id)
     if not job.file.is_file():
@@ -153,7 +150,7 @@ def file(hub: TheHub, id: DumpId) -> Response:  # noqa: A002
 @router.post("/dumps/{id}/compare", responses=errors(404))
 async def compare(
     hub: TheHub,
-    id: DumpId,  # noqa: A002
+    id: DumpId,  # noqa: A002  (the API's name)
     other: Annotated[bytes, Body(media_type="application/octet-stream")],
     first: Annotated[int | None, Query(ge=0, le=0xFFFF)] = None,
 ) -> DifferencesAnswer:

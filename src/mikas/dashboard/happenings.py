@@ -26,19 +26,19 @@ def state(event: StateChanged) -> Happening:
         "time": event.time,
         "state": event.state.value,
         "text": both(event.state.text),
-        "reason": both(event.error.text) if event.error else None,
+        "reason": both(event.error.text_on_screen) if event.error else None,
         "code": type(event.error).__name__ if event.error else None,
     }
 
 
-def gap(began: float, ended: float | None, reason: MikasError) -> Happening:
+def gap(began: float, ended: float | None, reason: Text) -> Happening:
     """Nothing came; told when it begins (`ended` null), and once more when it has ended."""
     return {
         "kind": "gap",
         "time": began if ended is None else ended,
         "began": began,
         "ended": ended,
-        "reason": both(reason.text),
+        "reason": both(reason),
     }
 
 
@@ -122,5 +122,5 @@ def recording(time: float, file: str, *, on: bool, failure: MikasError | None = 
         "time": time,
         "file": file,
         "on": on,
-        "failure": both(failure.text) if failure else None,
+        "failure": both(failure.text_on_screen) if failure else None,
     }

@@ -11,6 +11,7 @@ import threading
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isnan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -145,7 +146,7 @@ def _ends(column: Column, starts: NDArray[np.intp]) -> Column:
 def plain(column: Column) -> list[float | int | None]:
     """For JSON: whole numbers as such, null for what did not come."""
     return [
-        None if value != value else int(value) if value.is_integer() else value  # noqa: PLR0124
+        None if isnan(value) else int(value) if value.is_integer() else value
         for value in column.tolist()
     ]
 

@@ -19,25 +19,29 @@ from typing import TYPE_CHECKING, TypeVar
 from mikas.dashboard.approval import Approval
 from mikas.dashboard.dumping import Dumping
 from mikas.dashboard.fault_book import FaultBook
+from mikas.dashboard.gaps import AGAIN, DOCTOR
 from mikas.dashboard.history import History
 from mikas.dashboard.lock import WritingLock
 from mikas.dashboard.nonces import Nonces
 from mikas.dashboard.planning import Planning
 from mikas.dashboard.recording import RecordingDesk
-from mikas.dashboard.refusals import Busy, NotConnected
+from mikas.dashboard.refusals import NotConnected
 from mikas.dashboard.seat import Seat
 from mikas.dashboard.session import Session
 from mikas.dashboard.settings import Settings
 from mikas.dashboard.story import Story
 from mikas.dashboard.switch import Switch
+from mikas.dashboard.turns import turn
 from mikas.dashboard.wishes import Way, Wish
 from mikas.errors import MikasError
 from mikas.language import Text
+from mikas.sampling.approach import Unit, same
 from mikas.sampling.events import LineState, StateChanged, UnitFound
 
 if TYPE_CHECKING:
     from mikas.client import Ecu, Info, Support
     from mikas.client.methods import FixedMethod
+    from mikas.dashboard.examination import Examination
     from mikas.sampling.alarms import AlarmEvent
     from mikas.sampling.events import Event
 
@@ -45,7 +49,6 @@ T = TypeVar("T")
 
 _ANSWER = 30.0  # s that a request waits for its turn and the unit's answer
 _ALIVE = (LineState.ECU_ALIVE, LineState.SAMPLING)
-_TAKES_LONG = Text("the line is taken; the request was taken back", "линия занята; запрос отозван")
 
 
 class Hub:
@@ -64,19 +67,20 @@ class Hub:
         self.lan = lan
         self.clock = clock
         """Seconds for seats, nonces and locks, which are people's time and not the link's."""
-        self.seat = Seat(clock)
+        self.lock = WritingLock(clock)
+        self.seat = Seat(clock, changed=self.lock.close)
         self.history = History()
         self.story = Story(self.catalog, self.history)
         self.fault_book = FaultBook()
         self.approval = Approval()
+        self._unit: Unit | None = None
         self.recording = RecordingDesk(self)
         self.dumping = Dumping(self)
         self.nonces = Nonces(clock)
-        self.lock = WritingLock(clock)
         self.info: Info | None = None
         self.supported: list[Support] | None = None
-        self.tasks: set[asyncio.Task[None]] = set()
-        """What goes on beside any request; ended with the application."""
+        self.examination: Examination | None = None
+        """The doctor's, while it has the port."""
         self.planning = Planning(self)
         self.wish = Wish(dict.fromkeys(self.planning.channels, 1))
         self.switch = Switch(
@@ -95,10 +99,10 @@ class Hub:
             yield
         finally:
             await self.dumping.close()
-            for task in self.tasks.copy():
-                task.cancel()
+            if self.examination is not None:
+                await self.examination.end()
             await self.switch.close()
-            self.recording.stop()
+            self.recording.close()
 
     # The connection
 
@@ -122,8 +126,10 @@ class Hub:
     ) -> None:
         """As `Switch.connect`, asking by `method`, at most so often."""
 
-        def wanted() -> None:
+        def wanted(url: str) -> None:
             self.wish = replace(self.wish, method=method, rate=rate)
+            if self.way is None or url != self.way.url:
+                self.recording.part()
 
         await self.switch.connect(url, echo=echo, wanted=wanted)
 
@@ -148,8 +154,10 @@ class Hub:
         self.story.begin(self.wish.every, session.now())
         return session
 
-    def _over(self, session: Session) -> None:
-        self.story.over(session.now(), None)
+    def _over(self, session: Session, why: Text) -> None:
+        if why in (AGAIN, DOCTOR):
+            self.recording.pause(session.now(), why)
+        self.story.over(session.now(), None, why)
         self._forget_unit()
 
     def _forget_unit(self) -> None:
@@ -163,12 +171,15 @@ class Hub:
         """In the sampling thread."""
         if session is not self.session:
             return
-        self.recording.recorder.take(event)
+        if isinstance(event, UnitFound):
+            event = self._met(event)
+        self.recording.take(event, session)
         self._measure(session)
         self.story.take(event)
         if isinstance(event, UnitFound):
             if event.another:
                 self._forget_unit()
+                self.fault_book.forget()
             session.call(self.read_faults)
         if isinstance(event, StateChanged):
             self.switch.heard()
@@ -179,6 +190,11 @@ class Hub:
             self.story.over(session.now(), error)
             self.switch.heard()
 
+    def _met(self, event: UnitFound) -> UnitFound:
+        """`event`, also comparing with the unit of the connection before."""
+        before, self._unit = self._unit, (unit := (event.version_code, event.passport))
+        return event if before is None or same(unit, before) else replace(event, another=True)
+
     # What is asked
 
     async def ask(self, job: Callable[[Ecu], T], *, seconds: float = _ANSWER) -> T:
@@ -187,27 +203,17 @@ class Hub:
         """
         session = self.session
         if session is None or self.story.line not in _ALIVE:
-            raise self._nobody()
-        future = session.call(job)
-        wrapped = asyncio.wrap_future(future)
-        try:
-            done, _ = await asyncio.wait({wrapped}, timeout=seconds)
-        finally:
-            if not wrapped.done():
-                future.cancel()
-        if not done:
-            raise Busy(problem=_TAKES_LONG)
-        return wrapped.result()
+            raise self.nobody()
+
+        def in_turn(ecu: Ecu) -> T:
+            self.story.busy()
+            return job(ecu)
+
+        return await turn(session, in_turn, seconds)
 
     def read_faults(self, ecu: Ecu) -> None:
         """A job: reads the stored faults into the book."""
         self.fault_book.keep(ecu.faults(), ecu.tester.link.now())
-
-    def relearn(self) -> None:
-        """Forgets what was learnt of this unit. Raises `NotConnected`."""
-        if self.session is None:
-            raise NotConnected
-        self.session.acquisition.relearn()
 
     def look(self) -> None:
         """Sees what nobody tells; a few times a second, while anybody looks."""
@@ -237,7 +243,8 @@ class Hub:
         """Whether the car is a virtual one."""
         return self.way is not None and self.way.url.startswith("sim:")
 
-    def _nobody(self) -> NotConnected:
+    def nobody(self) -> NotConnected:
+        """There is nobody to ask, and why."""
         error = NotConnected()
         reason = self.story.reason
         return NotConnected(advice=reason) if reason else error

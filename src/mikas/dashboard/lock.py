@@ -1,4 +1,6 @@
-"""The lock on writing memory and parameters: open for some minutes, on one connection."""
+"""The lock on writing memory and parameters: open for some minutes, on one connection,
+for the client that opened it: when the seat changes hands it is closed.
+"""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ from fastapi import APIRouter, Query
 from pydantic import BaseModel, Field
 
 from mikas.client import Ecu
+from mikas.commands import WriteList
 from mikas.dashboard.answers import errors, in_hex
 from mikas.dashboard.asking import Controller, TheHub
 from mikas.dashboard.refusals import NotConnected
@@ -82,7 +83,10 @@ def lock(hub: TheHub, client: Controller) -> State:
 
 @router.get("/journal", responses=errors())
 def journal(hub: TheHub) -> JournalAnswer:
-    """What was changed in which unit, from this computer: the last 200 lines."""
+    """What was changed in which unit, from this computer: the last 200 lines.
+
+    That a unit was told what to send (64) is in the file, and no change of a car: not here.
+    """
     try:
         with hub.settings.journal.open("rb") as file:
             size = file.seek(0, os.SEEK_END)
@@ -98,7 +102,7 @@ def journal(hub: TheHub) -> JournalAnswer:
             entry = json.loads(line)
         except ValueError:
             continue  # cut by the look at the tail only, or by somebody's editor
-        if isinstance(entry, dict):
+        if isinstance(entry, dict) and entry.get("command") != WriteList.SOURCE_NAME:
             entries.append(_in_two_languages(entry))
     return JournalAnswer(entries=entries)
 

@@ -9,10 +9,12 @@ from __future__ import annotations
 import mimetypes
 from pathlib import Path
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse, Response
 
+from mikas.dashboard.plain_page import refusal
 from mikas.dashboard.refusals import NotFound
+from mikas.language import Language
 
 FOLDER = Path(__file__).parent / "page"
 _FOREVER = "public, max-age=31536000, immutable"
@@ -37,8 +39,8 @@ _TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
           ".webmanifest": "application/manifest+json"}  # fmt: skip
 
 
-def router(folder: Path) -> APIRouter:
-    """Serves what is in `folder`, and its index.html at /."""
+def router(folder: Path, language: Language | None = None) -> APIRouter:
+    """Serves what is in `folder`, and its index.html at /, which begins in `language`."""
     routes = APIRouter(include_in_schema=False)
 
     @routes.get("/")
@@ -46,13 +48,17 @@ def router(folder: Path) -> APIRouter:
         file = folder / "index.html"
         if not file.is_file():
             return HTMLResponse(_NOT_BUILT)
+        if language is not None:
+            page = file.read_text("utf-8")
+            page = page.replace("<html", f'<html data-language="{language}"', 1)
+            return HTMLResponse(page, headers={"Cache-Control": _ASK_AGAIN})
         return FileResponse(file, headers={"Cache-Control": _ASK_AGAIN}, media_type="text/html")
 
     @routes.get("/{path:path}")
-    def file(path: str) -> Response:
+    def file(request: Request, path: str) -> Response:
         wanted = _inside(folder, path)
         if path.startswith("api/") or wanted is None:
-            raise NotFound(name=f"/{path}")
+            return refusal(NotFound.at(f"/{path}"), request.scope)
         kept = _FOREVER if path.startswith("assets/") else _ASK_AGAIN
         kind = _TYPES.get(wanted.suffix) or mimetypes.guess_type(wanted.name)[0]
         return FileResponse(wanted, headers={"Cache-Control": kept}, media_type=kind)

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mikas.client.connecting import maker
+from mikas.dashboard.refusals import NotConnected
 from mikas.dashboard.wishes import Wish
 from mikas.link.plug import Plug
 from mikas.sampling.acquisition import Acquisition
@@ -37,6 +38,12 @@ class Planning:
                 self._hub.catalog.channel(name)
         self._hub.wish = wish
         self._hub.story.names_are(wish.every)
+
+    def relearn(self) -> None:
+        """Forgets what was learnt of this unit. Raises `NotConnected`."""
+        if self._hub.session is None:
+            raise NotConnected
+        self._hub.session.acquisition.relearn()
 
     def price(self, names: Sequence[str], method: str) -> Price:
         """What a set of `names` costs, with what is known of the unit, if there is one."""

@@ -13,7 +13,7 @@ from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
 from mikas.dashboard import recordings_files, recordings_live
-from mikas.dashboard.answers import errors
+from mikas.dashboard.answers import TwoTexts, errors, two
 from mikas.dashboard.asking import Asker, TheHub
 from mikas.dashboard.history import plain
 from mikas.dashboard.listener import dumps
@@ -26,6 +26,8 @@ from mikas.dashboard.recordings_told import (
     detailed,
     listed,
 )
+from mikas.dashboard.settings import check_folder
+from mikas.errors import UsageError
 from mikas.recording.about import LONGEST, about_note, write_about
 
 router = APIRouter(tags=["recordings"])
@@ -53,7 +55,10 @@ def recordings(desk: TheDesk) -> RecordingList:
     """All recordings in the folder, the latest first."""
     there = desk.shelf.all()
     desk.summaries.forget_all_but(there)
-    return RecordingList(recordings=[_listed(desk, it) for it in there])
+    return RecordingList(
+        recordings=[_listed(desk, it) for it in there],
+        problem=_problem(desk),
+    )
 
 
 @router.get("/recordings/{identity}", responses=errors(404))
@@ -101,6 +106,14 @@ def note(hub: TheHub, desk: TheDesk, _: Asker, identity: str, wish: NoteWish) ->
     else:
         write_about(it.path, wish.text, hub.now())
     return _listed(desk, desk.shelf.one(identity))
+
+
+def _problem(desk: Desk) -> TwoTexts | None:
+    try:
+        check_folder(desk.hub.settings.recordings)
+    except UsageError as error:
+        return two(error.text_on_screen)
+    return None
 
 
 def _listed(desk: Desk, it: Shelved) -> RecordingOut:

@@ -84,7 +84,8 @@ async def export(
     it = await asyncio.to_thread(desk.shelf.one, identity)
     wanted = tuple(name for name in (names or "").split(",") if name)
     folder = Path(await asyncio.to_thread(tempfile.mkdtemp, prefix="mikas-export-"))
-    out = folder / f"{it.path.stem}.{format}"
+    kind = "-excel" if (format, dialect) == ("csv", "excel") else ""
+    out = folder / f"{it.path.stem}{kind}.{format}"
     try:
         await desk.alone(
             lambda: _export(desk, it, out, names=wanted, dialect=dialect, language=lang)
@@ -158,6 +159,7 @@ def _export(
         out,
         recording.channels,
         recording.rows(),
+        events=recording.events,
         about=recording.about,
         language=language,
         dialect=DIALECTS[dialect],

@@ -41,9 +41,10 @@ async def report(
 
 def _found(hub: Hub) -> Findings:
     from mikas.report.findings import find
-    from mikas.report.gathering import date_of
     from mikas.report.measuring import Measuring
     from mikas.report.subject import How, Subject, Unit
+    from mikas.report.told import gone_of
+    from mikas.report.words import date_of
 
     catalog, story, session, ecu = hub.catalog, hub.story, hub.session, hub.ecu
     with story.lock:
@@ -61,6 +62,8 @@ def _found(hub: Hub) -> Findings:
         if unit
         else None,
         faults=page.faults if page else None,
+        faults_read=page.time if page else None,
+        gone=gone_of(hub.fault_book.heard, catalog),
         how=How(
             date=date_of(measured.began),
             port=hub.way.url if hub.way else "",

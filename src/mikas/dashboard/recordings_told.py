@@ -55,9 +55,10 @@ class RecordingDetail(RecordingOut):
 
 
 class RecordingList(BaseModel):
-    """The latest first."""
+    """The latest first. `problem`: why none can be kept in the folder, if so."""
 
     recordings: list[RecordingOut]
+    problem: TwoTexts | None
 
 
 def listed(it: Shelved, summary: Summary, *, growing: bool) -> RecordingOut:

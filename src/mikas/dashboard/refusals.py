@@ -75,8 +75,8 @@ class NotFromNetwork(ApiRefusal):
     advice = Text(
         "From here: the adapters that the laptop lists, and its virtual cars. Anything else is "
         "chosen on the laptop itself.",
-        "Отсюда можно выбрать адаптеры из списка ноутбука и его виртуальные машины. Всё остальное "
-        "выбирают на самом ноутбуке.",
+        "Отсюда можно выбрать адаптеры из списка ноутбука и его виртуальные автомобили. Всё "
+        "остальное выбирают на самом ноутбуке.",
     )
 
 
@@ -91,12 +91,23 @@ class Locked(ApiRefusal):
     )
 
 
+_AT_HOME = Text(
+    "The dashboard is at /, what the API answers stands at /api/docs.",
+    "Панель — по адресу /, а что умеет API, написано в /api/docs.",
+)
+
+
 class NotFound(ApiRefusal):
     """No such thing."""
 
     status = 404
     what = Text("There is no {name}", "Нет такого: {name}")
     advice = Text("Reload the list.", "Обновите список.")
+
+    @classmethod
+    def at(cls, path: str) -> NotFound:
+        """Nothing is at that address."""
+        return cls(name=path, advice=_AT_HOME)
 
 
 class NotController(ApiRefusal):
@@ -110,6 +121,12 @@ class NotController(ApiRefusal):
     )
 
 
+_NOT_AS_SHOWN = Text(
+    "What stands in the unit is no longer what was shown",
+    "В блоке уже не то, что было показано",
+)
+
+
 class NonceStale(ApiRefusal):
     """What was shown before the change is no longer so."""
 
@@ -117,13 +134,7 @@ class NonceStale(ApiRefusal):
     what = Text("{found}, so nothing was changed", "{found}, поэтому ничего не изменено")
     advice = Text("Look at it again, then confirm again.", "Посмотрите и подтвердите заново.")
 
-    def __init__(
-        self,
-        found: Text = Text(  # noqa: B008  (a value that never changes)
-            "What stands in the unit is no longer what was shown",
-            "В блоке уже не то, что было показано",
-        ),
-    ) -> None:
+    def __init__(self, found: Text = _NOT_AS_SHOWN) -> None:
         super().__init__(found=found)
 
 

@@ -2,12 +2,15 @@
 
 The seat is taken by asking for it while it is free, and is free again when its holder has been away
 for a while: 15 s after the last WebSocket was closed (a reload, a lid that was shut for a moment),
-60 s after the last request of a client that has none (a script).
+60 s after the last request of a client that never had one (a script). A page's request that comes
+when its WebSocket is gone counts as the former: the page is reloaded, or was closed. A request that
+was not understood or not allowed is taken back: it was no use of the seat.
 """
 
 from __future__ import annotations
 
 import threading
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,6 +18,7 @@ from mikas.dashboard.refusals import NotAllowed, NotController
 
 AFTER_SOCKET = 15.0
 AFTER_REQUEST = 60.0
+_REMEMBERED = 100  # pages that are gone
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,15 +30,31 @@ class Client:
     may_control: bool
 
 
-class Seat:
-    """Who holds it. `clock` gives seconds that never run back; any thread may ask."""
+@dataclass(frozen=True, slots=True)
+class Before:
+    """How the seat was before a request."""
 
-    def __init__(self, clock: Callable[[], float]) -> None:
+    request: int
+    holder: Client | None
+    until: float
+
+
+class Seat:
+    """Who holds it. `clock` gives seconds that never run back; any thread may ask. `changed` is
+    called whenever somebody else holds it than before, nobody among them.
+    """
+
+    def __init__(
+        self, clock: Callable[[], float], changed: Callable[[], object] = lambda: None
+    ) -> None:
         self._clock = clock
+        self._changed = changed
+        self._requests = 0
         self._lock = threading.Lock()
         self._holder: Client | None = None
         self._until = 0.0  # for a holder without a socket
         self._sockets: dict[str, int] = {}
+        self._left: deque[str] = deque(maxlen=_REMEMBERED)
 
     @property
     def holder(self) -> Client | None:
@@ -48,8 +68,8 @@ class Seat:
         with self._lock:
             return len(self._sockets)
 
-    def demand(self, client: Client, *, force: bool = False) -> None:
-        """Lets the holder pass; gives a free seat, or with `force` any.
+    def demand(self, client: Client, *, force: bool = False) -> Before:
+        """Lets the holder pass; gives a free seat, or with `force` any. For `take_back`.
 
         Raises `NotAllowed`, `NotController`.
         """
@@ -59,14 +79,25 @@ class Seat:
             held = self._held()
             if held is not None and held.id != client.id and not force:
                 raise NotController(holder=held.name or held.id)
-            self._holder = client
-            self._until = self._clock() + AFTER_REQUEST
+            self._requests += 1
+            before = Before(self._requests, held, self._until)
+            self._give(client)
+            after = AFTER_SOCKET if client.id in self._left else AFTER_REQUEST
+            self._until = self._clock() + after
+            return before
+
+    def take_back(self, before: Before) -> None:
+        """That request counts for nothing, unless another came behind it."""
+        with self._lock:
+            if before.request == self._requests:
+                self._give(before.holder)
+                self._until = before.until
 
     def release(self, client: Client) -> None:
         """Frees the seat, if `client` holds it."""
         with self._lock:
             if self._holder is not None and self._holder.id == client.id:
-                self._holder = None
+                self._give(None)
 
     def opened(self, client: Client) -> None:
         """`client` has one WebSocket more."""
@@ -79,11 +110,19 @@ class Seat:
             left = self._sockets.pop(client.id) - 1
             if left:
                 self._sockets[client.id] = left
-            elif self._holder is not None and self._holder.id == client.id:
+                return
+            self._left.append(client.id)
+            if self._holder is not None and self._holder.id == client.id:
                 self._until = self._clock() + AFTER_SOCKET
 
     def _held(self) -> Client | None:
         holder = self._holder
         if holder is not None and holder.id not in self._sockets and self._clock() >= self._until:
-            self._holder = holder = None
+            holder = None
+            self._give(None)
         return holder
+
+    def _give(self, client: Client | None) -> None:
+        before, self._holder = self._holder, client
+        if (before and before.id) != (client and client.id):
+            self._changed()

@@ -6,12 +6,17 @@ Ctrl-C closes recordings and lets go of the port, the second ends at once.
 
 from __future__ import annotations
 
+import asyncio
 import errno
 import logging
+import os
+import signal
 import socket
 import sys
-from collections.abc import Callable
-from contextlib import suppress
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
 
 import uvicorn
 from fastapi import FastAPI
@@ -24,6 +29,11 @@ _TRIED = 20
 _SEND_BUFFER = 1 << 16  # what a slow client may have under way in the system; the rest waits here
 _PING = 20.0
 _GRACE = 3
+_INTERRUPTED = 130  # as docs/cli.md has it
+_NO_NEWS = (
+    "ASGI callable returned without completing handshake.",  # a WebSocket that was refused
+    "Cancel %s running task(s), timeout graceful shutdown exceeded",  # who asked has had to go
+)
 
 
 def listening(port: int | None, *, lan: bool) -> socket.socket:
@@ -41,8 +51,10 @@ def listening(port: int | None, *, lan: bool) -> socket.socket:
     why = reason_of(failure)
     raise UsageError(
         problem=Text(
-            f"The dashboard can't listen on port {port or FIRST_PORT}: {why.en}",
-            f"Панель не может занять порт {port or FIRST_PORT}: {why.ru}",
+            f"The dashboard can't listen on port {port or FIRST_PORT}: {why.en}; name another with "
+            "--host-port, or none: then it takes a free one",
+            f"Панель не может занять порт {port or FIRST_PORT}: {why.ru}; укажите другой ключом "
+            "--host-port или не указывайте: тогда найдётся свободный",
         )
     ) from failure
 
@@ -78,16 +90,27 @@ def own_addresses() -> tuple[str, ...]:
 def serve(app: FastAPI, own: socket.socket, *, ready: Callable[[], None]) -> None:
     """Serves `app` on `own` until Ctrl-C; `ready` is called once it answers.
 
-    Raises `KeyboardInterrupt` afterwards, as Ctrl-C does everywhere.
+    Raises `KeyboardInterrupt` afterwards, as Ctrl-C does everywhere; a second Ctrl-C meanwhile
+    ends the process at once.
     """
-    Server(app, ready=ready).run(sockets=[own])
+    server = Server(app, ready=ready)
+    server.run(sockets=[own])
+    server.end_as_asked()
+
+
+def _is_news(record: logging.LogRecord) -> bool:
+    """Whether a person at the terminal has any use of it."""
+    error = record.exc_info[1] if record.exc_info else None
+    return record.msg not in _NO_NEWS and not isinstance(error, asyncio.CancelledError)
 
 
 class Server(uvicorn.Server):
     """uvicorn as we want it."""
 
     def __init__(self, app: FastAPI, *, ready: Callable[[], None] = lambda: None) -> None:
-        logging.getLogger("uvicorn.error").setLevel(logging.ERROR)
+        log = logging.getLogger("uvicorn.error")
+        log.setLevel(logging.ERROR)
+        log.addFilter(_is_news)
         super().__init__(
             uvicorn.Config(
                 app,
@@ -104,6 +127,41 @@ class Server(uvicorn.Server):
             )
         )
         self._ready = ready
+        self._asked: int | None = None  # by which signal
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Ends in good order at the first signal; that for Ctrl-C stays with us to the end."""
+        if threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        signals = [signal.SIGINT, signal.SIGTERM]
+        if sys.platform == "win32":
+            signals.append(signal.SIGBREAK)
+        before = {it: signal.signal(it, self.handle_exit) for it in signals}
+        try:
+            yield
+        finally:
+            for it, handler in before.items():
+                if it != signal.SIGINT:
+                    signal.signal(it, handler)
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:  # noqa: ARG002
+        """The first signal asks, the second Ctrl-C does not wait."""
+        if self._asked is not None and sig == signal.SIGINT:
+            os._exit(_INTERRUPTED)
+        self._asked = self._asked or sig
+        self.should_exit = True
+
+    def end_as_asked(self) -> None:
+        """What the signal would have done by itself."""
+        if self._asked == signal.SIGINT:
+            # All is closed, the rest takes a moment: one more has nothing to end, and would only
+            # show in the status.
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+            raise KeyboardInterrupt
+        if self._asked is not None:
+            signal.raise_signal(self._asked)
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Tells when it answers."""

@@ -159,7 +159,7 @@ class Session:
             return
         except MikasError as why:
             error = why
-        except Exception as bug:
+        except Exception as bug:  # whatever it is: the page says so, and the port is let go of
             _log.error("a bug in the sampling thread", exc_info=bug)
             error = Bug(kind=f"{type(bug).__name__}: {bug}")
         finally:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,8 +11,13 @@ from pathlib import Path
 from mikas.catalog import Catalog, load
 from mikas.client import journal as journals
 from mikas.errors import UsageError, reason_of
-from mikas.language import Text
+from mikas.language import Language, Text
 from mikas.link import Link, Port, find_ports, open_link
+
+_ELSEWHERE = Text(
+    "Start it again with --record and a folder that can be written to.",
+    "Запустите заново с ключом --record и папкой, в которую можно писать.",
+)
 
 
 def _state_folder() -> Path:
@@ -34,9 +41,28 @@ def made(folder: Path) -> Path:
             problem=Text(
                 f"The folder {folder} can't be made: {why.en}",
                 f"Папку {folder} не создать: {why.ru}",
-            )
+            ),
+            advice=_ELSEWHERE,
         ) from error
     return folder
+
+
+def check_folder(folder: Path) -> None:
+    """Raises `UsageError` if nothing can be kept in `folder`; makes nothing."""
+    there = folder
+    while not os.path.lexists(there) and there != there.parent:
+        there = there.parent
+    if there.is_dir() and os.access(there, os.W_OK | os.X_OK):
+        return
+    code = errno.EACCES if there.is_dir() else errno.ENOTDIR
+    why = reason_of(OSError(code, os.strerror(code)))
+    raise UsageError(
+        problem=Text(
+            f"Nothing can be kept in the folder {folder} ({there}: {why.en})",
+            f"В папке {folder} ничего не сохранить ({there}: {why.ru})",
+        ),
+        advice=_ELSEWHERE,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +82,8 @@ class Settings:
     find: Callable[[], list[Port]] = find_ports
     open_port: Callable[[str], Link] = open_link
     link_clock: Callable[[], float] | None = None
+    language: Language | None = None
+    """What the page speaks until somebody chooses there; None: as the browser does."""
 
     @property
     def journal(self) -> Path:

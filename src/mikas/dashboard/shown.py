@@ -47,6 +47,7 @@ def holder_of(hub: Hub, client: Client) -> Holder | None:
 def _shared(hub: Hub) -> State:
     """What is the same for all."""
     story, session, now = hub.story, hub.session, hub.now()
+    recording = _recording(hub)  # not under the story's lock: the recorder tells the story of files
     with story.lock:
         text, line = _OFF, _NO_LINE
         if session is not None and session.ended:
@@ -55,11 +56,12 @@ def _shared(hub: Hub) -> State:
             line = story.line.value if story.line else "no-port"
             text = story.line.text if story.line else _OPENING
         sampling = line == "sampling"
+        silent = story.silent(now)
         unit = story.unit
         return State(
             line=line,
             text=two(text),
-            reason=two_or_none(story.reason),
+            reason=two_or_none(story.reason or silent),
             reason_code=story.reason_code,
             since=story.since,
             port=hub.way.url if hub.way else None,
@@ -69,7 +71,7 @@ def _shared(hub: Hub) -> State:
             passport=passport(unit) if unit else None,
             method=story.method,
             rates=story.rates,
-            rate=round(story.meters.rate(now), 2) if sampling else 0.0,
+            rate=round(story.meters.rate(now), 2) if sampling and not silent else 0.0,
             bus_load=round(story.meters.load(session.baud if session else 9600), 3),
             errors_minute=story.meters.errors_minute(now),
             errors=story.meters.errors,
@@ -80,8 +82,8 @@ def _shared(hub: Hub) -> State:
                 rate=hub.wish.rate,
             ),
             dropped_parameters=list(story.dropped),
-            recording=_recording(hub),
-            alarms=[_alarm(hub, it) for it in story.alarms.values()],
+            recording=recording,
+            alarms=[_alarm(hub, it) for it in story.alarms_seen],
             alarm_count=story.alarm_count,
             fault_count=len(hub.fault_book.page.faults) if hub.fault_book.page else None,
             unlocked_until=None if hub.lock.left is None else now + hub.lock.left,
@@ -100,7 +102,7 @@ def _recording(hub: Hub) -> RecordingOfState | None:
         bytes=status.bytes,
         samples=status.samples,
         gaps=status.gaps,
-        failure=two_or_none(status.failure.text if status.failure else None),
+        failure=two_or_none(status.failure.text_on_screen if status.failure else None),
     )
 
 

@@ -14,6 +14,7 @@ from math import isfinite
 
 from mikas.catalog import Catalog, Level
 from mikas.dashboard import happenings
+from mikas.dashboard.gaps import BY_HAND, JOB, PLAN, Gaps
 from mikas.dashboard.happenings import Happening
 from mikas.dashboard.history import History, row_of
 from mikas.dashboard.meters import Meters
@@ -61,6 +62,7 @@ class Story:
         self.events: deque[Happening] = deque(maxlen=_HAPPENINGS)
         self._batch = Batch()
         self._names: tuple[str, ...] = ()
+        self._gaps = Gaps(self.tell)
         self.begin((), 0.0)
 
     def begin(self, names: Iterable[str], time: float) -> None:
@@ -79,8 +81,7 @@ class Story:
             self.alarm_count = 0
             self.latest: dict[str, float] = {}
             self.meters = Meters()
-            self._gap: tuple[float, MikasError] | None = None
-            self._sampled: float | None = None
+            self._waited = False  # for a port or a unit, since the last values
             self._errors: deque[tuple[str, float | None, bytes | None]] = deque(maxlen=_ERRORS)
             self._newest: Failure | None = None
             self.names_are(names)
@@ -89,8 +90,17 @@ class Story:
         """The channels asked for, in their order: the columns from here on."""
         with self.lock:
             self._names = tuple(names)
-            for name in [name for name in self.alarms if name not in self._names]:
-                del self.alarms[name]
+
+    @property
+    def alarms_seen(self) -> list[AlarmEvent]:
+        """Of the channels asked for. The others' are kept: if they still are so when they are asked
+        for again, nothing changed, and no event would tell.
+        """
+        return [it for name, it in self.alarms.items() if name in self._names]
+
+    def silent(self, now: float) -> Text | None:
+        """Why nothing has come for some seconds, though values should; None: all is well."""
+        return self._gaps.silent(now) if self.line is LineState.SAMPLING else None
 
     def wait(self, wake: Callable[[], object]) -> bool:
         """Whether nothing has been gathered yet; then `wake` is called once when that changes."""
@@ -145,14 +155,20 @@ class Story:
                     self._found(event)
                 case PlanChanged():
                     self.method = event.plan.method
+                    self._gaps.pause(PLAN)
 
-    def over(self, time: float, error: MikasError | None) -> None:
-        """The connection has ended; `error` if it did so by itself."""
+    def busy(self) -> None:
+        """A request of somebody's has the line now."""
+        with self.lock:
+            self._gaps.pause(JOB)
+
+    def over(self, time: float, error: MikasError | None, why: Text = BY_HAND) -> None:
+        """The connection has ended; `error` if it did so by itself, else `why`."""
         with self.lock:
             self.line, self.since = None, time
             self._because(error)
             self.alarms.clear()
-            self._gap = None
+            self._gaps.part(time, error.text_on_screen if error else why)
 
     def _came(self, event: Sampled) -> None:
         values = {name: float(reading.value) for name, reading in event.fresh.items()}
@@ -162,10 +178,8 @@ class Story:
         self.meters.sample(event.time)
         self.latest.update(values)
         self.history.add(event.time, self._names, row_of(self._names, values))
-        if self._gap is not None:
-            self.tell(happenings.gap(self._gap[0], event.time, self._gap[1]))
-            self._gap = None
-        self._sampled = event.time
+        self._gaps.came(event.time)
+        self._waited = False
         if self.listened and len(self._batch.rows) < _ROWS:
             self._batch.rows.append((event.time, values))
             self.stir()
@@ -180,14 +194,15 @@ class Story:
                         self._error(happenings.failure(failure, now))
 
     def _failed(self, event: Gap) -> None:
-        before = self._gap[1] if self._gap else None
-        self._lost(event.time, event.error)
+        self._gaps.lost(event.time, event.error.text_on_screen)
         # Each attempt to find a port or unit again fails alike: that is the gap, no more errors.
-        if not (isinstance(event.error, NoConnection) and type(event.error) is type(before)):
+        nobody = isinstance(event.error, NoConnection)
+        if not (nobody and self._waited):
             cause = event.error.__cause__  # of a verdict on exchanges, which the tester told
             told_as = cause if isinstance(cause, LineError) else event.error
             if self._is_news(told_as):
                 self._error(happenings.error(event.time, event.error))
+        self._waited |= nobody
 
     def _is_news(self, error: MikasError | Failure) -> bool:
         """Whether it was not told yet: by the tester, or by a cycle that it ended."""
@@ -201,21 +216,17 @@ class Story:
         self.meters.error(happening["time"])
         self.tell(happening)
 
-    def _lost(self, time: float, error: MikasError) -> None:
-        if self._gap is None:
-            began = time if self._sampled is None else min(time, self._sampled)
-            self._gap = (began, error)
-            self.tell(happenings.gap(began, None, error))
-
     def _changed(self, event: StateChanged) -> None:
-        if event.error is not None and self.line is LineState.SAMPLING:
-            self._lost(event.time, event.error)
+        if event.error is not None:
+            if self.line is LineState.SAMPLING:
+                self._gaps.lost(event.time, event.error.text_on_screen)
+            self._gaps.because(event.error.text_on_screen)
         self.line, self.since = event.state, event.time
         self._because(event.error)
         self.tell(happenings.state(event))
 
     def _because(self, error: MikasError | None) -> None:
-        self.reason = error.text if error else None
+        self.reason = error.text_on_screen if error else None
         self.reason_code = type(error).__name__ if error else None
 
     def _alarm(self, event: AlarmEvent) -> None:

@@ -10,6 +10,7 @@ import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
+from mikas.dashboard.gaps import AGAIN, ANOTHER, BY_HAND, DOCTOR
 from mikas.dashboard.refusals import Busy
 from mikas.dashboard.session import Session
 from mikas.dashboard.settings import Settings
@@ -25,7 +26,7 @@ _CHANGING = Text("the connection is being changed", "соединение как
 
 class Switch:
     """`begin` makes the session of a way and what goes with it, `over` is told that it has ended
-    because somebody wanted it.
+    because somebody wanted it, and why.
     """
 
     def __init__(
@@ -34,7 +35,7 @@ class Switch:
         way: Way | None,
         *,
         begin: Callable[[Way], Session],
-        over: Callable[[Session], None],
+        over: Callable[[Session, Text], None],
     ) -> None:
         self.way = way
         """How the unit is reached, or will be when the application starts; None: not at all."""
@@ -51,19 +52,20 @@ class Switch:
             self._open(self.way)
 
     async def connect(
-        self, url: str | None, *, echo: str = "auto", wanted: Callable[[], None] = lambda: None
+        self, url: str | None, *, echo: str = "auto", wanted: Callable[[str], None] = lambda _: None
     ) -> None:
         """Connects to `url`, or to the one likely adapter; a connection that there is ends.
 
-        `wanted` is called when there is nothing wrong with the wish. Raises what is wrong with the
-        wish; what is wrong with the line is told by the state.
+        `wanted` is given the URL when there is nothing wrong with the wish. Raises what is wrong
+        with the wish; what is wrong with the line is told by the state.
         """
         async with self._alone():
             if url is None:
                 url = await asyncio.to_thread(self.likely)
             parse(url)
-            await self.close()
-            wanted()
+            again = self.way is not None and self.way.url == url
+            await self.close(AGAIN if again else ANOTHER)
+            wanted(url)
             self.way = Way(url, echo)
             self._open(self.way)
             await self._listen()
@@ -79,19 +81,19 @@ class Switch:
         """Lets go of the port meanwhile, and takes it again."""
         async with self._alone():
             way = self.way
-            await self.close()
+            await self.close(DOCTOR)
             try:
                 yield
             finally:
                 if way is not None:
                     self._open(way)
 
-    async def close(self) -> None:
+    async def close(self, why: Text = BY_HAND) -> None:
         """Ends the session, if there is one; `way` stays."""
         session, self.session = self.session, None
         if session is not None:
             await asyncio.to_thread(session.stop)
-            self._over(session)
+            self._over(session, why)
 
     def likely(self) -> str:
         """The URL of the one likely adapter. Raises `NoPortGiven`."""

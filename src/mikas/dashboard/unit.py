@@ -167,16 +167,31 @@ def _passport_answer(hub: Hub) -> PassportAnswer:
         ),
         method=hub.story.method,
         rates=hub.story.rates,
-        supported=None if hub.supported is None else [_command(it) for it in hub.supported],
+        supported=None
+        if hub.supported is None
+        else [_command(it, _used(hub)) for it in hub.supported],
     )
 
 
-def _command(support: Support) -> CommandOfUnit:
+_USED_BY: dict[str, tuple[int, ...]] = {
+    "single": (0x61,), "batch": (0x61,), "list": (0x64, 0x63), "stream": (0x71,),
+}  # fmt: skip
+
+
+def _used(hub: Hub) -> frozenset[int]:
+    """The first codes of the commands that values were read with."""
+    methods = {name for name, rate in hub.story.rates.items() if rate > 0}
+    if hub.story.meters.samples and hub.story.method:
+        methods.add(hub.story.method)
+    return frozenset(code for name in methods for code in _USED_BY.get(name, ()))
+
+
+def _command(support: Support, used: frozenset[int]) -> CommandOfUnit:
     command: Any = support.command
     return CommandOfUnit(
         code=command.CODES[0],
         name=command.__name__,
         title=two(command.TITLE),
         source_name=command.SOURCE_NAME,
-        supported=support.known,
+        supported=True if command.CODES[0] in used else support.known,
     )

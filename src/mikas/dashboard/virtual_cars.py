@@ -20,6 +20,6 @@ class VirtualCars:
         if (car := self._cars.get(url)) is not None:
             return RealTimeVirtualLink(car, url=url)
         link = open_link(url)
-        if isinstance(link, RealTimeVirtualLink):
+        if type(link) is RealTimeVirtualLink:  # one of `replay:` begins anew each time
             self._cars[url] = link.bus
         return link

@@ -18,6 +18,7 @@
     │   ├── PortDenied                 the user may not open it
     │   ├── PortFailed                 the system gave another reason
     │   ├── LinkLost                   the adapter went away while in use
+    │   │   └── RecordingOver          what `replay:` played has ended
     │   ├── NoEcho                     nothing came back at all (D1)
     │   ├── EchoOnly                   the echo came back, the ECU is silent (D1)
     │   └── NotAKLineAdapter           an ELM327 answered instead of a wire
@@ -37,7 +38,8 @@
     └── NotConfirmed                   a change that nobody approved
 
 Each error carries what was sent, what came back, and when, and its message ends with what to try:
-`str(error)` is that in English, `error.text` in both languages. Each is also the matching builtin.
+`str(error)` is that in English, `error.text` in both languages, `error.text_on_screen` without the
+words of a terminal. Each is also the matching builtin.
 """
 
 from mikas.errors.base import (
@@ -56,6 +58,7 @@ from mikas.errors.connection import (
     PortDenied,
     PortFailed,
     PortNotFound,
+    RecordingOver,
 )
 from mikas.errors.line import (
     DamagedResponse,
@@ -117,6 +120,7 @@ __all__ = [
     "PortFailed",
     "PortNotFound",
     "ReadBackDiffers",
+    "RecordingOver",
     "UnknownParameter",
     "UsageError",
     "ValueDoesNotFit",

@@ -12,11 +12,17 @@ class MikasError(Exception):
     """The root. `request` and `received` are bytes as on the wire, `time` is the link's clock.
 
     `what` says what failed; `advice` gives the likely causes in order and what to try. Both may
-    hold `str.format` fields, filled from the keyword arguments.
+    hold `str.format` fields, filled from the keyword arguments. `advice_on_screen` is the advice in
+    the dashboard, where there is no terminal to run a command in; None: the same words do.
     """
 
     what: ClassVar[Text] = Text("Something failed", "Что-то не получилось")
     advice: ClassVar[Text] = Text("", "")
+    advice_on_screen: ClassVar[Text | None] = None
+
+    def __init_subclass__(cls) -> None:
+        if "advice" in cls.__dict__ and "advice_on_screen" not in cls.__dict__:
+            cls.advice_on_screen = None  # what its base says there is other advice
 
     def __init__(
         self,
@@ -25,6 +31,7 @@ class MikasError(Exception):
         received: bytes | None = None,
         time: float | None = None,
         advice: Text | None = None,
+        on_screen: Text | None = None,
         **fields: object,
     ) -> None:
         self.request = request
@@ -33,6 +40,9 @@ class MikasError(Exception):
         self.fields = fields
         self.reason = self.what.filled(**fields)
         self.to_try = (advice or self.advice).filled(**fields)
+        screen = on_screen or advice or self.advice_on_screen
+        self._first_advice = self.to_try
+        self._on_screen = screen.filled(**fields) if screen else self.to_try
         super().__init__(self.reason.en)
 
     def __str__(self) -> str:
@@ -45,6 +55,19 @@ class MikasError(Exception):
         return Text(
             _paragraph(self.reason.en, self.to_try.en, *self._wire("en")),
             _paragraph(self.reason.ru, self.to_try.ru, *self._wire("ru")),
+        )
+
+    @property
+    def to_try_on_screen(self) -> Text:
+        """What to try, in the dashboard's words, unless a higher layer gave other advice."""
+        return self._on_screen if self.to_try is self._first_advice else self.to_try
+
+    @property
+    def text_on_screen(self) -> Text:
+        """The same paragraph as `text`, for whoever looks at the dashboard."""
+        return Text(
+            _paragraph(self.reason.en, self.to_try_on_screen.en, *self._wire("en")),
+            _paragraph(self.reason.ru, self.to_try_on_screen.ru, *self._wire("ru")),
         )
 
     def _wire(self, language: Language) -> list[str]:

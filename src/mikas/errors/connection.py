@@ -20,6 +20,12 @@ class PortNotFound(NoConnection):
         "Найдены: {found}. Воткнут ли адаптер? Что видит система, показывает `mikas ports`; "
         "без адаптера работает `--port sim:`.",
     )
+    advice_on_screen = Text(
+        "Found: {found}. Plug the adapter in and choose it on the Cable screen; a virtual car "
+        "there works with no adapter at all.",
+        "Найдены: {found}. Воткните адаптер и выберите его на экране «Связь»; виртуальный "
+        "автомобиль там работает и без адаптера.",
+    )
 
 
 class NoPortGiven(PortNotFound):
@@ -27,7 +33,20 @@ class NoPortGiven(PortNotFound):
 
     what = Text(
         "No port was named, and there is not exactly one likely adapter",
-        "Порт не указан, а подходящий адаптер не один",
+        "Порт не указан, а подходящих адаптеров нет или больше одного",
+    )
+    advice = Text(
+        "Found: {found}. Plug the adapter in; if it is in, say which one it is: --port and its "
+        "name. `mikas ports` lists what the system sees; `--port sim:` works with no adapter at "
+        "all.",
+        "Найдены: {found}. Воткните адаптер; если он уже воткнут, укажите его: --port и имя. Что "
+        "видит система, показывает `mikas ports`; без адаптера работает `--port sim:`.",
+    )
+    advice_on_screen = Text(
+        "Found: {found}. Choose the adapter, or a virtual car, on the Cable screen; plug it in "
+        "first if it is not among them.",
+        "Найдены: {found}. Выберите адаптер или виртуальный автомобиль на экране «Связь»; если "
+        "адаптера там нет, сначала воткните его.",
     )
 
 
@@ -36,8 +55,10 @@ class PortBusy(NoConnection):
 
     what = Text("Port {url} is in use by another program", "Порт {url} занят другой программой")
     advice = Text(
-        "Close the other diagnostics program, terminal or ModemManager, then try again.",
-        "Закройте другую программу диагностики, терминал или ModemManager и повторите.",
+        "Likely: another window of mikas or its dashboard, another diagnostics program, a terminal "
+        "or ModemManager. Close it, then try again.",
+        "Скорее всего, это другое окно mikas или его панель, другая программа диагностики, "
+        "терминал или ModemManager. Закройте и повторите.",
     )
 
 
@@ -69,6 +90,25 @@ class LinkLost(NoConnection):
         "Check the USB plug and its cable, then run the command again.",
         "Проверьте разъём USB и кабель, затем повторите команду.",
     )
+    advice_on_screen = Text(
+        "Check the USB plug and its cable; the connection comes back by itself.",
+        "Проверьте разъём USB и кабель; соединение восстановится само.",
+    )
+
+
+class RecordingOver(LinkLost):
+    """What was played through `replay:` has come to its end; there is nothing to wait for."""
+
+    what = Text("The recording {file} is over", "Запись {file} закончилась")
+    advice = Text(
+        "Connect again, and it begins anew; replay:FILE?loop=1 goes round and round, "
+        "replay:FILE?seek=60 begins 60 s from its beginning.",
+        "Соединитесь снова, и она начнётся заново; replay:FILE?loop=1 — по кругу, "
+        "replay:FILE?seek=60 — с 60-й секунды.",
+    )
+    advice_on_screen = Text(
+        "Connect again, and it begins anew.", "Соединитесь снова, и она начнётся заново."
+    )
 
 
 class NoEcho(NoConnection):
@@ -85,6 +125,14 @@ class NoEcho(NoConnection):
         "Скорее всего, по порядку: на адаптере нет 12 В (он питается от разъёма машины); не "
         "подключены K-Line или масса; это другой порт (`mikas ports`). Если адаптер не даёт эха: "
         "выключено зажигание. Затем попробуйте `mikas doctor`.",
+    )
+    advice_on_screen = Text(
+        "Likely, in order: the adapter has no 12 V (it is fed from the car's plug); K-Line or "
+        "ground is not connected; this is another port (the Cable screen lists them). With an "
+        "adapter that keeps the echo to itself: the ignition is off.",
+        "Скорее всего, по порядку: на адаптере нет 12 В (он питается от разъёма машины); не "
+        "подключены K-Line или масса; это другой порт (они перечислены на экране «Связь»). Если "
+        "адаптер не даёт эха: выключено зажигание.",
     )
 
 

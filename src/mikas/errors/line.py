@@ -15,6 +15,10 @@ class LineError(MikasError):
         "Проверьте массу и разъём адаптера, отведите кабель от высоковольтных проводов; "
         "`mikas doctor` проверит линию по шагам.",
     )
+    advice_on_screen = Text(
+        "Check ground and plug of the adapter, keep its cable away from the ignition leads.",
+        "Проверьте массу и разъём адаптера, отведите кабель от высоковольтных проводов.",
+    )
 
 
 class NoResponse(LineError, TimeoutError):
@@ -26,6 +30,12 @@ class NoResponse(LineError, TimeoutError):
         "ignition went off, or the line is bad (`mikas doctor`). `--timeout` makes it wait longer.",
         "Либо блок не знает этой команды (что он знает, показывает `mikas info`), либо выключилось "
         "зажигание, либо плоха линия (`mikas doctor`). Ждать дольше: `--timeout`.",
+    )
+    advice_on_screen = Text(
+        "Either this unit does not know the command (the Passport screen shows what it knows), or "
+        "the ignition went off, or the line is bad (check ground and plug of the adapter).",
+        "Либо блок не знает этой команды (что он знает, показывает экран «Паспорт»), либо "
+        "выключилось зажигание, либо плоха линия (проверьте массу и разъём адаптера).",
     )
 
 
@@ -39,6 +49,12 @@ class EchoDiffers(LineError):
         "Скорее всего, по порядку: на том же проводе говорит другой прибор или блок; плохая масса; "
         "неверная скорость или `--echo`. Отключите остальные приборы, затем `mikas doctor`.",
     )
+    advice_on_screen = Text(
+        "Likely, in order: another tester or unit talks on the same wire; a bad ground; a wrong "
+        "baud rate. Disconnect other devices and try again.",
+        "Скорее всего, по порядку: на том же проводе говорит другой прибор или блок; плохая масса; "
+        "неверная скорость. Отключите остальные приборы и повторите.",
+    )
 
 
 class DamagedResponse(LineError):
@@ -51,7 +67,7 @@ class WrongLength(LineError):
     """A sound frame of a length that does not fit the request (D13)."""
 
     what = Text(
-        "The response has {length} byte(s), this request's has {expected}",
+        "Bytes in the response: {length}; there should be {expected} for this request",
         "В ответе байтов: {length}; на этот запрос должно быть: {expected}",
     )
 

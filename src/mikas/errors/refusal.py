@@ -30,6 +30,10 @@ class NotSupported(EcuRefused):
         "Not every unit has every command; `mikas info` shows what this one has.",
         "Не каждый блок знает все команды; что знает этот, показывает `mikas info`.",
     )
+    advice_on_screen = Text(
+        "Not every unit has every command; the Passport screen shows what this one has.",
+        "Не каждый блок знает все команды; что знает этот, показывает экран «Паспорт».",
+    )
 
 
 class ReadBackDiffers(EcuRefused):

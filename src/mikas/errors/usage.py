@@ -22,24 +22,37 @@ class UnknownParameter(UsageError):
         "`mikas params` lists them all; a raw code is written 0x1A, or 0x3F:2 for two bytes.",
         "Все параметры показывает `mikas params`; код без имени пишется 0x1A, двухбайтовый 0x3F:2.",
     )
+    advice_on_screen = Text(
+        "The names are those of the list of parameters; a raw code is written 0x1A, or 0x3F:2 for "
+        "two bytes.",
+        "Имена — из списка параметров; код без имени пишется 0x1A, двухбайтовый 0x3F:2.",
+    )
 
     def __init__(self, name: str, suggestions: Sequence[str] = ()) -> None:
         self.name = name
         self.suggestions = tuple(suggestions)
         nearest = ", ".join(self.suggestions)
-        advice = Text(
-            f"Did you mean {nearest}? {self.advice.en}",
-            f"Может быть, {nearest}? {self.advice.ru}",
+        if not nearest:
+            super().__init__(name=name)
+            return
+
+        def guessed(advice: Text) -> Text:
+            return Text(
+                f"Did you mean {nearest}? {advice.en}", f"Может быть, {nearest}? {advice.ru}"
+            )
+
+        super().__init__(
+            name=name, advice=guessed(self.advice), on_screen=guessed(self.advice_on_screen)
         )
-        super().__init__(name=name, advice=advice if nearest else None)
 
 
 class AddressOutOfRange(UsageError):
     """The address, or the last one of a range, lies outside the memory space."""
 
     what = Text(
-        "{space} has addresses 0 to {last:#06x}; {address:#x} with {count} byte(s) is outside",
-        "Адреса {space} — от 0 до {last:#06x}; байты с {address:#x} (всего {count}) — вне их",
+        "{space} has addresses 0 to {last:#06x}; the bytes from {address:#x} on ({count} in all) "
+        "are not all inside",
+        "Адреса {space} — от 0 до {last:#06x}; байты с {address:#x} (всего {count}) не все внутри",
     )
     advice = Text(
         "Nothing was sent. Correct the address or the count.",

@@ -18,6 +18,7 @@ from serial import SerialTimeoutException
 from mikas.errors import NoConnection, PortBusy, PortDenied, PortFailed, PortNotFound
 from mikas.language import Text
 from mikas.link.ports import find_ports, listed
+from mikas.link.urls import parse
 
 SYSTEM_ERRORS: tuple[type[Exception], ...] = (OSError, ValueError)
 """What pyserial lets out; `ValueError` is a setting that the system or the far end refused."""
@@ -39,6 +40,18 @@ _WINDOWS_UNPLUGGED = {5, 6, 22, 31, 433, 995, 1167}  # each driver has its favou
 _WIN_ERROR = re.compile(r"\w+Error\(\d+, .*, None, (\d+)\)", re.DOTALL)
 
 
+_CHECK_ADDRESS = Text(
+    "Check the host and the port number, and that what shares the adapter is running there.",
+    "Проверьте имя и порт, и работает ли там то, что раздаёт адаптер.",
+)
+_CHECK_NAME = Text(
+    "`mikas ports` lists those that there are.", "Какие порты есть, показывает `mikas ports`."
+)
+_CHOOSE = Text(
+    "The Cable screen lists those that there are.", "Какие порты есть, показывает экран «Связь»."
+)
+
+
 def opening_failed(url: str, error: Exception) -> NoConnection:
     """The error to raise when opening `url` gave `error`."""
     code, windows = number_of(error), _windows_number(error)
@@ -48,7 +61,13 @@ def opening_failed(url: str, error: Exception) -> NoConnection:
         return PortBusy(url=url)
     if code in _DENIED:
         return PortDenied(url=url)
-    return PortFailed(url=url, problem=_why_not_opened(error, code))
+    advice = on_screen = None
+    if parse(url).scheme in ("socket", "rfc2217"):
+        advice = _CHECK_ADDRESS
+    elif code in _NO_TTY:
+        advice, on_screen = _CHECK_NAME, _CHOOSE
+    problem = _why_not_opened(error, code)
+    return PortFailed(url=url, problem=problem, advice=advice, on_screen=on_screen)
 
 
 def why_lost(error: Exception) -> Text:

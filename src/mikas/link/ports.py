@@ -42,8 +42,15 @@ _COUNTERFEIT = Text(
     "out»): поставьте старый драйвер или возьмите другой кабель",
 )
 _UNKNOWN = Text(
-    "an unknown USB device: is it an adapter? `mikas doctor` measures what it does",
-    "неизвестное устройство USB: адаптер ли это? Что оно умеет, покажет `mikas doctor`",
+    "an unknown USB device: is it an adapter? Examining it (`mikas doctor`) tells what it does",
+    "неизвестное устройство USB: адаптер ли это? Что оно умеет, покажет проверка (`mikas doctor`)",
+)
+
+_SEVERAL = Text(
+    "Found: {found}. Say which one is the adapter, as --port {first}; `mikas ports` tells more of "
+    "each.",
+    "Найдены: {found}. Укажите, который из них адаптер: --port {first}; подробнее о каждом — "
+    "`mikas ports`.",
 )
 
 _FTDI, _CH340, _PROLIFIC = (_LATENCY,), (_LUMPS, _CLONES), (_COUNTERFEIT,)
@@ -143,8 +150,15 @@ def choose_port(lister: Lister = system_ports) -> str:
     """
     ports = find_ports(lister)
     likely = [port.url for port in ports if port.likely]
-    if len(likely) != 1:
+    if not likely:
         raise NoPortGiven(found=listed(ports))
+    if len(likely) > 1:
+        raise NoPortGiven(
+            found=listed(ports),
+            first=likely[0],
+            advice=_SEVERAL,
+            on_screen=NoPortGiven.advice_on_screen,
+        )
     return likely[0]
 
 

@@ -41,7 +41,8 @@ GLANCE = 0.001  # seconds between two looks at it when less than two ticks are l
 LONGEST_WAIT = 1.0  # seconds; then a look whether another thread has closed the link
 MOST_AT_ONCE = 4096  # bytes
 
-_READ_ERRORS = SYSTEM_ERRORS + (TypeError,)  # noqa: RUF005  # pyserial, closed by another thread
+# The last is pyserial's, when another thread has closed it.
+_READ_ERRORS: tuple[type[Exception], ...] = (*SYSTEM_ERRORS, TypeError)
 _CLOSED = Text("it was closed here", "он закрыт этой программой")
 
 

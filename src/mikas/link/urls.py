@@ -139,6 +139,20 @@ def switch_option(url: str, options: dict[str, str], name: str, *, default: bool
     return _SWITCH[text.lower()]
 
 
+def take_clock(url: str, options: dict[str, str]) -> bool:
+    """Take the option `clock` out; returns whether it is `simulated`, not `real`."""
+    clock = options.pop("clock", "real")
+    if clock not in ("real", "simulated"):
+        raise BadPortUrl(
+            url=url,
+            problem=Text(
+                f"clock is real or simulated, not “{clock}”",
+                f"clock — real или simulated, а не «{clock}»",
+            ),
+        )
+    return clock == "simulated"
+
+
 def _options(url: str, query: str) -> dict[str, str]:
     options: dict[str, str] = {}
     for name, value in parse_qsl(query, keep_blank_values=True):

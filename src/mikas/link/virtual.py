@@ -15,6 +15,8 @@ from math import inf
 from mikas.errors import BadPortUrl, LinkLost, UsageError
 from mikas.language import Text
 from mikas.link.base import Chunk, Link, WallClock
+from mikas.link.descriptions import VIRTUAL
+from mikas.link.urls import take_clock
 from mikas.virtual.bus import Bus
 
 
@@ -29,7 +31,7 @@ class _BusLink(Link):
 
     @property
     def description(self) -> str:
-        return "virtual ECU"
+        return VIRTUAL.en
 
     def write(self, data: bytes) -> None:
         self._check()
@@ -131,15 +133,7 @@ def open_sim(url: str, options: dict[str, str]) -> Link:
     from mikas.virtual.build import build_bus  # the engine and the catalog: only for this scheme
 
     settings = dict(options)
-    clock = settings.pop("clock", "real")
-    if clock not in ("real", "simulated"):
-        raise BadPortUrl(
-            url=url,
-            problem=Text(
-                f"clock is real or simulated, not “{clock}”",
-                f"clock — real или simulated, а не «{clock}»",
-            ),
-        )
+    simulated = take_clock(url, settings)
     if place := url.partition("?")[0].partition(":")[2].strip("/"):
         raise BadPortUrl(
             url=url,
@@ -148,7 +142,6 @@ def open_sim(url: str, options: dict[str, str]) -> Link:
                 f"у sim: нет адреса, только настройки; может быть, ?scenario={place}",
             ),
         )
-    simulated = clock == "simulated"
     start = 0.0 if simulated else WallClock().now()
     try:
         bus = build_bus(settings, start=start)

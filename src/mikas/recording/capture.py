@@ -12,6 +12,7 @@ is needed to flush in time.
 
 from __future__ import annotations
 
+import errno
 import os
 import threading
 from contextlib import suppress
@@ -67,23 +68,32 @@ class CaptureWriter:
             raise ValueError("a capture is either overwritten or appended to")
         self.path = Path(path)
         self.removed = 0
+        self.deleted = False
+        """Somebody deleted the file while it was recorded: what was in it is gone."""
         self._interface = pcapng.Interface(name=url, description=description, speed=baud)
         self._interfaces = 0
         self._end = 0  # of the last whole block
         self._checked = 0.0  # when, in the link's time, the file was last seen to exist
+        self._made = False
         self._broken = False  # a half-written block could not be taken back
         self._lock = threading.RLock()
         try:
             self._file = self._open(overwrite=overwrite, append=append)
             self._links = os.fstat(self._file.fileno()).st_nlink
         except OSError as error:
-            raise self._failure(error) from error
+            raise CaptureError(str(self.path), _why_not_begun(error)) from error
         try:
             application = f"mikas {version('mikas')}" if application is None else application
             self._append(pcapng.Section(hardware=hardware, application=application))
             self._describe_interface(tsoffset=0)
-        except BaseException:
+        except BaseException as error:
             self._file.close()
+            if self._made:
+                with suppress(OSError):  # else the same command would find it in its way
+                    self.path.unlink()
+            if isinstance(error.__cause__, OSError):
+                why = _why_not_begun(error.__cause__)
+                raise CaptureError(str(self.path), why) from error.__cause__
             raise
 
     @property
@@ -157,7 +167,9 @@ class CaptureWriter:
             return file
         exists = self.path.exists() and not self.path.is_dir()
         in_place = overwrite or append or (exists and not self.path.is_file())
-        return self.path.open("wb" if in_place else "xb", buffering=0)
+        file = self.path.open("wb" if in_place else "xb", buffering=0)
+        self._made = not exists
+        return file
 
     def _describe_interface(self, tsoffset: int) -> None:
         interface = replace(self._interface, tsoffset=tsoffset)
@@ -195,7 +207,7 @@ class CaptureWriter:
         """Some systems let a file be deleted under a writer, who then writes to nowhere."""
         with suppress(OSError):
             if self._links and not os.fstat(self._file.fileno()).st_nlink:
-                self._broken = True
+                self._broken = self.deleted = True
                 raise CaptureError(str(self.path), _DELETED)
 
     def _failure(self, error: OSError) -> CaptureError:
@@ -209,6 +221,35 @@ def _end_of_last_block(path: Path) -> int:
         return max((item.end for item in scan(file) if isinstance(item, RawBlock)), default=0)
 
 
+def _why_not_begun(error: OSError) -> Text:
+    """Why there is no file to record to, and what to do."""
+    return _NOT_BEGUN.get(error.errno or 0) or reason_of(error)
+
+
+_NO_FOLDER = Text(
+    "its folder does not exist; make it, or choose another",
+    "такой папки нет; создайте её или выберите другую",
+)
+_NO_RIGHT = Text(
+    "the system does not let you write there; choose another folder, your own for one",
+    "система не даёт писать туда; выберите другую папку, например свою домашнюю",
+)
+_NO_ROOM = Text(
+    "there is no room left on that disk; make some, or choose another",
+    "на этом диске нет места; освободите его или выберите другой диск",
+)
+_TOO_LONG = Text("the name is too long; choose a shorter one", "имя длинное; выберите покороче")
+_NOT_BEGUN = {
+    errno.ENOENT: _NO_FOLDER,
+    errno.ENOTDIR: _NO_FOLDER,
+    errno.EACCES: _NO_RIGHT,
+    errno.EPERM: _NO_RIGHT,
+    errno.EROFS: _NO_RIGHT,
+    errno.ENOSPC: _NO_ROOM,
+    errno.EDQUOT: _NO_ROOM,
+    errno.EFBIG: _NO_ROOM,
+    errno.ENAMETOOLONG: _TOO_LONG,
+}
 _DELETED = Text(
     "the file was deleted while being recorded; nothing more is kept",
     "файл удалён во время записи; больше ничего не сохраняется",

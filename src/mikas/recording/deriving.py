@@ -1,9 +1,9 @@
 """Derived channels of a recording: computed row by row, where its parameters came in several rows.
 
 A row is one response. If a unit takes only small requests (D11), or one parameter at a time, the
-inputs of a formula stand in different rows; then each holds for a second, as it does live, and the
-formula has a value in the rows in which one of its inputs is new. A row in which nothing came is a
-gap and stays one.
+inputs of a formula stand in different rows, where live they are one sample; then each holds for a
+second, or for a cycle where that is longer, and the formula has a value in the rows in which one of
+its inputs is new. A row in which nothing came is a gap and stays one.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
     Column: TypeAlias = NDArray[np.float64]
 
-FRESH: Final = 1.0  # s; as long as DerivedChannels takes a reading of an earlier cycle
+FRESH: Final = 1.0  # s that a value holds for those of the responses behind it
+LONGEST: Final = 10.0  # s of a cycle; one request for each code, to a unit that takes half a second
 
 
 class Deriver:
@@ -30,12 +31,13 @@ class Deriver:
 
     def __init__(self, catalog: Catalog, names: Iterable[str]) -> None:
         names = list(names)
-        self._channels = DerivedChannels(catalog, names, fresh=FRESH)
+        self._channels = DerivedChannels(catalog, names)
         self._inputs = {
             channel.name: DerivedChannels(catalog, [channel.name]).requires
             for channel in self._channels.channels
         }
         self._last: dict[str, tuple[float, float]] = {}  # when, and what
+        self._step: dict[str, float] = {}  # s from the value before it
 
     def columns(self, rows: Rows) -> dict[str, Column]:
         """A column for each of the names; `rows` has all that was recorded, corrected."""
@@ -44,8 +46,9 @@ class Deriver:
         something = np.zeros(len(rows.times), np.bool_)
         for column in rows.values.values():
             something |= np.isfinite(column)
+        hold = self._cycle(rows.times, came)
         held = {
-            name: np.where(something, self._held(name, rows.times, column), np.nan)
+            name: np.where(something, self._held(name, rows.times, column, hold), np.nan)
             for name, column in came.items()
         }
         derived = self._channels.columns(Rows(rows.times, {**rows.values, **held}))
@@ -56,8 +59,23 @@ class Deriver:
             derived[name] = np.where(new, column, np.nan)
         return derived
 
-    def _held(self, name: str, times: Column, column: Column) -> Column:
-        """`column` with each value standing until the next, a second at most."""
+    def _cycle(self, times: Column, came: dict[str, Column]) -> Column:
+        """How long a value holds at each row: as long as the most frequent input takes to come
+        again, and a second at least.
+        """
+        cycle = np.full(len(times), np.inf)
+        for name, column in came.items():
+            rows = np.flatnonzero(np.isfinite(column))
+            before = self._last.get(name, (-np.inf, np.nan))[0]
+            before = before if np.isfinite(before) else np.inf  # the first step is none
+            steps = np.diff(np.concatenate(([before], times[rows])))
+            steps = np.concatenate(([self._step.get(name, np.inf)], np.maximum(steps, 0.0)))
+            self._step[name] = float(steps[-1])
+            cycle = np.minimum(cycle, steps[np.cumsum(np.isfinite(column))])
+        return np.clip(np.where(np.isfinite(cycle), cycle, 0.0), FRESH, LONGEST)
+
+    def _held(self, name: str, times: Column, column: Column, hold: Column) -> Column:
+        """`column` with each value standing until the next, as long as it holds."""
         at, value = self._last.get(name, (-np.inf, np.nan))
         all_times = np.concatenate(([at], times))
         values = np.concatenate(([value], column))
@@ -65,4 +83,4 @@ class Deriver:
         latest = np.maximum.accumulate(known)
         self._last[name] = float(all_times[latest[-1]]), float(values[latest[-1]])
         age = times - all_times[latest[1:]]
-        return np.where((age >= 0) & (age <= FRESH), values[latest[1:]], np.nan)
+        return np.where((age >= 0) & (age <= hold), values[latest[1:]], np.nan)

@@ -2,7 +2,8 @@
 
 Follows the lists that 64 sets, because a response to 63 can't be read without. A response that its
 request can't read gets no meaning: better nothing than something wrong. A lone `01` to a 61 with
-one code of one byte may be D10's refusal, until that request was answered otherwise; it says so.
+one code of one byte may be D10's refusal, and so may the first response of a stream of one byte.
+What comes later tells, but is not known here; it says so.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from mikas.language import Language, Text
 
 _BOTH: tuple[Language, Language] = ("en", "ru")
 _DOUBTFUL = Text("a value of 01, or a refusal", "значение 01 или отказ")
+_ASKED = (c.ReadParameters, c.StreamCyclic, c.StreamAtStroke)
 _DATA = (c.ReadParameters, c.ReadList, c.StreamCyclic, c.StreamAtStroke)
 
 
@@ -27,14 +29,16 @@ class Describer:
         self._catalog = catalog
         self._reading = reading
         self._list: tuple[c.Datum, ...] = ()
-        self._known: set[bytes] = set()  # lone requests whose answer is data beyond doubt
+        self._started: bytes | None = None  # the stream that was asked for and has said nothing yet
 
     def __call__(self, request: bytes, response: bytes | None) -> Text | None:
         """What `request` asks, or what `response` answers to it."""
         command = self._command(request)
         if command is None:
             return None
+        started, self._started = self._started, None
         if response is None:
+            self._started = request
             if isinstance(command, c.WriteList):
                 self._list = ()  # until its 00 has come nobody knows which list the unit has
             return self._asked(command)
@@ -44,11 +48,9 @@ class Describer:
             return error.reason
         if isinstance(command, c.WriteList):
             self._list = command.parameters
-        if isinstance(command, c.ReadParameters) and len(request) == 2 and len(response) == 1:
-            if response != ERROR:
-                self._known.add(request)
-            elif request not in self._known:
-                return _DOUBTFUL
+        first = isinstance(command, c.ReadParameters) or started == request
+        if isinstance(command, _ASKED) and first and len(request) == 2 and response == ERROR:
+            return _DOUBTFUL
         return self._said(command, value)
 
     def _asked(self, command: c.Command[Any]) -> Text:
@@ -70,7 +72,11 @@ class Describer:
         except c.MalformedRequest:
             return None
 
-    def _said(self, command: c.Command[Any], value: Any) -> Text | None:  # noqa: ANN401  (as it answers)
+    def _said(
+        self,
+        command: c.Command[Any],
+        value: Any,  # noqa: ANN401  (as the command answers)
+    ) -> Text | None:
         match command:
             case c.Availability():
                 return self._catalog.model(value).text

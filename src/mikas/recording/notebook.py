@@ -51,7 +51,7 @@ def library(name: str) -> Any:  # noqa: ANN401  (a module that may not be instal
         ) from error
 
 
-def pandas_frame(table: Table) -> Any:  # noqa: ANN401
+def pandas_frame(table: Table) -> Any:  # noqa: ANN401  (pandas may not be installed)
     """A `pandas.DataFrame`, its index `time`."""
     pandas = library("pandas")
     columns = {
@@ -65,11 +65,11 @@ def pandas_frame(table: Table) -> Any:  # noqa: ANN401
     return frame
 
 
-def _flags(pandas: Any, values: Column) -> Any:  # noqa: ANN401
+def _flags(pandas: Any, values: Column) -> Any:  # noqa: ANN401  (pandas may not be installed)
     return pandas.arrays.BooleanArray(values == 1, np.isnan(values))
 
 
-def polars_frame(table: Table) -> Any:  # noqa: ANN401
+def polars_frame(table: Table) -> Any:  # noqa: ANN401  (polars may not be installed)
     """A `polars.DataFrame`."""
     polars = library("polars")
     columns = [polars.Series("time", table.times)]
@@ -79,7 +79,7 @@ def polars_frame(table: Table) -> Any:  # noqa: ANN401
     return polars.DataFrame(columns)
 
 
-def arrow_table(table: Table) -> Any:  # noqa: ANN401
+def arrow_table(table: Table) -> Any:  # noqa: ANN401  (pyarrow may not be installed)
     """A `pyarrow.Table`; its schema's metadata has the facts as JSON, under the key `mikas`."""
     arrow = library("pyarrow")
     fields = [arrow.field("time", arrow.float64(), metadata=_about("s", _TIME_TEXT))]

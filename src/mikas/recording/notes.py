@@ -56,6 +56,7 @@ class Kind(StrEnum):
     STATE = "state"
     ALARM = "alarm"
     LEARNT = "learnt"
+    FAULTS = "faults"
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,6 +181,14 @@ def learnt_note(
     if dropped is not None:
         learnt["dropped"] = dropped
     return Note(Kind.LEARNT, time, learnt)
+
+
+def faults_note(time: float, readings: Iterable[tuple[float, Sequence[int], bool]]) -> Note:
+    """What was read of stored faults before this recording began: when, which numbers, and whether
+    they had just been erased. The last reading is the latest.
+    """
+    told = [{"time": at, "codes": list(codes), "erased": erased} for at, codes, erased in readings]
+    return Note(Kind.FAULTS, time, {"readings": told})
 
 
 def _both(text: Text) -> dict[str, str]:

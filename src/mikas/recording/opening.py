@@ -191,14 +191,14 @@ class Recording:
         notebook.library("pandas")
         return notebook.pandas_frame(self._table())
 
-    def to_polars(self) -> Any:  # noqa: ANN401
+    def to_polars(self) -> Any:  # noqa: ANN401  (polars may not be installed)
         """A `polars.DataFrame`; what is missing is null."""
         from mikas.recording import notebook
 
         notebook.library("polars")
         return notebook.polars_frame(self._table())
 
-    def to_arrow(self) -> Any:  # noqa: ANN401
+    def to_arrow(self) -> Any:  # noqa: ANN401  (pyarrow may not be installed)
         """A `pyarrow.Table`; units and texts are in the metadata of its fields."""
         from mikas.recording import notebook
 

@@ -234,8 +234,10 @@ def reason_of(error: OSError) -> Text:
 _EMPTY = Text("the file is empty", "файл пуст")
 _NO_FILE = Text("only a file can be read, not a pipe", "читать можно только файл, но не канал")
 _NOT_PCAPNG = Text(
-    "this is not a capture (pcapng); `mikas log -o FILE.pcapng` or `--capture` make one",
-    "это не запись линии (pcapng); её делают `mikas log -o ФАЙЛ.pcapng` и `--capture`",
+    "this is not a recording of the line (a capture in pcapng); recordings are made on the Live "
+    "screen (key R), by `mikas log -o FILE.pcapng` or by `--capture`",
+    "это не запись линии (pcapng); записи делаются на экране «Приборы» (клавиша R), командой "
+    "`mikas log -o ФАЙЛ.pcapng` или ключом `--capture`",
 )
 _CLASSIC = Text(
     "this is a capture in the old pcap format, which does not say who sent what; "

@@ -38,7 +38,8 @@ _LONGEST_TEXT: Final = 100_000
 class RecordingStatus:
     """How far one recording has come. `since`: on the link's clock, once anything was seen.
 
-    `gaps` counts holes, not the cycles lost in them. With a `failure` nothing more is written.
+    `samples` are those in the file; `gaps` counts holes, not the cycles lost in them. With a
+    `failure` nothing more is written; `lost`: samples that came since, or went with the file.
     """
 
     path: Path
@@ -47,6 +48,7 @@ class RecordingStatus:
     samples: int
     gaps: int
     failure: MikasError | None
+    lost: int = 0
 
 
 @dataclass(slots=True)
@@ -61,6 +63,7 @@ class _Open:
     sink: NotedSink
     since: float | None
     failure: MikasError | None = None
+    kept: int = 0  # samples that were in the file at the failure
 
 
 class Recorder:
@@ -154,10 +157,10 @@ class Recorder:
             it = self._open
             if it is None:
                 return None
-            counted = self._chronicle
-            return RecordingStatus(
-                it.path, it.since, it.writer.size, counted.samples, counted.gaps, it.failure
-            )
+            told, gaps = self._chronicle.samples, self._chronicle.gaps
+            kept = it.kept if it.failure else told
+            size = 0 if it.writer.deleted else it.writer.size
+            return RecordingStatus(it.path, it.since, size, kept, gaps, it.failure, told - kept)
 
     @property
     def failure(self) -> MikasError | None:
@@ -225,7 +228,8 @@ class Recorder:
             path = _next(before.named)
             opened = self._opened(path, before.named, before.url, before.baud)
         except (CaptureError, OSError) as error:
-            before.failure = _as_ours(error, before.named)
+            if before.failure is None:
+                before.failure, before.kept = _as_ours(error, before.named), self._chronicle.samples
             return
         self._begin(opened)
         if self.on_file is not None:
@@ -248,6 +252,8 @@ class Recorder:
     def _fail(self, error: MikasError) -> None:
         assert self._open is not None
         self._open.failure = error
+        # What was told as sampled is written; unless the file itself is gone.
+        self._open.kept = 0 if self._open.writer.deleted else self._chronicle.samples
         with suppress(CaptureError):
             self._open.writer.close()
 

@@ -2,6 +2,7 @@
 
 The unit stands on the usual virtual wire: 9600 baud, an echo if the recorded adapter gave one, line
 faults if asked for. Only the car's time is another one: it can be scaled, and moved while it runs.
+At the end the port says that the recording is over, lest anybody waits for the ignition.
 """
 
 from __future__ import annotations
@@ -17,11 +18,12 @@ from mikas.errors import BadPortUrl, CaptureError, MissingExtra, UsageError
 from mikas.language import Text
 from mikas.link.base import Link
 from mikas.link.tee import CaptureTee
-from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
-from mikas.recording.notes import Kind
+from mikas.link.urls import take_clock
+from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import CaptureReader
 from mikas.recording.replay_car import ReplayCar, ReplayResponder
 from mikas.recording.replay_index import index
+from mikas.recording.replay_link import RealTimeReplayLink, ReplayLink
 from mikas.recording.replay_recorded import Recorded
 from mikas.virtual.assumptions import SWITCH
 from mikas.virtual.build import WIRE_SETTINGS, check_names, wired
@@ -48,20 +50,21 @@ def load(path: str | os.PathLike[str], catalog: Catalog | None = None) -> Record
     Damaged parts are passed over; `problems` counts them.
     """
     reader = CaptureReader(path)
-    recorded = _indexed(reader, catalog or shipped())
+    notes = list(reader.notes())
+    recorded = _indexed(reader, catalog or shipped(), notes)
     if not recorded.frames:
         raise CaptureError(str(Path(path)), _NOTHING)
-    _add_noted_identity(recorded, reader)
+    _add_noted_identity(recorded, notes)
     return recorded
 
 
-def _indexed(reader: CaptureReader, catalog: Catalog) -> Recorded:
+def _indexed(reader: CaptureReader, catalog: Catalog, notes: list[Note]) -> Recorded:
     """By numpy where it is installed: ten hours in seconds, not minutes; else packet by packet."""
     try:
         from mikas.recording.replay_bulk import index_file
     except MissingExtra:
-        return index(reader, catalog)
-    return index_file(reader.path, catalog)
+        return index(reader, catalog, notes)
+    return index_file(reader.path, catalog, notes)
 
 
 def replay_bus(
@@ -129,15 +132,7 @@ def open_replay(url: str, options: dict[str, str]) -> Link:
     that does not exist or makes no sense, `CaptureError` for the file.
     """
     settings = dict(options)
-    clock = settings.pop("clock", "real")
-    if clock not in ("real", "simulated"):
-        raise BadPortUrl(
-            url=url,
-            problem=Text(
-                f"clock is real or simulated, not “{clock}”",
-                f"clock — real или simulated, а не «{clock}»",
-            ),
-        )
+    simulated = take_clock(url, settings)
     place = url.partition("?")[0].partition(":")[2].removeprefix("//")
     if not place:
         problem = Text("it names no file: replay:FILE", "в нём нет файла: replay:ФАЙЛ")
@@ -148,11 +143,12 @@ def open_replay(url: str, options: dict[str, str]) -> Link:
         if type(error) is not UsageError:
             raise
         raise BadPortUrl(url=url, problem=error.reason) from error
-    if clock == "real":
-        return RealTimeVirtualLink(bus, url=url)
+    if not simulated:
+        return RealTimeReplayLink(bus, url=url, file=place)
     car = car_on(bus)
     assert car is not None
-    return VirtualLink(bus, url=url, start=car.recorded.begin + car.position())
+    start = car.recorded.begin + car.position()
+    return ReplayLink(bus, url=url, start=start, file=place)
 
 
 def playing(link: Link) -> ReplayCar | None:
@@ -169,17 +165,20 @@ def car_on(bus: object) -> ReplayCar | None:
     return car if isinstance(car, ReplayCar) else None
 
 
-def _add_noted_identity(recorded: Recorded, reader: CaptureReader) -> None:
+def _add_noted_identity(recorded: Recorded, notes: list[Note]) -> None:
     """What a note tells of the unit, where the wire does not: it may have been asked before."""
-    for note in reader.notes():
+    for note in notes:
         if note.kind != Kind.UNIT:
             continue
         version = note.data.get("version_code")
         if isinstance(version, int) and 0 <= version <= 0xFF and not recorded.version.values:
             recorded.version.add(0.0, version)
         pieces = note.data.get("passports")
+        if not isinstance(pieces, list):  # not what `unit_note` writes
+            recorded.problems += pieces is not None
+            continue
         codes = range(0x51, 0x59)
-        for code, piece, known in zip(codes, pieces or (), recorded.passports, strict=False):
+        for code, piece, known in zip(codes, pieces, recorded.passports, strict=False):
             if isinstance(piece, str) and not known.values:
                 known.add(0.0, piece)
                 recorded.refusals.pop(code, None)

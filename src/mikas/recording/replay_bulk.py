@@ -9,21 +9,25 @@ behind it finds everything as if nothing had been passed over. The result is the
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from mikas.catalog import Catalog
+from mikas.commands.base import ERROR
 from mikas.link.base import BITS_PER_BYTE
 from mikas.link.tee import Direction
-from mikas.recording.bulk.arrays import Floats, joined
+from mikas.recording.bulk.arrays import Floats, Mask, joined
 from mikas.recording.bulk.capture import read
 from mikas.recording.bulk.packets import Packets
 from mikas.recording.bulk.runs import Regular, Run, body_of
+from mikas.recording.notes import Note
 from mikas.recording.reader import CaptureReader, Packet, Problem, Source
-from mikas.recording.replay_index import ROUNDING, Indexer, index
+from mikas.recording.replay_contents import ROUNDING
+from mikas.recording.replay_index import Indexer, index
 from mikas.recording.replay_recorded import Recorded, Series
+from mikas.recording.replay_silences import SHORTEST
 
 _NOT_BEFORE = 64  # packets: so far apart runs are looked for where none was found
 
@@ -32,13 +36,15 @@ class _SeveralPorts(Exception):
     """Their packets' order would be lost."""
 
 
-def index_file(path: str | os.PathLike[str], catalog: Catalog) -> Recorded:
+def index_file(
+    path: str | os.PathLike[str], catalog: Catalog, notes: Sequence[Note] = ()
+) -> Recorded:
     """As `index` of all the file's packets. Raises as `CaptureReader` does."""
-    indexer = Indexer(catalog)
+    indexer = Indexer(catalog, notes)
     try:
         return indexer.run(_fed(Path(path), indexer))
     except _SeveralPorts:
-        return index(CaptureReader(path), catalog)
+        return index(CaptureReader(path), catalog, notes)
 
 
 def _fed(path: Path, indexer: Indexer) -> Iterator[Packet | Problem]:
@@ -72,7 +78,7 @@ def _stretch(packets: Packets, indexer: Indexer) -> Iterator[Packet]:
 
 def _take(run: Run, packets: Packets, indexer: Indexer) -> int:
     """Keeps what the run brings, but for its last exchange; returns how many exchanges that was."""
-    if indexer.placed(float(run.times[0])) < indexer.latest:
+    if indexer.times.placed(float(run.times[0])) < indexer.times.latest:
         return 0
     if run.size == 1:
         series = [indexer.series_of(None)]
@@ -82,25 +88,75 @@ def _take(run: Run, packets: Packets, indexer: Indexer) -> int:
         asked = run.asked
     sizes = np.array([each.size if each is not None else -1 for each in series])
     fits = sizes[asked] == run.body_lengths
+    fits &= run.ends - run.times <= SHORTEST
     count = int(fits.argmin()) if not fits.all() else run.count
     count -= 1  # the last one goes the usual way
     if count < 1:
         return 0
+    times = _times(run, packets.source, indexer)
+    kept = _beyond_doubt(run, count, times, series, indexer)
     places: dict[int, tuple[Series, list[int]]] = {}
     for number, each in enumerate(series):
         if each is not None:
             places.setdefault(id(each), (each, []))[1].append(number)
     for each, numbers in places.values():
-        chosen = np.isin(asked[:count], numbers).nonzero()[0]
+        chosen = (np.isin(asked[:count], numbers) & kept).nonzero()[0]
         bodies = joined(run.bodies, run.body_starts[chosen], run.body_lengths[chosen])
-        each.extend(_times(run, packets.source, indexer)[chosen].tolist(), bodies.tobytes())
-    indexer.passed_over(count, size=run.size)
+        each.extend(times[chosen].tolist(), bodies.tobytes())
+    _note_holes(run, count, packets.source, indexer)
     return count
+
+
+def _beyond_doubt(
+    run: Run, count: int, times: Floats, series: list[Series | None], indexer: Indexer
+) -> Mask:
+    """Which exchanges have data that count (D10); the doubts are told all of them."""
+    kept = np.ones(count, np.bool_)
+    asked = run.asked[:count] if run.size > 1 else np.zeros(count, np.int64)
+    starts = run.body_starts[:count]
+    requests = [body_of(wire) or b"" for wire in run.wires]
+    doubts = indexer.contents.doubts
+    for code in doubts.followed:
+        alone = np.isin(asked, [n for n, it in enumerate(requests) if it == bytes([0x61, code])])
+        one = np.zeros(count, np.bool_)
+        there = np.zeros(count, np.bool_)
+        for number, each in enumerate(series):
+            place = each.last_of(code) if each is not None else None
+            if place is not None:
+                mine = asked == number
+                there |= mine
+                begin, size = place
+                one[mine] = (run.bodies[starts[mine] + begin] == ERROR[0]) & (size == 1)
+        if code not in doubts.of:
+            alone[:] = False  # of two bytes: a refusal is shorter
+        doubtful = (alone & one).nonzero()[0]
+        settling = (there & ~(alone & one)).nonzero()[0]
+        counting = doubts.run(
+            code,
+            times[doubtful].tolist(),
+            settling.searchsorted(doubtful).tolist(),
+            times[settling].tolist(),
+            one[settling].tolist(),
+        )
+        kept[doubtful[~np.array(counting, np.bool_)]] = False
+    return kept
+
+
+def _note_holes(run: Run, count: int, source: Source, indexer: Indexer) -> None:
+    """Between the exchanges; what is within them is short."""
+    shift = indexer.times.placed(0.0)
+    begins = np.concatenate(([indexer.times.latest], run.ends[: count - 1] + shift))
+    ends = run.times[:count] + shift
+    for at in (ends - begins > SHORTEST).nonzero()[0].tolist():
+        begin, end = float(begins[at]), float(ends[at])
+        indexer.silences.passed(source.recording, begin, end, shift)
+    size, until = run.size, float(run.ends[count - 1] + shift)
+    indexer.passed_over(count, size=size, until=until)
 
 
 def _times(run: Run, source: Source, indexer: Indexer) -> Floats:
     """To which moment the data belong: see `replay_index`."""
-    shift = indexer.placed(0.0)
+    shift = indexer.times.placed(0.0)
     if run.size > 1:
         return run.times + shift
     byte_time = BITS_PER_BYTE / (source.baud or 9600)

@@ -1,7 +1,8 @@
 """A recorded car behind the virtual unit: what was last recorded is what it answers.
 
 Between two recorded data the earlier one stands; before the first, the first. Where the recording
-shows that the unit had no supply, and behind its end, the unit is silent. What is in no recording
+shows that the unit had no supply, or has a hole, and behind its end, the unit is silent; where it
+refused a parameter, it does. What is in no recording
 is not made up: a parameter, a passport or a memory space that was never read is not answered, and a
 write is accepted only where the recorded unit accepted one to the same parameter.
 """
@@ -65,7 +66,9 @@ class ReplayCar:
         self._faults: list[int] = []
         self._told: int | None = None  # which recorded list of faults `_faults` was
         self._stroke_at: dict[int, float] = {}
-        edges = {edge for silence in recorded.silences for edge in silence}
+        edges = {
+            edge for quiet in (recorded.silences, recorded.holes) for it in quiet for edge in it
+        }
         self._edges = sorted({*edges, recorded.duration} - {0.0})
 
     # Playing
@@ -143,8 +146,8 @@ class ReplayCar:
         )
 
     def size_of(self, code: int) -> int | None:
-        """Bytes of the datum; None: it was never recorded."""
-        return self.recorded.size_of(code)
+        """Bytes of the datum; None: it was never recorded, or is refused by now."""
+        return self.recorded.size_of(code, self.position())
 
     def raw(self, code: int, now: float) -> bytes:
         """What was recorded last."""
@@ -172,16 +175,19 @@ class ReplayCar:
         return True
 
     def powered(self, now: float) -> bool:
-        """Whether the recorded unit was alive."""
+        """Whether the recorded unit was alive, and heard."""
         if self._waiting:
             self._waiting = False
             byte_time = BITS_PER_BYTE / self.recorded.baud
             self._playing = _Playing(now - byte_time, self._playing.position, self.speed)
         self._now = now
-        unrolled = self._unrolled(now)
-        if not self.loop and unrolled >= self.duration:
+        if self.is_over(now):
             return False
-        return self.recorded.has_supply(self._in_lap(unrolled))
+        return self.recorded.was_heard(self._in_lap(self._unrolled(now)))
+
+    def is_over(self, now: float) -> bool:
+        """Whether the recording has been played to its end, by `now`."""
+        return not self.loop and self._unrolled(now) >= self.duration
 
     def next_change(self, after: float) -> float:
         """When a silence begins or ends next, or the recording ends; infinity while it waits."""
@@ -285,14 +291,19 @@ class ReplayResponder(Responder):
         self._replayed = car
         self._silences_past = 0
 
+    def power_cycle(self) -> None:
+        """It forgets only if it had no supply in between: not where nobody listened."""
+        past = self._replayed.silences_past()
+        if past != self._silences_past:
+            self._silences_past = past
+            super().power_cycle()
+
     def answer(self, body: bytes, now: float) -> Answer:
         """What was recorded, else what this unit would say."""
         car = self._replayed
         car.look(now)
-        if car.silences_past() != self._silences_past:
-            # The unit may have been off and on again while nobody listened, or was sought past it.
-            self._silences_past = car.silences_past()
-            self.power_cycle()
+        # The unit may have been off and on again while nobody asked, or was sought past it.
+        self.power_cycle()
         recorded = car.recorded
         if body and body[0] in recorded.refusals:
             return recorded.refusals[body[0]]

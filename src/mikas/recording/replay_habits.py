@@ -46,6 +46,11 @@ class Habits:
         if delay is not None and len(self._delays) < _MOST_DELAYS:
             self._delays.append(delay)
 
+    @property
+    def answered_codes(self) -> frozenset[int]:
+        """Commands that were answered as they should be, at least once."""
+        return frozenset(self._answered)
+
     def is_known(self, request: bytes) -> bool:
         """Whether one more answer to `request` would tell nothing new."""
         longest = self._answered.get(request[0], -1)

@@ -11,7 +11,7 @@ from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from math import inf
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from mikas import commands as c
 from mikas.virtual.assumptions import Assumptions
@@ -61,6 +61,15 @@ class Series:
         self.times.extend(max(time, latest) for time in times)
         self._bodies += bodies
 
+    def last_of(self, code: int) -> tuple[int, int] | None:
+        """Where the code's last datum begins, and its size; None: there is none."""
+        found, begin = None, 0
+        for datum in self.layout:
+            if datum.code == code:
+                found = begin, datum.size
+            begin += datum.size
+        return found
+
     def datum(self, index: int, begin: int, size: int) -> bytes:
         """The bytes from `begin` of response number `index`."""
         start = index * self.size + begin
@@ -83,7 +92,9 @@ class Recorded:
 
     `places`: by parameter code, where its data are: series, place in the body, size. `silences`:
     when the unit had no supply, in order. `refusals`: what it says to commands that it lacks, or of
-    which nothing was recorded. `others`: answers to commands that §3 does not have.
+    which nothing was recorded. `others`: answers to commands that §3 does not have. `answered`:
+    commands that were, at least once. `holes`: when nobody listened, in order. `refused`: by
+    parameter code, since when the unit has refused it, or no longer.
     """
 
     begin: float = 0.0
@@ -104,18 +115,35 @@ class Recorded:
     others: dict[bytes, Latest[bytes]] = field(default_factory=dict)
     writable: set[int] = field(default_factory=set)
     silences: list[tuple[float, float]] = field(default_factory=list)
+    holes: list[tuple[float, float]] = field(default_factory=list)
+    refused: dict[int, Latest[bool]] = field(default_factory=dict)
     assumptions: Assumptions = field(default_factory=Assumptions)
     refusals: dict[int, bytes | None] = field(default_factory=dict)
+    answered: frozenset[int] = frozenset()
 
     def has_supply(self, time: float) -> bool:
         """Whether the unit was alive at `time`."""
-        index = bisect_right(self.silences, time, key=lambda silence: silence[0]) - 1
-        return index < 0 or time >= self.silences[index][1]
+        return not _within(self.silences, time)
 
-    def size_of(self, code: int) -> int | None:
-        """Bytes of a parameter's datum; None if it was never recorded."""
+    def was_heard(self, time: float) -> bool:
+        """Whether the unit was alive at `time`, and somebody listened."""
+        return not (_within(self.silences, time) or _within(self.holes, time))
+
+    def size_of(self, code: int, time: float | None = None) -> int | None:
+        """Bytes of a parameter's datum; None if it was never recorded, or refused at `time`."""
         places = self.places.get(code)
+        if time is not None and code in self.refused and self.refused[code].at(time):
+            return None
         return places[0][2] if places else None
+
+    def knows(self, command: type[c.Command[Any]]) -> bool | None:
+        """Whether the recorded unit knew a command; None: nobody asked, so there is no telling."""
+        codes = c.ReadProgramPassport.CODES + c.ReadDataPassport.CODES
+        passports = dict(zip(codes, self.passports, strict=True))
+        noted = (code for code, passport in passports.items() if passport.values)
+        if self.answered.union(noted).intersection(command.CODES):
+            return True
+        return False if self.assumptions.missing.intersection(command.CODES) else None
 
     def never_told(self) -> Iterator[int]:
         """Commands that the replayed unit could only answer with something made up."""
@@ -132,3 +160,8 @@ class Recorded:
         for code, passport in zip(codes, self.passports, strict=True):
             if not passport.values:
                 yield code
+
+
+def _within(stretches: list[tuple[float, float]], time: float) -> bool:
+    index = bisect_right(stretches, time, key=lambda stretch: stretch[0]) - 1
+    return index >= 0 and time < stretches[index][1]

@@ -7,7 +7,7 @@ without enough of warm idle, or with too few values, it is shown and not judged.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Final
 
@@ -17,8 +17,10 @@ from mikas.language import Text
 from mikas.report.measuring import Channel, Measured
 from mikas.report.spread import Stats, is_inside
 from mikas.report.subject import Subject
+from mikas.report.told import Gone
 
 _FEWEST: Final = 5  # values at warm idle to judge by
+_LONG_ENOUGH: Final = 600.0  # s after which an erased fault should have come back
 
 
 class Mark(StrEnum):
@@ -62,7 +64,7 @@ class Stored:
 @dataclass(frozen=True, slots=True)
 class Findings:
     """All that the report says. `faults` None: they were not read. `at_idle`: whether the values'
-    numbers are those of warm idle, or of the whole time.
+    numbers are those of warm idle, or of the whole time. `gone`: real faults that were stored.
     """
 
     subject: Subject
@@ -72,6 +74,7 @@ class Findings:
     judged: tuple[Value, ...]
     others: tuple[Value, ...]
     at_idle: bool
+    gone: tuple[Gone, ...] = ()
 
     @property
     def off(self) -> tuple[Value, ...]:
@@ -97,10 +100,12 @@ def find(subject: Subject, measured: Measured) -> Findings:
     judged = tuple(value for value in values.values() if value.mark is not Mark.NONE)
     faults = subject.faults
     stored = None if faults is None else tuple(_stored(fault, values) for fault in faults)
+    gone = tuple(each for each in map(_real, subject.gone) if each.faults)
     return Findings(
         subject=subject,
         measured=measured,
-        outcome=_outcome(faults, judged),
+        outcome=_outcome(faults, judged, is_open=any(is_open(subject, each) for each in gone)),
+        gone=gone,
         faults=stored,
         judged=judged,
         others=tuple(value for value in values.values() if value.mark is Mark.NONE),
@@ -144,9 +149,20 @@ def _stored(fault: Fault, values: Mapping[str, Value]) -> Stored:
     return Stored(fault, tuple(values[name] for name in fault.parameters if name in values))
 
 
-def _outcome(faults: tuple[Fault, ...] | None, judged: tuple[Value, ...]) -> Outcome:
+def is_open(subject: Subject, gone: Gone) -> bool:
+    """Whether it is too early to say that these are cured: they were not looked for again later."""
+    return (subject.faults_read or gone.time) - gone.time < _LONG_ENOUGH
+
+
+def _real(gone: Gone) -> Gone:
+    return replace(gone, faults=tuple(it for it in gone.faults if not it.informational))
+
+
+def _outcome(
+    faults: tuple[Fault, ...] | None, judged: tuple[Value, ...], *, is_open: bool
+) -> Outcome:
     if any(not fault.informational for fault in faults or ()):
         return Outcome.ATTENTION
     if any(value.mark is not Mark.INSIDE for value in judged):
         return Outcome.ATTENTION
-    return Outcome.GOOD if judged and faults is not None else Outcome.OPEN
+    return Outcome.GOOD if judged and faults is not None and not is_open else Outcome.OPEN

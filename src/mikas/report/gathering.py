@@ -8,8 +8,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from datetime import datetime
-from typing import Final
 
 from mikas.catalog import Catalog
 from mikas.recording.about import about_of
@@ -22,11 +20,11 @@ from mikas.recording.reader import CaptureReader, Source
 from mikas.recording.table import Rows
 from mikas.report.findings import Findings, find
 from mikas.report.measuring import Measured, Measuring
-from mikas.report.stored import faults_heard
+from mikas.report.stored import faults_heard, faults_noted
 from mikas.report.subject import How, Pause, Subject, Unit
+from mikas.report.told import gone_of
+from mikas.report.words import date_of
 from mikas.sampling.derived import DerivedChannels
-
-_PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
 
 
 def of_recording(
@@ -48,14 +46,16 @@ def of_recording(
     last = max((source.recording for source in sessions), default=_last_noted(notes))
     mine = [note for note in notes if note.recording == last]
     source, measured = _fullest(sessions, last, catalog)
-    heard = faults_heard(capture.path).get(source)
+    heard = [*faults_noted(mine), *faults_heard(capture.path).get(source, ())]
     recorded, events = unit_of(mine, catalog), events_of(mine, catalog)
     methods = [event.method for event in events if isinstance(event, MethodChosen)]
     words = [event.text for event in events if isinstance(event, NoteTaken)]
     subject = Subject(
         catalog=catalog,
         unit=_unit(recorded, catalog),
-        faults=None if heard is None else tuple(map(catalog.fault, heard.codes)),
+        faults=tuple(map(catalog.fault, heard[-1].codes)) if heard else None,
+        faults_read=heard[-1].time if heard else None,
+        gone=gone_of(heard, catalog),
         how=How(
             file=capture.path.name if name is None else name,
             date=date_of(measured.began),
@@ -75,13 +75,6 @@ def of_recording(
         notes=tuple(filter(None, (about_of(mine), *words))),
     )
     return find(subject, measured)
-
-
-def date_of(time: float | None) -> datetime | None:
-    """The calendar's word for a link's time; None where that clock was a simulated one."""
-    if time is None or time < _PLAINLY_UNIX:
-        return None
-    return datetime.fromtimestamp(time).astimezone()
 
 
 @dataclass(slots=True)

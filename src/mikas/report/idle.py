@@ -6,18 +6,17 @@ else, not a good one from a bad one. An idle at 1150 rpm is found, and then judg
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from mikas.language import Text
+from mikas.sampling.derived import Rows
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from numpy.typing import NDArray
 
     Column = NDArray[np.float64]
@@ -26,18 +25,6 @@ if TYPE_CHECKING:
 SETTLING: Final = 3.0  # s from when all rules hold until values count
 PAUSE: Final = 3.0  # s without a response: what was before is another stretch
 ENOUGH: Final = 10.0  # s of warm idle in all; with less nothing is judged
-
-
-class Rows(Protocol):
-    """Columns over time, parameters in the corrected reading; NaN is missing, flags are 0 and 1."""
-
-    @property
-    def times(self) -> Column:
-        """Seconds, one a row."""
-
-    @property
-    def values(self) -> Mapping[str, Column]:
-        """By the channel's name, as long as `times`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +44,8 @@ class Rule:
 @dataclass(frozen=True, slots=True)
 class Seen:
     """How a rule fared: by which channel (None: none was recorded), between which values, and
-    whether it ever held.
+    whether it ever held. `missing`: seconds for which nothing told; `instead`: by what it was
+    judged where its own channel was not asked.
     """
 
     rule: Rule
@@ -65,6 +53,8 @@ class Seen:
     least: float = nan
     most: float = nan
     held: bool = False
+    missing: float = 0.0
+    instead: Rule | None = None
 
 
 COOLANT: Final = Rule(
@@ -109,8 +99,10 @@ class IdleFinder:
 
     def __init__(self, recorded: Iterable[str]) -> None:
         names = set(recorded)
-        throttle = THROTTLE if "THR" in names or "RXX" not in names else IDLE_FLAG
-        self._watches = [_Watch(rule, names) for rule in (COOLANT, SPEED, throttle)]
+        self._watches = [
+            _Either(_by_channel(names, *rules))
+            for rules in ((COOLANT,), (SPEED,), (THROTTLE, IDLE_FLAG))
+        ]
         self._last = -inf  # the last row's time
         self._since: float | None = None  # since when all rules hold without a pause
         self._stretches: list[tuple[float, float]] = []
@@ -127,10 +119,11 @@ class IdleFinder:
         if not times.size:
             return np.zeros(0, np.bool_)
         holds = np.ones(times.size, np.bool_)
-        for watch in self._watches:
-            holds &= watch.holds(rows)
         steps = np.diff(times, prepend=self._last)
         joined = (steps >= 0) & (steps <= PAUSE)
+        passed = np.where(joined, steps, 0.0)
+        for watch in self._watches:
+            holds &= watch.holds(rows, passed)
         since = self._holding_since(times, holds, joined)
         settled = holds & (times - since >= SETTLING)
         self._keep_stretches(times, settled, joined)
@@ -170,26 +163,61 @@ class IdleFinder:
         return bool(self._stretches) and self._stretches[-1][1] == self._last
 
 
-class _Watch:
-    """One rule over the rows: where it holds, and what was seen."""
+def _by_channel(recorded: set[str], *rules: Rule) -> list[_Watch]:
+    """A watch for each channel that can tell, the best first; one that sees nothing if none can."""
+    watches = [_Watch(rule, name) for rule in rules for name in rule.names if name in recorded]
+    return watches or [_Watch(rules[0], None)]
 
-    def __init__(self, rule: Rule, recorded: set[str]) -> None:
-        self._rule = rule
-        self._name = next((name for name in rule.names if name in recorded), None)
-        self._least, self._most, self._held = inf, -inf, False
+
+class _Either:
+    """One rule by the best channel that was asked at the time: what is asked may change."""
+
+    def __init__(self, watches: Sequence[_Watch]) -> None:
+        self._watches = watches
+        self._held = False
+        self._missing = 0.0
+        self._instead: Rule | None = None
+
+    @property
+    def seen(self) -> Seen:
+        first = self._watches[0].seen
+        return replace(first, held=self._held, missing=self._missing, instead=self._instead)
+
+    def holds(self, rows: Rows, passed: Column) -> Mask:
+        """Where it does; `passed`: seconds since the row before."""
+        fits = np.zeros(rows.times.size, np.bool_)
+        told = fits.copy()
+        for watch in self._watches:
+            fresh, fit = watch.look(rows)
+            if watch.rule is not self._watches[0].rule and (fresh & ~told).any():
+                self._instead = watch.rule
+            fits |= fit & ~told
+            told |= fresh
+        self._held = self._held or bool(fits.any())
+        self._missing += float(passed[~told].sum())
+        return fits
+
+
+class _Watch:
+    """One channel over the rows: where it is known, where it fits, and what was seen."""
+
+    def __init__(self, rule: Rule, name: str | None) -> None:
+        self.rule = rule
+        self._name = name
+        self._least, self._most = inf, -inf
         self._last = (-inf, nan)  # when, and what
 
     @property
     def seen(self) -> Seen:
         if not isfinite(self._least):
-            return Seen(self._rule, self._name)
-        return Seen(self._rule, self._name, self._least, self._most, self._held)
+            return Seen(self.rule, self._name)
+        return Seen(self.rule, self._name, self._least, self._most)
 
-    def holds(self, rows: Rows) -> Mask:
-        """Where the channel's last value is fresh enough and within the rule."""
+    def look(self, rows: Rows) -> tuple[Mask, Mask]:
+        """Where the channel's last value is fresh enough, and there within the rule."""
         column = rows.values.get(self._name) if self._name else None
         if column is None:
-            return np.zeros(rows.times.size, np.bool_)
+            return np.zeros(rows.times.size, np.bool_), np.zeros(rows.times.size, np.bool_)
         came = column[np.isfinite(column)]
         if came.size:
             self._least = min(self._least, float(came.min()))
@@ -200,7 +228,6 @@ class _Watch:
         self._last = float(times[latest[-1]]), float(values[latest[-1]])
         age = rows.times - times[latest[1:]]
         held = values[latest[1:]]
-        fits = (age >= 0) & (age <= self._rule.holds)
-        fits &= (held >= self._rule.low) & (held <= self._rule.high)
-        self._held = self._held or bool(fits.any())
-        return fits
+        fresh = (age >= 0) & (age <= self.rule.holds) & np.isfinite(held)
+        fits = fresh & (held >= self.rule.low) & (held <= self.rule.high)
+        return fresh, fits

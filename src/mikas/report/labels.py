@@ -19,6 +19,16 @@ _LABELS: Final = {
     "faults": Text("Stored faults", "Ошибки в памяти блока"),
     "faults_none": Text("No faults are stored.", "Ошибок нет."),
     "faults_unread": Text("They were not read in this session.", "В этом сеансе их не читали."),
+    "faults_read": Text("Read {when}.", "Прочитаны {when}."),
+    "erased": Text("Erased {when}:", "Стёрты {when}:"),
+    "gone": Text(
+        "Stored before, and no longer {when} (nobody was seen to erase them):",
+        "Были в памяти, а {when} их уже нет (как их стирали, не видно):",
+    ),
+    "drive_again": Text(
+        "Drive as usual, then read the faults again: one that comes back still has its cause.",
+        "Поездите как обычно и прочитайте ошибки снова: если ошибка вернулась, причина осталась.",
+    ),
     "check": Text("Check:", "Проверить:"),
     "no_text": Text("a number that our catalog does not have", "такого номера в каталоге нет"),
     "message": Text("a message, not a fault", "сообщение, не неисправность"),
@@ -42,7 +52,7 @@ _LABELS: Final = {
         "Over the whole time; not judged, since the engine was not seen at warm idle",
         "За всё время; без оценки, так как прогретого холостого хода не было",
     ),
-    "set_share": Text("set {share}", "включён {share} времени"),
+    "set_share": Text("on for {share} of the time", "вкл. {share} времени"),
     "charts": Text("Course", "Ход измерения"),
     "legend": Text(
         "Shaded: the usual band at warm idle. Bar at the bottom: warm idle. Grey field: nothing "

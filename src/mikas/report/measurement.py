@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Final
 
+from mikas.errors import UsageError
 from mikas.language import Language, Text
+from mikas.link.descriptions import described
+from mikas.link.urls import parse
 from mikas.report.findings import Findings
 from mikas.report.labels import Labels
 from mikas.report.subject import Pause
 from mikas.report.verdict import of_idle
 from mikas.report.words import clock, duration, number
+from mikas.virtual.scenario import DEFAULT, SCENARIOS
 
 _METHODS: Final = {
     "single": Text("one request a parameter (61)", "запрос на каждый параметр (61)"),
@@ -34,7 +39,8 @@ def rows(found: Findings, language: Language) -> Iterator[tuple[str, str]]:
     yield label("idle"), of_idle(found).to(language)
     if how.method:
         yield label("method"), _method(how.method).to(language)
-    where = " · ".join(filter(None, (how.adapter, how.port)))
+    adapter = described(how.adapter).to(language)
+    where = " · ".join(filter(None, (adapter, _port(how.port).to(language))))
     if where:
         yield label("adapter"), where
     if how.echo is not None:
@@ -43,6 +49,17 @@ def rows(found: Findings, language: Language) -> Iterator[tuple[str, str]]:
     if how.errors is not None:
         yield label("errors"), str(how.errors)
     yield label("catalog"), found.subject.catalog.version
+
+
+def _port(url: str) -> Text:
+    """As it was opened; a virtual car by what it does."""
+    if not url.startswith("sim:"):
+        return Text(url, url)
+    with suppress(UsageError):
+        scenario = SCENARIOS.get(parse(url).options.get("scenario", DEFAULT))
+        if scenario is not None:
+            return scenario.text
+    return Text("a virtual car", "виртуальный автомобиль")
 
 
 def _method(name: str) -> Text:

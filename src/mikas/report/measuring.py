@@ -14,8 +14,9 @@ import numpy as np
 
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.report.curve import Curve
-from mikas.report.idle import Idle, IdleFinder, Rows
+from mikas.report.idle import Idle, IdleFinder
 from mikas.report.spread import Spread, Stats
+from mikas.sampling.derived import Rows
 
 Channel: TypeAlias = Parameter | Derived
 

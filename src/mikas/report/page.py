@@ -21,9 +21,10 @@ from mikas.report.findings import Findings, Mark, Stored, Value
 from mikas.report.labels import Labels
 from mikas.report.measurement import rows as how_rows
 from mikas.report.plots import chart
+from mikas.report.told import Gone
 from mikas.report.unknowns import unknowns
 from mikas.report.verdict import HEADLINES, MARKS, sentence
-from mikas.report.words import SURE, band, number, percent, with_unit
+from mikas.report.words import SURE, band, date_of, moment, number, percent, with_unit
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -71,6 +72,8 @@ class _Page:
             "verdict": sentence(found).to(language),
             "unit": list(self._unit()),
             "faults": [self._fault(each) for each in found.faults or ()],
+            "faults_read": self._faults_read(),
+            "gone": [self._gone(each) for each in found.subject.gone],
             "values": [self._judged(value) for value in found.judged],
             "others": [self._other(value) for value in found.others],
             "others_title": label("others_idle" if found.at_idle else "others_whole"),
@@ -89,6 +92,24 @@ class _Page:
         for name, pieces in (("program", unit.program), ("data", unit.data)):
             told = " · ".join(piece.strip() for piece in pieces if piece and piece.strip())
             yield label(name), told or label("not_told")
+
+    def _faults_read(self) -> str:
+        found = self._found
+        time = found.subject.faults_read
+        if time is None or date_of(time) is None:  # a simulated clock's would say nothing
+            return ""
+        return self._label("faults_read", when=self._moment(time))
+
+    def _gone(self, gone: Gone) -> dict[str, Any]:
+        title = self._label("erased" if gone.erased else "gone", when=self._moment(gone.time))
+        told = [
+            f"{it.code}: {it.text.to(self._language) if it.known else self._label('no_text')}"
+            for it in gone.faults
+        ]
+        return {"title": title, "faults": told}
+
+    def _moment(self, time: float) -> str:
+        return moment(time, self._found.measured.began).to(self._language)
 
     def _fault(self, stored: Stored) -> dict[str, str | int]:
         fault, language = stored.fault, self._language

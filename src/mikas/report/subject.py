@@ -11,6 +11,7 @@ from datetime import datetime
 
 from mikas.catalog import Catalog, Fault, Model
 from mikas.language import Text
+from mikas.report.told import Gone
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,10 +57,14 @@ class How:
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """All of it. `faults` None: they were not read. `notes`: a person's words, in their order."""
+    """All of it. `faults` None: they were not read; else they were stored at `faults_read`, and
+    `gone` had been before. `notes`: a person's words, in their order.
+    """
 
     catalog: Catalog
     unit: Unit | None = None
     faults: tuple[Fault, ...] | None = None
     how: How = field(default_factory=How)
     notes: tuple[str, ...] = ()
+    faults_read: float | None = None
+    gone: tuple[Gone, ...] = ()

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mikas.catalog import Confidence, Parameter
-from mikas.language import Text
+from mikas.language import Text, counted
 from mikas.report.findings import Findings
 from mikas.report.idle import COOLANT
-from mikas.report.words import counted, within
+from mikas.report.words import within
 
 
 def unknowns(found: Findings) -> tuple[Text, ...]:
@@ -37,7 +37,7 @@ def _of_the_unit(found: Findings) -> Iterator[Text]:
             "Which faults are stored: they were not read in this session.",
             "Какие ошибки в памяти: в этом сеансе их не читали.",
         )
-    elif not found.real_faults:
+    elif not found.real_faults and not found.gone:
         yield Text(
             "Whether there were faults before: the unit is said (by one source) to keep them for "
             "about two hours, and loses them when the battery is taken off.",

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import isfinite
 
 from mikas.catalog import Catalog
-from mikas.language import Language, Text
-from mikas.report.findings import Findings, Mark, Outcome
-from mikas.report.idle import ENOUGH, SETTLING, Seen
-from mikas.report.words import counted, duration, number, within
+from mikas.language import Language, Text, counted
+from mikas.report.findings import Findings, Mark, Outcome, is_open
+from mikas.report.idle import ENOUGH, SETTLING, Idle, Seen
+from mikas.report.told import Gone
+from mikas.report.words import duration, moment, number, within
 
 HEADLINES = {
     Outcome.GOOD: Text("Nothing wrong was found", "Отклонений не найдено"),
@@ -34,10 +36,44 @@ def _of_faults(found: Findings) -> Text:
         return Text("The stored faults were not read", "Память ошибок не прочитана")
     stored = found.real_faults
     if not stored:
-        return Text("No faults are stored", "Ошибок в памяти блока нет")
+        none = Text("No faults are stored", "Ошибок в памяти блока нет")
+        were = [_were(found, gone) for gone in found.gone]
+        if were:
+            none = Text(none.en + " now", "Сейчас ошибок" + none.ru.removeprefix("Ошибок"))
+        return Text(
+            "; ".join((none.en, *(text.en for text in were))),
+            "; ".join((none.ru, *(text.ru for text in were))),
+        )
     told = counted(len(stored), ("fault is", "faults are"), ("ошибка", "ошибки", "ошибок"))
     codes = ", ".join(str(each.fault.code) for each in stored)
     return Text(f"{told.en} stored: {codes}", f"В памяти блока {told.ru}: {codes}")
+
+
+def _were(found: Findings, gone: Gone) -> Text:
+    """`faults 13, 53 were erased at 12:05, and whether they come back is not known yet`."""
+    when = moment(gone.time, found.measured.began)
+    codes = ", ".join(str(fault.code) for fault in gone.faults)
+    only = len(gone.faults) == 1
+    if only:
+        who = Text(f"fault {codes} was", f"ошибка {codes}")
+    else:
+        who = Text(f"faults {codes} were", f"ошибки {codes}")
+    if gone.erased:
+        done = Text("erased", "стёрта" if only else "стёрты")
+    else:
+        done = Text("no longer there", "пропала" if only else "пропали")
+    how = Text(f"{who.en} {done.en} {when.en}", f"{who.ru} {done.ru} {when.ru}")
+    if is_open(found.subject, gone):
+        back = "it comes" if only else "they come"
+        return Text(
+            f"{how.en}, and whether {back} back is not known yet",
+            f"{how.ru}, и появится ли снова, пока не известно"
+            if only
+            else f"{how.ru}, и появятся ли снова, пока не известно",
+        )
+    read = moment(found.subject.faults_read or gone.time, found.measured.began)
+    there = "её" if only else "их"
+    return Text(f"{how.en}, and not back {read.en}", f"{how.ru}, и {read.ru} {there} всё ещё нет")
 
 
 def _of_values(found: Findings) -> Text:
@@ -86,8 +122,33 @@ def of_idle(found: Findings) -> Text:
         f"Прогретым холостым ходом считается: {rules.ru}; значения учитываются, когда всё это "
         f"держится {SETTLING:g} с.",
     )
-    found_so_much = _how_much(found, catalog)
-    return Text(f"{told.en} {found_so_much.en}", f"{told.ru} {found_so_much.ru}")
+    parts = [told, *_instead(idle), _how_much(found, catalog), *_missing(found, catalog)]
+    return Text(" ".join(part.en for part in parts), " ".join(part.ru for part in parts))
+
+
+def _instead(idle: Idle) -> Iterator[Text]:
+    for seen in idle.rules:
+        if seen.instead is not None:
+            yield Text(
+                f"Where that was not asked ({seen.rule.text.en}): {seen.instead.text.en}.",
+                f"Где это не спрашивали ({seen.rule.text.ru}): {seen.instead.text.ru}.",
+            )
+
+
+def _missing(found: Findings, catalog: Catalog) -> Iterator[Text]:
+    """What was asked for a part of the time only, so that the rest could not be told."""
+    whole = duration(found.measured.seconds)
+    for seen in found.measured.idle.rules:
+        if seen.name is not None and seen.missing >= ENOUGH:
+            lacked, what = duration(seen.missing), within(catalog.channel(seen.name).text)
+            yield Text(
+                f"For {lacked.en} of {whole.en} the {what.en} ({seen.name}) was not asked, and "
+                "that time does not count. To measure it again, choose the preset “Idle” on the "
+                "Live screen: it asks all that is needed.",
+                f"{lacked.ru} из {whole.ru} не измерялось: {what.ru} ({seen.name}); это время не "
+                "учтено. Чтобы измерить, выберите на экране «Приборы» набор «Холостой ход»: в нём "
+                "есть всё нужное.",
+            )
 
 
 def _how_much(found: Findings, catalog: Catalog) -> Text:

@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from math import isfinite
+from typing import Final
 
 from mikas.catalog import Confidence, Derived, Parameter
 from mikas.language import Language, Text
 
-_TENS = range(11, 15)
-
-
-def counted(count: int, english: tuple[str, str], russian: tuple[str, str, str]) -> Text:
-    """`1 fault`, `3 faults`; `1 ошибка`, `3 ошибки`, `5 ошибок`."""
-    en = english[0] if count == 1 else english[1]
-    last = count % 10
-    if count % 100 in _TENS or last == 0 or last > 4:
-        ru = russian[2]
-    else:
-        ru = russian[0] if last == 1 else russian[1]
-    return Text(f"{count} {en}", f"{count} {ru}")
+_PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
 
 
 def number(value: float, decimals: int, language: Language) -> str:
@@ -75,6 +66,22 @@ def clock(seconds: float) -> str:
     hours, rest = divmod(round(max(0.0, seconds)), 3600)
     minutes, left = divmod(rest, 60)
     return f"{hours}:{minutes:02}:{left:02}" if hours else f"{minutes}:{left:02}"
+
+
+def date_of(time: float | None) -> datetime | None:
+    """The calendar's word for a link's time; None where that clock was a simulated one."""
+    if time is None or time < _PLAINLY_UNIX:
+        return None
+    return datetime.fromtimestamp(time).astimezone()
+
+
+def moment(time: float, began: float | None) -> Text:
+    """`at 12:05`; of a simulated clock `at 0:45 of the measurement`."""
+    date = date_of(time)
+    if date is not None:
+        return Text(f"at {date:%H:%M}", f"в {date:%H:%M}")
+    since = clock(time - (began or 0.0))
+    return Text(f"at {since} of the measurement", f"на {since} измерения")
 
 
 def duration(seconds: float) -> Text:

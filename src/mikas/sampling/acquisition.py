@@ -8,6 +8,7 @@ One thread runs it; every other method and property is for any thread.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import Future
 from dataclasses import replace
@@ -20,8 +21,8 @@ from mikas.errors import UsageError
 from mikas.language import Text
 from mikas.link import Link
 from mikas.link.plug import Plug
-from mikas.sampling.alarms import Alarms, AlarmState, Value
-from mikas.sampling.derived import DerivedChannels
+from mikas.sampling.alarms import AlarmEvent, Alarms, AlarmState, Value
+from mikas.sampling.derived import DerivedChannels, number_of
 from mikas.sampling.events import Event, Gap, LineState, PlanChanged, Sampled, UnitFound
 from mikas.sampling.plan import Plan, Price
 from mikas.sampling.sampler import Sampler
@@ -58,6 +59,7 @@ class Acquisition:
         self._derived = DerivedChannels(catalog, self._selection.derived)
         self._in_force = self._selection
         self._alarms = Alarms(catalog, limits)
+        self._behind: deque[AlarmEvent] = deque()  # of the sample that was told last
         self._sampler = Sampler(
             plug,
             make_ecu,
@@ -99,15 +101,20 @@ class Acquisition:
         """What is known of each channel that has limits, by name."""
         return self._alarms.current()
 
+    @property
+    def has_more(self) -> bool:
+        """Whether the latest sample has alarms behind it, which come next and ask nothing."""
+        return bool(self._behind)
+
     def run(self) -> Generator[Event, None, None]:
         """Events until `stop`, or until the iterator is closed. Raises as `Sampler.run` does."""
+        self._behind.clear()
         for event in self._sampler.run():
             match event:
                 case Sampled():
                     yield from self._made_of(event)
                     continue
-                case Gap():
-                    self._derived.update({}, event.time)
+                case Gap():  # what adds up goes on, if the next value is not too long after
                     self._alarms.update({}, event.time)
                 case PlanChanged():
                     self._take_over()
@@ -120,9 +127,13 @@ class Acquisition:
 
     def _made_of(self, sampled: Sampled) -> Iterator[Event]:
         derived = self._derived.update(sampled.fresh, sampled.time)
+        # What came in this cycle is fresh, however long the cycle lasts; only the rest has an age.
+        fresh = {name: number_of(reading) for name, reading in sampled.fresh.items()}
+        values: dict[str, Value] = {**sampled.stale, **fresh, **derived}
+        self._behind.extend(self._alarms.update(values, sampled.time))
         yield replace(sampled, derived=derived)
-        values: dict[str, Value] = {**sampled.stale, **sampled.fresh, **derived}
-        yield from self._alarms.update(values, sampled.time)
+        while self._behind:
+            yield self._behind.popleft()
 
     def _take_over(self) -> None:
         if self._in_force is not self._selection:

@@ -166,7 +166,7 @@ class Alarms:
 
     def _number(self, value: Value, time: float) -> float:
         if isinstance(value, Reading | DerivedValue):
-            return number_of(value, time, self._fresh)
+            return number_of(value) if abs(time - value.time) <= self._fresh else nan
         return nan if value is None else float(value)
 
 

@@ -24,6 +24,7 @@ from mikas.errors import (
 )
 from mikas.link import Link
 from mikas.link.plug import Plug
+from mikas.sampling.doubt import Doubt
 from mikas.sampling.events import Event, Gap, LineState, StateChanged, UnitFound
 from mikas.sampling.session import Session
 
@@ -44,6 +45,8 @@ class Approach:
         self.unit: Unit | None = None
         self.ecu: Ecu | None = None
         """That of the open link; None until a unit has been met on it."""
+        self.doubt = Doubt(self._compare)
+        """Whether it is still `unit`."""
         self._plug = plug
         self._make_ecu = make_ecu
         self._session = session
@@ -70,19 +73,21 @@ class Approach:
         unit = yield from self._until(ecu, again=False)
         if unit is None:
             return None
-        another = self.unit is not None and unit != self.unit
+        another = self.unit is not None and not same(unit, self.unit)
         self.unit, self.ecu = unit, ecu
         yield UnitFound(link.now(), *unit, another)
         return ecu
 
-    def meet_again(self, ecu: Ecu, error: NoConnection) -> Generator[Event, None, bool]:
+    def meet_again(self, ecu: Ecu, error: NoConnection | OutOfStep) -> Generator[Event, None, bool]:
         """After `error`, until a unit answers. False: it is not that of `ecu`, or nobody wants it
         any more.
         """
         yield from self._not_there(ecu, error)
-        unit = yield from self._until(ecu, again=True)
-        if unit is None or unit != self.unit:
+        # A unit that can't be brought in step may be one of another version.
+        unit = yield from self._until(ecu, again=not isinstance(error, OutOfStep))
+        if unit is None or self.unit is None or not same(unit, self.unit):
             return False
+        self.unit = unit
         yield UnitFound(ecu.tester.link.now(), *unit, another=False)
         return True
 
@@ -110,6 +115,7 @@ class Approach:
                 again = False
                 yield from self._not_there(ecu, error)
             else:
+                self.doubt.clear(ecu)
                 yield from self.now_in(LineState.ECU_ALIVE, ecu.tester.link.now())
                 return unit
         return None
@@ -117,11 +123,23 @@ class Approach:
     def _who(self, ecu: Ecu) -> Unit:
         """Who answers. Another one than before has to say so twice: a piece may have been lost."""
         unit = ecu.version_code, ecu.passport(again=True)
-        if self.unit is not None and unit != self.unit:
+        if self.unit is None:
+            return unit
+        if not same(unit, self.unit):
             once, unit = unit, (ecu.version_code, ecu.passport(again=True))
-            if once != unit:
+            if not same(once, unit):
                 raise OutOfStep(time=ecu.tester.link.now())
-        return unit
+            return unit
+        return unit[0], unit[1].filled_from(self.unit[1])
+
+    def _compare(self, ecu: Ecu) -> None:
+        """Raises `OutOfStep` if it is not `unit` that answers, or not certain, `NoConnection`."""
+        try:
+            unit = self._who(ecu)
+        except LineError as error:
+            raise OutOfStep(time=ecu.tester.link.now()) from error
+        if self.unit is None or not same(unit, self.unit):
+            raise OutOfStep(time=ecu.tester.link.now())
 
     def _not_there(self, ecu: Ecu, error: NoConnection | LineError) -> Iterator[Event]:
         state = LineState.ECHO_ONLY  # something talks, but it is no use yet
@@ -140,3 +158,8 @@ class Approach:
         if self._session.begun:  # at each attempt, about once a second: those who wait see time go
             yield Gap(time, error)
         yield from self.now_in(state, time, error)
+
+
+def same(one: Unit, other: Unit) -> bool:
+    """Whether both are one unit, as far as is known of each."""
+    return one[0] == other[0] and one[1].may_be(other[1])

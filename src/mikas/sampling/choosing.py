@@ -10,9 +10,9 @@ What comes while measuring are samples like any others.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import count
 from math import log2
 from statistics import median
 
@@ -20,8 +20,9 @@ from mikas.client import Ecu, Reading
 from mikas.client.limits import Pace
 from mikas.client.methods import STREAMS, FixedMethod
 from mikas.commands import Availability
-from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
+from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, OutOfStep
 from mikas.sampling.cycles import cycles_of
+from mikas.sampling.doubt import Doubt
 from mikas.sampling.plan import Plan
 
 CANDIDATES: tuple[FixedMethod, ...] = ("stream", "list", "batch")
@@ -30,7 +31,7 @@ LAST: FixedMethod = "single"
 """What is left where none of them works."""
 
 _SECONDS = 1.0
-_CYCLES = 6  # at least; the first one sets lists and learns limits, and is not counted
+_CYCLES = 6  # at least; one that sets lists, learns limits or begins a stream is not counted
 _PATIENCE = 3  # line errors in a row
 _ACCIDENT = 8  # times as long as the usual cycle
 _AMPLE = 1.05  # of a rate that is enough
@@ -65,23 +66,37 @@ def kind_of_adapter(ecu: Ecu) -> str:
     return f"{link.description}, {ms} ms"
 
 
-def measure(ecu: Ecu, plan: Plan) -> Found:
+def measure(
+    ecu: Ecu,
+    plan: Plan,
+    doubt: Doubt | None = None,
+    aside: Callable[[Callable[[], None]], bool] = lambda _: False,
+) -> Found:
     """Runs `plan` for a second: gives what came, and what went wrong; returns how fast it was.
 
-    Raises a `NoConnection` if the unit goes away meanwhile.
+    `aside` may ask for something else between two cycles, after it has called what it is given;
+    returns whether it did. Raises a `NoConnection` if the unit goes away meanwhile, `OutOfStep` if
+    another one comes.
     """
-    cycles = cycles_of(ecu, plan)
+    cycles = cycles_of(ecu, plan, doubt)
     clock = ecu.tester.link.now
-    ends: list[float] = []  # of the cycles
+    turns = filter(plan.asks, count())  # an empty cycle says nothing of the method
+    turn = next(turns)
+    spans: list[float] = []  # of the cycles
+    before: float | None = None  # when the latest ended, if nothing else was asked since
+    free = False  # for other things: not before each cycle, or nothing would ever be measured
     failures = 0
     broken = False
     try:
-        while len(ends) <= _CYCLES or clock() - ends[0] < _SECONDS:
+        while len(spans) < _CYCLES or sum(spans) < _SECONDS:
             try:
-                fresh = cycles.run(len(ends))
-            except NoConnection:
+                if free and aside(cycles.pause):
+                    before, free = None, False
+                fresh = cycles.run(turn)
+            except (NoConnection, OutOfStep):
                 raise
             except LineError as error:
+                free = True
                 failures += 1
                 if failures == _PATIENCE:
                     return Measured(plan.method, 0.0, refused=cycles.let_down(error))
@@ -91,8 +106,11 @@ def measure(ecu: Ecu, plan: Plan) -> Found:
                 yield error
                 return Measured(plan.method, 0.0, refused=isinstance(error, EcuRefused))
             if fresh or plan.method not in STREAMS:
-                failures = 0
-                ends.append(clock())
+                failures, now = 0, clock()
+                if before is not None:
+                    spans.append(now - before)
+                    free = True
+                before, turn = now, next(turns)
             yield fresh
     finally:
         try:
@@ -101,7 +119,6 @@ def measure(ecu: Ecu, plan: Plan) -> Found:
             broken = True  # it can't be ended as it should: it is not to be begun again
     if broken:
         return Measured(plan.method, 0.0)
-    spans = [end - before for before, end in pairwise(ends)]
     if max(spans) > _ACCIDENT * median(spans):
         spans.remove(max(spans))  # one repeated request says nothing of the method
     return Measured(plan.method, len(spans) / sum(spans))
@@ -152,6 +169,6 @@ def to_measure(
 
 
 def _cost(plan: Plan, baud: int) -> tuple[float, float]:
-    """Seconds on the wire, and responses, a cycle."""
+    """Seconds on the wire, and responses, of a cycle that asks for anything."""
     price = plan.price(baud=baud, turn_round=0.0)
-    return price.seconds, 1.0 if plan.method in STREAMS else price.requests
+    return price.seconds, 1.0 if plan.method in STREAMS else price.requests / plan.busy

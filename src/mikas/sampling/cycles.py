@@ -14,17 +14,19 @@ from mikas.client.methods import STREAMS, stroke_of
 from mikas.client.streaming import ReadingStream
 from mikas.commands import Datum
 from mikas.errors import EcuRefused, MikasError, NoResponse, WrongLength
+from mikas.sampling.doubt import Doubt
 from mikas.sampling.plan import Plan
 
 _SLICE = 0.1  # s that a silent stream is waited for before others get a look in
 
 
 class Cycles(ABC):
-    """Runs `plan` on `ecu`."""
+    """Runs `plan` on `ecu`. `doubt`: whether that is still the unit it was."""
 
-    def __init__(self, ecu: Ecu, plan: Plan) -> None:
+    def __init__(self, ecu: Ecu, plan: Plan, doubt: Doubt | None = None) -> None:
         self.ecu = ecu
         self.plan = plan
+        self.doubt = doubt
         self._parameters: dict[Datum, list[Parameter]] = {}
         for wanted in plan.wanted:
             parameter = wanted.parameter
@@ -39,13 +41,20 @@ class Cycles(ABC):
         """How many readings cycle `number` should bring, if everything is answered."""
         return len(self._named(self.plan.due(number)))
 
-    @abstractmethod
     def run(self, number: int) -> dict[str, Reading]:
         """What cycle `number` (from 0) brought, by name. May be empty if nothing had its turn.
 
         Raises a `LineError`, a `NoConnection`, or an `EcuRefused` if the unit does not take the
-        method.
+        method; `OutOfStep` also if it is, or may be, another unit that answers.
         """
+        fresh = self._run(number)
+        if fresh and self.doubt:
+            self.doubt.settle(self.ecu, self.pause)
+        return fresh
+
+    @abstractmethod
+    def _run(self, number: int) -> dict[str, Reading]:
+        """As `run`, whoever it was that answered."""
 
     def let_down(self, error: MikasError) -> bool:
         """Whether `error` of `run` may be the unit's answer to this method or to a parameter."""
@@ -58,7 +67,7 @@ class Cycles(ABC):
 class Asked(Cycles):
     """61, once for each parameter or for many."""
 
-    def run(self, number: int) -> dict[str, Reading]:
+    def _run(self, number: int) -> dict[str, Reading]:
         readings: dict[str, Reading] = {}
         method = "single" if self.plan.method == "single" else "batch"
         for request in self.plan.requests(number):
@@ -71,15 +80,15 @@ class Asked(Cycles):
 class Listed(Asked):
     """64 once, then 63; what is wanted less often than that is asked by 61 in between."""
 
-    def __init__(self, ecu: Ecu, plan: Plan) -> None:
-        super().__init__(ecu, plan)
+    def __init__(self, ecu: Ecu, plan: Plan, doubt: Doubt | None = None) -> None:
+        super().__init__(ecu, plan, doubt)
         ecu.parameters.forget_list()  # the unit may have lost its supply since it was set
 
     def expected(self, number: int) -> int:
         return len(self._named(self.plan.fast)) if self.plan.reads_list(number) else 0
 
-    def run(self, number: int) -> dict[str, Reading]:
-        readings = super().run(number)
+    def _run(self, number: int) -> dict[str, Reading]:
+        readings = super()._run(number)
         if self.plan.reads_list(number):
             readings |= self.ecu.parameters.through_list(tuple(self._named(self.plan.fast)))
         return readings
@@ -88,8 +97,8 @@ class Listed(Asked):
 class Streamed(Cycles):
     """71, or 7F … 83: the unit sends by itself. A cycle may be empty while it is silent."""
 
-    def __init__(self, ecu: Ecu, plan: Plan) -> None:
-        super().__init__(ecu, plan)
+    def __init__(self, ecu: Ecu, plan: Plan, doubt: Doubt | None = None) -> None:
+        super().__init__(ecu, plan, doubt)
         self._stream = ReadingStream(
             ecu.tester, ecu.parameters, self._named(plan.fast), stroke_of(plan.method)
         )
@@ -97,8 +106,13 @@ class Streamed(Cycles):
     def expected(self, number: int) -> int:  # noqa: ARG002  (a response has all or is damaged)
         return 0
 
-    def run(self, number: int) -> dict[str, Reading]:  # noqa: ARG002  (every cycle is alike)
-        came = self._stream.next(_SLICE)
+    def _run(self, number: int) -> dict[str, Reading]:  # noqa: ARG002  (every cycle is alike)
+        try:
+            came = self._stream.next(_SLICE)
+        except NoResponse:
+            if self.doubt:
+                self.doubt.cast()
+            raise
         return {} if came is None else came[1]
 
     def let_down(self, error: MikasError) -> bool:
@@ -108,8 +122,8 @@ class Streamed(Cycles):
         self._stream.close()
 
 
-def cycles_of(ecu: Ecu, plan: Plan) -> Cycles:
+def cycles_of(ecu: Ecu, plan: Plan, doubt: Doubt | None = None) -> Cycles:
     """The runner that `plan`'s method needs."""
     if plan.method in STREAMS:
-        return Streamed(ecu, plan)
-    return Listed(ecu, plan) if plan.method == "list" else Asked(ecu, plan)
+        return Streamed(ecu, plan, doubt)
+    return Listed(ecu, plan, doubt) if plan.method == "list" else Asked(ecu, plan, doubt)

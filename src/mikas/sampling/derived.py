@@ -4,12 +4,13 @@
     rows ──────► DerivedChannels.columns ─► arrays            the same numbers, bit for bit
 
 What an input does not give, nothing is made of: a derived channel has no value where one of its
-inputs is missing or stale, or where its formula has none (a division by zero).
+inputs did not come in the same sample, or where its formula has none (a division by zero).
 
 A channel that accumulates adds up its formula, which is per second, from each of its values to the
 next, along a straight line. A gap adds nothing and is counted. A gap is a sample that brought
 nothing at all, a pause longer than `longest`, or a clock that went back. A sample that brought
-other parameters only (this one is asked less often) is none.
+other parameters only, or a spoilt response, is none, nor is a pause like both before it: where
+values are wanted seldom, that is how they come.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Column: TypeAlias = NDArray[np.float64]
+
+_ALIKE = 2.5  # times the shorter of the two steps before: still as they were
 
 
 class Rows(Protocol):
@@ -84,17 +87,13 @@ class Accumulated:
 class DerivedChannels:
     """The derived channels `names`, and those that they are made of.
 
-    A reading whose time is more than `fresh` seconds from its sample's is stale. Values further
-    apart than `longest` seconds are no neighbours. UnknownParameter, UsageError: a name is not that
-    of a derived channel.
+    Values further apart than `longest` seconds are no neighbours, unless they usually are.
+    UnknownParameter, UsageError: a name is not that of a derived channel.
     """
 
-    def __init__(
-        self, catalog: Catalog, names: Iterable[str], *, fresh: float = 1.0, longest: float = 2.0
-    ) -> None:
+    def __init__(self, catalog: Catalog, names: Iterable[str], *, longest: float = 2.0) -> None:
         named = (_derived(catalog, name) for name in names)
         self.channels = tuple({channel.name: channel for channel in named}.values())
-        self._fresh = fresh
         steps = in_order(catalog.derived, [channel.name for channel in self.channels])
         self._steps = [(channel, channel.calculation()) for channel in steps]
         self._integrals = {each.name: _Integral(longest) for each in steps if each.accumulates}
@@ -112,23 +111,16 @@ class DerivedChannels:
             self._integrals[name] = before._integrals[name]
 
     def update(self, readings: Mapping[str, Reading], time: float) -> dict[str, DerivedValue]:
-        """The channels that have a value in this sample.
-
-        `readings`: the sample's, by name; those of a cycle before count as long as they are fresh.
-        """
-        there: dict[str, Reading | DerivedValue] = {
-            name: reading
-            for name, reading in readings.items()
-            if isfinite(number_of(reading, time, self._fresh))
-        }
+        """The channels that have a value in a sample of `readings`, however long that took."""
+        there: dict[str, Reading | DerivedValue] = {**readings}
         if not there:
             for integral in self._integrals.values():
                 integral.interrupt()
         for channel, calculation in self._steps:
-            if made := self._made(channel, calculation, there, time):
-                there[channel.name] = made
-        made_now = (there.get(channel.name) for channel in self.channels)
-        return {each.name: each for each in made_now if isinstance(each, DerivedValue)}
+            if value := self._made(channel, calculation, there, time):
+                there[channel.name] = value
+        made = (there.get(channel.name) for channel in self.channels)
+        return {each.name: each for each in made if isinstance(each, DerivedValue)}
 
     def _made(
         self,
@@ -140,7 +132,7 @@ class DerivedChannels:
         inputs = {name: there[name] for name in channel.inputs if name in there}
         if len(inputs) < len(channel.inputs):
             return None
-        numbers = {name: number_of(each, time, self._fresh) for name, each in inputs.items()}
+        numbers = {name: number_of(each) for name, each in inputs.items()}
         value, so_far = calculation.number(numbers), Accumulated()
         if isfinite(value) and (integral := self._integrals.get(channel.name)):
             value, so_far = integral.add(time, value), integral.state
@@ -176,11 +168,12 @@ class _Integral:
         self.state = Accumulated()
         self._longest = longest
         self._last: tuple[float, float] | None = None  # time and rate, unless a gap followed
+        self._steps = 0.0, 0.0  # s between the values before, the last one behind; 0: not known
 
     def interrupt(self) -> None:
         """A sample that brought nothing."""
         if self._last is not None:
-            self._last = None
+            self._last, self._steps = None, (0.0, 0.0)
             self.state = replace(self.state, gaps=self.state.gaps + 1)
 
     def add(self, time: float, rate: float) -> float:
@@ -188,10 +181,12 @@ class _Integral:
         total, gaps = self.state.total, self.state.gaps
         if self._last is not None:
             before, rate_before = self._last
-            if 0 <= time - before <= self._longest:
-                total = _finite(total + (rate_before * 0.5 + rate * 0.5) * (time - before))
+            step = time - before
+            if 0 <= step <= max(self._longest, _ALIKE * min(self._steps)):
+                total = _finite(total + (rate_before * 0.5 + rate * 0.5) * step)
             else:
                 gaps += 1
+            self._steps = self._steps[1], step
         since = time if self.state.since is None else self.state.since
         self.state = Accumulated(total, since, gaps)
         self._last = time, rate
@@ -213,7 +208,12 @@ class _Integral:
         if len(at):
             with np.errstate(all="ignore"):
                 steps = np.diff(at)
-                joined = (steps >= 0) & (steps <= self._longest) & (np.diff(gap) == 0)
+                whole = np.diff(gap) == 0
+                known = np.concatenate([self._steps, np.where(whole, steps, 0.0)])
+                usual = np.minimum(known[:-2], known[1:-1])
+                longest = np.maximum(self._longest, _ALIKE * usual)
+                joined = (steps >= 0) & (steps <= longest) & whole
+                self._steps = float(known[-2]), float(known[-1])
                 added = np.where(joined, (rate[:-1] * 0.5 + rate[1:] * 0.5) * steps, 0.0)
                 running = np.add.accumulate(np.insert(added, 0, self.state.total))
             totals[rows] = running[len(running) - len(rows) :]
@@ -230,10 +230,8 @@ def _finite(number: float) -> float:
     return number if isfinite(number) else nan
 
 
-def number_of(value: Reading | DerivedValue | None, time: float, fresh: float) -> float:
-    """The number that formulas and limits mean: in the corrected reading; NaN: missing or stale."""
-    if value is None or not abs(time - value.time) <= fresh:
-        return nan
+def number_of(value: Reading | DerivedValue) -> float:
+    """The number that formulas and limits mean: in the corrected reading."""
     if isinstance(value, Reading) and value.reading != "corrected":
         return float(value.parameter.decode(value.raw))
     return float(value.value)

@@ -8,9 +8,10 @@ after the second time not used any more.
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
 from mikas.client import Ecu
-from mikas.client.limits import Pace
+from mikas.client.limits import STARTING_LIST, Pace
 from mikas.client.methods import FixedMethod
 from mikas.errors import LineError
 from mikas.sampling.choosing import (
@@ -37,6 +38,8 @@ class Learning:
     def __init__(self) -> None:
         self.method: FixedMethod | None = None
         """The choice that was told last."""
+        self.max_list = STARTING_LIST
+        """The longest list that the unit is asked for by 61, as far as is known (D11)."""
         self._paces: dict[str, dict[str, Pace]] = {}
         self._kind = ""
         self._ecu: Ecu | None = None
@@ -98,6 +101,7 @@ class Learning:
         `method` None: the best of those that are known, or batch.
         """
         known = self._paces.get(self._kind, {})
+        plan = replace(plan, max_list=self.max_list)
         if method is None:
             method = best(rates_of(plan, known, _BAUD)) or "batch"
         pace = known.get(method)

@@ -3,7 +3,8 @@
 A plan is pure: it sends nothing. Parameters that share a byte are asked once (RXX, BITPOW and RDET
 are one); a parameter wanted every tenth cycle is asked every tenth, and several such are spread
 over the ten, so that no cycle is much longer than another; but what a derived channel is made of
-has to come in one.
+has to come in one. A cycle in which nothing has its turn is as long as one in which something has:
+every tenth is every tenth, also where all that is wanted is slow.
 
 Prices are §5's: bytes at the wire's pace plus the unit's turn-round for each request. Data are
 taken for random, so two in 256 bytes are stuffed; a request's stuffing is known and counted
@@ -53,7 +54,7 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class Price:
-    """What a cycle costs on average: bytes on the wire, requests, and seconds of its time."""
+    """What a cycle costs on average: bytes on the wire, requests, and seconds that it lasts."""
 
     bytes: float
     requests: float
@@ -136,6 +137,16 @@ class Plan:
         size = 1 if self.method == "single" else self.max_list
         return [due[at : at + size] for at in range(0, len(due), size)]
 
+    def asks(self, cycle: int) -> bool:
+        """Whether anything has its turn in this cycle; where nothing has, the wire is idle."""
+        return self.method in STREAMS or self.reads_list(cycle) or bool(self.requests(cycle))
+
+    @cached_property
+    def busy(self) -> float:
+        """Which part of its cycles ask for anything."""
+        cycles = self._period()
+        return sum(map(self.asks, range(cycles))) / cycles
+
     def reads_list(self, cycle: int) -> bool:
         """Whether 63 is sent in this cycle."""
         return self.method == "list" and cycle % min(self.every.values()) == 0
@@ -144,6 +155,7 @@ class Plan:
         """The average over as many cycles as it takes for every code to have had its turn.
 
         `turn_round`: seconds from a request to its response; `pause`: between those of a stream.
+        A cycle lasts as long as one that asks for something.
         """
         cycles = self._period()
         size = count = 0.0
@@ -159,7 +171,7 @@ class Plan:
                 size += _response(self.fast)  # no request, and so no turn-round (§5)
         size, count = size / cycles, count / cycles
         waited = pause if self.method in STREAMS else count * turn_round
-        return Price(size, count, size * 10 / baud + waited)
+        return Price(size, count, (size * 10 / baud + waited) / self.busy)
 
     def _period(self) -> int:
         """Cycles that are enough to average over: all of a small common multiple, else a long

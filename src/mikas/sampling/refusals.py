@@ -7,26 +7,37 @@ of one bad channel is no log.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Collection, Generator, Iterator
+from enum import Enum
 
 from mikas.client import Ecu
+from mikas.client.asking import COMMON
 from mikas.client.data import refused
 from mikas.commands import Datum, ReadParameters
-from mikas.errors import LineError, MikasError, NoResponse, NotSupported, WrongLength
+from mikas.errors import (
+    LineError,
+    MikasError,
+    NoResponse,
+    NotSupported,
+    OutOfStep,
+    WrongLength,
+)
+from mikas.sampling.doubt import Doubt
 from mikas.sampling.events import Dropped, Event, Gap
 from mikas.sampling.plan import Plan
 from mikas.sampling.session import Session, Wish, datum_of
 
-_RPM = Datum(0x29, 1)  # FREQ: what a unit that knows 61 at all has
-_HOPELESS = 3  # refusals before the first answer: it is not the parameters
+_HOPELESS = 6  # refusals before the first answer: it is not the parameters
 _ATTEMPTS = 3
+_ASKED_AGAIN = 2  # times, before silence is taken for a refusal
 
 
 class Refusals:
     """Makes plans without what the unit refuses."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, doubt: Doubt) -> None:
         self._session = session
+        self._doubt = doubt
         self._asked_again: Wish | None = None
 
     def accepted(self, ecu: Ecu, wish: Wish) -> Generator[Event, None, Plan | None]:
@@ -59,27 +70,65 @@ class Refusals:
         named = [wanted.parameter for wanted in plan.wanted]
         ecu.parameters.fetch(named, again=wish.again and wish is not self._asked_again)
         self._asked_again = wish
+        self._session.learning.max_list = ecu.limits().max_list
         lost = {datum_of(p) for p in named if ecu.parameters.refuses([p])}
         yield from self._drop(ecu, plan, lost)
 
     def _left(self, wish: Wish) -> Plan | None:
         left = tuple(w for w in wish.wanted if datum_of(w.parameter) not in self._session.refused)
-        return Plan(left) if left else None
+        return Plan(left, max_list=self._session.learning.max_list) if left else None
 
     def _nothing(self, ecu: Ecu, error: MikasError) -> Generator[Event, None, None]:
         if not self._session.begun:
             raise error
         yield Gap(ecu.tester.link.now(), error)
 
-    def weed(self, ecu: Ecu, plan: Plan) -> Generator[Event, None, bool]:
-        """Drops what the unit refuses now; whether that is anything."""
+    def weed(self, ecu: Ecu, plan: Plan, *, going: bool = False) -> Generator[Event, None, bool]:
+        """Drops what the unit refuses now; whether that is anything.
+
+        A silent one takes a second each time that it is asked. `going`: then the others have a
+        cycle, lest they wait for it too.
+        """
+        asked = tuple(plan.every)
+        answered: list[Datum] = []
+        left: dict[Datum, int] = {}  # those that did not answer; how often they are asked again
+        to_ask = list(dict.fromkeys((*COMMON, *asked)))
         try:
-            lost = refused_of(ecu, plan.every)
+            while to_ask and not self._session.stopped:
+                datum = to_ask.pop(0)
+                if answered and datum not in asked:
+                    continue
+                if (said := _answers(ecu, datum)) is Said.DATUM:
+                    answered.append(datum)
+                    left.pop(datum, None)
+                    continue
+                left[datum] = 0 if said is Said.NO else left.get(datum, _ASKED_AGAIN + 1) - 1
+                if not answered and len(left) == _HOPELESS:
+                    return False
+                if left[datum]:
+                    to_ask.append(datum)
+                if going:
+                    yield from self._rest(ecu, plan, answered)
+        except OutOfStep:
+            raise
         except LineError as error:
             yield Gap(ecu.tester.link.now(), error)
             return False
+        lost = {datum for datum in left if datum in asked} if answered and not to_ask else set()
         yield from self._drop(ecu, plan, lost)
         return bool(lost)
+
+    def _rest(self, ecu: Ecu, plan: Plan, answered: Collection[Datum]) -> Iterator[Event]:
+        """A cycle of those that have answered."""
+        named = [w.parameter for w in plan.wanted if datum_of(w.parameter) in answered]
+        if not named:
+            return
+        fresh = ecu.parameters.readings(named, ecu.parameters.fetch(named))
+        if fresh:
+            self._doubt.settle(ecu, lambda: None)
+            sampled = self._session.sampled(fresh)
+            if self._session.in_time(sampled):
+                yield sampled
 
     def _drop(self, ecu: Ecu, plan: Plan, lost: set[Datum]) -> Iterator[Event]:
         self._session.refused |= lost
@@ -90,29 +139,27 @@ class Refusals:
                 yield Dropped(ecu.tester.link.now(), name)
 
 
-def refused_of(ecu: Ecu, data: Iterable[Datum]) -> set[Datum]:
-    """Those of `data` that the unit refuses while it answers others; empty if it answers none.
+class Said(Enum):
+    """What comes of asking for a datum."""
 
-    Raises a `LineError` if the line leaves no telling, or a `NoConnection`.
-    """
-    asked = tuple(data)
-    refused: set[Datum] = set()
-    answered = 0
-    for datum in asked if _RPM in asked else (_RPM, *asked):
-        if _answers(ecu, datum):
-            answered += 1
-            continue
-        refused.add(datum)
-        if not answered and len(refused) == _HOPELESS:
-            return set()
-    return refused.intersection(asked) if answered else set()
+    DATUM = "a datum"
+    NO = "a refusal"
+    NOTHING = "nothing, or nothing that is one: it may have been lost"
 
 
-def _answers(ecu: Ecu, datum: Datum) -> bool:
+def _answers(ecu: Ecu, datum: Datum) -> Said:
+    """Asked once; damage says nothing. Raises the `LineError` of too much of it."""
     # Asked for twice at once, a datum of 01 can't be taken for a refusal.
-    count = 2 if ecu.limits().max_list > 1 else 1
-    try:
-        ecu.tester.request(ReadParameters((datum,) * count))
-    except (NotSupported, NoResponse, WrongLength):
-        return False
-    return True
+    command = ReadParameters((datum,) * (2 if ecu.limits().max_list > 1 else 1))
+    for attempt in range(1, _ATTEMPTS + 1):
+        try:
+            ecu.tester.exchange(command, retries=0)
+            break
+        except NotSupported as error:
+            return Said.NO if error.received else Said.NOTHING
+        except (NoResponse, WrongLength):
+            return Said.NOTHING
+        except LineError:
+            if attempt == _ATTEMPTS:
+                raise
+    return Said.DATUM

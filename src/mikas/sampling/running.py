@@ -9,8 +9,9 @@ from contextlib import suppress
 
 from mikas.client import Ecu, Reading
 from mikas.client.methods import STREAMS
-from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
+from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, OutOfStep
 from mikas.sampling.cycles import Asked, Cycles, cycles_of
+from mikas.sampling.doubt import Doubt
 from mikas.sampling.events import Event, Gap
 from mikas.sampling.plan import Plan
 from mikas.sampling.refusals import Refusals
@@ -24,7 +25,14 @@ class Running:
     """Runs `plan`, which is made of `wish`."""
 
     def __init__(
-        self, ecu: Ecu, plan: Plan, wish: Wish, *, session: Session, refusals: Refusals
+        self,
+        ecu: Ecu,
+        plan: Plan,
+        wish: Wish,
+        *,
+        session: Session,
+        refusals: Refusals,
+        doubt: Doubt,
     ) -> None:
         self._ecu = ecu
         self._plan = plan
@@ -32,18 +40,21 @@ class Running:
         self._session = session
         self._refusals = refusals
         self._now = ecu.tester.link.now
-        self._cycles = cycles_of(ecu, plan)
+        self._cycles = cycles_of(ecu, plan, doubt)
         self._streams = plan.method in STREAMS
         # Between one-off requests a stream is not begun again: it is asked once, by 61.
-        self._between = Asked(ecu, plan.by("batch")) if self._streams else self._cycles
+        self._between = Asked(ecu, plan.by("batch"), doubt) if self._streams else self._cycles
         learning, baud = session.learning, ecu.tester.link.baud
         self._promise = None if wish.method else learning.promise(plan, baud)
+        self._length = plan.price(baud=baud).seconds  # of a cycle, until one was measured
         self._failures = 0  # in a row
         self._doubts = 0  # of these, those that may be the unit's answer
         self._over = False
 
     def events(self) -> Iterator[Event]:
-        """What happens. Raises the `NoConnection` that ends it, and what `strict` says."""
+        """What happens. Raises the `NoConnection` or `OutOfStep` that ends it, and what `strict`
+        says.
+        """
         number = 0
         try:
             while not self._over and self._session.still(self._wish):
@@ -62,15 +73,20 @@ class Running:
 
     def _cycle(self, cycles: Cycles, number: int) -> Iterator[Event]:
         began = self._now()
+        if not cycles.plan.asks(number):
+            if cycles is self._cycles:
+                self._session.rest(began, self._length)
+            return
         try:
             fresh = cycles.run(number)
-        except NoConnection:
+        except (NoConnection, OutOfStep):
             raise
         except MikasError as error:
             yield Gap(self._now(), error)
             yield from self._after(error, cycles)
             return
         if cycles is self._cycles:
+            self._length = self._now() - began
             self._hold_against_promise(began, whole=bool(fresh) or not self._streams)
         if fresh:
             yield from self._sampled(fresh)
@@ -94,7 +110,7 @@ class Running:
             self._doubts = _DOUBTS  # nobody allowed it
         elif cycles.let_down(error):
             self._doubts += 1
-            if (yield from self._refusals.weed(self._ecu, self._plan)):
+            if (yield from self._refusals.weed(self._ecu, self._plan, going=True)):
                 self._over = True
                 return
         if self._doubts >= _DOUBTS:
@@ -121,7 +137,7 @@ class Running:
         """Waits for the next cycle's time; False: somebody wants something before. A stream keeps
         its own time, and what comes too early is left out.
         """
-        if not self._wish.rate or (self._streams and cycles is self._cycles):
+        if self._streams and cycles is self._cycles:
             return True
         return self._session.waited(self._ecu, self._wish)
 

@@ -12,18 +12,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Future
-from contextlib import closing
 from typing import TypeVar
 
 from mikas.client import Ecu
 from mikas.client.methods import FixedMethod
-from mikas.errors import LinkLost, MikasError, NoConnection
+from mikas.errors import LinkLost, MikasError, NoConnection, OutOfStep, RecordingOver
 from mikas.link import Link
 from mikas.link.plug import Plug
-from mikas.sampling.approach import Approach, Unit
-from mikas.sampling.choosing import CANDIDATES, LAST, best, measure
-from mikas.sampling.events import Chosen, Event, Gap, LineState, PlanChanged
+from mikas.sampling.approach import Approach, Unit, same
+from mikas.sampling.choosing import CANDIDATES, LAST, best
+from mikas.sampling.events import Chosen, Event, LineState, PlanChanged
 from mikas.sampling.jobs import Jobs
+from mikas.sampling.measuring import Measuring
 from mikas.sampling.plan import Plan, Price, Wanted
 from mikas.sampling.refusals import Refusals
 from mikas.sampling.running import Running
@@ -59,7 +59,8 @@ class Sampler:
         wish = Wish(tuple(wanted), method, rate, again)
         self._session = Session(wish, self._jobs, strict=strict)
         self._approach = Approach(plug, make_ecu, self._session)
-        self._refusals = Refusals(self._session)
+        self._refusals = Refusals(self._session, self._approach.doubt)
+        self._measuring = Measuring(self._session, self._approach.doubt)
         self._unit: Unit | None = None
         self._plan: Plan | None = None
         self._told: tuple[Wish, Plan] | None = None
@@ -119,7 +120,7 @@ class Sampler:
         """Events until `stop`; closing the iterator stops too, and leaves the line quiet.
 
         Raises `NotAKLineAdapter`, `NotSupported` for a unit that gives nothing from the beginning,
-        and what `strict` says.
+        `RecordingOver` at the end of one that was played, and what `strict` says.
         """
         self._session.stopped = self._session.begun = False
         self._told = None
@@ -144,21 +145,24 @@ class Sampler:
                     ecu = yield from self._approach.meet(link)
                     if ecu is not None:
                         yield from self._with(ecu)
+            except RecordingOver:
+                raise  # it won't come back
             except LinkLost as error:
                 yield from self._approach.lost(error, link.now())
 
     def _with(self, ecu: Ecu) -> Iterator[Event]:
         """Samples from `ecu` until another unit is met, or nobody wants it any more."""
-        if self._approach.unit != self._unit:
-            self._unit = self._approach.unit
+        unit = self._approach.unit
+        if self._unit is None or unit is None or not same(unit, self._unit):
             self._forget()
+        self._unit = unit
         there = True
         while there and not self._session.stopped:
             try:
                 yield from self._sample(ecu)
             except LinkLost:
                 raise
-            except NoConnection as error:
+            except (NoConnection, OutOfStep) as error:
                 there = yield from self._approach.meet_again(ecu, error)
 
     def _forget(self) -> None:
@@ -188,7 +192,14 @@ class Sampler:
                 yield from self._idle(ecu, wish, _SHORT)
                 continue
             yield from self._tell(ecu, wish, plan.by(method))
-            running = Running(ecu, plan.by(method), wish, session=session, refusals=self._refusals)
+            running = Running(
+                ecu,
+                plan.by(method),
+                wish,
+                session=session,
+                refusals=self._refusals,
+                doubt=self._approach.doubt,
+            )
             yield from running.events()
 
     def _method(
@@ -205,7 +216,7 @@ class Sampler:
                 yield from self._tell(ecu, wish, plan)  # by any method, so far
             measured = True
             self._jobs.run(ecu)
-            yield from self._measured(ecu, plan.by(trial))
+            yield from self._measuring.learn(ecu, plan.by(trial), wish)
         if measured:
             learning.keep()
         rates = learning.rates(plan, baud)
@@ -215,20 +226,6 @@ class Sampler:
             told = {str(each): rates[each] for each in (*CANDIDATES, LAST) if each in rates}
             yield Chosen(ecu.tester.link.now(), chosen, told)
         return chosen
-
-    def _measured(self, ecu: Ecu, plan: Plan) -> Iterator[Event]:
-        """Learns how fast `plan` is; what comes meanwhile are samples like any others."""
-        with closing(measure(ecu, plan)) as found:
-            while True:
-                try:
-                    came = next(found)
-                except StopIteration as end:
-                    self._session.learning.learn(end.value, plan, ecu.tester.link.baud)
-                    return
-                if isinstance(came, MikasError):
-                    yield Gap(ecu.tester.link.now(), came)
-                elif came and self._session.in_time(sampled := self._session.sampled(came)):
-                    yield sampled
 
     def _tell(self, ecu: Ecu, wish: Wish, plan: Plan) -> Iterator[Event]:
         if self._told is None or self._told[0] is not wish or self._told[1] != plan:

@@ -51,7 +51,7 @@ class Session:
         self.dropped: set[str] = set()
         """Names that were told to be refused."""
         self.due = -inf
-        """When the next sample is wanted, if a rate is."""
+        """When the next cycle begins, if a rate is wanted, or the one that runs asks nothing."""
         self._last: dict[str, Reading] = {}
 
     def another_unit(self) -> None:
@@ -87,11 +87,22 @@ class Session:
             return True
         if sampled.time < self.due:
             return False
-        period = 1 / self.wish.rate
-        # After a delay it goes on from now, lest it runs after what can't be caught up.
-        due = sampled.time if self.due == -inf else self.due
-        self.due = max(due, sampled.time - period) + period
+        self._due_after(sampled.time, 1 / self.wish.rate)
         return True
+
+    def rest(self, time: float, length: float) -> None:
+        """The cycle that begins at `time` asks for nothing: it lasts what the rate that is wanted
+        makes of one, else `length`.
+        """
+        if self.wish.rate:
+            self._due_after(time, 1 / self.wish.rate)
+        else:
+            self.due = time + length
+
+    def _due_after(self, time: float, period: float) -> None:
+        # After a delay it goes on from now, lest it runs after what can't be caught up.
+        due = time if self.due == -inf else self.due
+        self.due = max(due, time - period) + period
 
     def keep_only(self, plan: Plan) -> None:
         """What is not asked any more is not stale, but gone."""

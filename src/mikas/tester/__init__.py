@@ -1,9 +1,9 @@
 """Requests and responses that can be trusted, on one wire (D1, D2, D11–D14)."""
 
 from mikas.tester.connecting import Echo
-from mikas.tester.line import Reply, Timing
 from mikas.tester.statistics import Failure, Statistics
 from mikas.tester.stream import Stream, StreamItem
 from mikas.tester.tester import Tester
+from mikas.tester.timing import Reply, Timing
 
 __all__ = ["Echo", "Failure", "Reply", "Statistics", "Stream", "StreamItem", "Tester", "Timing"]

@@ -8,44 +8,14 @@ what was sent, what came, and when; what to do about it is the tester's business
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import inf
 
 from mikas.errors import DamagedResponse, EchoDiffers, LineNotQuiet, NoEcho, NoResponse
 from mikas.framing import Damage, DamageReason, Decoder, Frame, encode
 from mikas.language import Text
 from mikas.link import Chunk, Link
-
-
-@dataclass(frozen=True, slots=True)
-class Timing:
-    """How long to wait, in seconds (D14).
-
-    `first_byte`: from the end of a request to its response. `between_bytes`: silence inside a
-    response after which the rest does not come. `quiet`: silence that counts as a quiet line where
-    nothing can be under way any more. `babble`: how long to wait for that on a line that is not.
-    """
-
-    first_byte: float = 0.5
-    between_bytes: float = 0.02
-    quiet: float = 0.06
-    babble: float = 1.0
-
-    @property
-    def late(self) -> float:
-        """From the end of a request: when a response that has not come no longer comes (D13)."""
-        return 2 * self.first_byte
-
-
-@dataclass(frozen=True, slots=True)
-class Reply:
-    """A response: its body, the bytes on the wire, and the link's time of its begin and end."""
-
-    body: bytes
-    wire: bytes
-    began: float
-    ended: float
-
+from mikas.tester.timed_decoder import TimedDecoder
+from mikas.tester.timing import Reply, Timing
 
 WRONG_CHECKSUM = Text("the checksum is wrong", "неверна контрольная сумма")
 _DAMAGE = {
@@ -80,6 +50,9 @@ class Line:
         """When the last byte of the latest request was out."""
         self.echo_heard = -inf
         """When its echo had come; an adapter may make that itself, before the bytes are out."""
+        self.silences = 0
+        """How often nothing at all came to two requests in a row."""
+        self._unanswered = 0  # requests in a row
         self._ahead = Chunk(b"", 0.0)  # came together with the end of an echo
 
     def exchange(self, body: bytes, *, of_many: bool = False, least: int = 0) -> Reply:
@@ -118,6 +91,8 @@ class Line:
             chunk = self.link.read(deadline)
             if not chunk.data:
                 error = EchoDiffers if received else NoEcho
+                if not received:
+                    self._count_silence()
                 raise error(request=wire, received=bytes(received), time=chunk.time)
             received += chunk.data
             compared = min(len(received), len(wire))
@@ -133,37 +108,47 @@ class Line:
         """The one response to the request `wire`, which was out at `sent_at`.
 
         `of_many`: the first of those that a stream request brings; more may have come with it.
-        `least`: as for `exchange`. The first byte is seen when it comes, so `began` is exact.
+        `least`: as for `exchange`. The first byte is seen when it comes, so `began` is as exact as
+        the adapter.
         """
-        decoder = Decoder(strict=self.strict)
+        decoder = self.decoder()
         received = bytearray()
-        began = 0.0
         deadline = sent_at + self.timing.first_byte
         while True:
             chunk = self._next(deadline)
             if not chunk.data:
+                if not received:
+                    self._count_silence()
                 raise self._nothing_more(wire, bytes(received), chunk.time)
             if not received:
                 if chunk.time < sent_at + self.link.byte_time / 2 and not self.echo:
                     # No echo tells of the collision (D2), and the wreck of two frames may be sound.
                     raise self._damaged(wire, chunk.data, chunk.time, _TOO_SOON)
-                began = max(sent_at, chunk.time - len(chunk.data) * self.link.byte_time)
+                self._unanswered = 0
             received += chunk.data
             deadline = chunk.time + self._pause()
-            events = decoder.feed(chunk.data)
+            events = decoder.feed(chunk)
             if not events:
                 # A pause inside (D14) must not be slept through: half of it at a time, so that one
                 # that is too long is found, at worst so much later.
                 missing = least + _AROUND - len(received)
                 self._gather(chunk.time, missing, most=self.timing.between_bytes / 2)
                 continue
-            first = events[0]
+            first, began = events[0]
             if isinstance(first, Damage):
                 raise self._damaged(wire, bytes(received), chunk.time, _DAMAGE[first.reason])
             if not of_many and (len(events) > 1 or decoder.pending):
                 # One of them answers an earlier request, and nothing says which (D13).
                 raise self._damaged(wire, bytes(received), chunk.time, _DOUBLED)
-            return Reply(first.body, first.wire, began, chunk.time)
+            return Reply(first.body, first.wire, max(sent_at, began), chunk.time)
+
+    def _count_silence(self) -> None:
+        self._unanswered += 1
+        self.silences += self._unanswered == 2
+
+    def decoder(self) -> TimedDecoder:
+        """For what comes from here on."""
+        return TimedDecoder(Decoder(strict=self.strict), self.link.byte_time)
 
     def _next(self, deadline: float) -> Chunk:
         if self._ahead.data:
@@ -224,7 +209,7 @@ class Line:
                 raise LineNotQuiet(received=bytes(came[-64:]), time=chunk.time)
 
     def next_frame(
-        self, decoder: Decoder, deadline: float, *, least: int, heard: float
+        self, decoder: TimedDecoder, deadline: float, *, least: int, heard: float
     ) -> list[tuple[Frame | Damage, float]]:
         """The next events of a stream, each with the time its bytes began; empty at the deadline.
 
@@ -237,7 +222,5 @@ class Line:
             if not chunk.data:
                 return []
             heard = chunk.time
-            end = decoder.offset + len(chunk.data)
-            events = decoder.feed(chunk.data)
-            if events:
-                return [(e, chunk.time - (end - e.offset) * self.link.byte_time) for e in events]
+            if events := decoder.feed(chunk):
+                return events

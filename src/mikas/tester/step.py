@@ -27,6 +27,7 @@ AVAILABILITY = b"\x01"
 _ROUNDS = 5  # of D13 before giving up
 _HASTY_ROUNDS = 2  # of these, before a stream with long pauses between its responses is suspected
 _INTERRUPTIONS = 6  # attempts to end a stream before a line break, D12
+_CLEAN_TRIES = 3  # at its clean end: the first `01` often meets a response of a quick stream
 _BREAK = 0.05  # s; far over the ten bits that a talker takes for a byte
 
 
@@ -116,11 +117,13 @@ class Step:
     def end_stream(self, version_code: int, *, by_strokes: bool, bytes_each: int) -> None:
         """Ends a stream (D12) and comes back in step. Raises as `assure` does."""
         timing, own = self.line.timing, bytes([version_code])
-        if not by_strokes and bytes_each != 1 and _last_frame(self.interrupt(timing.quiet)) == own:
-            # No datum looks like that: it was the answer to `01`, and nothing comes after it.
-            self.streaming = self._awaited = False
-            self.assure(version_code)
-            return
+        tries = 0 if by_strokes or bytes_each == 1 else _CLEAN_TRIES
+        for _ in range(tries):
+            if _last_frame(self.interrupt(timing.quiet)) == own:
+                # No datum looks like that: it was the answer to `01`, and nothing comes after it.
+                self.streaming = self._awaited = False
+                self.assure(version_code)
+                return
         self._silence_for_good(None if bytes_each == 1 else own, by_strokes=by_strokes)
         self.assure(version_code)
 

@@ -18,7 +18,7 @@ from mikas.errors import (
     NotSupported,
     WrongLength,
 )
-from mikas.framing import Decoder, Frame
+from mikas.framing import Frame
 from mikas.tester.line import Line
 
 _STANDING_ENGINE = 5.0  # s without a stroke before a stream by strokes gives up (D15)
@@ -58,7 +58,7 @@ class Stream:
         self._line = line
         self._end = end
         self._spoilt = spoilt
-        self._decoder = Decoder(strict=line.strict)
+        self._decoder = line.decoder()
         self._least = min(command.response_lengths())
         self._items: deque[StreamItem | LineError] = deque()
         self._held: StreamItem | None = None

@@ -26,10 +26,11 @@ from mikas.framing import encode
 from mikas.language import Text
 from mikas.link import Link
 from mikas.tester.connecting import Echo, introduce, refuse_elm
-from mikas.tester.line import Line, Reply, Timing
+from mikas.tester.line import Line
 from mikas.tester.statistics import Statistics
 from mikas.tester.step import Step
 from mikas.tester.stream import Stream
+from mikas.tester.timing import Reply, Timing
 
 T = TypeVar("T")
 
@@ -82,6 +83,11 @@ class Tester:
         return self._step.found_again
 
     @property
+    def silences(self) -> int:
+        """How often two requests in a row were met by silence: the unit was gone for a second."""
+        return self._line.silences
+
+    @property
     def breaks(self) -> int:
         """How often a stream could be ended only by a line break (D12)."""
         return self._step.breaks
@@ -106,6 +112,7 @@ class Tester:
                         raise
             self._step.keep()
             assert self.version_code is not None
+            self._known.update(c.Availability.CODES)  # it has just answered that
             return self.version_code
 
     def close(self) -> None:

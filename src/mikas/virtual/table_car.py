@@ -32,11 +32,11 @@ class TableCar:
         self._data[code] = data
         return True
 
-    def powered(self, now: float) -> bool:  # noqa: ARG002
+    def powered(self, now: float) -> bool:  # noqa: ARG002  (whatever the time)
         """As the switch `on` says."""
         return self.on
 
-    def next_change(self, after: float) -> float:  # noqa: ARG002
+    def next_change(self, after: float) -> float:  # noqa: ARG002  (nothing moves here)
         """Never by itself."""
         return inf
 

@@ -34,11 +34,11 @@ def start(tmp_path):
     }  # fmt: skip
     running = []
 
-    def started(*argv: str, TERM: str = "xterm", **settings) -> subprocess.Popen:  # noqa: N803
+    def started(*argv: str, terminal: str = "xterm", **settings) -> subprocess.Popen:
         process = subprocess.Popen(
             [sys.executable, "-c", "from mikas.cli.main import main; main()", *argv],
             cwd=tmp_path,
-            env=environment | {"TERM": TERM},
+            env=environment | {"TERM": terminal},
             **{"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE,
                "text": True, "encoding": "utf-8", **settings},
         )  # fmt: skip
@@ -301,7 +301,7 @@ def test_a_dumb_terminal_gets_plain_lines(start):
     with terminal() as (behind, front):
         process = start(
             "watch", "TWAT", "--count", "2", "--port", "sim:?clock=simulated", stdout=front,
-            TERM="dumb",
+            terminal="dumb",
         )  # fmt: skip
         got = read_until(behind, "time\tTWAT")
         assert process.wait(PATIENCE) == 0

@@ -11,7 +11,7 @@ import sys
 
 import httpx
 import pytest
-from websockets.exceptions import ConnectionClosed
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import mikas
@@ -65,6 +65,7 @@ def test_ctrl_c_closes_the_recording_and_lets_everybody_go(demo, tmp_path):
     assert demo.wait(60) == 130
     err = demo.stderr.read().decode()
     assert "Traceback" not in err
+    assert f"is kept: {tmp_path / 'a.pcapng'}" in err
     assert len(mikas.open(tmp_path / "a.pcapng").to_pandas()) > 9
 
 
@@ -77,4 +78,23 @@ def test_a_second_ctrl_c_does_not_wait(demo):
             with pytest.raises(ConnectionClosed):
                 until(watching, lambda _: False)
             demo.send_signal(signal.SIGINT)
-            assert demo.wait(60) in (130, -signal.SIGINT)
+            assert demo.wait(60) == 130
+    assert "Traceback" not in demo.stderr.read().decode()
+
+
+def test_many_are_no_trouble(demo):
+    while demo.poll() is None:
+        demo.send_signal(signal.SIGINT)
+    assert demo.returncode == 130
+    assert "Traceback" not in demo.stderr.read().decode()
+
+
+def test_a_refused_socket_is_nothing_for_the_terminal(demo):
+    with pytest.raises(InvalidStatus):
+        connect(
+            f"{demo.url.replace('http', 'ws')}api/live?client=watcher-0001",
+            additional_headers={"Origin": "http://elsewhere"},
+        )
+    demo.send_signal(signal.SIGINT)
+    assert demo.wait(60) == 130
+    assert "ASGI" not in demo.stderr.read().decode()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from math import nan
 
 from mikas import commands as c
@@ -13,9 +13,10 @@ from mikas.recording.reader import Packet
 
 
 def answers(items):
-    """(source, time, body, request, list) of every sound received frame that is no echo.
+    """(source, time, body, request, list, start) of every sound received frame that is no echo.
 
-    `list`: the codes of the last 64, if `00` has answered it and no other was sent since.
+    `list`: the codes of the last 64, if `00` has answered it and no other was sent since. `start`:
+    how often the request had been sent.
     """
     items = list(items)
     ends = defaultdict(list)  # of received packets: up to where in their stream, and when
@@ -23,12 +24,13 @@ def answers(items):
         if isinstance(packet, Packet) and packet.direction is Direction.RECEIVED:
             line = ends[packet.source]
             line.append(((line[-1][0] if line else 0) + len(packet.data), packet.time))
-    asked, listed = {}, {}
+    asked, listed, sent = {}, {}, Counter()
     for item in decode(items):
         if not isinstance(item, SeenFrame) or item.echo:
             continue
         body = item.frame.body
         if item.direction is Direction.SENT:
+            sent[item.source, body] += 1
             if body[:1] == b"\x64":
                 asked[item.source], listed[item.source] = body, None
             continue
@@ -37,25 +39,26 @@ def answers(items):
         start = item.frame.offset
         end, time = next(it for it in ends[item.source] if it[0] > start)
         began = time - (end - start) * (10 / (item.source.baud or 9600))
-        yield item.source, began, body, item.request, listed.get(item.source)
+        times = sent[item.source, item.request]
+        yield item.source, began, body, item.request, listed.get(item.source), times
 
 
 def rows(items, catalog, reading="corrected"):
     """(source, time, values by name); a parameter that could not be read is NaN.
 
-    So is a lone 01 to a 61 of one code, until that was answered otherwise (D10).
+    So is a 01 that may be a refusal (D10), see `_refused`.
     """
-    known = set()
-    for source, time, body, request, listed in answers(items):
-        command = _command(request, listed, catalog)
+    items = list(items)
+    told = list(answers(items))
+    commands = [_command(request, listed, catalog) for _, _, _, request, listed, _ in told]
+    refused = _refused(told, commands, _sent(items))
+    for number, (source, time, body, *_) in enumerate(told):
+        command = commands[number]
         if command is None:
             continue
         parameters = [catalog.by_code(d.code) for d in command.parameters]
-        alone = request[:1] == b"\x61" and len(request) == 2 and command.parameters[0].size == 1
-        if alone and len(body) == 1 and body != b"\x01":
-            known.add((source, request))
         try:
-            if alone and body == b"\x01" and (source, request) not in known:
+            if number in refused:
                 raise MikasError
             data = command.read(body)
             values = {
@@ -66,6 +69,78 @@ def rows(items, catalog, reading="corrected"):
         except MikasError:
             values = {p.name: nan for named in parameters for p in named}
         yield source, time, values
+
+
+def _sent(items):
+    frames = (item for item in decode(items) if isinstance(item, SeenFrame))
+    return {(it.source, it.frame.body) for it in frames if it.direction is Direction.SENT}
+
+
+def _refused(told, commands, sent):
+    """The numbers of the answers 01 that do not count as a datum."""
+    refused, doubted = set(), {}  # `doubted`: streams that began with 01, until they go on
+    for number, (source, _, body, request, _, start) in enumerate(told):
+        command = commands[number]
+        if not isinstance(command, STREAMS) or len(request) != 2 or command.parameters[0].size != 1:
+            continue
+        stream = source, request, start
+        if stream not in doubted:
+            doubted[stream] = number if body == b"\x01" else None
+            if body == b"\x01":
+                refused.add(number)
+        elif len(body) == 1:
+            refused.discard(doubted[stream])
+    firsts = {number for number in doubted.values() if number is not None}
+    for source in {source for source, *_ in told}:
+        mine = [number for number, it in enumerate(told) if it[0] == source]
+        for code in {told[n][3][1] for n in mine if _alone(told[n][3], commands[n])}:
+            refused |= _lone_refused(code, mine, told, commands, firsts, sent)
+    return refused
+
+
+def _lone_refused(code, mine, told, commands, firsts, sent):
+    """Those to `61 code`: each waits for what settles it."""
+    alone, twice = bytes([0x61, code]), bytes([0x61, code, code])
+    refused, waiting, sure, wary = set(), [], False, False
+    for number in mine:
+        _, _, body, request, _, _ = told[number]
+        if commands[number] is None or number in firsts:
+            continue
+        if request == twice and body == b"\x01":
+            refused.update(waiting)
+            waiting, sure, wary = [], False, True
+        elif request == alone and body == b"\x01":
+            waiting.append(number)
+        elif (datum := _datum(code, commands[number], body)) is not None:
+            sure = datum == b"\x01"
+            if wary and not sure:
+                refused.update(waiting)
+            waiting, wary = [], wary and not sure
+    asked_twice = (told[mine[0]][0], twice) in sent
+    if not sure and (wary or len(waiting) < 2 or not asked_twice):
+        refused.update(waiting)
+    return refused
+
+
+def _alone(request, command):
+    return isinstance(command, c.ReadParameters) and (
+        len(request) == 2 and request[0] == 0x61 and command.parameters[0].size == 1
+    )
+
+
+def _datum(code, command, body):
+    """The code's last one in the body; None: there is none."""
+    if len(body) != sum(datum.size for datum in command.parameters):
+        return None
+    found, start = None, 0
+    for datum in command.parameters:
+        if datum.code == code:
+            found = body[start : start + datum.size]
+        start += datum.size
+    return found
+
+
+STREAMS = (c.StreamCyclic, c.StreamAtStroke)
 
 
 def _command(request, listed, catalog):

@@ -17,8 +17,7 @@ from mikas import tester as testers
 from mikas.catalog import load, shipped
 from mikas.client import Ecu
 from mikas.errors import MikasError
-from mikas.framing import encode
-from mikas.link.tee import CaptureTee, Direction
+from mikas.link.tee import CaptureTee
 from mikas.link.virtual import VirtualLink
 from mikas.recording.bulk import TableReader, read_table
 from mikas.recording.capture import CaptureReader, CaptureWriter, Problem
@@ -241,19 +240,3 @@ def test_only_the_parameters_that_are_wanted(tmp_path):
     (stretch,) = table.rows()
     assert np.isnan(stretch.values["UACC"]).all()
     assert not np.isnan(stretch.values["FREQ"]).any()
-
-
-def test_a_lone_01_is_no_value_until_the_parameter_has_answered_otherwise(tmp_path):
-    path = tmp_path / "line.pcapng"
-    with CaptureWriter(path, url="sim:") as writer:
-        exchanges = [("6120", "01"), ("611A", "01"), ("6120", "02"), ("6120", "01")]
-        for number, (request, answer) in enumerate(exchanges):
-            wire = encode(bytes.fromhex(request))
-            writer.record(Direction.SENT, wire, number * 0.1)
-            writer.record(Direction.RECEIVED, wire, number * 0.1 + 0.01)
-            answered = encode(bytes.fromhex(answer))
-            writer.record(Direction.RECEIVED, answered, number * 0.1 + 0.02)
-    shown, channels = table_of(path)
-    assert channels == ["THR"]  # TWAT: perhaps only ever refused (D10)
-    assert [values for _, values in shown] == [{}, {}, {"THR": 2.0}, {"THR": 1.0}]
-    same_values(shown, wanted_of(path)[0])

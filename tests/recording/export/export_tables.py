@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from mikas.language import Text
 from mikas.recording.export import export
+from mikas.recording.happened import AlarmSeen, GapSeen, MarkerSet, NoteTaken, StateSeen
 from mikas.recording.table import Channel, Rows
 
 NAN = float("nan")
@@ -29,6 +30,17 @@ def rows(times, **values):
 FIXED = [
     rows([START], TWAT=[85], UACC=[13.84], IDLE=[1]),
     rows([START + 0.0286, START + 1.5], TWAT=[NAN, -40], UACC=[-0.04, NAN], IDLE=[NAN, 0]),
+]
+
+HIGH = Text("Board voltage 18.1 V is above 18 V: danger", "Напряжение 18,1 В выше 18 В: опасность")
+EVENTS = [  # as a recording has them: a gap is noted when it has ended
+    StateSeen(START - 1, "sampling"),
+    MarkerSet(START - 0.5, "стук"),
+    AlarmSeen(START + 1, "UACC", "danger", "none", "high", 18.1, 18.0, HIGH),
+    GapSeen(START + 1.25, START + 0.25, START + 1.25, Text("no\nanswer", "нет ответа")),
+    NoteTaken(START + 1.5, 'a "note"\twith\n two lines'),
+    MarkerSet(START + 9, ""),
+    GapSeen(START + 9.5, START + 9.5, None, None),
 ]
 
 

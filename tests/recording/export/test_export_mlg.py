@@ -10,6 +10,7 @@ import pytest
 from export_tables import (
     ALL_FLOATS,
     CHANNELS,
+    EVENTS,
     FIXED,
     NAN,
     START,
@@ -25,6 +26,7 @@ from mikas.errors import ExportError
 from mikas.language import Text
 from mikas.recording.export import export
 from mikas.recording.export import sheet as sheets
+from mikas.recording.happened import MarkerSet
 from mikas.recording.table import Channel
 
 
@@ -36,6 +38,8 @@ class Log(NamedTuple):
     info: str
     clocks: list[int]
     values: list[tuple[float, ...]]
+    marks: list[tuple[int, int, str]]
+    """(how many rows stand before it, clock, words)"""
 
 
 def read(data):
@@ -63,13 +67,19 @@ def read(data):
     assert info.index(b"\0") == len(info) - 1
     code = ">" + "".join(kind for kind, _ in kinds)
     assert struct.calcsize(code) == record
-    clocks, values = [], []
+    clocks, values, marks = [], [], []
     at = data_at
     while at < len(data):
         block, number, clock = struct.unpack_from(">BBH", data, at)
+        assert number == (len(values) + len(marks)) % 256
+        if block == 1:
+            words = data[at + 4 : at + 54]
+            assert words[-1] == 0
+            marks.append((len(values), clock, words.rstrip(b"\0").decode()))
+            at += 54
+            continue
         raw = data[at + 4 : at + 4 + record]
         assert block == 0
-        assert number == len(values) % 256
         assert data[at + 4 + record] == sum(raw) % 256
         clocks.append(clock)
         values.append(
@@ -80,7 +90,7 @@ def read(data):
         )
         at += 5 + record
     assert at == len(data)
-    return Log(timestamp, names, units, digits, info[:-1].decode(), clocks, values)
+    return Log(timestamp, names, units, digits, info[:-1].decode(), clocks, values, marks)
 
 
 def test_a_file_byte_by_byte(tmp_path):
@@ -163,6 +173,35 @@ def test_ten_hours_keep_their_milliseconds(tmp_path):
     export(out, [TWAT], [rows([0, 35_999.971], TWAT=[1, 2])])
     assert read(out.read_bytes()).values[1][0] == pytest.approx(35_999.971, abs=0.002)
     assert (35_999_971).to_bytes(4) in out.read_bytes()
+
+
+def test_marks_stand_between_the_rows(tmp_path):
+    out = tmp_path / "log.mlg"
+    export(out, CHANNELS, FIXED, events=EVENTS)
+    log = read(out.read_bytes())
+    assert len(log.values) == 3
+    assert log.marks == [
+        (0, -50_000 % 65_536, "MARK 000 - стук"),
+        (2, 25_000, "MARK 001 - gap of 1.0 s: no answer"),
+        (2, 100_000 % 65_536, "MARK 002 - Board voltage 18.1 V is above 18 V: da"),
+        (2, 150_000 % 65_536, 'MARK 003 - a "note" with two lines'),
+        (3, 900_000 % 65_536, "MARK 004 - marker"),
+        (3, 950_000 % 65_536, "MARK 005 - gap to the end: nothing came"),
+    ]
+
+
+def test_a_mark_byte_by_byte_as_tunerstudio_writes_it(tmp_path):
+    out = tmp_path / "log.mlg"
+    export(out, [TWAT], [rows([START], TWAT=[85])], events=[MarkerSet(START + 0.25, "Manual")])
+    assert out.read_bytes()[-54:] == bytes.fromhex("01 01 61 a8") + b"MARK 000 - Manual".ljust(
+        50, b"\0"
+    )
+
+
+def test_a_mark_is_cut_between_two_letters(tmp_path):
+    out = tmp_path / "log.mlg"
+    export(out, [TWAT], [rows([START], TWAT=[85])], events=[MarkerSet(START, "Ж" * 40)])
+    assert read(out.read_bytes()).marks == [(0, 0, "MARK 000 - " + "Ж" * 19)]
 
 
 def test_long_names_are_cut_between_characters_and_stay_different(tmp_path):

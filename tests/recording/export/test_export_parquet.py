@@ -59,6 +59,7 @@ def test_the_fixed_table(tmp_path):
             },
             "IDLE": {"unit": "", "en": "Idle", "ru": "Холостой ход", "decimals": 0},
         },
+        "events": [],
     }  # fmt: skip
 
 

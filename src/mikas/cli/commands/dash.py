@@ -10,14 +10,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mikas.cli.arguments import Whole
+from mikas.cli.dash_notes import tell_if_missing, tell_if_nothing_can_be_kept, tell_kept
 from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
-from mikas.cli.words import say
+from mikas.cli.words import say, wished
 from mikas.errors import UsageError
 from mikas.language import Text
 
 if TYPE_CHECKING:
     from mikas.dashboard.access import Access
+    from mikas.dashboard.settings import Settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,10 +106,10 @@ def wishes_of(
 ) -> Wishes:
     """Those options together. Raises `UsageError`."""
     folder = Path(record) if record else None
-    if folder is not None and folder.exists() and not folder.is_dir():
-        raise UsageError(
-            problem=Text(f"“{record}” is a file; a folder is needed", f"«{record}» — не папка")
-        )
+    if folder is not None:
+        from mikas.dashboard.settings import check_folder
+
+        check_folder(folder)
     return Wishes(host_port, lan or lan_control, lan_control, not no_browser, folder)
 
 
@@ -134,7 +136,7 @@ def show_dashboard(run: Run, wishes: Wishes) -> None:
     from mikas.dashboard.app import create_app
     from mikas.dashboard.hub import Hub
     from mikas.dashboard.server import listening, own_addresses, serve
-    from mikas.dashboard.settings import Settings, default_recordings
+    from mikas.dashboard.settings import Settings, default_recordings, made
     from mikas.dashboard.virtual_cars import VirtualCars
 
     if run.capture is not None:
@@ -146,6 +148,8 @@ def show_dashboard(run: Run, wishes: Wishes) -> None:
         )
     if run.port is not None:
         _check(run.port)
+    if wishes.folder is not None:
+        made(wishes.folder)
     settings = Settings(
         wishes.folder or default_recordings(),
         catalog=run.catalog(),
@@ -154,6 +158,7 @@ def show_dashboard(run: Run, wishes: Wishes) -> None:
         retries=run.retries,
         reading=run.reading,
         open_port=VirtualCars().open,
+        language=wished(),
     )
     own = listening(wishes.port, lan=wishes.lan)
     with own:
@@ -164,7 +169,10 @@ def show_dashboard(run: Run, wishes: Wishes) -> None:
             hosts=own_addresses() if wishes.lan else (),
         )
         hub = Hub(settings, begin=run.port, lan=wishes.lan)
-        serve(create_app(hub, access), own, ready=lambda: _tell(run, access, wishes))
+        try:
+            serve(create_app(hub, access), own, ready=lambda: _tell(run, access, wishes, settings))
+        finally:
+            tell_kept(run, hub)
 
 
 def _check(url: str) -> None:
@@ -176,7 +184,7 @@ def _check(url: str) -> None:
         open_link(url).close()
 
 
-def _tell(run: Run, access: Access, wishes: Wishes) -> None:
+def _tell(run: Run, access: Access, wishes: Wishes, settings: Settings) -> None:
     if run.output.json:
         run.output.data({"url": access.url, "lan_url": access.lan_url})
     else:
@@ -184,6 +192,9 @@ def _tell(run: Run, access: Access, wishes: Wishes) -> None:
         if access.lan_url:
             run.output.line(access.lan_url)
     run.output.note(say("Ctrl-C ends it.", "Выход: Ctrl-C."))
+    tell_if_nothing_can_be_kept(run, settings)
+    if run.port is not None:
+        tell_if_missing(run, run.port)
     if access.lan_url and not run.output.json:
         import sys
 

@@ -19,8 +19,8 @@ _FAULTS = "17"  # the air's temperature: something to find and to erase, and the
     Text(
         "Opens the dashboard with a virtual car in this process: a cold start and warm-up, with "
         "one stored fault. The same in a terminal: mikas watch --port sim:",
-        "Открывает панель с виртуальной машиной в этом же процессе: холодный пуск и прогрев, одна "
-        "ошибка в памяти. То же в терминале: mikas watch --port sim:",
+        "Открывает панель с виртуальным автомобилем в этом же процессе: холодный пуск и прогрев, "
+        "одна ошибка в памяти. То же в терминале: mikas watch --port sim:",
     ),
     examples=("mikas demo", "mikas demo --scenario city --lang ru", "mikas demo --no-browser"),
 )
@@ -46,5 +46,5 @@ _FAULTS = "17"  # the air's temperature: something to find and to erase, and the
 @dashboard_options
 def demo(run: Run, wishes: Wishes, *, scenario: str, seed: int, faults: str) -> None:
     run.port = f"sim:?{urlencode({'scenario': scenario, 'seed': seed, 'faults': faults})}"
-    run.output.detail(say("virtual car:", "виртуальная машина:"), run.port)
+    run.output.detail(say("virtual car:", "виртуальный автомобиль:"), run.port)
     show_dashboard(run, wishes)

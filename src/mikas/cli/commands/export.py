@@ -70,6 +70,7 @@ def export(
         out,
         recording.channels,
         _watched(run, recording.rows()),
+        events=recording.events,
         about=recording.about,
         language=language(),
         dialect=DIALECTS[dialect] if dialect else PLAIN,

@@ -6,10 +6,12 @@ from mikas.catalog import Catalog
 from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
 from mikas.cli.words import decimal, say, shown
-from mikas.client import Info, Support
+from mikas.client import Ecu, Info, Support
 from mikas.client.limits import STARTING_LIST
 from mikas.client.methods import FixedMethod
+from mikas.commands import ALL_COMMANDS
 from mikas.language import Text
+from mikas.link.urls import parse
 from mikas.sampling.choosing import rates_of
 from mikas.sampling.plan import Plan, Wanted
 
@@ -20,9 +22,11 @@ _BAUD = 9600  # §1
     "info",
     Text(
         "Shows who the ECU is and which commands it knows. Every harmless command is tried once, "
-        "which takes a second for each that the unit leaves unanswered.",
+        "which takes a second for each that the unit leaves unanswered; of a recording that is "
+        "played (replay:) it is told what was asked then.",
         "Показывает, что это за блок и какие команды он знает. Каждая безвредная команда "
-        "пробуется один раз; на каждую, что осталась без ответа, уходит секунда.",
+        "пробуется один раз; на каждую, что осталась без ответа, уходит секунда; для записи "
+        "(replay:) сообщается то, что спрашивали тогда.",
     ),
     examples=("mikas info", "mikas info --quick", "mikas info --port socket://192.168.1.5:2000"),
 )
@@ -34,7 +38,8 @@ _BAUD = 9600  # §1
 def info(run: Run, *, quick: bool) -> None:
     with run.ecu() as ecu:
         found = ecu.info()
-        supported = [] if quick else list(ecu.supported())
+        recorded = parse(ecu.tester.link.url).scheme == "replay"
+        supported = [] if quick else _told_by_recording(ecu) if recorded else list(ecu.supported())
         catalog = ecu.catalog
     if run.output.json:
         run.output.data(
@@ -59,11 +64,24 @@ def info(run: Run, *, quick: bool) -> None:
             }
         )
         return
-    run.output.table([], [*_rows(found, catalog), *_support_rows(supported)])
+    untold = (
+        say("the recording does not tell", "по записи не узнать")
+        if recorded
+        else say("this unit does not tell", "блок не сообщает")
+    )
+    rows = _rows(found, catalog, untold)
+    run.output.table([], [*rows, *_support_rows(supported, untold if recorded else None)])
 
 
-def _rows(found: Info, catalog: Catalog) -> list[list[str]]:
-    unknown = say("this unit does not tell", "блок не сообщает")
+def _told_by_recording(ecu: Ecu) -> list[Support]:
+    """By what was asked then: trying it now would only tell what is not in the recording."""
+    from mikas.recording.replay import playing
+
+    car = playing(ecu.tester.link)
+    return [] if car is None else [Support(each, car.recorded.knows(each)) for each in ALL_COMMANDS]
+
+
+def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
     passport = found.passport
     rows = [
         [say("model", "модель"), f"{shown(found.model.text)} ({found.version_code:02X})"],
@@ -125,11 +143,11 @@ def _named(support: Support) -> str:
     return f"{code} {shown(support.command.TITLE)}"
 
 
-def _support_rows(supported: list[Support]) -> list[list[str]]:
+def _support_rows(supported: list[Support], untold: str | None) -> list[list[str]]:
     words = {
         True: say("knows", "знает"),
         False: say("does not know", "не знает"),
-        None: say("not tried", "не пробовалось"),
+        None: untold or say("not tried", "не пробовалось"),
     }
     rows = []
     for known, word in words.items():

@@ -20,6 +20,7 @@ from mikas.cli.words import decimal, say, shown
 from mikas.client import Ecu
 from mikas.errors import MikasError, UsageError
 from mikas.language import Text
+from mikas.recording.export import SUFFIXES
 from mikas.recording.recorder import RecordingStatus, begin_anew
 from mikas.sampling.events import Event, LineState, StateChanged
 
@@ -68,6 +69,7 @@ def log(run: Run, asked: Asked, *, out: Path, rotate: Portion | None) -> int:
                 "Команда log и так записывает, в файл после -o; уберите --capture",
             )
         )
+    _check_name(out)
     with session(run, asked, out) as current:
         try:
             return _record(run, current, asked, rotate)
@@ -75,6 +77,28 @@ def log(run: Run, asked: Asked, *, out: Path, rotate: Portion | None) -> int:
             if not current.connected:
                 _leave_nothing(out)
             raise
+
+
+def _check_name(out: Path) -> None:
+    """Raises for a name that promises what `log` does not make."""
+    if str(out) == "-":
+        raise UsageError(
+            problem=Text(
+                "a recording needs a file: -o drive.pcapng; to send values on, use --json",
+                "для записи нужен файл: -o drive.pcapng; чтобы передать значения дальше, есть "
+                "--json",
+            )
+        )
+    if out.suffix.lower() in SUFFIXES:
+        name = out.with_suffix(".pcapng").name
+        raise UsageError(
+            problem=Text(
+                f"what passes on the wire is recorded, which is no {out.suffix}: record with "
+                f"-o {name}, then `mikas export {name} -o {out.name}`",
+                f"записывается то, что идёт по линии, а это не {out.suffix}: запишите с "
+                f"-o {name}, затем `mikas export {name} -o {out.name}`",
+            )
+        )
 
 
 def _record(run: Run, current: Session, asked: Asked, rotate: Portion | None) -> int:
@@ -85,11 +109,12 @@ def _record(run: Run, current: Session, asked: Asked, rotate: Portion | None) ->
     try:
         with Marking(current.recorder, progress.note):
             for event in current.events(asked):
+                notices.take(event)  # first: who sees a value has been told that it is back
                 if lines is not None:
                     lines.take(event)
-                notices.take(event)
                 progress.take(event)
                 rotation.take(event)
+            notices.end()
     finally:
         status = current.recorder.stop()
         progress.end(status)
@@ -180,11 +205,18 @@ class _Progress:
         current = self._current
         rate = f"{current.rate:.1f}"
         size, seconds = status.bytes / 1024, current.seconds
+        lost = min(status.lost, current.samples)
+        but, ru_but = (
+            (f"{lost} of them not recorded, ", f"из них не записано {lost}, ")
+            if status.failure is not None
+            else ("", "")
+        )
         said = say(
-            f"{status.path}: {current.samples} samples, {rate} a second, {status.gaps} "
+            f"{status.path}: {current.samples} samples, {but}{rate} a second, {status.gaps} "
             f"gaps, {current.errors} line errors, {size:.0f} KiB, {seconds:.0f} s",
-            f"{status.path}: отсчётов {current.samples}, {decimal(rate)} в секунду, пропусков "
-            f"{status.gaps}, ошибок линии {current.errors}, {size:.0f} КиБ, {seconds:.0f} с",
+            f"{status.path}: отсчётов {current.samples}, {ru_but}{decimal(rate)} в секунду, "
+            f"пропусков {status.gaps}, ошибок линии {current.errors}, {size:.0f} КиБ, "
+            f"{seconds:.0f} с",
         )
         if status.failure is not None:
             return f"{say('NOT RECORDING', 'ЗАПИСЬ ПРЕКРАЩЕНА')} · {said}"

@@ -116,6 +116,7 @@ def _sample(run: Run, current: Session, asked: Asked, seconds: float) -> None:
                     return  # the report is of the car that it began with
                 current.acquisition.call(lambda ecu: ecu.faults())
             progress.show(current)
+        notices.end()
     finally:
         progress.clear()
 

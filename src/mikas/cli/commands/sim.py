@@ -6,6 +6,7 @@ import asyncio
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mikas.cli.arguments import File, OneOf
 from mikas.cli.grammar import command, option
@@ -19,6 +20,9 @@ from mikas.virtual.build import CAR_SETTINGS, MODELS, SETTINGS, build_bus
 from mikas.virtual.bus import Bus
 from mikas.virtual.disturbance import Trouble
 from mikas.virtual.ecu import Happening
+
+if TYPE_CHECKING:
+    from mikas.recording.replay import ReplayCar
 
 _TROUBLES = ", ".join(it.value for it in Trouble if it is not Trouble.DAMAGED)
 
@@ -125,8 +129,9 @@ def _recorded(run: Run, path: Path, wanted: Mapping[str, str]) -> Bus:
                     f"--{name} и --replay несовместимы: машина — та, что записана",
                 )
             )
-    bus = replay_bus(path, wanted, catalog=run.catalog(), watcher=_watcher(run))
+    bus = replay_bus(path, wanted, catalog=run.catalog())
     car = car_on(bus)
+    bus.ecu.watcher = _with_its_end(run, path, car)
     if car is not None and car.recorded.problems:
         count = car.recorded.problems
         run.output.note(
@@ -136,6 +141,31 @@ def _recorded(run: Run, path: Path, wanted: Mapping[str, str]) -> Bus:
             )
         )
     return bus
+
+
+def _with_its_end(run: Run, path: Path, car: ReplayCar | None) -> Callable[[Happening], None]:
+    """Tells besides, once, that the recording is over: the wire has no word for it."""
+    watcher, told = _watcher(run), False
+
+    def tell(happening: Happening) -> None:
+        nonlocal told
+        if watcher is not None:
+            watcher(happening)
+        if told or happening.kind != "power-off" or car is None or not car.is_over(happening.time):
+            return
+        told = True
+        if run.output.json and watcher is not None:
+            watcher(Happening(happening.time, "recording-over"))
+        run.output.note(
+            say(
+                f"The recording {path} is over: from here on the unit is silent, as with the key "
+                "off. Begin it again with the same command; --set loop=1 plays it round and round.",
+                f"Запись {path} закончилась: дальше блок молчит, как с выключенным зажиганием. "
+                "Начать снова — той же командой; --set loop=1 повторяет запись по кругу.",
+            )
+        )
+
+    return tell
 
 
 async def _serve(run: Run, bus: Bus, clock: WallClock, tcp: tuple[str, int] | None) -> None:

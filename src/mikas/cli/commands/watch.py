@@ -129,8 +129,9 @@ def show(run: Run, current: Session, asked: Asked) -> None:
     with shown_on(run, current) as screen:
         notices = Notices(current, screen.tell, verbose=run.output.verbose)
         for event in current.events(asked):
+            notices.take(event)  # first: who sees a value has been told that it is back
             screen.take(event)
-            notices.take(event)
+        notices.end()
 
 
 def shown_on(run: Run, current: Session) -> Shown:

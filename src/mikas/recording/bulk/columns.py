@@ -6,14 +6,14 @@ was sent: in between nobody knows which one the unit has.
 
 A conversion's normal form is three integers (`catalog.conversion`), and every quotient of 64-bit
 floats below is the one that `Conversion.decode` comes to: the values are the same, bit for bit. A
-response whose length does not fit its request makes a row without a value. So does a lone `01` to a
-61 with one code of one byte, until that request was answered otherwise: it may be a refusal (D10).
+response whose length does not fit its request makes a row without a value. Which `01` is one, and
+which a refusal (D10), is for `doubt` to say.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -21,7 +21,6 @@ import numpy as np
 from mikas import commands as c
 from mikas.catalog import Catalog
 from mikas.catalog.conversion import Conversion
-from mikas.commands.base import ERROR
 from mikas.recording.bulk.arrays import Bytes, Floats, Index, side_by_side
 from mikas.recording.bulk.match import Answers
 from mikas.recording.table import Channel
@@ -29,7 +28,6 @@ from mikas.recording.table import Channel
 _DATA: Final = (c.ReadParameters, c.StreamCyclic, c.StreamAtStroke)
 _READ_LIST: Final = bytes(c.ReadList.CODES)
 _WRITE_LIST: Final = bytes(c.WriteList.CODES)
-_READ: Final = bytes(c.ReadParameters.CODES)
 _LIST_IS_SET: Final = 0  # the completion code
 
 
@@ -38,6 +36,7 @@ class Place:
     """Where a parameter's datum stands in a body."""
 
     name: str
+    code: int
     start: int
     conversion: Conversion
 
@@ -49,14 +48,25 @@ class Layout:
     length: int
     places: tuple[Place, ...]
 
+    def last_of(self, code: int) -> int | None:
+        """Where the code's last datum begins; None: it has none here."""
+        return next((place.start for place in reversed(self.places) if place.code == code), None)
+
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """Rows that have the same layout. `fitting`: those of `rows` whose length is right."""
+    """Rows that have the same layout. `fitting`: those of `rows` that have values, all of the right
+    length. `request`: the number of what they answer.
+    """
 
+    request: int
     layout: Layout
     rows: Index
     fitting: Index
+
+    def only(self, fitting: Index) -> Part:
+        """The same rows, of which these have values."""
+        return replace(self, fitting=fitting)
 
 
 class Definitions:
@@ -86,11 +96,15 @@ class Definitions:
         start = 0
         for datum in command.parameters:
             places += [
-                Place(parameter.name, start, self._conversions[parameter.name])
+                Place(parameter.name, datum.code, start, self._conversions[parameter.name])
                 for parameter in self._catalog.by_code(datum.code)
             ]
             start += datum.size
         return Layout(start, tuple(places))
+
+    def names(self, codes: Collection[int]) -> set[str]:
+        """The parameters that have these codes."""
+        return {p.name for code in codes for p in self._catalog.by_code(code)}
 
     def channels(self, names: Collection[str]) -> tuple[Channel, ...]:
         """The columns of these parameters, in the order of the catalog."""
@@ -106,16 +120,15 @@ class Sorter:
 
     def __init__(self, definitions: Definitions, bodies: list[bytes]) -> None:
         self._definitions = definitions
-        self._bodies = bodies  # of requests, by number; grows
+        self.bodies = bodies  # of requests, by number; grows
         self._sets = 0
         self._list: Layout | None = None
-        self._known: set[int] = set()  # lone requests whose answer is data beyond doubt
 
     def parts(self, answers: Answers) -> Iterator[Part]:
         """Every answer that has a layout is in one part."""
         lists = self._lists(answers)
         for number in np.unique(answers.requests).tolist():
-            if number < 0 or not (request := self._bodies[number]):
+            if number < 0 or not (request := self.bodies[number]):
                 continue
             rows = (answers.requests == number).nonzero()[0]
             if request.startswith(_WRITE_LIST):
@@ -125,28 +138,16 @@ class Sorter:
                 for (_, layout), start, stop in zip(lists, edges, edges[1:], strict=False):
                     listed = rows[(rows >= start) & (rows < stop)]
                     if layout and listed.size:
-                        yield _part(layout, listed, answers)
+                        yield _part(number, layout, listed, answers)
             elif layout := self._definitions.layout(request):
-                part = _part(layout, rows, answers)
-                alone = request[:1] == _READ and len(request) == 2 and layout.length == 1
-                yield self._beyond_doubt(part, number, answers) if alone else part
-
-    def _beyond_doubt(self, part: Part, number: int, answers: Answers) -> Part:
-        """Without the values that may be D10's refusal: none of the request's came before."""
-        if number in self._known or not part.fitting.size:
-            return part
-        others = (answers.bodies[answers.starts[part.fitting]] != ERROR[0]).nonzero()[0]
-        if others.size:
-            self._known.add(number)
-        first = int(others[0]) if others.size else part.fitting.size
-        return Part(part.layout, part.rows, part.fitting[first:])
+                yield _part(number, layout, rows, answers)
 
     def _lists(self, answers: Answers) -> list[tuple[int, Layout | None]]:
         """From which answer on which list holds."""
         if not answers.sets.size:
             return [(0, self._list)]
         changed = np.concatenate(([self._sets], answers.sets[:-1])) != answers.sets
-        sets_list = np.array([body[:1] == _WRITE_LIST for body in self._bodies], np.bool_)
+        sets_list = np.array([body[:1] == _WRITE_LIST for body in self.bodies], np.bool_)
         about = (answers.requests >= 0) & (answers.lengths == 1)
         about &= answers.requests == answers.set_by
         about[about] = sets_list[answers.requests[about]]
@@ -156,15 +157,15 @@ class Sorter:
             if changed[event]:
                 lists.append((event, None))
             if about[event]:
-                request = self._bodies[int(answers.requests[event])]
+                request = self.bodies[int(answers.requests[event])]
                 lists.append((event, self._definitions.layout(request)))
         self._sets = int(answers.sets[-1])
         self._list = lists[-1][1]
         return lists
 
 
-def _part(layout: Layout, rows: Index, answers: Answers) -> Part:
-    return Part(layout, rows, rows[answers.lengths[rows] == layout.length])
+def _part(number: int, layout: Layout, rows: Index, answers: Answers) -> Part:
+    return Part(number, layout, rows, rows[answers.lengths[rows] == layout.length])
 
 
 def converted(part: Part, answers: Answers, names: Collection[str]) -> Iterator[tuple[str, Floats]]:

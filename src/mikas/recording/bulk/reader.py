@@ -1,8 +1,9 @@
 """A recording as a table: columns over time, in stretches, from the raw bytes every time anew.
 
 The file is read twice: once to learn which parameters it has, so that the columns are known before
-the first row, and once for their values. Nothing decoded is kept: a formula that was corrected in
-the catalog gives corrected values of an old recording.
+the first row, and which `01`s are refusals (D10), as what comes later tells; once for the values.
+Nothing decoded is kept: a formula that was corrected in the catalog gives corrected values of an
+old recording.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ import numpy as np
 from mikas.catalog import Catalog
 from mikas.recording.bulk.arrays import Floats
 from mikas.recording.bulk.capture import read
-from mikas.recording.bulk.columns import Definitions, Sorter, converted
+from mikas.recording.bulk.columns import Definitions, Part, Sorter, converted
+from mikas.recording.bulk.doubt import Doubt, Verdicts
 from mikas.recording.bulk.match import Answers, Matcher
 from mikas.recording.bulk.packets import Packets
 from mikas.recording.reader import Problem, Source
@@ -54,6 +56,7 @@ class TableReader:
         self.problems: list[Problem] = []
         self.problem_count = 0
         self._definitions = Definitions(catalog, reading)
+        self._verdicts: dict[Source, Verdicts] = {}
         found = self._look_through()
         if names is not None:
             found = {catalog.parameter(name).name for name in names}
@@ -71,21 +74,30 @@ class TableReader:
         """As `rows`, each with the port and the recording that it comes from."""
         names = [channel.name for channel in self.channels]
         waiting: dict[Source, _Stretch] = {}
+        doubts: dict[Source, Doubt] = {}
         for source, answers, sorter in self._answers(problems=False):
             if source not in waiting:
                 for before in [it for it in waiting if it.recording != source.recording]:
                     yield from waiting.pop(before).rest()
                 waiting[source] = _Stretch(source, names, size)
-            yield from waiting[source].add(answers, sorter)
+                doubts[source] = Doubt(sorter.bodies, self._verdicts.get(source, Verdicts()))
+            parts = list(doubts[source].weighed(list(sorter.parts(answers)), answers))
+            yield from waiting[source].add(answers, parts)
         for left in waiting.values():
             yield from left.rest()
 
     def _look_through(self) -> set[str]:
         found: set[str] = set()
-        for _, answers, sorter in self._answers(problems=True):
-            for part in sorter.parts(answers):
+        doubts: dict[Source, Doubt] = {}
+        for source, answers, sorter in self._answers(problems=True):
+            if source not in doubts:
+                doubts[source] = Doubt(sorter.bodies)
+            for part in doubts[source].weighed(list(sorter.parts(answers)), answers):
                 if part.fitting.size:
                     found.update(place.name for place in part.layout.places)
+        for source, doubt in doubts.items():
+            self._verdicts[source], believed = doubt.conclude()
+            found |= self._definitions.names(believed)
         return found
 
     def _answers(self, *, problems: bool) -> Iterator[tuple[Source, Answers, Sorter]]:
@@ -129,9 +141,9 @@ class _Stretch:
         self._count = 0
         self._last = -np.inf
 
-    def add(self, answers: Answers, sorter: Sorter) -> Iterator[tuple[Source, Rows]]:
+    def add(self, answers: Answers, parts: list[Part]) -> Iterator[tuple[Source, Rows]]:
         """Takes these answers; gives stretches that are full."""
-        times, columns = self._table(answers, sorter)
+        times, columns = self._table(answers, parts)
         if not times.size:
             return
         steps = np.diff(times, prepend=self._last)
@@ -172,9 +184,8 @@ class _Stretch:
             yield self._source, Rows(np.concatenate(self._times), values)
         self._times, self._columns, self._count = [], [], 0
 
-    def _table(self, answers: Answers, sorter: Sorter) -> tuple[Floats, Columns]:
+    def _table(self, answers: Answers, parts: list[Part]) -> tuple[Floats, Columns]:
         row_of = np.full(answers.times.size, -1)
-        parts = list(sorter.parts(answers))
         for part in parts:
             row_of[part.rows] = 0
         rows = (row_of == 0).nonzero()[0]

@@ -22,6 +22,7 @@ from mikas.recording.table import Channel, Rows
 
 if TYPE_CHECKING:
     from mikas.recording.export.sheet import Sheet
+    from mikas.recording.happened import Happened
 
 TIME = "time"  # the column that every format has; no channel may be called so
 
@@ -58,6 +59,7 @@ def export(
     channels: Sequence[Channel],
     rows: Iterable[Rows],
     *,
+    events: Iterable[Happened] = (),
     start: float | None = None,
     started: datetime | None = None,
     about: Mapping[str, str] | None = None,
@@ -71,7 +73,9 @@ def export(
     `started`: what a calendar said then, with its time zone; unless given, it is taken from `start`
     where that plainly counts from 1970, and else left unknown.
     `about`: what a reader should know of the recording (unit, passport, catalog), by its title.
-    `language`: of the texts in a CSV's one header line; the other formats hold both.
+    `events`: a recording's; its markers, notes, gaps and alarms stand in every format but CSV.
+    `language`: of the texts in a CSV's one header line and of the marks in MegaLogViewer's formats;
+    all else holds both.
     `dialect`: how a CSV is spelled.
     A channel that a stretch lacks is missing in its rows.
 
@@ -86,6 +90,7 @@ def export(
     sheet = sheet_of(
         channels,
         rows,
+        events,
         start=start,
         started=started,
         about=about or {},

@@ -1,6 +1,8 @@
 """ASAM MDF 4.10, by asammdf: one group, its master `time` in seconds, the start in the header.
 
 A channel is a float of 64 bits with its unit; both texts are its comment; a missing value is NaN.
+Markers, notes and alarms are events (bookmarks) of the file, a gap is an interrupt of the
+acquisition, from its beginning to its end.
 Records go to a file beside OUT as they come and are packed (transposed, deflate) at the end.
 """
 
@@ -13,11 +15,29 @@ from typing import Final
 
 import numpy as np
 from asammdf import MDF, Signal
+from asammdf.blocks.v4_blocks import EventBlock
+from asammdf.blocks.v4_constants import (
+    EVENT_CAUSE_ERROR,
+    EVENT_CAUSE_TOOL,
+    EVENT_CAUSE_USER,
+    EVENT_RANGE_TYPE_BEGINNING,
+    EVENT_RANGE_TYPE_END,
+    EVENT_RANGE_TYPE_POINT,
+    EVENT_TYPE_ACQUISITION_INTERRUPT,
+    EVENT_TYPE_MARKER,
+)
 
 from mikas.recording.export.heading import program
 from mikas.recording.export.sheet import Column, Sheet
 
 _PACKED: Final = 2
+_EVENTS: Final = {
+    "marker": (EVENT_TYPE_MARKER, EVENT_CAUSE_USER),
+    "note": (EVENT_TYPE_MARKER, EVENT_CAUSE_USER),
+    "alarm": (EVENT_TYPE_MARKER, EVENT_CAUSE_TOOL),
+    "gap": (EVENT_TYPE_ACQUISITION_INTERRUPT, EVENT_CAUSE_ERROR),
+}
+"""By the kind of moment: what sort of event it is, and what brought it about."""
 _UNKNOWN = datetime(1970, 1, 1, tzinfo=UTC)
 
 
@@ -40,6 +60,7 @@ def write(path: Path, sheet: Sheet) -> None:
         if not begun:
             empty = np.empty(0)
             _begin(mdf, sheet, empty, [empty] * len(sheet.channels))
+        _happened(mdf, sheet)
         mdf.save(file, compression=_PACKED)
 
 
@@ -55,6 +76,35 @@ def _begin(mdf: MDF, sheet: Sheet, times: Column, columns: list[Column]) -> None
         for channel, values in zip(sheet.channels, columns, strict=True)
     ]
     mdf.append(signals, common_timebase=True)
+
+
+def _happened(mdf: MDF, sheet: Sheet) -> None:
+    events: list[EventBlock] = mdf.events
+    for moment in sheet.moments:
+        text = moment.text
+        both = text.en if text.en == text.ru else f"{text.en} / {text.ru}"
+        event = _event(moment.kind, moment.time, text.to(sheet.language), f"{moment.kind}: {both}")
+        events.append(event)
+        if moment.ended is not None:
+            event.range_type = EVENT_RANGE_TYPE_BEGINNING
+            end = _event(moment.kind, moment.ended, event.name, event.comment)
+            end.range_type = EVENT_RANGE_TYPE_END
+            end["range_start"] = len(events) - 1  # its place in the list; saving makes it a link
+            events.append(end)
+
+
+def _event(kind: str, time: float, name: str, comment: str) -> EventBlock:
+    event_type, cause = _EVENTS[kind]
+    event = EventBlock(
+        event_type=event_type,
+        cause=cause,
+        flags=0,
+        range_type=EVENT_RANGE_TYPE_POINT,
+        sync_base=round(time * 1e6),
+        sync_factor=1e-6,
+    )
+    event.name, event.comment = name, comment
+    return event
 
 
 def _comment(sheet: Sheet) -> str:

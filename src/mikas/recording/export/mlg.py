@@ -9,10 +9,12 @@ to 4 ms. The channels are such floats; a missing value is NaN.
     field    type, name (34), unit (10), display style, scale, transform, digits: 55 bytes
     info     the two lines of `heading`, ended by 00
     block    00, rolling counter, 16 bits of a 10 µs clock, the fields, the sum of their bytes
+    marker   01, the same counter and clock, its words (50), no sum
 """
 
 from __future__ import annotations
 
+import math
 import struct
 from datetime import UTC
 from itertools import count
@@ -24,11 +26,13 @@ from numpy.typing import NDArray
 from mikas.errors import ExportError
 from mikas.language import Text
 from mikas.recording.export.heading import heading
+from mikas.recording.export.marks import Mark, marked
 from mikas.recording.export.sheet import Column, Sheet
 from mikas.recording.table import Channel
 
 _HEADER = struct.Struct(">6sHIHIHH")
 _FIELD = struct.Struct(">B34s10sBffb")
+_MARKER = struct.Struct(">BBH50s")
 _S32, _F32 = 5, 7
 _FLOAT = 0  # display style
 _MOST = (0xFFFF - _HEADER.size) // _FIELD.size - 1  # the info's place is a number of 16 bits
@@ -43,9 +47,13 @@ def write(path: Path, sheet: Sheet) -> None:
     with path.open("wb") as file:
         file.write(_head(sheet, layout))
         written = 0
-        for times, columns in sheet.stretches:
-            file.write(_blocks(layout, written, times, columns).tobytes())
-            written += len(times)
+        for piece in marked(sheet):
+            if isinstance(piece, Mark):
+                file.write(_marker(written, piece))
+                written += 1
+                continue
+            file.write(_blocks(layout, written, piece.times, piece.columns).tobytes())
+            written += len(piece.times)
 
 
 def _layout(channels: int) -> np.dtype[np.void]:
@@ -82,6 +90,11 @@ def _blocks(
     raw = blocks.view(np.uint8).reshape(len(times), layout.itemsize)
     blocks["sum"] = raw[:, 4:-1].sum(axis=1, dtype=np.uint64) % 256
     return blocks
+
+
+def _marker(written: int, mark: Mark) -> bytes:
+    clock = math.floor(mark.time * 100_000) % 65_536
+    return _MARKER.pack(1, written % 256, clock, _fitting(mark.text, 49))
 
 
 def _digits(channel: Channel) -> int:

@@ -2,18 +2,17 @@
 
 Two quoted lines, the fields' names, their units, then the data; the first field is `Time`, in
 seconds. A missing value is `NaN`: between two tabs some readers see a zero, and at a line's end
-they lose it.
+they lose it. A line `MARK 000 - …` between the rows is a marker, a note, a gap or an alarm.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from mikas.language import Text
 from mikas.recording.export.cells import lines, spelled, without
 from mikas.recording.export.heading import heading
+from mikas.recording.export.marks import Mark, marked
 from mikas.recording.export.sheet import Sheet
 from mikas.recording.table import Channel
 
@@ -27,9 +26,12 @@ def write(path: Path, sheet: Sheet) -> None:
         file.write("".join(f'"{line}"\n' for line in heading(sheet)).encode())
         file.write(lines([[without(field.name, '"')] for field in fields], "\t"))
         file.write(lines([[without(field.unit, '"')] for field in fields], "\t"))
-        for times, columns in sheet.stretches:
+        for piece in marked(sheet):
+            if isinstance(piece, Mark):
+                file.write(f"{piece.text}\n".encode())
+                continue
             cells = [
                 spelled(field, values, missing="NaN")
-                for field, values in zip(fields, (np.asarray(times), *columns), strict=True)
+                for field, values in zip(fields, (piece.times, *piece.columns), strict=True)
             ]
             file.write(lines(cells, "\t"))

@@ -1,8 +1,9 @@
 """Parquet, by duckdb: `time` in seconds, a DOUBLE a channel, a BOOLEAN a flag, missing as NULL.
 
-Units and texts have no place in a Parquet column, so they stand in the file's own metadata, as JSON
-under the key `mikas`. Rows are collected in a duckdb database beside OUT, which packs them as they
-come, and copied from there: that bounds the memory, and is quicker than a table in it.
+Units and texts have no place in a Parquet column, nor has what happened beside the values, so they
+stand in the file's own metadata, as JSON under the key `mikas`. Rows are collected in a duckdb
+database beside OUT, which packs them as they come, and copied from there: that bounds the memory,
+and is quicker than a table in it.
 """
 
 from __future__ import annotations
@@ -101,6 +102,7 @@ def _metadata(sheet: Sheet) -> str:
         "about": dict(sheet.about),
         "time": {"unit": "s", "en": "Time since the start", "ru": "Время от начала"},
         "channels": channels,
+        "events": [moment.as_json() for moment in sheet.moments],
     }
     return json.dumps(facts, ensure_ascii=False)
 

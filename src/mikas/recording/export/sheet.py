@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from mikas.language import Language
 from mikas.recording.export.dialect import Dialect
+from mikas.recording.export.moments import Moment, began, moments_of
+from mikas.recording.happened import Happened
 from mikas.recording.table import Channel, Rows
 
 STRETCH = 32_768  # × 24 columns × 8 bytes: 6 MB
@@ -83,10 +85,14 @@ class Stretches:
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """Everything a writer needs to know. `about`: of the recording, by title; no line breaks."""
+    """Everything a writer needs to know. `about`: of the recording, by title; no line breaks.
+
+    `moments`: what happened beside the values, in the order of its times.
+    """
 
     channels: tuple[Channel, ...]
     stretches: Stretches
+    moments: tuple[Moment, ...]
     started: datetime | None
     about: Mapping[str, str]
     language: Language
@@ -96,6 +102,7 @@ class Sheet:
 def sheet_of(
     channels: Sequence[Channel],
     rows: Iterable[Rows],
+    events: Iterable[Happened],
     *,
     start: float | None,
     started: datetime | None,
@@ -107,6 +114,9 @@ def sheet_of(
     stretches = Stretches(channels, rows)
     first = stretches.first_time()
     zero = start if start is not None else first
+    happened = list(events)
+    if zero is None and happened:  # nothing came at all, but something was noted
+        zero = min(map(began, happened))
     if zero is not None:
         stretches.zero = zero
         if started is None and zero >= _PLAINLY_UNIX:
@@ -116,6 +126,7 @@ def sheet_of(
     return Sheet(
         channels=tuple(channels),
         stretches=stretches,
+        moments=moments_of(happened, stretches.zero),
         started=started,
         about={_line(title): _line(text) for title, text in about.items()},
         language=language,

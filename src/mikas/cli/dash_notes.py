@@ -1,0 +1,63 @@
+"""What `dash` and `demo` say at the terminal beside their address."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mikas.cli.run import Run
+from mikas.cli.words import say, shown
+from mikas.errors import UsageError
+
+if TYPE_CHECKING:
+    from mikas.dashboard.hub import Hub
+    from mikas.dashboard.settings import Settings
+
+
+def tell_kept(run: Run, hub: Hub) -> None:
+    """What became of the recording that was being made."""
+    kept = hub.recording.kept
+    if kept is None:
+        return
+    if kept.failure is None:
+        run.output.note(
+            say(
+                f"The recording was ended and is kept: {kept.path}",
+                f"Запись закончена и сохранена: {kept.path}",
+            )
+        )
+    else:
+        run.output.note(shown(kept.failure.text))
+
+
+def tell_if_nothing_can_be_kept(run: Run, settings: Settings) -> None:
+    """Of the folder that nobody named; one that was named is refused."""
+    from mikas.dashboard.settings import check_folder
+
+    try:
+        check_folder(settings.recordings)
+    except UsageError as error:
+        run.output.note(shown(error.text))
+
+
+def tell_if_missing(run: Run, url: str) -> None:
+    """Says here too what the page shows: perhaps nobody looks at it yet."""
+    from mikas.link import find_ports
+    from mikas.link.ports import listed
+    from mikas.link.urls import parse
+
+    named = parse(url)
+    if named.scheme != "serial" or Path(named.address).exists():
+        return
+    ports = find_ports()
+    if named.address in (port.url for port in ports):
+        return  # on Windows a port is no path
+    found = listed(ports)
+    run.output.note(
+        say(
+            f"There is no port {named.address} yet; the page connects as soon as it is there. "
+            f"Found: {found.en}.",
+            f"Порта {named.address} пока нет; страница соединится, как только он появится. "
+            f"Найдены: {found.ru}.",
+        )
+    )

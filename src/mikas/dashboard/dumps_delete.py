@@ -1,0 +1,78 @@
+"""Deleting a dump: a change in two steps, as every other that can't be undone.
+
+One that is being read is not deleted: it is paused first. What was confirmed is what was there
+then; a dump that was gone on with meanwhile is another.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mikas.client.dump import manifest_path
+from mikas.dashboard.nonces import Prepared
+from mikas.dashboard.refusals import Busy, NonceStale, NotFound
+from mikas.errors import UsageError, reason_of
+from mikas.language import Text
+
+if TYPE_CHECKING:
+    from mikas.dashboard.dumping import Job
+    from mikas.dashboard.hub import Hub
+
+_RUNS = Text(
+    "this dump is being read; pause it first",
+    "этот образ как раз читается; сначала остановите чтение",
+)
+_FOR_GOOD = Text(
+    "The file is removed for good. Download it first if it may be needed.",
+    "Файл удаляется насовсем. Если он может понадобиться, сначала скачайте его.",
+)
+_GONE = Text("This dump is no longer there", "Этого образа уже нет")
+_CHANGED = Text("This dump is no longer as it was shown", "Этот образ уже не тот, что был показан")
+
+
+def prepared_delete_of_dump(hub: Hub, name: str) -> Prepared:
+    """What would be deleted. Raises `NotFound`, `Busy` for the dump that is being read."""
+    job = hub.dumping.jobs.get(name)
+    if job is None:
+        raise NotFound(name=name)
+    _check_paused(job)
+    before = _told(job)
+
+    async def make() -> dict[str, Any]:
+        if hub.dumping.jobs.get(name) is not job:
+            raise NonceStale(_GONE)
+        _check_paused(job)
+        if _told(job) != before:
+            raise NonceStale(_CHANGED)
+        _delete(job)
+        del hub.dumping.jobs[name]
+        return {"before": before, "after": None}
+
+    return Prepared(
+        what=Text(f"delete the dump {job.file.name}", f"удалить образ {job.file.name}"),
+        before=before,
+        after=None,
+        lost=(before,),
+        meaning=_FOR_GOOD,
+        make=make,
+    )
+
+
+def _check_paused(job: Job) -> None:
+    if job.phase == "running":
+        raise Busy(problem=_RUNS)
+
+
+def _told(job: Job) -> dict[str, Any]:
+    return {"id": job.id, "file": job.file.name, "done": job.done, "total": job.total}
+
+
+def _delete(job: Job) -> None:
+    """The manifest last: a dump whose file could not be removed is still known."""
+    try:
+        for path in (job.file, manifest_path(job.file)):
+            path.unlink(missing_ok=True)
+    except OSError as error:
+        why = reason_of(error)
+        told = Text(f"{job.file}: {why.en}", f"{job.file}: {why.ru}")
+        raise UsageError(problem=told) from error

@@ -1,0 +1,34 @@
+"""A job's turn on the line, awaited by the event loop, which goes on meanwhile."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeVar
+
+from mikas.dashboard.refusals import Busy
+from mikas.language import Text
+
+if TYPE_CHECKING:
+    from mikas.client import Ecu
+    from mikas.dashboard.session import Session
+
+T = TypeVar("T")
+
+_TAKES_LONG = Text("the line is taken; the request was taken back", "линия занята; запрос отозван")
+
+
+async def turn(session: Session, job: Callable[[Ecu], T], seconds: float) -> T:
+    """What `job(ecu)` returns, done between two cycles of `session`. Raises what it raises, and
+    `Busy` if its turn did not come within `seconds`; then it does not come any more.
+    """
+    future = session.call(job)
+    wrapped = asyncio.wrap_future(future)
+    try:
+        done, _ = await asyncio.wait({wrapped}, timeout=seconds)
+    finally:
+        if not wrapped.done():
+            future.cancel()
+    if not done:
+        raise Busy(problem=_TAKES_LONG)
+    return wrapped.result()

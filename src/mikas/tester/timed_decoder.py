@@ -1,0 +1,43 @@
+"""Frames out of chunks, and when each of them began on the wire.
+
+A chunk's time is when its last byte was there, or later: adapters hand bytes over in lumps. So a
+frame that began `n` bytes before a chunk's end can't have begun later than `n` byte times before
+that chunk came. Of all the chunks that brought any of it the one that says the earliest is right,
+or the least wrong.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+from mikas.framing import Damage, Decoder, Frame
+from mikas.link import Chunk
+
+
+class TimedDecoder:
+    """A `Decoder` that knows when its bytes came."""
+
+    def __init__(self, decoder: Decoder, byte_time: float) -> None:
+        self._decoder = decoder
+        self._byte_time = byte_time
+        # Of what is not finished: where a chunk ends, and when by it the very first byte began.
+        self._chunks: deque[tuple[int, float]] = deque()
+
+    @property
+    def pending(self) -> bytes:
+        """What came of a frame that is not finished."""
+        return self._decoder.pending
+
+    def feed(self, chunk: Chunk) -> list[tuple[Frame | Damage, float]]:
+        """What `chunk` completes, each with the time when its first byte began."""
+        end = self._decoder.offset + len(chunk.data)
+        self._chunks.append((end, chunk.time - end * self._byte_time))
+        events = [(event, self._began(event.offset)) for event in self._decoder.feed(chunk.data)]
+        begun = end - len(self._decoder.pending)
+        while self._chunks and self._chunks[0][0] <= begun:
+            self._chunks.popleft()
+        return events
+
+    def _began(self, offset: int) -> float:
+        zero = min(zero for end, zero in self._chunks if end > offset)
+        return zero + offset * self._byte_time

@@ -1,0 +1,119 @@
+"""Markers from a terminal: lines typed while it is recorded; what follows is the shell's."""
+
+from __future__ import annotations
+
+import os
+import pty
+import select
+import signal
+import threading
+from contextlib import contextmanager
+
+import pytest
+
+from mikas.cli.marking import Marking
+from mikas.link.tee import Direction
+from mikas.recording import CaptureReader
+from mikas.recording.recorder import Recorder
+
+PATIENCE = 20
+
+
+@contextmanager
+def terminal():
+    """What is behind a terminal, and what a program gets."""
+    behind, front = pty.openpty()
+    try:
+        yield behind, front
+    finally:
+        os.close(behind)
+        os.close(front)
+
+
+@pytest.fixture
+def recorder(tmp_path):
+    recorder = Recorder()
+    recorder.start(tmp_path / "a.pcapng", url="sim:")
+    recorder.record(Direction.SENT, b"\x01\xff\x0d", 1.0)
+    yield recorder
+    recorder.stop()
+
+
+class Told:
+    """The sentences, and a way to wait for one."""
+
+    def __init__(self) -> None:
+        self.sentences: list[str] = []
+        self.news = threading.Event()
+
+    def __call__(self, sentence: str) -> None:
+        self.sentences.append(sentence)
+        self.news.set()
+
+
+def waits_in(front: int) -> bytes:
+    """What a shell would find there."""
+    return os.read(front, 100) if select.select([front], [], [], PATIENCE)[0] else b""
+
+
+@contextmanager
+def marking(recorder: Recorder, front: int):
+    told = Told()
+    with Marking(recorder, told) as listening:
+        listening.listen(front)
+        yield told
+
+
+def test_a_line_is_a_marker_and_what_is_typed_after_the_end_is_not_ours(recorder):
+    with terminal() as (behind, front):
+        with marking(recorder, front) as told:
+            os.write(behind, "горка\n".encode())
+            assert told.news.wait(PATIENCE)
+        os.write(behind, b"ls -l\n")
+        assert waits_in(front) == b"ls -l\n"
+    assert len(told.sentences) == 1
+    assert "горка" in told.sentences[0]
+
+
+def test_what_is_typed_after_ctrl_c_is_not_ours_while_the_recording_is_still_being_ended(recorder):
+    with terminal() as (behind, front):
+        with marking(recorder, front) as told:
+            with pytest.raises(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGINT)
+            # A stream is being ended now, which may take a second.
+            os.write(behind, b"ls -l\n")
+            assert waits_in(front) == b"ls -l\n"
+        assert not told.sentences
+
+
+def test_another_signal_does_not_end_it(recorder):
+    was = signal.signal(signal.SIGUSR1, lambda *_: None)
+    try:
+        with terminal() as (behind, front), marking(recorder, front) as told:
+            os.kill(os.getpid(), signal.SIGUSR1)
+            os.write(behind, b"\n")
+            assert told.news.wait(PATIENCE)
+    finally:
+        signal.signal(signal.SIGUSR1, was)
+    assert len(told.sentences) == 1
+
+
+def test_a_terminal_that_goes_away_ends_the_listening_and_nothing_else(recorder):
+    behind, front = pty.openpty()
+    try:
+        with marking(recorder, front) as told:
+            os.close(behind)
+        assert not told.sentences
+    finally:
+        os.close(front)
+    assert signal.set_wakeup_fd(-1) == -1
+
+
+def test_markers_are_in_the_recording(tmp_path, recorder):
+    with terminal() as (behind, front), marking(recorder, front) as told:
+        os.write(behind, b"hill\n")
+        assert told.news.wait(PATIENCE)
+    recorder.stop()
+    labels = [n.data["label"] for n in CaptureReader(tmp_path / "a.pcapng").notes()
+              if n.kind == "marker"]  # fmt: skip
+    assert "hill" in labels

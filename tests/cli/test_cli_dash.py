@@ -1,0 +1,59 @@
+"""`dash` as it is started: what the terminal says while the page is not looked at yet."""
+
+from __future__ import annotations
+
+import pytest
+
+from mikas.cli.main import run
+from mikas.dashboard.virtual_cars import VirtualCars
+from mikas.errors import RecordingOver
+from mikas.recording.replay import playing
+
+
+@pytest.fixture
+def started(monkeypatch, tmp_path, capsys):
+    """Starts it, without serving; stdout, stderr."""
+    for name in ("HOME", "XDG_CONFIG_HOME", "XDG_STATE_HOME", "APPDATA", "LOCALAPPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    monkeypatch.delenv("MIKAS_PORT", raising=False)
+    monkeypatch.setenv("MIKAS_LANG", "en")
+    monkeypatch.setattr("mikas.dashboard.server.serve", lambda app, own, *, ready: ready())
+
+    def start(*argv: str) -> tuple[str, str]:
+        capsys.readouterr()
+        assert run(["dash", "--no-browser", "--record", str(tmp_path), *argv]) == 0
+        told = capsys.readouterr()
+        return told.out, told.err
+
+    return start
+
+
+def test_a_port_that_is_not_there_yet_is_said_and_waited_for(started):
+    out, err = started("--port", "/dev/nosuch7")
+    assert len(out.splitlines()) == 1
+    assert "There is no port /dev/nosuch7 yet; the page connects as soon as it is there." in err
+    assert "Порта /dev/nosuch7 пока нет" in started("--port", "/dev/nosuch7", "--lang", "ru")[1]
+
+
+@pytest.mark.parametrize("argv", [(), ("--port", "sim:"), ("--port", "socket://127.0.0.1:9")])
+def test_nothing_is_said_of_others(started, argv):
+    assert started(*argv)[1] == "Ctrl-C ends it.\n"
+
+
+def test_a_recording_that_is_over_plays_again_when_it_is_connected_to_again(tmp_path):
+    file = str(tmp_path / "a.pcapng")
+    assert run(["read", "TWAT", "--port", "sim:?clock=simulated", "--capture", file]) == 0
+    cars = VirtualCars()
+    for _ in range(2):
+        with cars.open(f"replay:{file}") as link:
+            car = playing(link)
+            assert car is not None
+            assert car.position(link.now()) == 0
+            car.seek(car.duration, link.now())
+            with pytest.raises(RecordingOver):
+                link.write(b"\x01\xff\x0d")
+
+
+def test_a_port_that_is_there(started, tmp_path):
+    (tmp_path / "ttyUSB0").touch()
+    assert started("--port", str(tmp_path / "ttyUSB0"))[1] == "Ctrl-C ends it.\n"

@@ -1,0 +1,215 @@
+"""What only `AsyncEcu` has to answer for: its names, leaving, cancelling, the loop that goes on."""
+
+from __future__ import annotations
+
+import asyncio
+import inspect
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+from client_bench import bench, by_worker, ecu_on
+
+from mikas import errors
+from mikas.client import METHODS, AsyncEcu, AsyncMemorySpace, Ecu, MemorySpace
+from virtual_bench import DATA
+
+SIM = "sim:?clock=simulated"
+
+
+def public(of):
+    return {name for name in dir(of) if not name.startswith("_")}
+
+
+def test_every_public_name_of_ecu_is_there():
+    made = AsyncEcu(ecu_on(bench()), ThreadPoolExecutor(1))
+    assert public(Ecu) | {"memory", "catalog"} <= public(made)
+    assert public(MemorySpace) <= public(made.memory.ram)
+    assert public(made.ecu.memory) - {"NAMES"} <= public(made.memory)
+    asyncio.run(made.close())
+
+
+def test_nothing_is_copied():
+    for there, here in ((Ecu, AsyncEcu), (MemorySpace, AsyncMemorySpace)):
+        for name in public(there) & public(here) - {"close", "stream", "model", "version_code"}:
+            delegated = inspect.getattr_static(here, name, None)
+            if delegated is not None:
+                assert delegated._method is inspect.getattr_static(there, name)
+                assert delegated.__doc__ == getattr(there, name).__doc__
+
+
+def test_connect_takes_the_same_settings_and_raises_the_same():
+    async def scene():
+        async with await AsyncEcu.connect(SIM, reading="literal", retries=1) as ecu:
+            assert ecu.ecu.tester.retries == 1
+            assert (await ecu.read("UACC"))["UACC"].reading == "literal"
+        with pytest.raises(errors.UsageError, match="maybe"):
+            await AsyncEcu.connect(SIM, echo="maybe")
+        with pytest.raises(errors.EchoOnly):
+            await AsyncEcu.connect(SIM + "&scenario=key-off&lost=1", retries=0)
+
+    asyncio.run(scene())
+
+
+def test_a_cancelled_connect_leaves_no_port_open(monkeypatch):
+    go, made = threading.Event(), []
+
+    def slow(url, **settings):
+        assert go.wait(30)
+        made.append(ecu_on(bench()))
+        return made[0]
+
+    monkeypatch.setattr("mikas.client.asynchronous.connect", slow)
+
+    async def scene():
+        connecting = asyncio.create_task(AsyncEcu.connect("sim:"))
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        connecting.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await connecting
+        go.set()
+        for thread in threading.enumerate():
+            if thread.name.startswith("mikas"):
+                thread.join(30)
+
+    asyncio.run(scene())
+    with pytest.raises(errors.LinkLost):
+        made[0].read("TWAT")
+
+
+@pytest.mark.parametrize("method", METHODS)
+class TestLeavingAWatch:
+    def scene(self, method, act):
+        it = bench()
+
+        async def play():
+            async with by_worker(it) as ecu:
+                await act(ecu, method)
+                assert (await ecu.read("TWAT"))["TWAT"].raw == DATA[0x1A]
+                if method == "stream" or method.startswith("stroke"):
+                    assert any(h.kind == "stream-end" for h in it.happenings)
+
+        asyncio.run(play())
+
+    def test_by_break(self, method):
+        async def act(ecu, method):
+            async for _ in ecu.watch("TWAT", method=method):
+                break
+
+        self.scene(method, act)
+
+    def test_by_an_error(self, method):
+        async def act(ecu, method):
+            try:
+                async for _ in ecu.watch("TWAT", method=method):
+                    raise ZeroDivisionError
+            except ZeroDivisionError:
+                await ecu.read("FREQ")
+
+        self.scene(method, act)
+
+    def test_by_cancelling(self, method):
+        async def act(ecu, method):
+            seen = asyncio.Event()
+
+            async def watch():
+                async for _ in ecu.watch("TWAT", method=method):
+                    seen.set()
+
+            task = asyncio.create_task(watch())
+            await seen.wait()
+            task.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await task
+
+        self.scene(method, act)
+
+    def test_by_cancelling_before_the_first(self, method):
+        async def act(ecu, method):
+            async def watch():
+                async for _ in ecu.watch("TWAT", method=method):
+                    pass
+
+            task = asyncio.create_task(watch())
+            await asyncio.sleep(0)
+            task.cancel()
+            try:
+                await task
+            except asyncio.CancelledError:
+                await ecu.read("FREQ")  # free at once, though the error still holds its frames
+
+        self.scene(method, act)
+
+    def test_by_aclose(self, method):
+        async def act(ecu, method):
+            samples = ecu.watch("TWAT", method=method)
+            await anext(samples)
+            await samples.aclose()
+            await samples.aclose()
+            assert [s async for s in samples] == []
+
+        self.scene(method, act)
+
+    def test_by_a_count(self, method):
+        async def act(ecu, method):
+            samples = ecu.watch("TWAT", method=method, count=1)
+            await anext(samples)
+
+        self.scene(method, act)
+
+
+def test_cancelling_in_a_stream_frees_the_unit():
+    async def play():
+        async with by_worker(bench()) as ecu:
+            for turns in range(6):  # as the worker is still beginning it, and later
+
+                async def stream():
+                    async with ecu.stream("TWAT") as readings:
+                        async for _ in readings:
+                            pass
+
+                task = asyncio.create_task(stream())
+                for _ in range(turns):
+                    await asyncio.sleep(0)
+                task.cancel()
+                with pytest.raises(asyncio.CancelledError):
+                    await task
+                assert await ecu.read("TWAT")
+
+    asyncio.run(play())
+
+
+def test_an_error_in_a_stream_comes_out_as_it_is():
+    it = bench()
+
+    async def play():
+        async with by_worker(it) as ecu:
+
+            async def stream(act):
+                async with ecu.stream("TWAT") as readings:
+                    await anext(readings)
+                    act()
+                    async for _ in readings:
+                        pass
+
+            with pytest.raises(ZeroDivisionError):
+                await stream(lambda: 1 / 0)
+            assert await ecu.read("TWAT")
+            with pytest.raises(errors.LinkLost):
+                await stream(it.link.unplug)
+
+    asyncio.run(play())
+
+
+def test_the_loop_goes_on_while_the_unit_is_asked():
+    it = bench()
+
+    async def play():
+        async with by_worker(it) as ecu:
+            many = await asyncio.gather(*(ecu.read("TWAT") for _ in range(20)))
+            assert all(r["TWAT"].raw == DATA[0x1A] for r in many)
+            statistics = await ecu.run(lambda: ecu.ecu.tester.statistics)
+            assert statistics.requests == 20
+
+    asyncio.run(play())

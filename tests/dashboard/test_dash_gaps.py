@@ -1,0 +1,142 @@
+"""Stretches without values: each has an end and a reason, whatever became of the connection."""
+
+from __future__ import annotations
+
+from dashboard.rig import ADAPTER
+from mikas.catalog import load
+from mikas.dashboard.gaps import BY_HAND, JOB, PLAN, SILENT
+from mikas.dashboard.history import History
+from mikas.dashboard.story import Story
+from mikas.errors import EchoOnly, NoResponse
+from mikas.sampling.events import Gap, LineState, PlanChanged, Sampled, StateChanged
+
+
+def story():
+    told = Story(load(), History())
+    told.take(StateChanged(0.0, LineState.SAMPLING, None))
+    return told
+
+
+def gaps(told):
+    return [
+        (it["began"], it["ended"], it["reason"]["en"])
+        for it in told.events
+        if it["kind"] == "gap" and it["ended"] is not None
+    ]
+
+
+def sample(told, *times):
+    for time in times:
+        told.take(Sampled(time, {}, {}))
+
+
+def test_two_sessions_have_a_gap_between_them_and_its_reason():
+    told = story()
+    sample(told, 1.0, 1.1)
+    told.over(1.5, None, BY_HAND)
+    told.begin((), 60.0)
+    sample(told, 61.0, 61.1)
+    assert gaps(told) == [(1.1, 61.0, BY_HAND.en)]
+
+
+def test_a_gap_that_is_open_when_the_session_ends_ends_with_it():
+    told = story()
+    sample(told, 1.0)
+    told.take(Gap(2.0, EchoOnly()))
+    told.over(5.0, None, BY_HAND)
+    assert gaps(told) == [(1.0, 5.0, EchoOnly().text_on_screen.en)]
+    told.begin((), 6.0)
+    told.take(Gap(7.0, NoResponse(seconds=0.5)))  # a cycle that failed before the first sample
+    sample(told, 8.0)
+    assert gaps(told)[1:] == [
+        (5.0, 7.0, BY_HAND.en),
+        (7.0, 8.0, NoResponse(seconds=0.5).text_on_screen.en),
+    ]
+
+
+def test_a_session_that_ended_by_itself_says_why():
+    told = story()
+    sample(told, 1.0)
+    told.over(2.0, EchoOnly())
+    told.over(9.0, None, BY_HAND)
+    told.begin((), 10.0)
+    sample(told, 11.0)
+    assert gaps(told) == [(1.0, 11.0, EchoOnly().text_on_screen.en)]
+
+
+def test_a_plan_that_pauses_for_long_is_told_and_a_quick_one_not():
+    told = story()
+    sample(told, 1.0, 1.1)
+    told.take(PlanChanged(1.3, _Plan()))
+    sample(told, 1.5)
+    assert gaps(told) == []
+    told.take(PlanChanged(2.7, _Plan()))
+    sample(told, 2.8)
+    assert gaps(told) == [(1.5, 2.8, PLAN.en)]
+    sample(told, 9.0)  # seldom, and nobody has done anything
+    assert len(gaps(told)) == 1
+
+
+class _Plan:
+    method = "batch"
+
+
+def test_a_gap_that_begins_vaguely_ends_with_what_it_was():
+    told = story()
+    sample(told, 1.0)
+    told.take(Gap(2.0, NoResponse(seconds=0.5)))
+    told.take(StateChanged(3.0, LineState.ECHO_ONLY, EchoOnly()))
+    sample(told, 9.0)
+    assert gaps(told) == [(1.0, 9.0, EchoOnly().text_on_screen.en)]
+
+
+def test_silence_is_told_before_it_is_known_what_it_is():
+    told = story()
+    sample(told, 1.0, 1.2)
+    assert told.silent(3.0) is None
+    assert told.silent(3.7) == SILENT
+    told.busy()
+    assert told.silent(3.7) == JOB
+    told.take(Gap(4.0, NoResponse(seconds=0.5)))
+    assert told.silent(4.1) == NoResponse(seconds=0.5).text_on_screen
+    sample(told, 4.2)
+    assert told.silent(4.3) is None
+    sample(told, 14.2)  # a slow plan
+    assert told.silent(30.0) is None
+    told.take(StateChanged(50.0, LineState.ECHO_ONLY, EchoOnly()))
+    assert told.silent(99.0) is None  # the state itself says it
+
+
+def test_while_nothing_comes_the_state_says_so(idle):
+    idle.hub.story._gaps._last -= 1e6
+    idle.hub.story.take = lambda _: None
+    state = idle.get("/state")
+    assert (state["line"], state["rate"]) == ("sampling", 0)
+    assert state["reason"]["ru"]
+
+
+def _closed(it):
+    events = it.get("/history", seconds=7200)["events"]
+    found = [event for event in events if event["kind"] == "gap"]
+    ended = {event["began"] for event in found if event["ended"] is not None}
+    assert {event["began"] for event in found} == ended
+    return [event for event in found if event["ended"] is not None]
+
+
+def test_a_pulled_adapter_and_then_another_car(idle):
+    idle.cars.pull()
+    idle.until(lambda it: it["state"]["line"] == "no-port")
+    idle.cars.put_back()
+    idle.post("/connect", {"port": ADAPTER.url})
+    idle.sampling()
+    pulled, between = _closed(idle)
+    assert pulled["ended"] == between["began"]
+    assert "connection" in between["reason"]["en"]
+
+
+def test_disconnected_and_connected_again(idle):
+    idle.post("/disconnect")
+    idle.post("/connect", {"port": "sim:?scenario=warm-idle"})
+    idle.sampling()
+    (gap,) = _closed(idle)
+    assert gap["reason"] == {"en": BY_HAND.en, "ru": BY_HAND.ru}

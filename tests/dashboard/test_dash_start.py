@@ -1,0 +1,65 @@
+"""What the start decides: the page's language, the folder of recordings; addresses in words."""
+
+from __future__ import annotations
+
+import re
+from base64 import b64encode
+from hashlib import sha256
+
+import pytest
+
+from dashboard.rig import rig
+from mikas.cli import words
+from mikas.cli.commands.dash import wishes_of
+from mikas.errors import UsageError
+
+
+def test_the_page_begins_in_the_language_of_the_command_line(tmp_path):
+    (tmp_path / "index.html").write_text('<!doctype html><html lang="en"><p>the page')
+    with rig(tmp_path, None, page=tmp_path, language="ru") as it:
+        page = it.client.get("/")
+    assert page.text == '<!doctype html><html data-language="ru" lang="en"><p>the page'
+    assert page.headers["cache-control"] == "no-cache"
+
+
+@pytest.mark.parametrize(("argv", "wished"), [(["dash", "--lang", "ru"], "ru"), (["dash"], None)])
+def test_a_language_that_was_named_reaches_the_page(argv, wished, monkeypatch):
+    for name in ("MIKAS_LANG", "LC_ALL", "LC_MESSAGES"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("LANG", "ru_RU.UTF-8")
+    monkeypatch.setattr("mikas.cli.config.language", lambda: "")
+    words.choose(words.from_surroundings(argv))
+    assert words.wished() == wished
+    words.choose("en")
+
+
+def test_an_address_with_nothing_behind_it_is_a_page_in_words(shared_off):
+    page = shared_off.client.get("/nothing", headers={"Accept": "text/html"})
+    assert page.status_code == 404
+    assert "/nothing" in page.text
+    assert "list" not in page.text.replace("what the API answers", "")
+    style = re.search("<style>(.*)</style>", page.text)[1]
+    digest = b64encode(sha256(style.encode()).digest()).decode()
+    assert f"style-src 'sha256-{digest}'" in page.headers["content-security-policy"]
+    assert "X-Frame-Options" in page.headers
+    error = shared_off.get("/nothing", 404)
+    assert error["code"] == "NotFound"
+    assert "Reload" not in error["en"]
+
+
+def test_a_folder_where_nothing_can_be_kept_is_told_at_the_start(tmp_path):
+    (tmp_path / "file").touch()
+    options = {"host_port": None, "lan": False, "lan_control": False, "no_browser": True}
+    with pytest.raises(UsageError, match="--record"):
+        wishes_of(**options, record=str(tmp_path / "file" / "x" / "y"))
+    assert wishes_of(**options, record=str(tmp_path / "new" / "x")).folder
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_folder_where_nothing_can_be_kept_is_told_in_the_list(tmp_path):
+    with rig(tmp_path, None) as it:
+        assert it.get("/recordings")["problem"] is None
+        it.hub.settings.recordings.write_text("in the way")
+        problem = it.get("/recordings")["problem"]
+        assert "--record" in problem["en"]
+        assert problem["ru"]

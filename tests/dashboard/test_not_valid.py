@@ -1,0 +1,42 @@
+"""What is wrong with a request, told in our own words and in both languages."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from pydantic import TypeAdapter, ValidationError
+
+from mikas.dashboard.changes_wishes import WriteParameter
+from mikas.dashboard.dumps import DumpWish
+from mikas.dashboard.not_valid import told
+from mikas.dashboard.presets import Preset
+
+
+def errors_of(kind, value):
+    with pytest.raises(ValidationError) as caught:
+        TypeAdapter(kind).validate_python(value)
+    return [told(error | {"loc": ("body", *error["loc"])}) for error in caught.value.errors()]
+
+
+@pytest.mark.parametrize(
+    ("kind", "value"),
+    [(WriteParameter, {}), (WriteParameter, {"kind": "x", "name": 3}), (WriteParameter, 3),
+     (DumpWish, {"space": "rom", "first": -1, "last": "x"}), (Preset, {"name": 3}),
+     (list[int], "x"), (int, 1.5), (bool, "maybe")],
+)  # fmt: skip
+def test_in_both_languages(kind, value) -> None:
+    for text in errors_of(kind, value):
+        assert not re.search("[А-яЁё]", text.en), text
+        assert re.search("[А-яЁё]", text.ru), text
+        assert not re.search("[{}]|Input|Field", text.en + text.ru), text
+
+
+def test_the_field_is_named() -> None:
+    (text, *_) = errors_of(WriteParameter, {"kind": "write_parameter"})
+    assert text == ("“name” is missing", "«name» не указано")
+
+
+def test_what_is_not_known_is_told_all_the_same() -> None:
+    text = told({"type": "something_new", "loc": ("query",), "msg": "English"})
+    assert text.en == "“query” is not as it should be"

@@ -1,0 +1,76 @@
+"""A port that does not open: what to do next depends on what it is."""
+
+from __future__ import annotations
+
+import errno
+import socket
+
+import pytest
+from serial import SerialException
+
+from mikas.errors import NoPortGiven, PortBusy
+from mikas.link.failures import opening_failed
+from mikas.link.ports import choose_port
+
+
+class Listed:
+    manufacturer, serial_number = "FTDI", None
+
+    def __init__(self, device: str, vid: int | None = 0x0403) -> None:
+        self.device, self.vid, self.pid = device, vid, 0x6001
+        self.description = device
+
+
+def refused(number: int, text: str) -> Exception:
+    cause = OSError(number, text)
+    error = SerialException(f"could not open port: {cause}")
+    error.__cause__ = cause
+    return error
+
+
+@pytest.mark.parametrize("url", ["socket://10.0.0.5:4001", "rfc2217://10.0.0.5:4001"])
+@pytest.mark.parametrize(
+    "reason", [ConnectionRefusedError(111, "refused"), socket.gaierror(-2, "no name")]
+)
+def test_an_address_in_the_network_has_nothing_to_unplug(url, reason):
+    error = SerialException(f"could not open port: {reason}")
+    error.__cause__ = reason
+    told = opening_failed(url, error)
+    assert "Check the host and the port" in str(told)
+    assert "nplug" not in str(told)
+    assert "Проверьте имя и порт" in told.text.ru
+
+
+def test_what_is_no_serial_port_at_all_is_a_wrong_name():
+    told = opening_failed("/etc/passwd", refused(errno.ENOTTY, "Inappropriate ioctl"))
+    assert "`mikas ports`" in str(told)
+    assert "nplug" not in str(told)
+    assert "`mikas ports`" in told.text.ru
+
+
+def test_an_adapter_that_fails_is_unplugged_and_plugged_in_again():
+    told = opening_failed("/dev/ttyUSB0", refused(errno.EIO, "Input/output error"))
+    assert "Unplug the adapter" in str(told)
+
+
+def test_a_busy_port_may_be_our_own_other_window():
+    assert "another window of mikas" in str(PortBusy(url="COM3"))
+    assert "другое окно mikas" in PortBusy(url="COM3").text.ru
+
+
+def test_of_several_adapters_one_is_to_be_named():
+    with pytest.raises(NoPortGiven) as raised:
+        choose_port(lambda: [Listed("/dev/ttyUSB0"), Listed("/dev/ttyUSB1")])
+    told = raised.value.text
+    assert "Found: /dev/ttyUSB0 (FT232R), /dev/ttyUSB1 (FT232R)." in told.en
+    assert "--port /dev/ttyUSB0" in told.en
+    assert "plugged in" not in told.en
+    assert "--port /dev/ttyUSB0" in told.ru
+
+
+def test_where_there_is_none_it_is_to_be_plugged_in_or_named():
+    with pytest.raises(NoPortGiven) as raised:
+        choose_port(lambda: [Listed("/dev/ttyS0", vid=None)])
+    assert "Plug the adapter in" in raised.value.text.en
+    assert "--port" in raised.value.text.en.replace("--port sim:", "")
+    assert "Воткните адаптер" in raised.value.text.ru

@@ -1,0 +1,18 @@
+"""Where a test's capture is; and a recorder on a virtual unit's line."""
+
+from __future__ import annotations
+
+import pytest
+from recorder_bench import ecu
+
+from mikas.recording.recorder import Recorder
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "line.pcapng"
+
+
+@pytest.fixture
+def recorder():
+    return Recorder(ecu=ecu)

@@ -1,0 +1,122 @@
+"""The recorder on a disk that is full, at any byte: nothing written is hurt, and it is told."""
+
+from __future__ import annotations
+
+import pytest
+from recorder_bench import (
+    RECEIVED,
+    SENT,
+    SmallDisk,
+    begin_session,
+    ecu,
+    gap,
+    kinds,
+    sampled,
+    wire,
+)
+
+from mikas.errors import CaptureError
+from mikas.recording.recorder import Recorder
+
+
+def _session(recorder) -> None:
+    """A bit of everything."""
+    recorder.record(SENT, b"\x01\xff\x0d", 1.0)
+    recorder.record(RECEIVED, b"\x01\xff\x0d\x0a\xf6\x0d", 1.1)
+    begin_session(recorder, 1.2)
+    recorder.record(RECEIVED, b"\x0a", 2.0)
+    recorder.take(sampled(2.0))
+    recorder.take(gap(3.0))
+    recorder.take(sampled(4.0))
+
+
+def test_a_disk_that_is_full_at_any_byte_hurts_nothing_written(tmp_path, monkeypatch):
+    disk = SmallDisk(monkeypatch)
+    recorder = Recorder(ecu=ecu)
+    recorder.start(tmp_path / "whole.pcapng", url="sim:")
+    begun = recorder.status.bytes
+    _session(recorder)
+    whole = recorder.stop().bytes
+    passed = wire(tmp_path / "whole.pcapng")
+    told = kinds(tmp_path / "whole.pcapng")
+    for room in range(begun, whole):
+        file = tmp_path / f"{room}.pcapng"
+        disk.room = room
+        recorder = Recorder(ecu=ecu)
+        recorder.start(file, url="sim:")
+        _session(recorder)
+        status = recorder.status
+        assert isinstance(recorder.failure, CaptureError)
+        assert "full" in status.failure.reason.en
+        assert status.bytes == file.stat().st_size <= room
+        assert passed[SENT].startswith(wire(file)[SENT])
+        assert passed[RECEIVED].startswith(wire(file)[RECEIVED])
+        assert told[: len(kinds(file))] == kinds(file)
+        assert recorder.stop().failure is status.failure
+    disk.room = 1 << 30
+    recorder.start(tmp_path / "again.pcapng", url="sim:")
+    recorder.record(SENT, b"\x01\xff\x0d", 9.0)
+    assert recorder.stop().failure is None
+    assert kinds(tmp_path / "again.pcapng") == ["unit", "catalog", "plan", "state"]
+
+
+def test_samples_that_are_not_in_the_file_are_counted_apart(recorder, tmp_path, monkeypatch):
+    disk = SmallDisk(monkeypatch)
+    recorder.start(tmp_path / "a.pcapng", url="sim:")
+    begin_session(recorder)
+
+    def cycle(time: float) -> None:
+        recorder.record(SENT, b"\x01\xff\x0d", time)
+        recorder.record(RECEIVED, b"\x0a\xf6\x0d", time + 0.01)
+        recorder.take(sampled(time))
+
+    for turn in range(3):
+        cycle(10.0 + turn)
+    assert (recorder.status.samples, recorder.status.lost) == (3, 0)
+    disk.room = 60  # for the request, but not for the response
+    for turn in range(4):
+        cycle(20.0 + turn)
+    assert recorder.failure is not None
+    assert (recorder.status.samples, recorder.status.lost) == (3, 4)
+    status = recorder.stop()
+    assert (status.samples, status.lost) == (3, 4)
+    assert wire(tmp_path / "a.pcapng")[RECEIVED] == 3 * b"\x0a\xf6\x0d"
+    disk.room = 1 << 30
+    recorder.start(tmp_path / "b.pcapng", url="sim:")
+    cycle(30.0)
+    status = recorder.stop()
+    assert (status.samples, status.lost) == (1, 0)
+
+
+def test_a_disk_that_is_full_at_the_start_is_told_there(tmp_path, monkeypatch):
+    disk = SmallDisk(monkeypatch)
+    disk.room = 10
+    recorder = Recorder()
+    with pytest.raises(CaptureError, match="no room left on that disk"):
+        recorder.start(tmp_path / "a.pcapng", url="sim:")
+    assert recorder.status is None
+    assert not list(tmp_path.iterdir())  # the same command works once there is room
+    disk.room = 1 << 30
+    recorder.start(tmp_path / "a.pcapng", url="sim:")
+    recorder.stop()
+
+
+def test_why_it_broke_off_is_told_to_the_end(recorder, tmp_path, monkeypatch):
+    disk = SmallDisk(monkeypatch)
+    recorder.start(tmp_path / "a.pcapng", url="sim:")
+    begin_session(recorder)
+    disk.room = 100
+    for at in range(40):
+        recorder.record(SENT, b"\x01\xff\x0d", 2.0 + at)
+        recorder.record(RECEIVED, b"\x01\xff", 2.1 + at)
+        recorder.take(sampled(2.2 + at))
+        recorder.take(gap(2.9 + at))
+        if recorder.failure is not None:
+            why = recorder.failure
+            disk.room = 1 << 20
+            break
+    for at in range(100, 110):
+        recorder.record(RECEIVED, b"\x01\xff", at)
+        recorder.take(sampled(at + 5.0))
+    assert recorder.failure is why
+    assert recorder.stop().failure is why

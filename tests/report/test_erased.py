@@ -1,0 +1,126 @@
+"""Faults that were stored and are no more: a report made just after erasing is not a clean one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from report_bench import START, rows
+from report_bench import found as found_in
+
+import mikas
+from mikas.catalog import shipped
+from mikas.recording import CaptureWriter
+from mikas.recording.notes import faults_note
+from mikas.report.findings import Findings, Outcome, find
+from mikas.report.gathering import of_recording
+from mikas.report.page import render
+from mikas.report.told import Gone, Heard, gone_of
+from mikas.report.verdict import sentence
+
+IDLE = "sim:?clock=simulated&scenario=warm-idle"
+
+
+def after(*gone: Gone, read: float = START + 30, stored: tuple[int, ...] = ()) -> Findings:
+    from dataclasses import replace
+
+    it = found_in(rows(), faults=stored)
+    return find(replace(it.subject, gone=gone, faults_read=read), it.measured)
+
+
+def gone(*codes: int, time: float = START + 20, erased: bool = True) -> Gone:
+    return Gone(time, tuple(map(shipped().fault, codes)), erased)
+
+
+def test_a_report_right_after_erasing_is_not_green() -> None:
+    it = after(gone(13, 53, 17, 99))
+    assert it.outcome is Outcome.OPEN
+    told = sentence(it)
+    assert told.en.startswith("No faults are stored now; ")
+    assert told.ru.startswith("Сейчас ошибок в памяти блока нет; ")
+    for code in ("13", "53", "17"):
+        assert code in told.en
+        assert code in told.ru
+    assert "not known yet" in told.en
+    page = render(it, "ru")
+    assert "Стёрты в " in page
+    assert shipped().fault(53).text.ru in page
+    assert "прочитайте ошибки снова" in page
+    assert "read the faults again" in render(it, "en")
+
+
+def test_what_did_not_come_back_for_long_is_told_and_no_more() -> None:
+    it = after(gone(13), read=START + 20 + 900)
+    assert it.outcome is Outcome.GOOD
+    assert "13" in sentence(it).en
+    assert "not known yet" not in sentence(it).en
+
+
+def test_what_came_back_is_what_counts() -> None:
+    it = after(gone(13), stored=(13,))
+    assert it.outcome is Outcome.ATTENTION
+    assert sentence(it).en.startswith("1 fault is stored: 13; ")
+
+
+def test_a_message_that_was_erased_changes_nothing() -> None:
+    messages = [it.code for it in shipped().faults.values() if it.informational]
+    it = after(gone(messages[0]))
+    assert it.outcome is Outcome.GOOD
+
+
+def test_nobody_was_seen_to_erase_them() -> None:
+    it = after(gone(13, erased=False))
+    assert it.outcome is Outcome.OPEN
+    assert "erased" not in sentence(it).en
+    assert "стёрт" not in sentence(it).ru
+
+
+def test_what_is_gone_between_two_readings() -> None:
+    heard = [Heard(1, (13, 53)), Heard(2, (53, 17), erased=True), Heard(3, (53, 17)), Heard(4, ())]
+    (first, second) = gone_of(heard, shipped())
+    assert (first.time, first.erased, [it.code for it in first.faults]) == (2, True, [13])
+    assert (second.time, second.erased, [it.code for it in second.faults]) == (4, False, [53, 17])
+
+
+@pytest.fixture
+def erased(tmp_path: Path) -> Path:
+    path, url = tmp_path / "erased.pcapng", f"{IDLE}&faults=13,53"
+    with CaptureWriter(path, url=url) as sink, mikas.connect(url, sink=sink) as ecu:
+        ecu.faults()
+        ecu.erase_faults()
+        for _ in ecu.watch(method="batch", count=300):
+            pass
+    return path
+
+
+def test_a_recording_of_it(erased) -> None:
+    it = of_recording(erased, shipped())
+    assert it.faults == ()
+    (gone_,) = it.gone
+    assert (gone_.erased, {fault.code for fault in gone_.faults}) == (True, {13, 53})
+    assert it.outcome is Outcome.OPEN
+
+
+def test_what_was_read_before_the_recording_began(tmp_path) -> None:
+    path = tmp_path / "later.pcapng"
+    with CaptureWriter(path, url=IDLE) as sink, mikas.connect(IDLE, sink=sink) as ecu:
+        readings = [(1.0, (13, 53), False), (2.0, (53,), True), (3.0, (53,), False)]
+        sink.note(faults_note(ecu.tester.link.now(), readings))
+        for _ in ecu.watch(method="batch", count=20):
+            pass
+    it = of_recording(path, shipped())
+    assert [each.code for each in it.subject.faults or ()] == [53]
+    assert it.subject.faults_read == 3.0
+    assert [fault.code for each in it.gone for fault in each.faults] == [13]
+
+
+@pytest.mark.parametrize(
+    "told", [None, 3, {}, [3], [{"time": "x", "codes": []}], [{"time": 1, "codes": [256]}]]
+)
+def test_a_note_that_says_nothing(told, tmp_path) -> None:
+    from mikas.recording.notes import Kind, Note
+
+    path = tmp_path / "a.pcapng"
+    with CaptureWriter(path, url=IDLE) as sink:
+        sink.note(Note(Kind.FAULTS, 1.0, {"readings": told}))
+    assert of_recording(path, shipped()).subject.faults is None

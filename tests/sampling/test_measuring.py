@@ -1,0 +1,82 @@
+"""Measuring the methods keeps nobody waiting: looks between two cycles, on a slow unit too."""
+
+from __future__ import annotations
+
+from contextlib import closing
+
+import pytest
+from sampling_bench import SimulatedPlug, make_sampler, of, settled, take
+
+from mikas.sampling.events import Chosen, Gap, PlanChanged
+from mikas.sampling.sampler import Sampler
+from mikas.virtual.assumptions import Assumptions
+from virtual_bench import make_bus
+
+CYCLE = 0.6  # s, and a little more: one of batch takes 0.46 s, one of list 0.43
+
+
+def slow() -> tuple[SimulatedPlug, Sampler]:
+    """Measures batch first, then list: a rate is wanted. Each takes 3 s."""
+    plug = SimulatedPlug(make_bus(assumptions=Assumptions(turn_round=0.4)))
+    return plug, make_sampler(plug, rate=50.0)
+
+
+@pytest.mark.parametrize("after", [0.1, 1.3, 2.1, 4.2])
+def test_stop_does_not_wait_for_it(after):
+    plug, sampler = slow()
+    with closing(sampler.run()) as events:
+        take(events, lambda e: bool(of(PlanChanged, e)))
+        stop_at = plug.now() + after
+        plug.at(stop_at, sampler.stop)
+        told = list(events)
+    assert not of(Chosen, told)
+    assert plug.now() - stop_at < CYCLE
+
+
+def test_another_wish_does_not_either():
+    plug, sampler = slow()
+    with closing(sampler.run()) as events:
+        take(events, lambda e: bool(of(PlanChanged, e)))
+        began = plug.now()
+        sampler.want(sampler.plan.wanted[:2], "batch")
+        take(events, lambda e: bool(of(PlanChanged, e)))
+    assert plug.now() - began < 2 * CYCLE  # all that is wanted was asked for once
+
+
+def test_jobs_go_in_between():
+    plug, sampler = slow()
+    waited = []
+
+    def ask() -> None:
+        asked_at = plug.now()
+        sampler.call(lambda _: waited.append(plug.now() - asked_at))
+        if asked_at < began + 5:
+            plug.at(asked_at + 0.7, ask)
+
+    with closing(sampler.run()) as events:
+        take(events, lambda e: bool(of(PlanChanged, e)))
+        began = plug.now()
+        ask()
+        told = take(events, lambda e: plug.now() > began + 6)
+    assert len(waited) > 5
+    assert max(waited) < 2 * CYCLE
+    assert not of(Gap, told)
+
+
+def test_jobs_say_nothing_of_the_method():
+    """A steady flow of them neither keeps it from ending nor makes a method look slow."""
+
+    def rates(*, busy: bool) -> dict[str, float]:
+        sampler = make_sampler(SimulatedPlug(make_bus()))
+
+        def one(ecu):
+            ecu.faults()
+            sampler.call(one)
+
+        with closing(sampler.run()) as events:
+            if busy:
+                take(events, lambda e: bool(of(PlanChanged, e)))
+                sampler.call(one)
+            return of(Chosen, take(events, settled))[0].rates
+
+    assert rates(busy=True) == pytest.approx(rates(busy=False), rel=0.05)

@@ -1,0 +1,172 @@
+"""Whether it is still the same unit: after an outage that is over soon, and on a bad line."""
+
+from __future__ import annotations
+
+from contextlib import closing
+
+import pytest
+from sampling_bench import SimulatedPlug, enough, make_sampler, of, settled, take
+
+from mikas.client import Passport
+from mikas.sampling.approach import same
+from mikas.sampling.events import (
+    Event,
+    Gap,
+    LineState,
+    PlanChanged,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
+from mikas.virtual.assumptions import Assumptions
+from mikas.virtual.bus import Bus
+from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.ecu import VirtualEcu
+from mikas.virtual.responder import Identity, Responder
+from mikas.virtual.table_car import TableCar
+from virtual_bench import DATA, FAULTS, IDENTITY, PASSPORTS, make_bus
+
+OTHER_DATA = {code: bytes(byte + 1 & 0xFF for byte in raw) for code, raw in DATA.items()}
+METHODS = ["single", "batch", "list", "stream", "stroke0"]
+
+
+def after_an_outage(method: str, seconds: float, identity: Identity) -> list[Event]:
+    """What is told when the plug is carried to the car of `identity` and other data."""
+    plug = SimulatedPlug(make_bus())
+    unit = plug.bus.ecu
+
+    def carried() -> None:
+        car = TableCar(OTHER_DATA, faults=FAULTS, rpm=850)
+        unit.responder = Responder(car, identity, Assumptions())
+
+    with closing(make_sampler(plug, "FREQ", "TWAT/7", "INJ", method=method).run()) as events:
+        take(events, enough)
+        unit.responder.car.on = False
+        plug.at(plug.now() + seconds, carried)
+        return take(events, lambda e: plug.now() > 25 + seconds)
+
+
+@pytest.mark.parametrize("seconds", [1.5, 3])
+@pytest.mark.parametrize("method", METHODS)
+def test_another_version_after_a_short_outage_is_met(method: str, seconds: float) -> None:
+    told = after_an_outage(method, seconds, Identity(0x09, PASSPORTS))
+    assert [(u.version_code, u.another) for u in of(UnitFound, told)] == [(0x09, True)]
+    assert of(Sampled, told)[-1].time > 24
+
+
+@pytest.mark.parametrize("seconds", [1.5, 3, 5])
+@pytest.mark.parametrize("method", METHODS)
+def test_another_passport_after_a_short_outage_is_told_before_its_values(
+    method: str, seconds: float
+) -> None:
+    told = after_an_outage(method, seconds, Identity(0x0A, ("OTHER", *PASSPORTS[1:])))
+    assert [u.another for u in of(UnitFound, told)] == [True]
+    found = told.index(of(UnitFound, told)[0])
+    assert of(PlanChanged, told[found:])  # a new recording begins with it
+    for table, part in ((DATA, told[:found]), (OTHER_DATA, told[found:])):
+        for sample in of(Sampled, part):
+            for reading in (*sample.fresh.values(), *sample.stale.values()):
+                assert reading.raw == table[reading.parameter.code]
+    assert of(Sampled, told[found:])
+
+
+def test_an_engine_that_stood_is_the_same_cars_and_no_state() -> None:
+    """A stream by strokes is silent while it stands; the passports are compared on the quiet."""
+    plug = SimulatedPlug(make_bus())
+    car = plug.bus.ecu.responder.car
+    with closing(make_sampler(plug, "FREQ", method="stroke0").run()) as events:
+        take(events, enough)
+        rpm, car.rpm = car.rpm, 0.0
+        plug.at(plug.now() + 12, lambda: setattr(car, "rpm", rpm))
+        told = take(events, enough)
+    assert of(Gap, told)
+    assert not of(StateChanged, told)
+    assert not of(UnitFound, told)
+
+
+class Asked(Responder):
+    """Remembers what it was asked."""
+
+    def __init__(self, *made_of: object) -> None:
+        super().__init__(*made_of)
+        self.asked: list[int] = []
+
+    def answer(self, body: bytes, now: float) -> bytes | None:
+        self.asked.append(body[0])
+        return super().answer(body, now)
+
+
+@pytest.mark.parametrize("method", ["batch", "stream"])
+def test_damaged_and_single_lost_responses_are_no_reason_to_compare(method: str) -> None:
+    rates = {Trouble.DAMAGED: 0.05}
+    unit = Asked(TableCar(DATA, faults=FAULTS, rpm=850), IDENTITY, Assumptions())
+    plug = SimulatedPlug(Bus(VirtualEcu(unit), disturbance=Disturbance(rates, seed=3)))
+    with closing(make_sampler(plug, method=method).run()) as events:
+        take(events, enough)
+        unit.asked.clear()
+        if method == "batch":
+            plug.bus.disturbance.rates = rates | {Trouble.LOST: 0.02}
+        told = take(events, lambda e: len(of(Sampled, e)) > 400)
+    if method == "stream":
+        assert of(Gap, told)
+    assert unit.asked
+    assert not {0x51, 0x54}.intersection(unit.asked)
+
+
+class Forgetful(Responder):
+    """Loses the first two answers to `code`, as a bad line does."""
+
+    def __init__(self, code: int) -> None:
+        super().__init__(TableCar(DATA, faults=FAULTS, rpm=850), IDENTITY, Assumptions())
+        self.code = code
+        self.lost = 0
+
+    def answer(self, body: bytes, now: float) -> bytes | None:
+        if body[0] == self.code and self.lost < 2:
+            self.lost += 1
+            return None
+        return super().answer(body, now)
+
+
+@pytest.mark.parametrize("code", [0x51, 0x53, 0x54, 0x57])
+def test_a_passport_of_which_noise_took_a_part_makes_no_other_car(code: int) -> None:
+    plug = SimulatedPlug(Bus(VirtualEcu(Forgetful(code))))
+    car = plug.bus.ecu.responder.car
+    with closing(make_sampler(plug, "FREQ", "INJ").run()) as events:
+        told = take(events, settled)
+        car.on = False
+        take(events, lambda e: bool(of(StateChanged, e)))
+        car.on = True
+        again = take(events, enough)
+    (first,) = of(UnitFound, told)
+    assert None in (*first.passport.program, *first.passport.data)
+    (found,) = of(UnitFound, again)
+    assert not found.another
+    assert found.passport == Passport(PASSPORTS[:3], PASSPORTS[3:])
+    assert not of(PlanChanged, again)
+
+
+def test_what_makes_two_units_the_same() -> None:
+    whole = Passport(("A", "B", "C"), ("1", "2", "3", "4", "5"))
+    part = Passport(("A", "B", "C"), (None,) * 5)
+    none = Passport((None,) * 3, (None,) * 5)
+    assert same((9, whole), (9, part))
+    assert same((9, none), (9, none))
+    assert not same((9, whole), (10, whole))
+    assert not same((9, none), (9, part))
+    assert not same((9, part), (9, Passport(("A", "B", "D"), (None,) * 5)))
+    assert not same((9, part), (9, Passport((None,) * 3, whole.data)))
+
+
+def test_a_unit_that_can_not_be_brought_in_step_is_met_again_at_once() -> None:
+    """No hand on the keyboard: two cycles at most, and the state says so."""
+    plug = SimulatedPlug(make_bus())
+    with closing(make_sampler(plug, "FREQ", method="batch").run()) as events:
+        take(events, enough)
+        plug.bus.ecu.responder.identity = Identity(0x09, PASSPORTS)
+        plug.bus.ecu.responder.car.on = False
+        plug.at(plug.now() + 0.3, lambda: setattr(plug.bus.ecu.responder.car, "on", True))
+        told = take(events, enough)
+    assert len(of(Gap, told)) <= 2
+    states = [event.state for event in of(StateChanged, told)]
+    assert states == [LineState.ECHO_ONLY, LineState.ECU_ALIVE, LineState.SAMPLING]

@@ -1,0 +1,39 @@
+"""Counts in two languages, and that no text has an ending in brackets."""
+
+from __future__ import annotations
+
+import pytest
+
+from mikas.client.ecu import erasing
+from mikas.client.memory import writing
+from mikas.language import byte_count
+
+
+@pytest.mark.parametrize(
+    ("count", "en", "ru"),
+    [
+        (0, "0 bytes", "0 байт"),
+        (1, "1 byte", "1 байт"),
+        (2, "2 bytes", "2 байта"),
+        (5, "5 bytes", "5 байт"),
+        (11, "11 bytes", "11 байт"),
+        (21, "21 bytes", "21 байт"),
+        (112, "112 bytes", "112 байт"),
+        (256, "256 bytes", "256 байт"),
+    ],
+)
+def test_bytes(count, en, ru) -> None:
+    assert byte_count(count) == (en, ru)
+
+
+def test_changes_are_said_with_the_right_ending() -> None:
+    assert [erasing(count).en for count in (1, 2)] == [
+        "erase 1 stored fault",
+        "erase 2 stored faults",
+    ]
+    assert [erasing(count).ru for count in (1, 2, 5)] == [
+        "стереть 1 ошибку",
+        "стереть 2 ошибки",
+        "стереть 5 ошибок",
+    ]
+    assert writing(1, "ram 0042") == ("write 1 byte to ram 0042", "записать 1 байт, ram 0042")

@@ -1,0 +1,216 @@
+"""Streams that are refused, fall silent, are cut off or damaged: told, and ended all the same."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from random import Random
+
+import pytest
+from stream_cases import (
+    BY_STROKES,
+    CYCLIC,
+    ONE,
+    SEVERAL,
+    each_adapter,
+    each_end,
+    each_stream,
+    expected,
+)
+from tester_rig import (
+    DATA,
+    ECHOING,
+    ONE_BYTE,
+    SILENT_ADAPTER,
+    SLOW,
+    SLOW_AND_SILENT,
+    BreaklessLink,
+    Watched,
+    read,
+    right,
+)
+
+from mikas import commands as c
+from mikas.errors import (
+    DamagedResponse,
+    EchoOnly,
+    LineError,
+    LineNotQuiet,
+    LinkLost,
+    MikasError,
+    NoConnection,
+    NoResponse,
+    NotSupported,
+    WrongLength,
+)
+from mikas.framing import encode
+from mikas.tester import Failure
+from mikas.virtual.assumptions import StreamEnd, Unknown
+from mikas.virtual.disturbance import Disturbance, Trouble
+
+
+@each_adapter
+@pytest.mark.parametrize("code", [0x71, 0x7F])
+@pytest.mark.parametrize("data", [ONE, SEVERAL, (c.Datum(19, 1),)])
+def test_a_unit_that_refuses_a_stream(code, data, adapter):
+    command = c.StreamCyclic(data) if code == 0x71 else c.StreamAtStroke(data, 0)
+    unit = Watched(adapter=adapter, missing=frozenset({code}), unknown=Unknown.ERROR)
+    tester = unit.connected()
+    with pytest.raises(NotSupported), tester.stream(command) as stream:
+        next(stream)
+    right(tester)
+
+
+@each_adapter
+@pytest.mark.parametrize("code", [0x71, 0x7F])
+def test_a_unit_that_is_silent_to_a_stream(code, adapter):
+    command = c.StreamCyclic(SEVERAL) if code == 0x71 else c.StreamAtStroke(SEVERAL, 0)
+    unit = Watched(adapter=adapter, missing=frozenset({code}))
+    tester = unit.connected()
+    began = unit.link.now()
+    with pytest.raises(NoResponse), tester.stream(command) as stream:
+        next(stream)
+    assert unit.link.now() - began < 9
+    right(tester)
+
+
+@pytest.mark.parametrize("command", CYCLIC, ids=lambda s: s.body().hex())
+def test_a_datum_of_01_is_no_refusal(command):
+    unit = Watched(data=DATA | {16: b"\x01"})
+    tester = unit.connected()
+    with tester.stream(command) as stream:
+        items = [next(stream) for _ in range(3)]
+    assert [i.body for i in items] == [items[0].body] * 3
+    assert tester.request(read(17)) == (DATA[17],)
+
+
+@each_end
+@pytest.mark.parametrize("command", BY_STROKES, ids=lambda s: s.body().hex())
+def test_with_the_engine_standing_nothing_comes_until_it_turns(command, end):
+    unit = Watched(rpm=0.0, stream_end=end)
+    tester = unit.connected()
+    with tester.stream(command) as stream:
+        assert stream.read(unit.link.now() + 4) is None
+        unit.car.rpm = 850.0
+        assert next(stream).data == expected(command)
+        unit.car.rpm = 0.0
+        stream.read(unit.link.now() + 0.3)  # one was due already
+        began = stream._heard
+        with pytest.raises(NoResponse):
+            next(stream)
+        assert unit.link.now() - began == pytest.approx(5, abs=0.1)
+    unit.car.rpm = 850.0
+    right(tester)
+    assert unit.told("stream-end") == 1
+
+
+@each_stream
+@each_end
+def test_the_car_goes_off_meanwhile(command, end):
+    unit = Watched(stream_end=end)
+    tester = unit.connected()
+    with (  # noqa: PT012  (the error passes through both)
+        pytest.raises((NoResponse, NoConnection)),
+        tester.stream(command) as stream,
+    ):
+        next(stream)
+        unit.car.on = False
+        for _ in stream:
+            pass
+    with pytest.raises(EchoOnly):
+        tester.request(read(16))
+    unit.car.on = True
+    right(tester)
+
+
+@each_stream
+def test_the_adapter_is_pulled_out_meanwhile(command):
+    unit = Watched()
+    tester = unit.connected()
+    with (  # noqa: PT012  (the error passes through both)
+        pytest.raises(LinkLost),
+        tester.stream(command) as stream,
+    ):
+        next(stream)
+        unit.link.unplug()
+        next(stream)
+    with pytest.raises(LinkLost):
+        tester.request(read(16))
+    tester.close()
+
+
+@each_stream
+def test_without_a_break_a_deaf_unit_is_told(command):
+    unit = Watched(stream_end=StreamEnd.BREAK)
+    tester = unit.connected(BreaklessLink(unit.bus))
+    with pytest.raises(LineNotQuiet), tester.stream(command) as stream:
+        next(stream)
+    assert tester.breaks
+    with pytest.raises(LineNotQuiet):
+        tester.request(read(16))
+    assert tester.link.now() < 40
+
+
+@each_end
+def test_a_request_lost_on_the_way_in_does_not_leave_it_running(end):
+    """The stream's own request comes back damaged: the unit may or may not stream."""
+    unit = Watched(stream_end=end)
+    tester = unit.connected()
+    for command in CYCLIC + BY_STROKES:
+        unit.disturbance._echo_next = True
+        with pytest.raises(MikasError):
+            tester.stream(command)
+        right(tester)
+    assert unit.told("stream-end") == unit.told("stream") == len(CYCLIC + BY_STROKES)
+
+
+class HeavyWeather(Disturbance):
+    """Half of all responses are in trouble, each late one by another time."""
+
+    def __init__(self, random: Random) -> None:
+        super().__init__(seed=random.randrange(1000))
+        self.random = random
+
+    def respond(self, wire):
+        self.late_by = self.random.uniform(0.05, 0.95)
+        self.next(self.random.choice([*Trouble, *[None] * len(Trouble)]))
+        return super().respond(wire)
+
+
+@pytest.mark.parametrize("seed", [3, 4, 7, 13, 19, 27, 30, 36])
+def test_reads_and_streams_by_turns_in_heavy_weather(seed):
+    random = Random(seed)
+    unit = Watched(
+        adapter=random.choice([ECHOING, SLOW, SILENT_ADAPTER, SLOW_AND_SILENT]),
+        stream_end=random.choice(list(StreamEnd)),
+        rpm=random.choice([300.0, 850.0, 5200.0]),
+    )
+    tester = unit.connected(retries=random.randrange(3))
+    unit.bus.disturbance = HeavyWeather(random)
+    for _ in range(25):
+        with suppress(MikasError):
+            if random.random() < 0.1:
+                tester.raw(bytes([random.choice([0x71, 0x7F, 0x82]), 16]))
+            elif random.random() < 0.3:
+                with tester.stream(random.choice(CYCLIC + BY_STROKES)) as stream:
+                    for _ in range(random.randrange(4)):
+                        next(stream)
+            right(tester, random.choice(sorted(ONE_BYTE)))
+
+
+def test_a_response_that_is_left_out_is_told_to_who_asks_for_it():
+    unit = Watched()
+    tester = unit.connected()
+    with tester.stream(c.StreamCyclic(SEVERAL)) as stream:
+        next(stream)
+        unit.disturbance.next(None, Trouble.DAMAGED, None, Trouble.FOREIGN)
+        told = []
+        for _ in range(8):
+            try:
+                assert stream.read(unit.link.now() + 1, tell=True).data == expected(stream.command)
+            except LineError as error:
+                told.append(error)
+        assert next(stream).data == expected(stream.command)
+    assert [type(error) for error in told] == [DamagedResponse, WrongLength]
+    assert all(error.request == encode(stream.command.body()) for error in told)
+    assert list(tester.statistics.failures) == [Failure.of(error) for error in told]
+    assert tester.statistics.failed == 2
