@@ -12,12 +12,13 @@ from contextlib import ExitStack
 import pytest
 from playwright.sync_api import sync_playwright
 
-from browser.rig import dashboard, tab_in
+from browser.rig import LAPTOP, dashboard, tab_in
 from mikas.dashboard.page import FOLDER
 
 _FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    f"--host-resolver-rules=MAP {LAPTOP} 127.0.0.1",
 )  # fmt: skip
 
 

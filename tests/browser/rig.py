@@ -7,6 +7,7 @@ behind which port, and what the units hold, is looked at and changed from here.
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -56,7 +57,11 @@ UOZ = "F9"
 8000 = "4D 49 4B 41 53 20 37 2E 31 0D 40 0A FF 00 10 80"
 """
 """A car whose values stand still, but for the speed: the engine lives. JAIR 15.0, UOZ −3.5."""
-UNTIL = 15_000
+LAPTOP = "laptop.test"
+"""How the network calls this computer; the browser is told that it is 127.0.0.1. As from every
+plain http address but the loopback's own, pages from there have no secure context.
+"""
+UNTIL = 30_000
 """ms that anything may take on a slow machine; nothing waits longer than it has to."""
 
 expect.set_options(timeout=UNTIL)
@@ -124,8 +129,10 @@ class Garage:
 class Dash:
     """The program, served; `api` asks it as one more client."""
 
-    def __init__(self, hub: Hub, garage: Garage, url: str, api: httpx.Client) -> None:
-        self.hub, self.garage, self.url, self.api = hub, garage, url, api
+    def __init__(self, hub: Hub, garage: Garage, access: Access, api: httpx.Client) -> None:
+        self.hub, self.garage, self.access, self.api = hub, garage, access, api
+        self.url = access.url.rstrip("/")
+        self.port = access.port
 
     def state(self) -> dict:
         return self.get("/state")
@@ -151,16 +158,45 @@ class Dash:
         self.until(lambda: self.state()["samples"] > 3)
         return self
 
+    def later(self, seconds: float) -> None:
+        """People's time has passed: that of the seat, of confirmations, of the lock."""
+        clock = self.hub.clock
+        assert isinstance(clock, PeoplesClock)
+        clock.ahead += seconds
+
     def nobody_controls(self) -> None:
         """The seat is free at once, not seconds after its holder has gone."""
         self.post("/control/take", {"force": True})
         self.post("/control/release")
 
 
+class PeoplesClock:
+    """Seconds that never run back, and can be pushed ahead."""
+
+    def __init__(self) -> None:
+        self.ahead = 0.0
+
+    def __call__(self) -> float:
+        return time.monotonic() + self.ahead
+
+
 @contextmanager
-def dashboard(folder: Path, *, begin: bool = True, **settings: str) -> Iterator[Dash]:
-    """The program with the page that was built; `begin`: connected to the first adapter."""
-    garage = Garage(folder)
+def dashboard(
+    folder: Path,
+    *,
+    begin: bool = True,
+    port: int = 0,
+    garage: Garage | None = None,
+    lan: bool = False,
+    lan_control: bool = False,
+    **settings: str,
+) -> Iterator[Dash]:
+    """The program with the page that was built; `begin`: connected to the first adapter.
+
+    `port` and `garage`: those of a program that has ended, started again. `lan`: for the network,
+    which calls this computer `LAPTOP`.
+    """
+    garage = garage or Garage(folder)
     garage.tune(**settings)
     hub = Hub(
         Settings(
@@ -170,10 +206,13 @@ def dashboard(folder: Path, *, begin: bool = True, **settings: str) -> Iterator[
             open_port=garage.open,
         ),
         begin=FT232.url if begin else None,
+        lan=lan,
+        clock=PeoplesClock(),
     )
     hub.wish = Wish(hub.wish.every, "batch", 12)  # nothing has to be tried out, or to be hurried
-    with listening(0, lan=False) as own:
-        access = Access(own.getsockname()[1])
+    with listening(port, lan=False) as own:
+        hosts = (LAPTOP,) if lan else ()
+        access = Access(own.getsockname()[1], lan=lan, lan_control=lan_control, hosts=hosts)
         ready = threading.Event()
         server = Server(create_app(hub, access), ready=ready.set)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [own]})
@@ -182,7 +221,7 @@ def dashboard(folder: Path, *, begin: bool = True, **settings: str) -> Iterator[
             assert ready.wait(60)
             me = {"X-Mikas-Client": "tester-0001", "X-Mikas-Name": "Me"}
             with httpx.Client(base_url=access.url, headers=me, timeout=60) as api:
-                yield Dash(hub, garage, access.url.rstrip("/"), api)
+                yield Dash(hub, garage, access, api)
         finally:
             server.should_exit = True
             thread.join()
@@ -244,9 +283,13 @@ class Tab:
     def says(self, text: str) -> None:
         expect(self.page.get_by_text(text).first).to_be_visible()
 
-    def until(self, expression: str, given: object = None):
-        """Waits for the expression to be true in the page; gives it."""
-        return self.page.wait_for_function(expression, arg=given).json_value()
+    def until(self, function: str, given: object = None):
+        """Waits for what the function gives to be true in the page; gives that.
+
+        It must be written as a function: an expression would be evaluated again in the page, and
+        the page's security policy forbids that.
+        """
+        return self.page.wait_for_function(function, arg=given).json_value()
 
 
 @contextmanager
@@ -256,4 +299,4 @@ def tab_in(context: BrowserContext, url: str) -> Iterator[Tab]:
         yield tab
     finally:
         tab.page.close()
-    assert tab.complaints == []
+    assert not tab.complaints, tab.complaints

@@ -6,12 +6,29 @@ from playwright.sync_api import expect
 
 PAINTED = "document.querySelector('.panes canvas')?.toDataURL()"
 """Nothing until the plot is made: that is after the legend, when the pane knows how large it is."""
+DRAWN = """() => {
+  const line = document.querySelector(".panes .line");
+  const canvas = document.querySelector(".panes canvas");
+  if (!line || !canvas) return false;
+  const [red, green, blue] = getComputedStyle(line).backgroundColor.match(/\\d+/g).map(Number);
+  const copy = new OffscreenCanvas(canvas.width, canvas.height);
+  const context = copy.getContext("2d", { willReadFrequently: true });
+  context.drawImage(canvas, 0, 0);
+  const { data } = context.getImageData(70, 0, canvas.width - 140, canvas.height);
+  let found = 0;
+  for (let at = 0; at < data.length; at += 4) {
+    found += data[at] === red && data[at + 1] === green && data[at + 2] === blue;
+  }
+  return found > 50;
+}"""
+"""Whether the first trace's line is in its pane: its colour, between the axes."""
+TRACE = "[{id: 0, traces: [{name: 'TWAT', colour: 1, hidden: false}]}]"
 
 
 def test_new_values_are_drawn(dash, visitor):
     tab = visitor(dash.url).show("chart")
     expect(tab.traced("TWAT")).to_have_text("87")
-    before = tab.until(PAINTED)
+    before = tab.until(f"() => {PAINTED}")
     assert tab.until(f"before => {PAINTED} !== before", before)
     dash.garage.set("TWAT", "80")
     expect(tab.traced("TWAT")).to_have_text("88")
@@ -30,7 +47,7 @@ def test_a_frozen_view_stands_and_the_recording_goes_on(own, visitor):
     began = own.state()["recording"]["samples"]
     own.until(lambda: own.state()["recording"]["samples"] > began + 5)
     expect(tab.traced("TWAT")).to_have_text("87")
-    standing = tab.until(PAINTED)
+    standing = tab.until(f"() => {PAINTED}")
     own.until(lambda: own.state()["recording"]["samples"] > began + 15)
     assert tab.page.evaluate(PAINTED) == standing
     tab.page.keyboard.press("Space")
@@ -60,3 +77,81 @@ def test_the_legend_tells_the_values_at_the_cursor(dash, visitor):
     expect(tab.traced("INJ")).to_have_text("8.00")
     tab.page.keyboard.press("Escape")
     expect(tab.traced("INJ")).to_have_text("4.00")
+
+
+def test_values_that_came_before_the_plot_was_made_are_drawn_with_it(dash, visitor):
+    """The catalog, without which there is no plot, comes late; from then on nothing new does."""
+    tab = visitor(dash.url).show("live")
+    expect(tab.value("TWAT")).to_have_text("87")
+    tab.page.evaluate(
+        "localStorage.setItem('mikas.chart', JSON.stringify(ASKED))".replace("ASKED", TRACE)
+    )
+    late = []
+
+    def hold(route):
+        late.append(route)
+
+    tab.page.route("**/api/catalog", hold)
+    tab.page.reload()
+    tab.show("chart")
+    expect(tab.traced("TWAT")).to_have_text("87")
+    tab.page.keyboard.press("Space")
+    tab.says("View frozen")
+    assert tab.find(".panes canvas").count() == 0
+    for answer in late:
+        answer.continue_()
+    assert tab.until(DRAWN)
+
+
+def test_a_frozen_view_is_drawn_again_when_one_comes_back_to_it(dash, visitor):
+    tab = visitor(dash.url).show("chart")
+    assert tab.until(DRAWN)
+    tab.page.keyboard.press("Space")
+    tab.says("View frozen")
+    tab.show("passport").show("chart")
+    assert tab.until(DRAWN)
+    tab.page.keyboard.press("s")
+    assert tab.until(DRAWN)
+
+
+def _panes(tab):
+    """What stands in which pane."""
+    legends = tab.find(".panes .legend").all()
+    return [
+        [it.get_attribute("data-trace") for it in legend.locator("[data-trace]").all()]
+        for legend in legends
+    ]
+
+
+def _carry(tab, name, to):
+    """By the mouse, from its row in the legend."""
+    mouse = tab.page.mouse
+    begin = tab.find(f'button:has([data-trace="{name}"])').bounding_box()
+    mouse.move(begin["x"] + 60, begin["y"] + 10)
+    mouse.down()
+    mouse.move(begin["x"] + 80, begin["y"] + 20)
+    end = to().bounding_box()
+    mouse.move(end["x"] + end["width"] / 2, end["y"] + end["height"] / 2)
+    mouse.up()
+
+
+def test_a_trace_is_carried_to_another_pane(dash, visitor):
+    tab = visitor(dash.url).show("chart")
+    expect(tab.traced("TWAT")).to_have_text("87")
+    assert _panes(tab) == [["FREQ", "THR"], ["INJ", "JAIR"], ["UOZ"], ["TWAT", "UACC"]]
+    _carry(tab, "TWAT", lambda: tab.find(".panes .plot").first)
+    expect(tab.find(".pane").first.locator('[data-trace="TWAT"]')).to_be_visible()
+    assert _panes(tab) == [["FREQ", "THR", "TWAT"], ["INJ", "JAIR"], ["UOZ"], ["UACC"]]
+    pressed = tab.find('button:has([data-trace="TWAT"])')
+    expect(pressed).to_have_attribute("aria-pressed", "true")
+    _carry(tab, "TWAT", lambda: tab.page.get_by_text("A pane of its own"))
+    expect(tab.find(".pane")).to_have_count(5)
+    assert _panes(tab)[-1] == ["TWAT"]
+    _carry(tab, "TWAT", lambda: tab.find(".spans"))
+    assert _panes(tab)[-1] == ["TWAT"]
+    expect(pressed).to_have_attribute("aria-pressed", "true")
+    pressed.press("Shift+ArrowUp")
+    expect(tab.find(".pane")).to_have_count(4)
+    assert _panes(tab)[-1] == ["UACC", "TWAT"]
+    pressed.click()
+    expect(pressed).to_have_attribute("aria-pressed", "false")

@@ -73,4 +73,61 @@ def test_the_examination_is_drawn_step_by_step(off, visitor):
     for step in ("Port", "Echo", "Speed"):
         expect(steps.filter(has_text=step).first).to_contain_class("ok")
     tab.press("Stop")  # the rest takes seconds
+    tab.says("Stopped before its end")
     tab.is_line("sampling")
+
+
+def test_opening_a_port_alarms_nobody(off, visitor):
+    tab = visitor(off.url).show("connection")
+    tab.page.evaluate(
+        """() => {
+            window.seen = [];
+            new MutationObserver(() => {
+                const alert = document.querySelector("[role=alert]");
+                if (alert) window.seen.push(alert.textContent);
+            }).observe(document.body, { subtree: true, childList: true, characterData: true });
+        }"""
+    )
+    tab.press(f"Connect to {FT232.url}")
+    tab.is_line("sampling")
+    tab.says("The ECU answers")
+    assert tab.page.evaluate("window.seen") == []
+
+
+@pytest.mark.parametrize(
+    ("port", "said"),
+    [
+        ("{folder}/ttyUSB0", "There is no such port"),
+        ("{folder}/a-file", "The port can't be opened"),
+        ("socket://127.0.0.1:1", "No adapter at this address"),
+    ],
+)
+def test_what_does_not_open_is_told_apart_and_not_called_unplugged(
+    off, visitor, tmp_path, port, said
+):
+    (tmp_path / "a-file").write_text("no port", "utf-8")
+    tab = visitor(off.url).show("connection")
+    tab.refused = True
+    tab.find("summary", has_text="Another port").click()
+    tab.find("form input").fill(port.format(folder=tmp_path))
+    tab.find("form [type=submit]").click()
+    expect(tab.find("#screen [role=alert]").first).to_contain_text(said)
+    expect(tab.find("#screen")).not_to_contain_text("unplugged")
+    expect(tab.find("#screen")).not_to_contain_text("● in use")
+
+
+def test_leaving_amid_a_recording_asks(off, visitor):
+    tab = visitor(off.url).show("connection")
+    tab.press(f"Connect to {FT232.url}")
+    tab.is_line("sampling")
+    tab.press("Record")
+    tab.is_line("recording")
+    sheet = tab.page.get_by_role("dialog")
+    tab.press("Disconnect")
+    expect(sheet).to_contain_text("ends the recording")
+    sheet.get_by_role("button", name="Cancel").click()
+    tab.is_line("recording")
+    tab.press("Disconnect")
+    sheet.get_by_role("button", name="Disconnect").click()
+    tab.is_line("off")
+    tab.says("Recorded, and kept")

@@ -74,6 +74,24 @@ def test_it_is_played_in_the_same_screens(recorded, visitor):
     expect(tab.traced("TWAT")).to_have_text("55")
 
 
+def test_what_is_played_is_never_taken_for_live(recorded, visitor):
+    tab = visitor(recorded.url).show("faults")
+    expect(tab.find("ol.cards article")).to_have_count(2)
+    tab.show("recordings").press("Open")
+    band = tab.find("header[data-shown]")
+    expect(band).to_have_attribute("data-shown", "recording")
+    expect(band).to_contain_text("Recording, not live")
+    expect(band).to_contain_text("drive.pcapng")
+    expect(band).not_to_contain_text("sets/s")
+    tab.show("faults")
+    tab.says("This recording holds no faults")
+    expect(tab.find("ol.cards article")).to_have_count(0)
+    expect(tab.find('nav a[data-screen="faults"] .count')).to_have_count(0)
+    band.get_by_role("button", name="Back to live").click()
+    expect(tab.find("ol.cards article")).to_have_count(2)
+    expect(band).to_have_attribute("data-shown", "live")
+
+
 def test_a_table_of_it_is_downloaded(recorded, visitor):
     tab = visitor(recorded.url).show("recordings")
     tab.press("Export drive.pcapng")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from playwright.sync_api import expect
 
+from browser.rig import Tab
+
 
 def test_language_and_theme_outlive_a_reload(dash, visitor):
     tab = visitor(dash.url, color_scheme="light").show("live")
@@ -55,3 +57,20 @@ def test_an_adapter_that_was_pulled_comes_back_by_itself(own, visitor):
     tab.is_line("sampling")
     (made,) = own.get("/recordings")["recordings"]
     assert made["gaps"] == 1
+
+
+def test_the_controls_of_a_tab_that_was_left_go_to_the_next_of_that_browser(own, visitor):
+    first = visitor(own.url).show("live")
+    first.press("Record")
+    first.is_line("recording")
+    held = own.state()["controller"]
+    first.page.goto("about:blank")
+    second = Tab(first.page.context.new_page(), own.url).show("live")
+    second.is_line("recording")
+    second.press("Stop recording")
+    second.is_line("sampling")
+    assert own.state()["controller"] == held
+    first.show("live")
+    first.is_line("sampling")
+    first.says("Controlled by")
+    assert not second.complaints

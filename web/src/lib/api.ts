@@ -129,8 +129,9 @@ export const api = {
   connect: (port: string | null) =>
     post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null }),
   disconnect: () => post<Api.State>("/disconnect"),
-  doctor: (port: string | null, each: (step: Api.DoctorStep) => void, signal?: AbortSignal) =>
-    lines<Api.DoctorStep>("/doctor", { body: { port }, signal }, each),
+  doctor: (port: string | null, each: (step: Api.DoctorStep) => void) =>
+    lines<Api.DoctorStep>("/doctor", { body: { port } }, each),
+  stopDoctor: () => post<Api.State>("/doctor/stop"),
   plan: (wanted: Api.Wanted[], method = "auto", rate: number | null = null) =>
     put<Api.State>("/plan", { wanted, method, rate }),
   price: (wanted: Api.Wanted[], method = "auto") =>
@@ -149,7 +150,6 @@ export const api = {
     post<Api.Dump>("/dumps", { space, first, last, block, verify }),
   pauseDump: (id: string) => post<Api.Dump>(`/dumps/${part(id)}/pause`),
   resumeDump: (id: string) => post<Api.Dump>(`/dumps/${part(id)}/resume`),
-  deleteDump: (id: string) => json<void>("DELETE", `/dumps/${part(id)}`),
   dumpFile: (id: string) => address(`/dumps/${part(id)}/file`),
   compareDump: (id: string, other: BodyInit, first: number) =>
     json<Api.Differences>("POST", `/dumps/${part(id)}/compare`, { bytes: other, query: { first } }),

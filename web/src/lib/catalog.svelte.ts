@@ -1,5 +1,6 @@
-// The catalog: what there is to measure, with names, units, limits; asked once, after that it does not change.
+// The catalog: what there is to measure, with names, units, limits; asked until it came, after that it does not change.
 import { api } from "./api";
+import { insist } from "./insist";
 import type { Catalog, Channel } from "./types";
 
 class CatalogStore {
@@ -11,8 +12,9 @@ class CatalogStore {
     new Map(this.channels.map((channel) => [channel.name, channel])),
   );
 
-  async load(): Promise<void> {
-    if (!this.loaded) this.loaded = await api.catalog();
+  /** Until it came, or the returned function is called. Without it nothing on the page has a name. */
+  insist(): () => void {
+    return insist(async () => (this.loaded = await api.catalog()));
   }
 
   get(name: string): Channel | undefined {

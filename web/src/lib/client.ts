@@ -1,18 +1,44 @@
 // Who this tab is for the server: a random name of its own that outlives a reload, but is not shared with a duplicate of the tab.
 // A duplicate copies sessionStorage; so the name stands there only while the page is being left.
 
+// A tab that is closed while it holds the controls leaves its name to the next one opened in this browser, which then holds them.
+
 const KEY = "mikas.client";
+const LEFT = "mikas.client.left";
+const TAKEN = "mikas.client.taken";
+const HEIR = "heir";
+/** ms that a closed tab's name waits for the next: after that its seat is free anyway. */
+const WAITS = 15_000;
+let heir = false;
+
+/** Told by the live line: whether this tab holds the controls. */
+export const seat = { held: false };
 
 function first(): string {
   try {
-    const before = sessionStorage.getItem(KEY);
+    const left = leftName();
+    const [own, how] = (sessionStorage.getItem(KEY) ?? "").split(" ");
+    heir = how === HEIR;
+    // Another tab inherited it while this one was elsewhere: it is no longer this one's.
+    const mine = own && (heir || localStorage.getItem(TAKEN) !== own) ? own : null;
+    const before = mine ?? left;
     sessionStorage.removeItem(KEY);
+    if (before === left) localStorage.removeItem(LEFT);
+    if (left && !mine) {
+      localStorage.setItem(TAKEN, left);
+      heir = true;
+    }
     if (before && /^[A-Za-z0-9-]{8,64}$/.test(before)) return before;
   } catch {
     // No storage: a new name each time.
   }
   const bytes = crypto.getRandomValues(new Uint8Array(12));
   return `page-${[...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("")}`;
+}
+
+function leftName(): string | null {
+  const [name, time] = (localStorage.getItem(LEFT) ?? "").split(" ");
+  return name && Date.now() - Number(time) < WAITS ? name : null;
 }
 
 export const client = globalThis.window ? first() : "page-test";
@@ -22,19 +48,27 @@ export const clientName = (): string => {
   const agent = globalThis.navigator?.userAgent ?? "";
   const system = /Android|iPhone|iPad|Windows|Mac OS|Linux/.exec(agent)?.[0] ?? "";
   const browser = /Firefox|Edg|YaBrowser|Chrome|Safari/.exec(agent)?.[0]?.replace("Edg", "Edge") ?? "";
-  return [browser, system].filter(Boolean).join(", ");
+  return [browser, system].filter(Boolean).join(", ") + ` (${tabSign})`;
 };
+
+/** Tells this tab from another of the same browser; stays over a reload. */
+export const tabSign = client.slice(-3).toUpperCase();
 
 globalThis.window?.addEventListener("pagehide", () => {
   try {
-    sessionStorage.setItem(KEY, client);
+    sessionStorage.setItem(KEY, heir ? `${client} ${HEIR}` : client);
+    if (seat.held) localStorage.setItem(LEFT, `${client} ${Date.now()}`);
   } catch {
     // As above.
   }
 });
-globalThis.window?.addEventListener("pageshow", () => {
+globalThis.window?.addEventListener("pageshow", (event) => {
   try {
+    // Back from the browser's store of pages, and another tab has taken the name meanwhile: a new one.
+    const lent = event.persisted && seat.held && leftName() !== client;
     sessionStorage.removeItem(KEY);
+    if (leftName() === client) localStorage.removeItem(LEFT);
+    if (lent) location.reload();
   } catch {
     // As above.
   }

@@ -11,6 +11,8 @@ export class Columns {
   length = 0;
   /** Rows dropped from the front since the beginning: `start + i` names a row for good. */
   start = 0;
+  /** Seconds that may lie between two rows because they came thinned; 0: all came. */
+  spacing = 0;
   private room: number;
   private time: Float64Array;
   private readonly held = new Map<string, Float64Array>();

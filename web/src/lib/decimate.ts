@@ -114,3 +114,21 @@ export function holes(
   }
   return found;
 }
+
+/** Two on one line of time, the other's `lag` seconds later; where one has no row, its cells are undefined: its line passes. */
+export function joined(one: Gathered, other: Gathered, lag: number): { times: number[]; values: Cells[] } {
+  const times: number[] = [];
+  const rows: number[] = [];
+  const others: number[] = [];
+  let row = 0;
+  let next = 0;
+  while (row < one.times.length || next < other.times.length) {
+    const mine = one.times[row] ?? Infinity;
+    const its = next < other.times.length ? other.times[next]! + lag : Infinity;
+    times.push(Math.min(mine, its));
+    rows.push(mine <= its ? row++ : -1);
+    others.push(its <= mine ? next++ : -1);
+  }
+  const placed = (from: number[]) => (cells: Cells) => from.map((at) => (at < 0 ? undefined : cells[at]));
+  return { times, values: [...one.values.map(placed(rows)), ...other.values.map(placed(others))] };
+}

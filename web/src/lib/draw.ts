@@ -1,4 +1,5 @@
 // Lines of values on a canvas: sparklines and strips. At most two points a pixel, its lowest and highest, so that a spike stays.
+import { apart } from "./apart";
 import type { Columns } from "./columns";
 
 export interface Frame {
@@ -7,9 +8,6 @@ export interface Frame {
   low: number;
   high: number;
 }
-
-/** Longer without a value: not joined. */
-export const APART = 3;
 
 /** Ready to draw on, in CSS pixels, cleared; null while it has no size. */
 export function prepare(canvas: HTMLCanvasElement): { context: CanvasRenderingContext2D; width: number; height: number } | null {
@@ -60,6 +58,7 @@ export function trace(
   const times = columns.times(first, last);
   const values = columns.column(name, first, last);
   if (!values) return;
+  const longest = apart(columns, name, first, last);
   const perSecond = width / (frame.to - frame.from);
   const perUnit = (height - 2 * pad) / (frame.high - frame.low || 1);
   const y = (value: number) => height - pad - (value - frame.low) * perUnit;
@@ -79,12 +78,12 @@ export function trace(
     if (Number.isNaN(value)) continue;
     const time = times[row]!;
     const x = Math.round((time - frame.from) * perSecond * 2) / 2;
-    if (x === pixel && time - before <= APART) {
+    if (x === pixel && time - before <= longest) {
       if (value < low) low = value;
       if (value > high) high = value;
     } else {
       flush();
-      if (time - before > APART) context.moveTo(x, y(value));
+      if (time - before > longest) context.moveTo(x, y(value));
       else context.lineTo(x, y(value));
       pixel = x;
       low = high = value;

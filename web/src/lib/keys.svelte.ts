@@ -8,6 +8,8 @@ export interface Binding {
   /** KeyboardEvent.code: KeyR, Digit1, Space, ArrowLeft… */
   code: string;
   shift?: boolean;
+  /** A sign that is typed otherwise with another layout: `?` is Shift and 7 on a Russian one. By what is typed as well. */
+  key?: string;
   /** As it stands in the help. */
   show: string;
   text: () => string;
@@ -31,13 +33,16 @@ class Keys {
   press(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
     if (taken(event)) return;
-    const found = this.bindings.findLast(
-      (binding) => binding.code === event.code && (binding.shift ?? false) === event.shiftKey,
-    );
+    const found = this.bindings.findLast((binding) => meant(binding, event));
     if (!found) return;
     event.preventDefault();
     found.run(event);
   }
+}
+
+export function meant(binding: Binding, event: Pick<KeyboardEvent, "code" | "key" | "shiftKey">): boolean {
+  if (binding.key !== undefined && binding.key === event.key) return true;
+  return binding.code === event.code && (binding.shift ?? false) === event.shiftKey;
 }
 
 /** The key belongs to what has the focus: a field, a sheet, a button under Space or Enter. */

@@ -2,7 +2,7 @@
 // Comes back by itself, after ½ s, 1, 2, … at most 8 s; and at once when the page becomes visible again or the network returns.
 import { address, api } from "./api";
 import { beat } from "./beat.svelte";
-import { client, clientName } from "./client";
+import { client, clientName, seat } from "./client";
 import { Columns } from "./columns";
 import type { LineEvent, LiveMessage, Rows, State } from "./types";
 
@@ -96,7 +96,10 @@ class LiveLine {
     }
     this.dropped += message.dropped;
     beat.poke();
-    if (message.state) this.state = message.state;
+    if (message.state) {
+      this.state = message.state;
+      seat.held = message.state.controller?.you ?? false;
+    }
     if (message.events?.length) this.happened(message.events);
     if (message.data) this.add(message.data);
   }

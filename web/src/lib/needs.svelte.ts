@@ -7,7 +7,7 @@ import { ApiError, api } from "./api";
 import { catalog } from "./catalog.svelte";
 import { control } from "./control.svelte";
 import { live } from "./live.svelte";
-import { toasts } from "./toasts.svelte";
+import { attempt, toasts } from "./toasts.svelte";
 import type { State, Wanted } from "./types";
 
 class Needs {
@@ -37,6 +37,14 @@ class Needs {
     return [...new Set([...this.preset, ...this.chart])].filter((name) => catalog.get(name));
   }
 
+  /** Everything there is to ask, besides what is asked: while recording it stays so. False: it failed, and was said. */
+  async everything(): Promise<boolean> {
+    const state = live.state;
+    if (!state) return false;
+    const wanted = planFor(everyName(catalog.channels, state), state);
+    return wanted === null || (await attempt(() => api.plan(wanted, state.plan.method, state.plan.rate))) !== undefined;
+  }
+
   private async settle(chosen: boolean): Promise<void> {
     const state = live.state;
     if (!state || live.link !== "open" || !control.allowed || this.names.length === 0) return;
@@ -48,12 +56,17 @@ class Needs {
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
       // Somebody took the controls in between: they decide.
-      if (error.code !== "NotController") toasts.trouble(() => error.said);
+      if (error.code !== "NotController") toasts.trouble(() => error.said, { code: error.code });
     }
   }
 }
 
 export const needs = new Needs();
+
+/** All channels but those that the unit refuses. */
+export function everyName(channels: readonly { name: string }[], state: Pick<State, "dropped_parameters">): string[] {
+  return channels.map(({ name }) => name).filter((name) => !state.dropped_parameters.includes(name));
+}
 
 /** The plan to ask for; null: the one in force does. How often each is asked stays as it was. */
 export function planFor(names: readonly string[], state: State): Wanted[] | null {

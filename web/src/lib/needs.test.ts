@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { planFor } from "./needs.svelte";
+import { everyName, planFor } from "./needs.svelte";
 import type { State } from "./types";
 
 const state = (names: string[], recording = false): State =>
@@ -24,4 +24,8 @@ describe("the plan to ask for", () => {
     expect(planFor(["FREQ"], state(["UOZ", "INJ"], true))?.map(({ name }) => name)).toEqual(["FREQ", "UOZ", "INJ"]);
     expect(planFor(["UOZ"], state(["UOZ", "INJ"], true))).toBeNull();
   });
+});
+
+it("everything is all that the unit does not refuse", () => {
+  expect(everyName([{ name: "FREQ" }, { name: "UOZ" }], { dropped_parameters: ["UOZ"] })).toEqual(["FREQ"]);
 });

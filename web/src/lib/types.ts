@@ -296,7 +296,8 @@ export type Change =
   | { kind: "write_parameter"; name: string; value: number }
   | { kind: "write_parameter"; name: string; raw: string }
   | { kind: "write_memory"; space: Space; address: number; data: string }
-  | { kind: "delete_recording"; id: string };
+  | { kind: "delete_recording"; id: string }
+  | { kind: "delete_dump"; id: string };
 
 /** What a change would do, to be shown before it is confirmed with its nonce. */
 export interface Asked {

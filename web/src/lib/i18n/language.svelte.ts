@@ -1,4 +1,5 @@
-// The language on the screen: chosen by a touch and kept; at first the browser's.
+// The language on the screen: chosen by a touch and kept; at first that of the command line (`--lang`, which the server writes into the page), else
+// the browser's.
 import { keep, kept } from "../kept";
 import type { Text } from "../types";
 
@@ -7,6 +8,8 @@ export type Code = "en" | "ru";
 function first(): Code {
   const chosen = kept("language");
   if (chosen === "en" || chosen === "ru") return chosen;
+  const named = globalThis.document?.documentElement.dataset.language;
+  if (named === "en" || named === "ru") return named;
   const browser = globalThis.navigator?.language ?? "en";
   return /^(ru|be|kk|uk)/i.test(browser) ? "ru" : "en";
 }

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { LineEvent } from "../../lib/types";
-import { flagsOf, folded, gapsOf } from "./flags";
+import { flagsOf, folded, gapFlags, gapsOf, lagging, nextGap } from "./flags";
 
 const marker = (time: number, label = ""): LineEvent => ({ kind: "marker", time, label });
 const text = { en: "x", ru: "х" };
@@ -14,6 +14,17 @@ describe("flags", () => {
     expect(flags.map(({ kind, time, count }) => [kind, time, count])).toEqual([
       ["marker", 10, 2],
       ["warning", 12, 1],
+    ]);
+  });
+});
+
+describe("flags of one moment", () => {
+  it("are one of each kind, in whatever order they came", () => {
+    const alarm = (level: "warning" | "danger", name: string): LineEvent => ({ kind: "alarm", time: 12, name, level, before: "none", side: "high", value: 1, limit: 0, text });
+    const flags = flagsOf([alarm("warning", "A"), alarm("danger", "B"), alarm("warning", "C")], 5, 20, 1);
+    expect(flags.map(({ kind, count }) => [kind, count])).toEqual([
+      ["warning", 2],
+      ["danger", 1],
     ]);
   });
 });
@@ -32,6 +43,29 @@ describe("gaps", () => {
     const said: LineEvent = { kind: "state", time: 5, state: "echo-only", text: silent, reason: text };
     expect(gapsOf([gap(4, 6), said], 0, 20, 9)[0]!.reason).toEqual(silent);
     expect(gapsOf([gap(7, 8), said], 0, 20, 9)[0]!.reason).toEqual(text);
+  });
+
+  it("keep all of their reason to be told", () => {
+    const said: LineEvent = { kind: "state", time: 5, state: "echo-only", text: { en: "silent", ru: "молчит" }, reason: text };
+    expect(gapsOf([gap(4, 6), said], 0, 20, 9)[0]!.whole).toEqual(text);
+  });
+
+  it("are flags, close ones as one, with a place within for the cursor", () => {
+    const flags = gapFlags(gapsOf([gap(4, 6), gap(7, 7.2), gap(7.3, 7.4), gap(12, 40)], 5, 20, 50), 5, 20, 1);
+    expect(flags.map(({ time, at, count }) => [time, at, count])).toEqual([
+      [5, 5.5, 1],
+      [7, 7.1, 2],
+      [12, 16, 1],
+    ]);
+  });
+
+  it("are gone through one after the other, the second recording's among them, round and round", () => {
+    const bands = [...gapsOf([gap(1, 3), gap(8, 10)], 0, 20, 20), ...lagging(gapsOf([gap(101, 103)], 0, 200, 200), -97)];
+    const after = (time: number) => nextGap(bands, time, 1)!.from;
+    expect([after(0), after(2), after(5), after(9)]).toEqual([1, 4, 8, 1]);
+    expect([nextGap(bands, 9, -1)!.from, nextGap(bands, 2, -1)!.from]).toEqual([4, 8]);
+    expect(nextGap(bands, 2, 1)!.second).toBe(true);
+    expect(nextGap([], 2, 1)).toBeUndefined();
   });
 
   it("write it in lines that fit, and end in an ellipsis where they do not", () => {

@@ -3,8 +3,10 @@ import type { LineEvent, Text } from "../../lib/types";
 
 export interface Flag {
   time: number;
-  kind: "marker" | "warning" | "danger" | "unit";
-  /** Of the first; a marker's own words, or the text of the alarm. */
+  /** Where the cursor goes: into a gap, not to its edge. */
+  at: number;
+  kind: "marker" | "warning" | "danger" | "unit" | "gap";
+  /** Of the first; a marker's own words, the text of the alarm, a gap's whole reason. */
   label: string | Text;
   count: number;
 }
@@ -15,26 +17,30 @@ export function flagsOf(events: readonly LineEvent[], from: number, to: number, 
     if (event.time < from || event.time > to) continue;
     const flag = flagOf(event);
     if (!flag) continue;
-    const before = flags[flags.length - 1];
-    if (before && before.kind === flag.kind && flag.time - before.time < apart) before.count += 1;
+    const before = flags.findLast(({ kind }) => kind === flag.kind);
+    if (before && flag.time - before.time < apart) before.count += 1;
     else flags.push(flag);
   }
   return flags;
 }
 
 function flagOf(event: LineEvent): Flag | null {
-  if (event.kind === "marker") return { time: event.time, kind: "marker", label: event.label, count: 1 };
-  if (event.kind === "alarm" && (event.level === "warning" || event.level === "danger")) {
-    return { time: event.time, kind: event.level, label: event.text, count: 1 };
-  }
-  if (event.kind === "unit" && event.another) return { time: event.time, kind: "unit", label: event.model ?? "", count: 1 };
+  const there = { time: event.time, at: event.time, count: 1 };
+  if (event.kind === "marker") return { ...there, kind: "marker", label: event.label };
+  if (event.kind === "alarm" && (event.level === "warning" || event.level === "danger")) return { ...there, kind: event.level, label: event.text };
+  if (event.kind === "unit" && event.another) return { ...there, kind: "unit", label: event.model ?? "" };
   return null;
 }
 
 export interface GapBand {
   from: number;
   to: number;
+  /** What the line was said to be, to be written in the band. */
   reason: Text;
+  /** The reason itself, with what to try. */
+  whole: Text;
+  /** Of the second recording, with which the first is compared. */
+  second: boolean;
 }
 
 /** Gaps that lie in the window; one that goes on lasts until now. */
@@ -44,15 +50,41 @@ export function gapsOf(events: readonly LineEvent[], from: number, to: number, n
     if (event.kind !== "gap") continue;
     const ended = event.ended ?? now;
     if (ended < from || event.began > to) continue;
-    bands.push({ from: event.began, to: ended, reason: briefly(events, event.began, ended) ?? event.reason });
+    const reason = briefly(events, event.began, ended) ?? event.reason;
+    bands.push({ from: event.began, to: ended, reason, whole: event.reason, second: false });
   }
   return bands;
+}
+
+/** The second recording's, at the times of the first. */
+export function lagging(bands: readonly GapBand[], lag: number): GapBand[] {
+  return bands.map((band) => ({ ...band, from: band.from + lag, to: band.to + lag, second: true }));
 }
 
 /** What the line was said to be in that time: the reason itself is whole advice, too long to be written in a band. */
 function briefly(events: readonly LineEvent[], from: number, to: number): Text | null {
   const said = events.findLast((event) => event.kind === "state" && event.reason !== null && event.time >= from && event.time <= to);
   return said?.kind === "state" ? said.text : null;
+}
+
+/** Gaps as flags, so that each can be reached; where it begins, or where the window does. */
+export function gapFlags(bands: readonly GapBand[], from: number, to: number, apart: number): Flag[] {
+  const flags: Flag[] = [];
+  for (const band of bands) {
+    const time = Math.max(band.from, from);
+    if (time > to) continue;
+    const before = flags[flags.length - 1];
+    if (before && time - before.time < apart) before.count += 1;
+    else flags.push({ time, at: (time + Math.min(band.to, to)) / 2, kind: "gap", label: band.whole, count: 1 });
+  }
+  return flags;
+}
+
+/** The gap that follows this moment, or the one before; past the last one the first again. */
+export function nextGap(bands: readonly GapBand[], time: number, step: 1 | -1): GapBand | undefined {
+  const ordered = [...bands].sort((one, other) => one.from + one.to - other.from - other.to);
+  const after = (band: GapBand) => (step > 0 ? (band.from + band.to) / 2 > time + 1e-6 : (band.from + band.to) / 2 < time - 1e-6);
+  return step > 0 ? (ordered.find(after) ?? ordered[0]) : (ordered.findLast(after) ?? ordered[ordered.length - 1]);
 }
 
 /** Words in lines that fit; what does not, ends in an ellipsis. */

@@ -1,10 +1,11 @@
 // Mouse, wheel, pen and fingers on the panes. Wheel: time; Shift-wheel: value; drag: along in time (with Shift in value); two fingers: both
-// together; double click: fits. Moving over it sets the cursor, a touch or a click as well.
+// together; double click: fits. Moving over it sets the cursor; a touch or a click chooses the moment.
 
 export interface Actions {
   time(x: number, width: number): number;
   seconds(pixels: number, width: number): number;
   cursor(time: number): void;
+  choose(time: number): void;
   pan(seconds: number): void;
   zoom(factor: number, around: number): void;
   stretch(pane: number, factor: number): void;
@@ -74,7 +75,7 @@ export function gestures(area: HTMLElement, act: Actions): () => void {
 
   function up(event: PointerEvent): void {
     if (!fingers.delete(event.pointerId) || dragged || !plot) return;
-    act.cursor(act.time(x(event, plot), plot.clientWidth));
+    act.choose(act.time(x(event, plot), plot.clientWidth));
   }
 
   function cancel(event: PointerEvent): void {

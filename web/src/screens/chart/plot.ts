@@ -1,9 +1,8 @@
 // One pane as a uPlot: series, scales and axes from its traces; gaps hatched behind the lines. The cursor, the wheel and the hand are ours.
 import uPlot from "uplot";
-import { APART } from "../../lib/draw";
-import { holes, type Cells } from "../../lib/decimate";
 import { number } from "../../lib/i18n";
 import type { Channel } from "../../lib/types";
+import { counted, timesOfDay } from "./clocks";
 import { folded, type GapBand } from "./flags";
 import { fitting, lane, stretched } from "./scales";
 import type { Stretch, Trace } from "./view.svelte";
@@ -11,6 +10,8 @@ import type { Stretch, Trace } from "./view.svelte";
 export const LEFT = 58;
 export const RIGHT = 14;
 export const BOTTOM = 30;
+/** Of the second recording's lines, in CSS pixels. */
+const DASH = [5, 4];
 
 export interface Look {
   text: string;
@@ -30,9 +31,13 @@ export interface PlotPlan {
   foot: boolean;
   /** Some pane has a second axis: all keep room for it, so that times stand below each other. */
   second: boolean;
+  /** Each trace once more, dashed: the second recording's; time is counted from here. Null: one source alone, times of day. */
+  zero: number | null;
   look: Look;
   stretch: () => Stretch | undefined;
   gaps: () => GapBand[];
+  /** Where the line of that series (from 0) has long been without a value: from, to. */
+  holes: (series: number) => readonly [number, number][];
   reason: (gap: GapBand) => string;
 }
 
@@ -57,8 +62,8 @@ function least(channel: Channel | undefined): number {
 export function makePlot(plan: PlotPlan, width: number, height: number, target: HTMLElement): uPlot {
   const shown = plan.traces.filter(({ hidden }) => !hidden);
   const keys = scalesOf(plan.traces, plan.channel, plan.stacked);
-  const { look } = plan;
-  const scales: uPlot.Scales = { x: { time: true, auto: false } };
+  const { look, zero } = plan;
+  const scales: uPlot.Scales = { x: { time: zero === null, auto: false } };
   keys.forEach((key, index) => {
     const channels = shown.filter((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key).map(({ name }) => plan.channel(name));
     const flag = channels.every((channel) => channel?.flag);
@@ -77,8 +82,18 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
   };
   const drawn = plan.stacked ? [] : keys.filter((key) => !isFlag(plan, key)).slice(0, 2);
   const axis = { font: look.font, grid: { stroke: look.grid, width: 1 }, ticks: { stroke: look.grid, width: 1, size: 4 } };
+  const times = zero === null ? { values: (_: uPlot, splits: number[], __: number, ___: number, step: number) => timesOfDay(splits, step) } : counted(zero);
   const axes: uPlot.Axis[] = [
-    { ...axis, stroke: look.muted, size: plan.foot ? BOTTOM : 0, space: 90, values: plan.foot ? clocks : (_, splits) => splits.map(() => "") , ticks: { show: plan.foot, stroke: look.grid, width: 1, size: 4 } },
+    {
+      ...axis,
+      ...times,
+      // No words at all: an empty one is drawn, too, and costs as much as a short one.
+      ...(plan.foot ? {} : { values: () => [] }),
+      stroke: look.muted,
+      size: plan.foot ? BOTTOM : 0,
+      space: 90,
+      ticks: { ...axis.ticks, show: plan.foot },
+    },
     ...drawn.map((key, index) => ({
       ...axis,
       scale: key,
@@ -92,6 +107,20 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
   ];
   const left = drawn.length > 0 ? 0 : LEFT;
   const right = plan.second ? (drawn.length > 1 ? 0 : LEFT) : RIGHT;
+  const line = (trace: Trace, index: number, second: boolean): uPlot.Series => {
+    const channel = plan.channel(trace.name);
+    return {
+      label: trace.name,
+      scale: scaleOf(trace, channel, plan.stacked),
+      stroke: look.traces[trace.colour - 1]!,
+      width: second ? 1.25 : 1.75,
+      ...(second ? { dash: DASH.map((length) => length * devicePixelRatio) } : {}),
+      points: { show: false },
+      paths: channel?.flag ? uPlot.paths.stepped!({ align: 1 }) : uPlot.paths.linear!(),
+      gaps: (plot) => breaks(plot, plan, index + (second ? shown.length : 0), second),
+    };
+  };
+  const second = zero === null ? [] : shown.map((trace, index) => line(trace, index, true));
   return new uPlot(
     {
       width,
@@ -101,24 +130,10 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
       cursor: { show: false },
       scales,
       axes,
-      series: [
-        {},
-        ...shown.map((trace): uPlot.Series => {
-          const channel = plan.channel(trace.name);
-          return {
-            label: trace.name,
-            scale: scaleOf(trace, channel, plan.stacked),
-            stroke: look.traces[trace.colour - 1]!,
-            width: 1.75,
-            points: { show: false },
-            paths: channel?.flag ? uPlot.paths.stepped!({ align: 1 }) : uPlot.paths.linear!(),
-            gaps: (plot, series) => breaks(plot, series, plan.gaps()),
-          };
-        }),
-      ],
+      series: [{}, ...shown.map((trace, index) => line(trace, index, false)), ...second],
       hooks: { drawAxes: [(plot) => hatch(plot, plan)] },
     },
-    [[], ...shown.map(() => [])] as unknown as uPlot.AlignedData,
+    [[], ...shown.map(() => []), ...second.map(() => [])] as unknown as uPlot.AlignedData,
     target,
   );
 }
@@ -127,13 +142,13 @@ const isFlag = (plan: PlotPlan, key: string) =>
   plan.traces.some((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key && plan.channel(trace.name)?.flag);
 
 /** In canvas pixels, where a line is not drawn: a gap of the line, and where this value did not come for long. */
-function breaks(plot: uPlot, series: number, gaps: GapBand[]): uPlot.Series.Gaps {
-  const times = plot.data[0] as number[];
-  const values = plot.data[series] as Cells;
-  const spans = holes(times, values, APART);
+function breaks(plot: uPlot, plan: PlotPlan, series: number, second: boolean): uPlot.Series.Gaps {
   const place = (time: number) => Math.round(plot.valToPos(time, "x", true));
-  const between = gaps.filter(({ from, to }) => to > from).map(({ from, to }): [number, number] => [from, to]);
-  return [...spans, ...between]
+  const between = plan
+    .gaps()
+    .filter((gap) => gap.second === second && gap.to > gap.from)
+    .map(({ from, to }): [number, number] => [from, to]);
+  return [...plan.holes(series), ...between]
     .sort((one, other) => one[0] - other[0])
     .map(([from, to]): [number, number] => [place(from), place(to)])
     .filter(([from, to]) => to > from);
@@ -159,44 +174,35 @@ function hatch(plot: uPlot, plan: PlotPlan): void {
     ctx.strokeStyle = plan.look.hatch;
     ctx.lineWidth = devicePixelRatio;
     ctx.beginPath();
-    // On a grid of its own from the gap's edge, so that it moves with it.
+    // On a grid of its own from the gap's edge, so that it moves with it; the second recording's leans the other way.
+    const [near, far] = gap.second ? [bbox.top, bbox.top + bbox.height] : [bbox.top + bbox.height, bbox.top];
     for (let x = from - bbox.height; x < from + wide; x += step) {
-      ctx.moveTo(x, bbox.top + bbox.height);
-      ctx.lineTo(x + bbox.height, bbox.top);
+      ctx.moveTo(x, near);
+      ctx.lineTo(x + bbox.height, far);
     }
     ctx.stroke();
     if (plan.foot && wide > 60 * devicePixelRatio) {
       ctx.font = `${13 * devicePixelRatio}px ${plan.look.font.replace(/^\S+ /, "")}`;
-      write(ctx, plan.reason(gap), from, wide, bbox.top + bbox.height, plan.look);
+      write(ctx, plan.reason(gap), from, wide, gap.second ? bbox.top : bbox.top + bbox.height, gap.second, plan.look);
     }
     ctx.restore();
   }
   ctx.restore();
 }
 
-/** Words in a band, in as many lines as they need (three at most), on a ground of their own so that the hatching does not cut them. */
-function write(ctx: CanvasRenderingContext2D, words: string, left: number, wide: number, foot: number, look: Look): void {
+/** Words in a band, in as many lines as they need (three at most), on a ground of their own so that the hatching does not cut them. At the
+ * foot; the second recording's at the top. */
+function write(ctx: CanvasRenderingContext2D, words: string, left: number, wide: number, edge: number, atTop: boolean, look: Look): void {
   const pad = 6 * devicePixelRatio;
   const line = 16 * devicePixelRatio;
   const lines = folded(words, (text) => ctx.measureText(text).width <= wide - 2 * pad, 3);
   ctx.textBaseline = "top";
+  ctx.textAlign = "left";
   lines.forEach((text, index) => {
-    const top = foot - pad - line * (lines.length - index);
+    const top = atTop ? edge + pad + line * index : edge - pad - line * (lines.length - index);
     ctx.fillStyle = look.ground;
     ctx.fillRect(left + pad / 2, top - 2, ctx.measureText(text).width + pad, line);
     ctx.fillStyle = look.text;
     ctx.fillText(text, left + pad, top);
-  });
-}
-
-/** Times of day; with tenths when close. */
-function clocks(_: uPlot, splits: number[], __: number, ___: number, step: number): string[] {
-  return splits.map((split) => {
-    const date = new Date(split * 1000);
-    const two = (part: number) => String(part).padStart(2, "0");
-    const minutes = `${two(date.getHours())}:${two(date.getMinutes())}`;
-    if (step >= 60) return minutes;
-    const seconds = `${minutes}:${two(date.getSeconds())}`;
-    return step >= 1 ? seconds : `${seconds}.${String(Math.round(date.getMilliseconds())).padStart(3, "0").slice(0, step >= 0.1 ? 1 : 3)}`;
   });
 }

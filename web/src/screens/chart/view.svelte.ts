@@ -1,4 +1,5 @@
 // What the chart shows: panes and their traces (kept on this computer), the window of time, zoom in value, stacking. It outlives the screen.
+import { compared } from "../../lib/compared.svelte";
 import { cursors } from "../../lib/cursors.svelte";
 import { keep, kept } from "../../lib/kept";
 import { shown } from "../../lib/source.svelte";
@@ -56,6 +57,7 @@ class View {
   stacked = $state(false);
   stretches = $state.raw<Record<number, Stretch>>({});
   private of: string | null = null;
+  private beside: string | null = null;
 
   readonly names = $derived([...new Set(this.panes.flatMap(({ traces }) => traces.map(({ name }) => name)))]);
 
@@ -93,15 +95,34 @@ class View {
     }
   }
 
+  /** A second recording is drawn beside it, or none any more; unless it was already. */
+  compare(id: string | null): void {
+    if (id === this.beside) return;
+    this.beside = id;
+    if (id !== null) this.showAll();
+  }
+
   /** All there is. */
   showAll(): void {
     const { columns } = shown.source;
     if (columns.length < 2) return;
-    const room = (columns.last - columns.first) * 0.01;
     if (shown.source.kind === "live") {
       this.span = Math.max(SHORTEST, shown.source.now() - columns.first);
-      this.follow();
-    } else this.show(columns.first - room, columns.last + room);
+      return this.follow();
+    }
+    let { first, last } = columns;
+    if (compared.on && compared.columns.length > 1) {
+      first = Math.min(first, compared.columns.first + compared.lag);
+      last = Math.max(last, compared.columns.last + compared.lag);
+    }
+    const room = (last - first) * 0.01;
+    this.show(first - room, last + room);
+  }
+
+  /** So that this moment is in the window, in its middle if it was not. */
+  bring(time: number): void {
+    const [from, to] = this.window();
+    if (time < from || time > to) this.end = time + this.span / 2;
   }
 
   /** Around a moment that stays where it is; when following, around the right edge. */

@@ -9,6 +9,8 @@ const state = (line: State["line"], more: Partial<State> = {}) => ({
   line,
   reason_code: null,
   port: null,
+  model: null,
+  samples: 0,
   ...more,
 });
 
@@ -42,9 +44,29 @@ describe("which trouble it is", () => {
     expect(situationOf(state("no-echo", told), [], null)).toBe("elm327");
     expect(situationOf(state("off", told), [], null)).toBe("elm327");
   });
-  it("tells an adapter that went away from one that was never there", () => {
-    expect(situationOf(state("no-port", { port: "/dev/ttyUSB0" }), [], null)).toBe("gone");
-    expect(situationOf(state("no-port"), [], null)).toBe("no-cable");
+  it.each([
+    ["/dev/ttyUSB0", null, "opening"],
+    ["/dev/ttyUSB0", "PortBusy", "busy"],
+    ["/dev/ttyUSB0", "PortDenied", "denied"],
+    ["/dev/ttyUSB0", "PortNotFound", "no-port"],
+    ["/etc/hostname", "PortFailed", "unopened"],
+    ["socket://127.0.0.1:1", "PortFailed", "deaf"],
+    ["/dev/ttyUSB0", "LinkLost", "gone"],
+    ["socket://127.0.0.1:1", "LinkLost", "cut"],
+    ["replay:a.pcapng", "RecordingOver", "over"],
+  ] as const)("tells why %s does not open: %s", (url, reason_code, wanted) => {
+    expect(situationOf(state("no-port", { port: url, reason_code }), [], null)).toBe(wanted);
+  });
+  it("calls unplugged only what was there", () => {
+    const missing = state("no-port", { port: "/dev/ttyUSB0", reason_code: "PortNotFound" });
+    expect(situationOf({ ...missing, samples: 9 }, [], null)).toBe("gone");
+    expect(situationOf(missing, [], null, "/dev/ttyUSB0")).toBe("gone");
+    expect(situationOf(missing, [], null, "/dev/ttyUSB1")).toBe("no-port");
+  });
+  it("while connecting knows nothing yet, whatever was before", () => {
+    const before = state("off", { reason_code: "LinkLost" });
+    expect(situationOf(before, [], "PortBusy", null, true)).toBe("opening");
+    expect(situationOf(state("no-port", { port: "a" }), [], "PortBusy")).toBe("opening");
   });
 });
 
@@ -100,8 +122,12 @@ describe("the examination", () => {
     ]);
   });
   it("comes to a verdict", () => {
-    expect(verdict([step("port", true)])).toBe("well");
-    expect(verdict([step("port", true), step("line", null)])).toBe("works");
+    const last = step("commands", true);
+    expect(verdict([step("port", true), last])).toBe("well");
+    expect(verdict([step("port", true), step("line", null), last])).toBe("works");
     expect(verdict([step("line", null), step("ecu", false)])).toBe("broken");
+  });
+  it("says no more of one that was stopped than that", () => {
+    expect(verdict([step("port", true), step("echo", true)])).toBe("stopped");
   });
 });

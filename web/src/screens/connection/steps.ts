@@ -30,9 +30,11 @@ export function drawn(steps: readonly DoctorStep[], running: boolean): Drawn[] {
   });
 }
 
-export type Verdict = "well" | "works" | "broken";
+export type Verdict = "well" | "works" | "broken" | "stopped";
 
+/** Of an examination that has ended. One that nothing ended and that lacks its last step was stopped. */
 export function verdict(steps: readonly DoctorStep[]): Verdict {
   if (steps.some((step) => step.ok === false)) return "broken";
+  if (steps.at(-1)?.name !== STEPS.at(-1)) return "stopped";
   return steps.every((step) => step.ok) ? "well" : "works";
 }

@@ -2,6 +2,7 @@
 import { ApiError, api } from "../../lib/api";
 import { Asked } from "../../lib/asked.svelte";
 import { live } from "../../lib/live.svelte";
+import { kept } from "../../lib/recording.svelte";
 import type { About, DoctorStep, Port, State } from "../../lib/types";
 
 class ConnectionStore {
@@ -12,52 +13,85 @@ class ConnectionStore {
   wanted = $state<string | null>(null);
   /** The last refusal to connect: which trouble it is. */
   code = $state<string | null>(null);
+  /** The port that something came from last, since the page was opened. */
+  worked = $state<string | null>(null);
+  /** A recording would end: to be confirmed. Without `port`: disconnecting. */
+  leaving = $state.raw<{ file: string; port?: string | null } | null>(null);
 
   steps = $state.raw<DoctorStep[]>([]);
   examining = $state(false);
   examined = $state<string | null>(null);
   trouble = $state.raw<ApiError | null>(null);
-  private stopper: AbortController | null = null;
+  readonly stopping = new Asked<State>();
 
   async look(): Promise<void> {
     await this.ports.ask(async () => (await api.ports()).ports);
   }
 
+  /** Amid a recording it is asked first: that file ends with this connection. */
   async connect(port: string | null): Promise<void> {
+    const file = running();
+    if (file && port !== live.state?.port) this.leaving = { file, port };
+    else await this.join(port);
+  }
+
+  async disconnect(): Promise<void> {
+    const file = running();
+    if (file) this.leaving = { file };
+    else await this.part();
+  }
+
+  /** The answer to that question is yes. */
+  async leave(): Promise<void> {
+    const left = this.leaving;
+    if (!left) return;
+    this.leaving = null;
+    const gone = left.port === undefined ? await this.part() : await this.join(left.port);
+    if (gone) kept(left.file);
+  }
+
+  private async join(port: string | null): Promise<boolean> {
     this.wanted = port ?? "";
     const state = await this.connecting.ask(() => api.connect(port));
     this.wanted = null;
     this.code = this.connecting.error?.code ?? null;
     if (state) live.state = state;
+    return state !== undefined;
   }
 
-  async disconnect(): Promise<void> {
+  private async part(): Promise<boolean> {
     const state = await this.connecting.ask(() => api.disconnect());
     this.code = null;
     if (state) live.state = state;
+    return state !== undefined;
   }
 
   async examine(port: string | null): Promise<void> {
     this.steps = [];
     this.trouble = null;
+    this.stopping.forget();
     this.examining = true;
     this.examined = port;
-    const stopper = new AbortController();
-    this.stopper = stopper;
     try {
-      await api.doctor(port, (step) => (this.steps = [...this.steps, step]), stopper.signal);
+      await api.doctor(port, (step) => (this.steps = [...this.steps, step]));
     } catch (error) {
-      if (error instanceof ApiError) this.trouble = error;
-      else if (!stopper.signal.aborted) throw error;
+      if (!(error instanceof ApiError)) throw error;
+      this.trouble = error;
     } finally {
       this.examining = false;
     }
   }
 
-  /** The page stops listening; the program ends the examination and goes back to sampling by itself. */
-  stop(): void {
-    this.stopper?.abort();
+  /** The program ends the examination, and lets go of the port; then the steps end by themselves. */
+  async stop(): Promise<void> {
+    const state = await this.stopping.ask(() => api.stopDoctor());
+    if (state) live.state = state;
   }
 }
+
+const running = (): string | null => {
+  const recording = live.state?.recording;
+  return recording && !recording.failure ? recording.file : null;
+};
 
 export const connection = new ConnectionStore();

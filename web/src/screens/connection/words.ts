@@ -7,6 +7,20 @@ export const t = dictionary({
   adapters: { en: "Adapters", ru: "Адаптеры" },
   best: { en: "best guess", ru: "скорее всего" },
   in_use: { en: "in use", ru: "подключён" },
+  waited: { en: "chosen, waited for", ru: "выбран, ждём его" },
+  examined_first: {
+    en: "The examination has the port. Another one can be chosen when it has ended.",
+    ru: "Порт занят проверкой. Другой можно выбрать, когда она закончится.",
+  },
+  leave_title: { en: "End the recording?", ru: "Закончить запись?" },
+  leave_off: {
+    en: "Disconnecting ends the recording {file}. It is kept.",
+    ru: "Отключение закончит запись {file}. Она сохранится.",
+  },
+  leave_other: {
+    en: "The recording {file} ends here and is kept; what comes from the other port goes into a new file.",
+    ru: "Запись {file} на этом закончится и сохранится; данные с другого порта пойдут в новый файл.",
+  },
   unlikely: { en: "hardly an adapter", ru: "вряд ли адаптер" },
   others: {
     en: { one: "{n} other port", other: "{n} other ports" },
@@ -21,17 +35,17 @@ export const t = dictionary({
     en: "for example socket://192.168.1.5:2000, /dev/ttyUSB0, COM3, sim:",
     ru: "например socket://192.168.1.5:2000, /dev/ttyUSB0, COM3, sim:",
   },
-  sim_title: { en: "Try with a virtual car", ru: "Попробовать на виртуальной машине" },
+  sim_title: { en: "Try with a virtual car", ru: "Попробовать на виртуальном автомобиле" },
   sim_more: {
     en: "No cable, no car: a simulated ZMZ-406 engine answers byte for byte like a Mikas unit. Everything works: values, faults, memory, recordings.",
     ru: "Без кабеля и машины: модель двигателя ЗМЗ-406 отвечает байт в байт как блок Микас. Работает всё: значения, неисправности, память, записи.",
   },
-  sim_go: { en: "Start the virtual car", ru: "Завести виртуальную машину" },
+  sim_go: { en: "Start the virtual car", ru: "Завести виртуальный автомобиль" },
   sim_warm: { en: "Warm idle", ru: "Прогретый холостой ход" },
   sim_cold: { en: "Cold start", ru: "Холодный пуск" },
   sim_city: { en: "City driving", ru: "Город" },
   sim_off: { en: "Ignition off", ru: "Зажигание выключено" },
-  virtual: { en: "virtual car", ru: "виртуальная машина" },
+  virtual: { en: "virtual car", ru: "виртуальный автомобиль" },
 
   s_ok: { en: "The ECU answers", ru: "Блок отвечает" },
   s_off: { en: "Not connected", ru: "Не подключено" },
@@ -58,10 +72,15 @@ export const t = dictionary({
     en: "Plug it in again: the program goes on by itself, and what was recorded is kept.",
     ru: "Вставьте его снова: программа продолжит сама, записанное сохранено.",
   },
-  s_no_port: { en: "The port can't be opened", ru: "Порт не открывается" },
-  s_no_port_do: {
-    en: "Unplug the adapter and plug it in again, or choose another port.",
-    ru: "Выньте и снова вставьте адаптер или выберите другой порт.",
+  s_cut: { en: "The other end closed the connection", ru: "Другой конец закрыл соединение" },
+  s_over: { en: "The recording is over", ru: "Запись закончилась" },
+  s_deaf: { en: "No adapter at this address", ru: "По этому адресу адаптера нет" },
+  s_no_port: { en: "There is no such port", ru: "Такого порта нет" },
+  s_unopened: { en: "The port can't be opened", ru: "Порт не открывается" },
+  s_opening: { en: "Opening the port…", ru: "Открываем порт…" },
+  s_opening_do: {
+    en: "In a moment it shows how far the way to the ECU is open.",
+    ru: "Сейчас станет видно, докуда есть связь.",
   },
   s_elm327: {
     en: "This is an ELM327: the wrong kind of adapter",
@@ -103,6 +122,10 @@ export const t = dictionary({
   },
   doctor_start: { en: "Examine", ru: "Проверить" },
   doctor_stop: { en: "Stop", ru: "Остановить" },
+  doctor_stopped: {
+    en: "Stopped before its end; the port is free again.",
+    ru: "Остановлено до конца; порт снова свободен.",
+  },
   doctor_again: { en: "Examine again", ru: "Проверить снова" },
   doctor_well: { en: "All is well.", ru: "Всё в порядке." },
   doctor_works: {

@@ -81,6 +81,33 @@ export const t = dictionary({
     ru: "Эти появились сразу же, значит, причина не устранена: {codes}",
   },
 
+  recorded_title: { en: "Of the recording {file}, not of the car now", ru: "Из записи {file}, не с машины сейчас" },
+  recorded_live: { en: "Back to live", ru: "К живым данным" },
+  recorded_report: { en: "Report on it", ru: "Отчёт по ней" },
+  recorded_unread: { en: "This recording holds no faults", ru: "В этой записи нет ошибок" },
+  recorded_unread_more: {
+    en: "The faults were not read while it was made, so nothing is known of them.",
+    ru: "Пока она шла, ошибки не читали, поэтому о них ничего не известно.",
+  },
+  recorded_none: { en: "Read in it: no faults were stored", ru: "Прочитано в ней: ошибок в памяти не было" },
+  recorded_count: {
+    en: { one: "{n} fault stored, as last read in it", other: "{n} faults stored, as last read in it" },
+    ru: {
+      one: "{n} ошибка в памяти, как прочитано в ней последний раз",
+      few: "{n} ошибки в памяти, как прочитано в ней последний раз",
+      many: "{n} ошибок в памяти, как прочитано в ней последний раз",
+    },
+  },
+  recorded_more: {
+    en: "What they mean and what to check stands in its report.",
+    ru: "Что они значат и что проверить, сказано в отчёте.",
+  },
+  not_now: { en: "As last read, {time}: not of now", ru: "Как прочитано в {time}, не сейчас" },
+  not_now_more: {
+    en: "There is no connection to the unit. When it answers, the faults are read again.",
+    ru: "Связи с блоком нет. Когда он ответит, ошибки прочитаются снова.",
+  },
+
   journal: { en: "Journal of changes", ru: "Журнал изменений" },
   journal_none: { en: "Nothing has been changed yet.", ru: "Изменений ещё не было." },
   journal_erased: { en: "Faults erased", ru: "Стёрты ошибки" },

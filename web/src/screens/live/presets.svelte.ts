@@ -1,6 +1,7 @@
 // The presets: shipped ones from the catalog, the user's own from the program; which one is on the screen; the one being edited.
 import { api } from "../../lib/api";
 import { catalog } from "../../lib/catalog.svelte";
+import { insist } from "../../lib/insist";
 import { keep, kept } from "../../lib/kept";
 import { needs } from "../../lib/needs.svelte";
 import type { Preset, Tile } from "../../lib/types";
@@ -20,9 +21,12 @@ class Presets {
   /** Channels that it shows. */
   readonly names = $derived(this.onScreen ? namesOf(this.onScreen) : []);
 
-  async load(): Promise<void> {
-    this.own = (await api.presets()).presets;
-    this.loaded = true;
+  /** The user's own, until they came or the returned function is called. */
+  insist(): () => void {
+    return insist(async () => {
+      this.own = (await api.presets()).presets;
+      this.loaded = true;
+    });
   }
 
   choose(id: string): void {

@@ -61,7 +61,7 @@ export const t = dictionary({
   offTitle: { en: "Not connected", ru: "Не подключено" },
   offText: {
     en: "Connect the cable to the car and choose its port, or look around with a virtual car.",
-    ru: "Подключите кабель к машине и выберите порт. Или осмотритесь с виртуальной машиной.",
+    ru: "Подключите кабель к машине и выберите порт. Или осмотритесь с виртуальным автомобилем.",
   },
   connect: { en: "Connect", ru: "Подключить" },
 });

@@ -133,6 +133,10 @@ export const t = dictionary({
   download: { en: "Download", ru: "Скачать" },
   remove: { en: "Delete…", ru: "Удалить…" },
   remove_sure: { en: "Delete this dump?", ru: "Удалить этот образ?" },
+  remove_again: {
+    en: "It has changed meanwhile. This is how it is now; confirm again.",
+    ru: "За это время всё изменилось. Вот как сейчас; подтвердите ещё раз.",
+  },
   remove_yes: { en: "Delete", ru: "Удалить" },
   compare: { en: "Compare with a file", ru: "Сравнить с файлом" },
   progress: { en: "{done} of {total} bytes", ru: "{done} из {total} байтов" },
@@ -194,15 +198,15 @@ export const t = dictionary({
   },
   unlock_each: {
     en: "Each write is shown and confirmed by itself even then. The lock closes again after five minutes.",
-    ru: "Каждая запись и тогда показывается и подтверждается отдельно. Через пять минут запись снова закроется.",
+    ru: "Каждое изменение и тогда показывается и подтверждается отдельно. Через пять минут оно снова запрещено.",
   },
   unlock_yes: { en: "Unlock", ru: "Разрешить" },
-  lock: { en: "Lock now", ru: "Закрыть сейчас" },
-  locked: { en: "Writing is locked", ru: "Запись закрыта" },
-  unlocked: { en: "Writing is open for {time}", ru: "Запись открыта ещё {time}" },
+  lock: { en: "Lock now", ru: "Запретить сейчас" },
+  locked: { en: "Writing is locked", ru: "Изменение памяти запрещено" },
+  unlocked: { en: "Writing is open for {time}", ru: "Изменение памяти разрешено ещё {time}" },
   locked_more: {
     en: "Reading needs no unlocking. To write, unlock first.",
-    ru: "Для чтения ничего разрешать не надо. Для записи сначала разрешите её.",
+    ru: "Для чтения ничего разрешать не надо. Чтобы менять, сначала разрешите изменение.",
   },
 
   write: { en: "Write bytes", ru: "Записать байты" },

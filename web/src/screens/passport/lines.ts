@@ -39,7 +39,7 @@ export function unitLines(passport: Passport): Line[] {
 export function lineLines(passport: Passport): Line[] {
   const { latency_ms: latency } = passport;
   return [
-    [t("adapter"), passport.adapter || DASH],
+    [t("adapter"), passport.port.startsWith("sim:") ? t("virtual") : passport.adapter || DASH],
     [t("port"), passport.port || DASH],
     [t("echo"), passport.echo ? t("echo_yes") : t("echo_no")],
     [t("baud"), t("baud_value", { n: passport.baud })],

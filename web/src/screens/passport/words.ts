@@ -29,6 +29,12 @@ export const t = dictionary({
 
   line: { en: "Adapter and line", ru: "Адаптер и линия" },
   adapter: { en: "Adapter", ru: "Адаптер" },
+  unread: { en: "Nobody has read the passport yet", ru: "Паспорт ещё никто не читал" },
+  unread_more: {
+    en: "You are watching. It appears here when it has been read at the computer with the cable: its Passport screen.",
+    ru: "Вы наблюдаете. Он появится здесь, когда его прочитают за компьютером с кабелем: там же, на экране «Паспорт».",
+  },
+  virtual: { en: "virtual ECU", ru: "виртуальный блок" },
   port: { en: "Port", ru: "Порт" },
   echo: { en: "Echo", ru: "Эхо" },
   echo_yes: { en: "comes back, every byte is checked", ru: "есть, каждый байт сверяется" },

@@ -1,4 +1,5 @@
 import { dictionary } from "../../lib/i18n";
+import type { Recording } from "../../lib/types";
 
 export const t = dictionary({
   title: { en: "Recordings", ru: "Записи" },
@@ -14,6 +15,10 @@ export const t = dictionary({
   none_more: {
     en: "Press R or the round button at the top while the ECU answers. Everything on the wire is kept, so formulas corrected later correct old recordings too.",
     ru: "Нажмите R или круглую кнопку вверху, когда блок отвечает. Сохраняется всё, что прошло по линии, поэтому исправленные формулы исправят и старые записи.",
+  },
+  none_watching: {
+    en: "Recordings are made at the computer with the cable; they appear here then.",
+    ru: "Записи делают за компьютером с кабелем; здесь они тогда появятся.",
   },
   none_found: { en: "Nothing matches “{text}”.", ru: "По запросу «{text}» ничего нет." },
 
@@ -34,6 +39,9 @@ export const t = dictionary({
   note_save: { en: "Save the note", ru: "Сохранить заметку" },
   note_saved: { en: "Note saved.", ru: "Заметка сохранена." },
   open: { en: "Open", ru: "Открыть" },
+  export: { en: "Export", ru: "Экспорт" },
+  report: { en: "Report", ru: "Отчёт" },
+  delete: { en: "Delete", ru: "Удалить" },
   export_of: { en: "Export {name}", ru: "Экспорт {name}" },
   report_of: { en: "Report on {name}", ru: "Отчёт по {name}" },
   delete_of: { en: "Delete {name}", ru: "Удалить {name}" },
@@ -102,3 +110,9 @@ export const t = dictionary({
   key_slower: { en: "Slower", ru: "Медленнее" },
   key_loop: { en: "Loop: from, to, off", ru: "Повтор: отсюда, досюда, убрать" },
 });
+
+/** The faults that were read while it was made, in a line. */
+export function faultsOf(recording: Recording): string {
+  if (recording.faults === null) return t("not_read");
+  return recording.faults.join(", ") || t("no_faults");
+}

@@ -1,0 +1,218 @@
+"""The page over the network: the link with its token, who only watches, who may control, who comes
+and goes. What is refused is said in words.
+"""
+
+from __future__ import annotations
+
+from contextlib import ExitStack, contextmanager
+
+import pytest
+from playwright.sync_api import expect
+from websockets.sync.client import connect
+
+from browser.rig import LAPTOP, SCREENS, dashboard
+
+
+@pytest.fixture(scope="module")
+def lan(chromium, tmp_path_factory):
+    with dashboard(tmp_path_factory.mktemp("lan"), lan=True) as dash:
+        yield dash.samples()
+
+
+@pytest.fixture(scope="module")
+def shared_control(chromium, tmp_path_factory):
+    with dashboard(tmp_path_factory.mktemp("control"), lan=True, lan_control=True) as dash:
+        yield dash.samples()
+
+
+def by_the_link(dash, visitor, **wishes):
+    """A tab that was opened by the link with the token in it."""
+    tab = visitor(f"http://{LAPTOP}:{dash.port}", **wishes)
+    tab.page.goto(dash.access.lan_url)
+    return tab
+
+
+@contextmanager
+def no_wish_sent(tab):
+    """Nothing that would change anything is even asked for."""
+    sent = []
+
+    def note(request):
+        if request.method != "GET":
+            sent.append(f"{request.method} {request.url}")
+
+    tab.page.on("request", note)
+    yield
+    tab.page.remove_listener("request", note)
+    assert sent == []
+
+
+def test_by_the_link_one_sees_live_values(lan, visitor):
+    tab = by_the_link(lan, visitor)
+    tab.is_line("sampling")
+    assert "token" not in tab.page.url  # it is a cookie now
+    assert tab.page.evaluate("() => isSecureContext") is False  # as on a phone
+    tab.show("live")
+    lan.garage.set("TWAT", "7F")
+    expect(tab.value("TWAT")).to_have_text("87")
+    lan.garage.set("TWAT", "80")
+    expect(tab.value("TWAT")).to_have_text("88")
+    expect(tab.find("header[data-line]")).to_contain_text("view only")
+    lan.garage.set("TWAT", "7F")
+    tab.page.reload()
+    expect(tab.value("TWAT")).to_have_text("87")
+
+
+def test_a_link_in_a_message_opens_the_page(lan, dash, visitor):
+    """Pressed on another site's page, as in a messenger's; a bookmark as well."""
+    tab = visitor(dash.url).show("live")
+    tab.page.evaluate(
+        "link => document.body.append(Object.assign(document.createElement('a'),"
+        " {href: link, textContent: 'the car'}))",
+        lan.access.lan_url,
+    )
+    tab.page.get_by_role("link", name="the car").click(force=True)
+    tab.is_line("sampling")
+    assert tab.page.url == f"http://{LAPTOP}:{lan.port}/"
+
+
+@pytest.mark.parametrize("query", ["", "?token=", "?token=wrong"])
+def test_without_the_token_a_page_in_words_says_what_to_do(lan, visitor, query):
+    tab = visitor(f"http://{LAPTOP}:{lan.port}")
+    tab.refused = True
+    answer = tab.page.goto(f"http://{LAPTOP}:{lan.port}/{query}")
+    assert answer.status == 401
+    tab.says("scan the QR code")
+    tab.says("снимите QR-код")
+    assert tab.find("header[data-line]").count() == 0
+
+
+SHUT = {
+    "faults": "Erase…",
+    "passport": "Forget and measure again",
+    "memory": "Unlock writing for 5 minutes…",
+    "recordings": "Delete drive.pcapng",
+    "connection": "Disconnect",
+}
+"""A control of each screen that only who has rights may use."""
+
+
+def test_who_watches_is_told_so_on_every_screen(lan, visitor):
+    lan.get("/passport")  # told to everybody as it was last read
+    lan.post("/recording/start", {"name": "drive"})
+    lan.until(lambda: lan.state()["recording"]["samples"] > 3)
+    lan.post("/recording/stop")
+    lan.nobody_controls()
+    tab = by_the_link(lan, visitor)
+    with no_wish_sent(tab):
+        for screen in SCREENS:
+            tab.show(screen)
+            expect(tab.find("header[data-line]")).to_contain_text("view only")
+            if screen in SHUT:
+                expect(tab.button(SHUT[screen])).to_be_disabled()
+                tab.says("You are watching")
+        tab.show("live")
+        expect(tab.value("TWAT")).to_have_text("87")
+        expect(tab.button("Record", exact=True)).to_have_count(0)
+        expect(tab.button("Edit")).to_have_count(0)
+
+
+def test_a_key_that_would_change_something_says_why_it_does_not(lan, visitor):
+    tab = by_the_link(lan, visitor)
+    tab.refused = True
+    tab.show("live")
+    tab.is_line("sampling")
+    tab.page.keyboard.press("r")
+    tab.says("This viewer may look, not touch")
+    assert lan.state()["recording"] is None
+
+
+def test_with_control_given_the_network_may_control(shared_control, visitor):
+    tab = by_the_link(shared_control, visitor)
+    tab.is_line("sampling")
+    expect(tab.find("header[data-line]")).not_to_contain_text("view only")
+    tab.press("Record")
+    tab.is_line("recording")
+    tab.press("Stop recording")
+    tab.is_line("sampling")
+    assert len(shared_control.get("/recordings")["recordings"]) == 1
+
+
+def choose(tab, preset):
+    tab.page.get_by_role("tab", name=preset, exact=True).click()
+
+
+def test_who_comes_while_another_controls_has_values_as_soon_as_that_one_is_gone(own, visitor):
+    first = visitor(own.url).show("live")
+    choose(first, "Fuel")
+    expect(first.value("INJ")).to_have_text("4.64")
+    own.until(lambda: "UOZ" not in names_asked(own))
+    second = visitor(own.url).show("live")
+    second.says("Controlled by")
+    expect(second.value("INJ")).to_have_text("4.64")  # what the first asks for
+    expect(second.value("UOZ")).to_have_text("–")
+    expect(second.find('[data-tile="UOZ"]')).to_contain_text("not asked for")
+    first.page.close()
+    own.until(lambda: own.state()["viewers"] == 2)  # the second, and who waits here
+    expect(second.value("UOZ")).to_have_text("–")  # the first may come back: a reload, a lid
+    own.later(16)
+    expect(second.value("UOZ")).to_have_text("−3.5")
+    expect(second.find("header[data-line]")).not_to_contain_text("Controlled by")
+
+
+def names_asked(dash):
+    return [it["name"] for it in dash.state()["plan"]["wanted"]]
+
+
+def test_a_free_seat_is_taken_as_soon_as_nobody_else_looks_on(own, visitor):
+    """A tab that was closed may count as a viewer for a while: a lid, a network that went away."""
+    before = visitor(own.url).show("live")
+    choose(before, "Fuel")
+    own.until(lambda: "UOZ" not in names_asked(own))
+    with connect(f"ws://127.0.0.1:{own.port}/api/live?client=closed-0001", close_timeout=0):
+        before.page.close()
+        own.nobody_controls()
+        after = visitor(own.url).show("live")
+        after.is_line("sampling")
+        expect(after.value("INJ")).to_have_text("4.64")
+        expect(after.find('[data-tile="UOZ"]')).to_contain_text("not asked for")
+        assert own.state()["controller"] is None
+    expect(after.value("UOZ")).to_have_text("−3.5")
+
+
+def test_tab_after_tab_has_values(own, visitor):
+    """One is still being closed when the next one comes."""
+    for preset, name in (("Fuel", "UGB"), ("Idle", "UOZ")):
+        before = visitor(own.url).show("live")
+        choose(before, preset)
+        own.until(lambda wanted=name: wanted in names_asked(own))
+        before.page.close()
+        own.nobody_controls()
+        after = visitor(own.url).show("live")
+        expect(after.value("UOZ")).to_have_text("−3.5")
+        after.page.close()
+        own.nobody_controls()
+
+
+def test_a_page_comes_back_by_itself_when_the_program_is_started_again(visitor, tmp_path):
+    with ExitStack() as running:
+        began = running.enter_context(dashboard(tmp_path)).samples()
+        garage, port = began.garage, began.port
+        tab = visitor(began.url).show("live")
+        expect(tab.value("TWAT")).to_have_text("87")
+        late = visitor(began.url)
+        late.refused = tab.refused = True
+        # The page has arrived, the program has not an answer left for it.
+        late.page.route("**/api/**", lambda route: route.abort())
+        late.page.goto(f"{began.url}/#/live")
+        running.close()
+        tab.says("Program does not answer")
+        tab.says("Start it again; the page comes back by itself")
+        expect(tab.value("TWAT")).to_have_text("–")  # nothing on the screen is of now
+        garage.set("TWAT", "80")
+        running.enter_context(dashboard(tmp_path, port=port, garage=garage)).samples()
+        late.page.unroute("**/api/**")
+        for each in (tab, late):
+            each.is_line("sampling")
+            expect(each.value("TWAT")).to_have_text("88")
+            expect(each.value("UOZ")).to_have_text("−3.5")

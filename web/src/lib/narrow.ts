@@ -1,0 +1,4 @@
+// Whether the window is too narrow for a table with many columns: a phone's, a tablet's.
+import { MediaQuery } from "svelte/reactivity";
+
+export const narrow = new MediaQuery("max-width: 1000px");

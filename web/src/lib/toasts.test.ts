@@ -1,0 +1,28 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { toasts } from "./toasts.svelte";
+
+const said = () => toasts.shown.map((toast) => toast.text());
+
+describe("messages", () => {
+  beforeEach(() => void vi.useFakeTimers());
+  afterEach(() => {
+    vi.runAllTimers();
+    vi.useRealTimers();
+  });
+
+  it("go by themselves, and trouble stays in the list", () => {
+    toasts.done(() => "done");
+    toasts.trouble(() => "no answer");
+    expect(said()).toEqual(["done", "no answer"]);
+    vi.runAllTimers();
+    expect(said()).toEqual([]);
+    expect(toasts.past.at(-1)?.text()).toBe("no answer");
+  });
+
+  it("go at once when what they tell is mended", () => {
+    toasts.trouble(() => "no unit", { code: "NotConnected" });
+    toasts.trouble(() => "no such channel", { code: "UnknownParameter" });
+    toasts.mended(new Set(["NotConnected"]));
+    expect(said()).toEqual(["no such channel"]);
+  });
+});

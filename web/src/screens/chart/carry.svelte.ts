@@ -1,0 +1,53 @@
+// A trace carried from the legend to another pane, by mouse, pen or finger. A finger takes it by its sign; elsewhere it scrolls.
+import { view } from "./view.svelte";
+
+/** Into a pane of its own. */
+export const NEW = -1;
+/** Pixels before a press is a drag. */
+const MOVED = 6;
+
+class Carry {
+  /** What is under way, and where the hand is. */
+  now = $state.raw<{ name: string; x: number; y: number } | null>(null);
+  /** The pane below the hand; null: none. */
+  over = $state<number | null>(null);
+  private held: { name: string; x: number; y: number } | null = null;
+  private carried = false;
+
+  down(event: PointerEvent, name: string): void {
+    this.carried = false;
+    const sign = event.target instanceof Element && event.target.closest(".line");
+    if (event.button !== 0 || (event.pointerType === "touch" && !sign)) return;
+    this.held = { name, x: event.clientX, y: event.clientY };
+  }
+
+  move(event: PointerEvent): void {
+    if (!this.held) return;
+    const { clientX: x, clientY: y } = event;
+    if (!this.now && Math.hypot(x - this.held.x, y - this.held.y) < MOVED) return;
+    if (!this.now && event.currentTarget instanceof Element) event.currentTarget.setPointerCapture(event.pointerId);
+    this.now = { name: this.held.name, x, y };
+    const into = document.elementFromPoint(x, y)?.closest<HTMLElement>("[data-into]");
+    this.over = into ? Number(into.dataset.into) : null;
+  }
+
+  up(): void {
+    const { now, over } = this;
+    this.carried = now !== null;
+    this.cancel();
+    if (now && over !== null) view.move(now.name, over);
+  }
+
+  cancel(): void {
+    this.held = this.now = this.over = null;
+  }
+
+  /** The click that ends a drag is not one. */
+  wasCarried(): boolean {
+    const was = this.carried;
+    this.carried = false;
+    return was;
+  }
+}
+
+export const carry = new Carry();

@@ -1,0 +1,40 @@
+// The line of time: times of day; while two recordings are compared, the time since each one's beginning.
+const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14_400];
+
+const two = (part: number) => String(part).padStart(2, "0");
+
+/** Times of day; with tenths when close. */
+export function timesOfDay(splits: readonly number[], step: number): string[] {
+  return splits.map((split) => {
+    const date = new Date(split * 1000);
+    const minutes = `${two(date.getHours())}:${two(date.getMinutes())}`;
+    if (step >= 60) return minutes;
+    const seconds = `${minutes}:${two(date.getSeconds())}`;
+    return step >= 1 ? seconds : `${seconds}.${String(Math.round(date.getMilliseconds())).padStart(3, "0").slice(0, step >= 0.1 ? 1 : 3)}`;
+  });
+}
+
+/** 1:05, −0:10, 1:02:00; with as many decimals as the steps have. */
+export function elapsed(seconds: number, step: number): string {
+  const decimals = step >= 1 ? 0 : step >= 0.1 ? 1 : 2;
+  const tidy = Number(Math.abs(seconds).toFixed(decimals));
+  const hours = Math.floor(tidy / 3600);
+  const minutes = Math.floor((tidy % 3600) / 60);
+  const rest = (tidy % 60).toFixed(decimals).padStart(decimals ? 3 + decimals : 2, "0");
+  const sign = seconds < 0 && tidy > 0 ? "−" : "";
+  return sign + (hours ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`);
+}
+
+/** For an axis that counts from `zero`: round numbers of seconds, minutes, hours since then. */
+export function counted(zero: number) {
+  return {
+    incrs: STEPS,
+    splits: (_: unknown, __: number, from: number, to: number, step: number): number[] => {
+      const first = Math.ceil((from - zero) / step);
+      const count = Math.max(0, Math.floor((to - zero) / step) - first + 1);
+      return Array.from({ length: count }, (_, index) => zero + (first + index) * step);
+    },
+    values: (_: unknown, splits: number[], __: number, ___: number, step: number): string[] =>
+      splits.map((split) => elapsed(split - zero, step)),
+  };
+}
