@@ -165,7 +165,7 @@ export const api = {
   stopRecording: () => post<Api.State>("/recording/stop"),
   marker: (label: string) => post<{ time: number }>("/recording/marker", { label }),
   note: (text: string) => post<unknown>("/recording/note", { text }),
-  recordings: () => get<{ recordings: Api.Recording[] }>("/recordings"),
+  recordings: () => get<{ recordings: Api.Recording[]; problem: Api.Text | null }>("/recordings"),
   recording: (id: string) => get<Api.RecordingDetail>(`/recordings/${part(id)}`),
   rows: (
     id: string,

@@ -22,7 +22,9 @@ export function rangeOf(channel: Channel | undefined, seen?: { min: number; max:
   const room = top - bottom || Math.abs(top) || 1;
   const low = bottom < 0 ? round(bottom - room * 0.2, -1) : 0;
   const high = round(top + room * 0.25, 1);
-  return plausible ? { low: Math.max(low, plausible[0]), high: Math.min(high, plausible[1]) } : { low, high };
+  if (plausible) return { low: Math.max(low, plausible[0]), high: Math.min(high, plausible[1]) };
+  // A share has no more than all of it.
+  return { low, high: channel?.unit.en === "%" && top <= 100 ? Math.min(high, 100) : high };
 }
 
 /** Away from zero to a number that reads well: 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 of a decade. */

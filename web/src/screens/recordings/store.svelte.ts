@@ -1,16 +1,22 @@
 // The list of recordings: kept while one looks at another screen, asked again when it is opened.
 import { api } from "../../lib/api";
 import { Asked } from "../../lib/asked.svelte";
-import type { About, Recording } from "../../lib/types";
+import type { About, Recording, Text } from "../../lib/types";
 
 class RecordingStore {
   readonly list = new Asked<Recording[]>();
   readonly about = new Asked<About>();
   search = $state("");
+  /** Why nothing can be kept in the folder. */
+  problem = $state.raw<Text | null>(null);
 
   async refresh(): Promise<void> {
     if (!this.about.value) void this.about.ask(() => api.about());
-    await this.list.ask(async () => (await api.recordings()).recordings);
+    await this.list.ask(async () => {
+      const answer = await api.recordings();
+      this.problem = answer.problem;
+      return answer.recordings;
+    });
   }
 
   /** The note as it was saved, without asking for the whole list again. */
