@@ -11,10 +11,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
-from datetime import UTC, datetime, timedelta
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from mikas.catalog import Catalog, Derived, load
 from mikas.errors import UsageError
@@ -23,14 +22,12 @@ from mikas.recording.capture import CaptureReader
 from mikas.recording.happened import Happened, MethodChosen, Unit, events_of, unit_of
 from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import Packet, Problem, Source
-from mikas.recording.table import Channel, Rows
+from mikas.recording.table import Channel, Rows, calendar
 
 if TYPE_CHECKING:
     from mikas.recording.bulk import TableReader
     from mikas.recording.notebook import Table
     from mikas.recording.window import Windows
-
-_PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
 
 
 def open(  # noqa: A001  (read as `mikas.open`)
@@ -225,9 +222,10 @@ class Recording:
     def _table(self) -> Table:
         import numpy as np
 
+        from mikas.recording.gap_rows import with_gaps
         from mikas.recording.notebook import Table
 
-        stretches = list(self.rows())
+        stretches = list(with_gaps(self.rows(), self.events))
         times = np.concatenate([np.empty(0), *(rows.times for rows in stretches)])
         values = {
             each.name: np.concatenate(
@@ -239,9 +237,9 @@ class Recording:
         return Table(self.channels, times - zero, values, self._facts(zero))
 
     def _facts(self, zero: float) -> dict[str, Any]:
-        started = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=zero)
+        started = calendar(zero)
         return {
-            "started": started.isoformat() if zero >= _PLAINLY_UNIX else None,
+            "started": started.isoformat() if started else None,
             "about": dict(self.about),
             "units": {channel.name: channel.unit for channel in self.channels},
             "channels": {

@@ -30,8 +30,8 @@ from mikas.recording.happened import GapSeen, Unit, events_of, unit_of
 from mikas.recording.notes import TAG, Kind, Note, read_block
 from mikas.recording.reader import Blocks, CaptureReader, Packet, reason_of
 from mikas.recording.scan import RawBlock, scan
+from mikas.recording.table import PLAINLY_UNIX
 
-_PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
 _WINDOW: Final = 1 << 20
 _BEFORE_TAG: Final = 12  # bytes of a note's block
 _BEFORE_DATA: Final = 28  # bytes of a packet's block
@@ -111,7 +111,7 @@ def _summed_up(path: Path, file: BinaryIO, catalog: Catalog) -> Summary:
     return Summary(
         path=path,
         bytes=places.size,
-        date=first if first is not None and first >= _PLAINLY_UNIX else None,
+        date=first if first is not None and first >= PLAINLY_UNIX else None,
         first=first,
         length=length,
         unit=unit_of((note for note in notes if note.recording == told), catalog),

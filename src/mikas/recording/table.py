@@ -9,13 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from datetime import UTC, datetime, timedelta
+from typing import TYPE_CHECKING, Final
 
 from mikas.language import Text
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,3 +41,16 @@ class Rows:
 
     times: NDArray[np.float64]
     values: Mapping[str, NDArray[np.float64]]
+
+
+def calendar(time: float) -> datetime | None:
+    """What a calendar said at `time` of the link's clock, if that plainly counts from 1970.
+
+    A damaged time that is beyond all calendars has none either.
+    """
+    if time < PLAINLY_UNIX:
+        return None
+    try:
+        return datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=time)
+    except OverflowError:
+        return None

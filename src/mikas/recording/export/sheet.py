@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
+from datetime import datetime
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from mikas.language import Language
 from mikas.recording.export.dialect import Dialect
 from mikas.recording.export.moments import Moment, began, moments_of
+from mikas.recording.gap_rows import with_gaps
 from mikas.recording.happened import Happened
-from mikas.recording.table import Channel, Rows
+from mikas.recording.table import Channel, Rows, calendar
 
 STRETCH = 32_768  # × 24 columns × 8 bytes: 6 MB
-_PLAINLY_UNIX = 1e9  # 2001; a simulated clock would have run for 31 years
 
 Column = NDArray[np.float64]
 
@@ -111,16 +111,16 @@ def sheet_of(
     dialect: Dialect,
 ) -> Sheet:
     """Looks at the first rows to know when it all began; the rest is taken when it is written."""
-    stretches = Stretches(channels, rows)
+    happened = list(events)
+    stretches = Stretches(channels, with_gaps(rows, happened))
     first = stretches.first_time()
     zero = start if start is not None else first
-    happened = list(events)
     if zero is None and happened:  # nothing came at all, but something was noted
         zero = min(map(began, happened))
     if zero is not None:
         stretches.zero = zero
-        if started is None and zero >= _PLAINLY_UNIX:
-            started = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=zero)
+        if started is None:
+            started = calendar(zero)
     if started is not None and started.tzinfo is None:
         raise ValueError("`started` needs its time zone")
     return Sheet(
