@@ -146,7 +146,7 @@ class Server(uvicorn.Server):
                 if it != signal.SIGINT:
                     signal.signal(it, handler)
 
-    def handle_exit(self, sig: int, frame: FrameType | None) -> None:  # noqa: ARG002
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:  # noqa: ARG002  (uvicorn's)
         """The first signal asks, the second Ctrl-C does not wait."""
         if self._asked is not None and sig == signal.SIGINT:
             os._exit(_INTERRUPTED)
