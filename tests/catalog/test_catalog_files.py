@@ -254,8 +254,8 @@ def test_public_names() -> None:
         (NEW + "confidence = []", 5, "must be one of"),
         ("[erratum.E1]\nselected_by = 'corrected'", 2, 'one of "", "literal", "alternative"'),
         # flags
-        (NEW + "mask = 0x100", 5, "`parameter.P.mask` has bits outside 1 byte(s)"),
-        (NEW + "literal = { mask = 0x100 }", 5, "`parameter.P.literal.mask` has bits outside"),
+        (NEW + "mask = 0x100", 5, "`parameter.P.mask` has bits that do not fit its size (1)"),
+        (NEW + "literal = { mask = 0x100 }", 5, "`parameter.P.literal.mask` has bits that do"),
         (NEW + "mask = 1\nscale = 2", 6, "`parameter.P.scale` makes no sense for a flag"),
         (NEW + "mask = 1\nunit = 'V'", 6, "`parameter.P.unit` makes no sense for a flag"),
         (NEW + "range = [0, 1]\nmask = 1", 5, "`parameter.P.range` makes no sense for a flag"),
@@ -265,11 +265,11 @@ def test_public_names() -> None:
         (NEW + 'errata = ["E9"]', 5, "`parameter.P.errata` names E9, which does not exist"),
         ('[fault.1]\ntext = ""\nparameters = ["TWAX"]', 3, "does not exist; the nearest is TWAT"),
         (NEW.replace("0x33", "0x1A").replace("size = 1", "size = 2"), 3,
-         "`parameter.P.size` makes code 0x1A of two sizes: TWAT has 1 byte(s), P has 2"),
+         "`parameter.P.size` makes code 0x1A of two sizes in bytes: TWAT has 1, P has 2"),
         ("#\n[parameter.RXX]\nsize = 2", 3,
-         "`parameter.RXX.size` makes code 0x07 of two sizes: RXX has 2 byte(s), BITPOW has 1"),
+         "`parameter.RXX.size` makes code 0x07 of two sizes in bytes: RXX has 2, BITPOW has 1"),
         ("[parameter.INJ]\ncode = 0x1A", 2,
-         "`parameter.INJ.code` makes code 0x1A of two sizes: TWAT has 1 byte(s), INJ has 2"),
+         "`parameter.INJ.code` makes code 0x1A of two sizes in bytes: TWAT has 1, INJ has 2"),
     ],
 )  # fmt: skip
 def test_a_wrong_file(write: Write, text: str, line: int, problem: str) -> None:

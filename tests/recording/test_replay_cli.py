@@ -53,7 +53,7 @@ def test_a_recording_is_served_with_the_other_options(capture, served, capsys):
     middle = len(whole) // 2
     capture.write_bytes(whole[:middle] + bytes(40) + whole[middle + 40 :])
     assert run(["sim", "--replay", str(capture)]) == 0
-    assert "damaged part(s) passed over" in capsys.readouterr().err
+    assert "damaged parts passed over" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("more", [[], ["--json"], ["-v"], ["--lang", "ru"]])
@@ -112,6 +112,13 @@ def test_a_file_that_is_no_recording(capture, capsys, tmp_path):
     assert "not a recording" in capsys.readouterr().err
     assert run(["sim", "--replay", str(tmp_path / "nowhere")]) == 2
     assert run(["read", "FREQ", "--port", f"replay:{tmp_path / 'nowhere'}"]) == 2
+
+
+def test_what_nobody_asked_while_it_was_recorded_is_not_the_units_lack(capture, capsys):
+    assert run(["faults", "--port", f"replay:{capture}?clock=simulated&loop=1"]) == 5
+    err = capsys.readouterr().err
+    assert "A recording answers only what was asked while it was made" in err
+    assert "Not every unit has every command" not in err
 
 
 def test_info_of_a_recording_is_quick_and_says_what_a_recording_cannot_tell(

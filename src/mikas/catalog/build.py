@@ -123,7 +123,9 @@ def _conversion(
     if mask := values.get("mask", 0):
         _refuse_for_flag(entry, inside, _NUMERIC)
         if mask >> (8 * size):
-            problem = Text(f"has bits outside {size} byte(s)", f"не помещается в байтах: {size}")
+            problem = Text(
+                f"has bits that do not fit its size ({size})", f"не помещается в байтах: {size}"
+            )
             raise entry.wrong(_where(entry, inside, "mask"), problem)
         return Conversion(size, mask=mask)
     unit = values.get("unit", "")
@@ -205,7 +207,7 @@ def _check_sizes(entries: Mapping[str, Entry]) -> None:
         raise to_blame.wrong(
             key,
             Text(
-                f"makes code 0x{code:02X} of two sizes: {other_name} has {other_size} byte(s), "
+                f"makes code 0x{code:02X} of two sizes in bytes: {other_name} has {other_size}, "
                 f"{name} has {size}",
                 f"у кода 0x{code:02X} два размера: в {other_name} байтов {other_size}, "
                 f"в {name} — {size}",

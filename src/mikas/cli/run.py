@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from mikas.cli import config
 from mikas.cli.output import Output
 from mikas.cli.words import say, shown
-from mikas.errors import MikasError, NotConfirmed
+from mikas.errors import MikasError, NotConfirmed, NotSupported
 from mikas.language import Text
 
 if TYPE_CHECKING:
@@ -30,6 +30,10 @@ _HOW = Text(
     "Спросить негде: это не терминал; согласиться заранее можно ключом --yes.",
 )
 _NO = Text("The answer was no.", "Ответ был «нет».")
+_NOT_RECORDED = Text(
+    "A recording answers only what was asked while it was made; only the car can tell the rest.",
+    "Запись отвечает только на то, что спрашивали, пока она шла; об остальном знает только машина.",
+)
 
 
 @dataclass(slots=True)
@@ -105,6 +109,10 @@ class Run:
             )  # fmt: skip
             try:
                 yield ecu
+            except NotSupported as error:
+                if port.startswith("replay:"):
+                    error.to_try = _NOT_RECORDED
+                raise
             finally:
                 self.check_capture(ecu.tester.link)
 

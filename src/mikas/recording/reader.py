@@ -257,12 +257,12 @@ _OTHER_INTERFACE = Text(
     "пакеты интерфейса другого рода (тип канала {type}, а не 147) пропущены",
 )
 _CUT = Text(
-    "the recording was interrupted here: its last {count} byte(s) are an unfinished packet; "
+    "the recording was interrupted here: its last bytes ({count}) are an unfinished packet; "
     "everything before it is whole",
     "запись здесь прервана: последние байты ({count}) — незаконченный пакет; всё до него цело",
 )
 _DAMAGED = Text(
-    "{count} damaged byte(s) of the file are passed over",
+    "damaged bytes of the file ({count}) are passed over",
     "повреждённые байты файла ({count}) пропущены",
 )
 _VERSION = Text(
@@ -278,7 +278,7 @@ _NO_DIRECTION = Text(
     "пропущен пакет, в котором не указано, послан он или принят",
 )
 _PACKET_CUT = Text(
-    "the next packet was recorded without its last {count} byte(s)",
+    "the next packet was recorded without its last bytes ({count})",
     "следующий пакет записан без последних байтов ({count})",
 )
 _FULL = Text(

@@ -136,7 +136,7 @@ def _recorded(run: Run, path: Path, wanted: Mapping[str, str]) -> Bus:
         count = car.recorded.problems
         run.output.note(
             say(
-                f"{path}: {count} damaged part(s) passed over; mikas decode shows where",
+                f"{path}: damaged parts passed over: {count}; mikas decode shows where",
                 f"{path}: пропущено повреждённых мест: {count}; где они, покажет mikas decode",
             )
         )
