@@ -137,6 +137,17 @@ def test_line_faults_make_gaps_and_no_wrong_value():
     assert_values_are_the_units(events)
 
 
+@pytest.mark.parametrize(("method", "most"), [("batch", 3.0), ("stream", 4.0)])
+def test_ignition_off_is_told_by_its_name_as_soon_as_it_is_sure(method, most):
+    """Ending a stream tells as much as asking anew would: nobody is asked twice over."""
+    bus = make_bus()
+    with closing(make_sampler(SimulatedPlug(bus), method=method).run()) as events:
+        last = take(events, enough)[-1].time
+        bus.ecu.responder.car.on = False
+        told = take(events, lambda e: bool(of(StateChanged, e)))[-1]
+    assert (told.state, told.time - last < most) == (LineState.ECHO_ONLY, True)
+
+
 def test_ignition_off_and_on_again():
     bus = make_bus()
     car = bus.ecu.responder.car

@@ -57,8 +57,7 @@ class ReadingStream:
             except StopIteration:
                 self._stream = None  # ended from outside: it is begun again, if there is a link
             except NoResponse as error:
-                self._end_after(error)
-                reason = self._why_silent(error)
+                reason = self._end() or self._why_silent(error)
                 if self.works or not self.silent or reason is not error:
                     raise reason from error
                 if self.silent > 1:  # the request of the first may have been lost
@@ -67,7 +66,7 @@ class ReadingStream:
                 if isinstance(error, LineError) and self._stream is not None:
                     self._heard = self._tester.link.now()  # one response was spoilt, no more
                 else:
-                    self._end_after(error)
+                    self._end()
                 raise
             else:
                 if item is None:
@@ -103,10 +102,17 @@ class ReadingStream:
             return next(self._stream)
         return item
 
-    def _end_after(self, error: MikasError) -> None:
+    def _end(self) -> NoConnection | None:
+        """After a failure, which is what is told; returns whether, and how, nobody was there."""
         stream, self._stream = self._stream, None
         if stream is not None:
-            stream.__exit__(type(error), error, None)
+            try:
+                stream.close()
+            except NoConnection as nobody:
+                return nobody
+            except MikasError:  # the same failure once more, or one that comes of it
+                pass
+        return None
 
     def _why_silent(self, error: NoResponse) -> LineError | NoConnection:
         """What kept the stream silent; counts it if the unit could well have sent."""
