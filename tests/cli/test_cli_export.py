@@ -15,7 +15,8 @@ from pyarrow import parquet
 from mikas.catalog import shipped
 from mikas.cli.commands.export import MOST_PROBLEMS
 from mikas.recording import pcapng
-from mikas.recording.notes import block_of, marker_note
+from mikas.recording.note_blocks import block_of
+from mikas.recording.notes import marker_note
 from mikas.recording.opening import Recording
 
 SUFFIXES = ("csv", "mf4", "parquet", "msl", "mlg")

@@ -23,6 +23,7 @@ from mikas.errors import CaptureError
 from mikas.language import Text
 from mikas.link.tee import Direction
 from mikas.recording import CaptureReader, CaptureWriter, Kind, Note, pcapng, write_session_header
+from mikas.recording import note_blocks as blocks
 from mikas.recording import notes as n
 from mikas.recording.reader import Packet
 from mikas.recording.scan import LARGEST
@@ -125,7 +126,7 @@ def test_what_each_kind_holds():
     assert data[Kind.ALARM]["value"] == 150.0
     assert data[Kind.LEARNT]["refused"] == [0x99]
     for note in made:  # each survives the way through the file
-        assert n.read_block(n.block_of(note)) == note
+        assert blocks.read_block(blocks.block_of(note)) == note
 
 
 def test_the_head_of_each_session_in_a_file_is_found(path):
@@ -170,11 +171,11 @@ def test_foreign_damaged_and_unknown_ones(path):
         pcapng.Section(),
         pcapng.Interface(),
         pcapng.Custom(32473, b"somebody else's documentation"),
-        pcapng.Custom(1, n.block_of(good).data),
-        pcapng.Custom(n.ENTERPRISE, n.block_of(good).data, private=True),
-        *(pcapng.Custom(n.ENTERPRISE, n.TAG + data) for data in tagged),
-        n.block_of(good),
-        n.block_of(later),
+        pcapng.Custom(1, blocks.block_of(good).data),
+        pcapng.Custom(blocks.ENTERPRISE, blocks.block_of(good).data, private=True),
+        *(pcapng.Custom(blocks.ENTERPRISE, blocks.TAG + data) for data in tagged),
+        blocks.block_of(good),
+        blocks.block_of(later),
     )
     assert notes(path) == [good, later]
     assert [type(note.kind) for note in notes(path)] == [Kind, str]
@@ -183,9 +184,9 @@ def test_foreign_damaged_and_unknown_ones(path):
 
 def test_a_big_endian_section_and_one_of_another_version(path):
     here, there = n.text_note(1.0, "here"), n.text_note(2.0, "there")
-    blocks = (pcapng.Section(), pcapng.Interface(), n.block_of(here))
-    other = (pcapng.Section(version=(2, 0)), n.block_of(there))
-    big, small = [b"".join(pcapng.encode(it, order) for it in blocks) for order in "><"]
+    own = (pcapng.Section(), pcapng.Interface(), blocks.block_of(here))
+    other = (pcapng.Section(version=(2, 0)), blocks.block_of(there))
+    big, small = [b"".join(pcapng.encode(it, order) for it in own) for order in "><"]
     path.write_bytes(big + b"".join(map(pcapng.encode, other)) + small)
     assert notes(path) == [here, here]
     assert [note.recording for note in notes(path)] == [0, 2]
@@ -219,8 +220,8 @@ def test_a_note_that_lies_across_the_windows_of_the_search():
         filler = pcapng.encode(pcapng.EnhancedPacket(0, 0, bytes(room)))
         assert len(filler) == room + 32
         note = n.text_note(1.0, "seam")
-        file = io.BytesIO(section + filler + pcapng.encode(n.block_of(note)) * 2)
-        assert list(n.find(file)) == [note, note]
+        file = io.BytesIO(section + filler + pcapng.encode(blocks.block_of(note)) * 2)
+        assert list(blocks.find(file)) == [note, note]
 
 
 @pytest.mark.parametrize("value", [nan, inf, b"bytes", object()])

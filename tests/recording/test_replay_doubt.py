@@ -7,7 +7,7 @@ from itertools import islice
 from math import isnan
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from replay_bench import RECEIVED, SENT, again, session, sim
 from test_replay_bulk import FEW, same
@@ -122,6 +122,7 @@ repeated = st.tuples(some, st.integers(1, 8)).map(lambda it: it[0] * it[1])
 
 @settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(repeated, min_size=1, max_size=12))
+@example([[("6120", "02"), ("6107", it)] * 2 for it in ("0101", "01")])
 def test_by_runs_it_is_the_same(monkeypatch, tmp_path_factory, drawn):
     monkeypatch.setattr(replay_habits, "_MOST_DELAYS", FEW)
     path = tmp_path_factory.mktemp("doubt") / "a.pcapng"
@@ -134,6 +135,7 @@ reads = exchange.filter(lambda it: it[0][:2] == "61")
 
 @settings(max_examples=60)
 @given(st.lists(reads, min_size=1, max_size=30))
+@example([("612020", "01"), ("6120", "01"), ("6120", "01")])
 def test_what_is_played_is_what_a_table_shows(tmp_path_factory, exchanges):
     path = tmp_path_factory.mktemp("doubt") / "a.pcapng"
     write(path, exchanges)

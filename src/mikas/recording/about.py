@@ -14,7 +14,8 @@ from typing import Final
 
 from mikas.errors import CaptureError, reason_of
 from mikas.recording import pcapng
-from mikas.recording.notes import Note, block_of
+from mikas.recording.note_blocks import block_of
+from mikas.recording.notes import Note
 from mikas.recording.reader import CaptureReader
 
 KIND: Final = "about"

@@ -15,14 +15,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mikas.catalog import Catalog, Derived, load
+from mikas.catalog import Catalog, load
 from mikas.errors import UsageError
 from mikas.language import Text
 from mikas.recording.capture import CaptureReader
+from mikas.recording.columns import all_channels, is_recorded, named
 from mikas.recording.happened import Happened, MethodChosen, Unit, events_of, unit_of
 from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import Packet, Problem, Source
-from mikas.recording.table import Channel, Rows, calendar
+from mikas.recording.table import Rows, calendar
 
 if TYPE_CHECKING:
     from mikas.recording.bulk import TableReader
@@ -68,7 +69,7 @@ class Recording:
     ) -> None:
         if isinstance(names, str):
             names = (names,)
-        wanted = [_named(catalog, name) for name in names]
+        wanted = [named(catalog, name) for name in names]
         capture = CaptureReader(path)
         self.path = capture.path
         self.catalog = catalog
@@ -76,13 +77,13 @@ class Recording:
         self._reader = _reader(self.path, catalog, reading)
         self._corrected = self._reader
         recorded = {channel.name: channel for channel in self._reader.channels}
-        known = _all_channels(self._reader.channels, catalog, recorded, wanted)
+        known = all_channels(self._reader.channels, catalog, recorded, wanted)
         self.channels = tuple(known[name] for name in dict.fromkeys(wanted or known))
         self._derived = [each.name for each in self.channels if each.name in catalog.derived]
         if self._derived and reading != "corrected":
             self._corrected = _reader(self.path, catalog, "corrected")
         self.absent = tuple(
-            each.name for each in self.channels if not _has(each.name, catalog, recorded)
+            each.name for each in self.channels if not is_recorded(each.name, catalog, recorded)
         )
         self._capture = capture
 
@@ -120,7 +121,7 @@ class Recording:
         whole recording into memory (seconds, and some 130 MB for ten hours); all others are quick.
         """
         known = [each.name for each in self.channels]
-        wanted = known if names is None else [_named(self.catalog, name) for name in names]
+        wanted = known if names is None else [named(self.catalog, name) for name in names]
         for name in wanted:
             if name not in known:
                 raise UsageError(
@@ -258,52 +259,6 @@ def _reader(path: Path, catalog: Catalog, reading: str) -> TableReader:
     from mikas.recording.bulk import TableReader
 
     return TableReader(path, catalog, reading)
-
-
-def _named(catalog: Catalog, name: str) -> str:
-    found = catalog.channel(name).name
-    if found not in catalog.derived and all(found != each.name for each in catalog.parameters):
-        raise UsageError(
-            problem=Text(
-                f"{name}: a bare code has no column; name a parameter, or describe the code in a "
-                "catalog file of your own",
-                f"{name}: у голого кода нет столбца; назовите параметр или опишите код в своём "
-                "файле каталога",
-            )
-        )
-    return found
-
-
-def _has(name: str, catalog: Catalog, recorded: Iterable[str]) -> bool:
-    """Whether all is recorded that this channel is made of."""
-    if name not in catalog.derived:
-        return name in recorded
-    from mikas.sampling.derived import DerivedChannels
-
-    return set(DerivedChannels(catalog, [name]).requires) <= set(recorded)
-
-
-def _all_channels(
-    read: Iterable[Channel], catalog: Catalog, recorded: Iterable[str], wanted: Iterable[str]
-) -> dict[str, Channel]:
-    """What was recorded, what follows from it, and what is wanted all the same."""
-    known = {channel.name: channel for channel in read}
-    for derived in catalog.derived.values():
-        if _has(derived.name, catalog, recorded):
-            known[derived.name] = _column(derived)
-    for name in wanted:
-        if name not in known:
-            channel = catalog.channel(name)
-            known[name] = (
-                _column(channel)
-                if isinstance(channel, Derived)
-                else Channel(name, channel.unit, channel.text, channel.is_flag, channel.decimals)
-            )
-    return known
-
-
-def _column(derived: Derived) -> Channel:
-    return Channel(derived.name, derived.unit, derived.text, decimals=derived.decimals)
 
 
 def _about(

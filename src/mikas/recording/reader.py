@@ -18,7 +18,8 @@ from mikas.errors import reason_of as system_reason_of
 from mikas.language import Text
 from mikas.link.tee import Direction
 from mikas.recording import pcapng
-from mikas.recording.notes import Note, find
+from mikas.recording.note_blocks import find
+from mikas.recording.notes import Note
 from mikas.recording.scan import Gap, RawBlock, is_section_start, scan
 
 if TYPE_CHECKING:

@@ -21,10 +21,11 @@ from mikas.link.tee import CaptureTee
 from mikas.link.urls import take_clock
 from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import CaptureReader
-from mikas.recording.replay_car import ReplayCar, ReplayResponder
+from mikas.recording.replay_car import ReplayCar
 from mikas.recording.replay_index import index
 from mikas.recording.replay_link import RealTimeReplayLink, ReplayLink
 from mikas.recording.replay_recorded import Recorded
+from mikas.recording.replay_unit import ReplayResponder
 from mikas.virtual.assumptions import SWITCH
 from mikas.virtual.build import WIRE_SETTINGS, check_names, wired
 

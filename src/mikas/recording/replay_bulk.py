@@ -116,6 +116,9 @@ def _beyond_doubt(
     starts = run.body_starts[:count]
     requests = [body_of(wire) or b"" for wire in run.wires]
     doubts = indexer.contents.doubts
+    for request, each in zip(requests, series, strict=False):  # a stream's run has no requests
+        if each is not None:
+            doubts.about(request, each)
     for code in doubts.followed:
         alone = np.isin(asked, [n for n, it in enumerate(requests) if it == bytes([0x61, code])])
         one = np.zeros(count, np.bool_)

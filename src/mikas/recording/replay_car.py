@@ -14,13 +14,11 @@ from dataclasses import dataclass
 from math import ceil, floor, inf
 from typing import Final
 
-from mikas import commands as c
 from mikas.catalog import Catalog
 from mikas.errors import MikasError
 from mikas.link.base import BITS_PER_BYTE
 from mikas.recording.replay_recorded import Recorded
-from mikas.virtual.memory import Memory
-from mikas.virtual.responder import Answer, Identity, Responder
+from mikas.virtual.responder import Identity
 
 UNKNOWN_VERSION: Final = 0xFF
 _STROKES_APART: Final = 2.0  # s; a longer pause between recorded strokes is no stream
@@ -238,76 +236,3 @@ class ReplayCar:
     def power_cycle(self) -> None:
         """Written data are forgotten."""
         self._written.clear()
-
-
-class ReplayMemory(Memory):
-    """Cells as they were read or written last; those that never were hold the usual pattern."""
-
-    def __init__(self, car: ReplayCar) -> None:
-        self._car = car
-        self._applied = 0
-        self._until = 0.0
-        contents: dict[str, dict[int, bytes]] = {}
-        for cells in reversed(car.recorded.cells):  # the first one that was recorded stays
-            space = contents.setdefault(cells.space, {})
-            for address, value in enumerate(cells.data, cells.address):
-                space[address] = bytes([value])
-        super().__init__(contents)
-
-    def read(self, space: str, address: int, count: int = 1) -> bytes:
-        """The cells at the present position."""
-        self._follow()
-        return super().read(space, address, count)
-
-    def write(self, space: str, address: int, data: bytes) -> None:
-        """Stays until another value of the cell was recorded."""
-        self._follow()
-        super().write(space, address, data)
-
-    def power_cycle(self) -> None:
-        """Not what a tester wrote, but what was recorded, is there again."""
-        super().power_cycle()
-        self._applied = 0
-
-    def _follow(self) -> None:
-        position = self._car.position()
-        recorded = self._car.recorded.cells
-        if position < self._until:
-            super().power_cycle()
-            self._applied = 0
-        self._until = position
-        while self._applied < len(recorded) and recorded[self._applied].time <= position:
-            cells = recorded[self._applied]
-            super().write(cells.space, cells.address, cells.data)
-            self._applied += 1
-
-
-class ReplayResponder(Responder):
-    """Answers as the recorded unit did, refusals included."""
-
-    def __init__(self, car: ReplayCar) -> None:
-        recorded = car.recorded
-        super().__init__(car, car.identity(), recorded.assumptions, ReplayMemory(car))
-        self._replayed = car
-        self._silences_past = 0
-
-    def power_cycle(self) -> None:
-        """It forgets only if it had no supply in between: not where nobody listened."""
-        past = self._replayed.silences_past()
-        if past != self._silences_past:
-            self._silences_past = past
-            super().power_cycle()
-
-    def answer(self, body: bytes, now: float) -> Answer:
-        """What was recorded, else what this unit would say."""
-        car = self._replayed
-        car.look(now)
-        # The unit may have been off and on again while nobody asked, or was sought past it.
-        self.power_cycle()
-        recorded = car.recorded
-        if body and body[0] in recorded.refusals:
-            return recorded.refusals[body[0]]
-        if body and body[0] not in c.COMMANDS_BY_CODE and body in recorded.others:
-            return recorded.others[body].at(car.position())
-        self.identity = car.identity()
-        return super().answer(body, now)

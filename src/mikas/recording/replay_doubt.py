@@ -29,7 +29,6 @@ class Doubt:
     series: Series
     waiting: array[float] = field(default_factory=lambda: array("d"))
     sure: bool = False  # behind an 01 beyond doubt
-    wary: bool = False  # behind an 01 to `61 P P`, and no 01 beyond doubt since
 
 
 class Doubts:
@@ -50,6 +49,7 @@ class Doubts:
         self._series = series
         self._refuted = refuted
         self._twice: set[int] = set()  # codes that were asked for twice at once
+        self._wary: set[int] = set()  # behind an 01 to that, and no 01 beyond doubt since
 
     @property
     def followed(self) -> set[int]:
@@ -61,17 +61,23 @@ class Doubts:
         if len(request) == _TWICE and request[0] == _READ and request[1] == request[2]:
             self._twice.add(request[1])
 
-    def holds(self, request: bytes, body: bytes, time: float, series: Series) -> bool:
-        """Whether `body` is doubtful, the answer to a `request` of `time`; then it waits here."""
+    def about(self, request: bytes, series: Series) -> Doubt | None:
+        """What is held of the code that `request` asks for alone; None: an `01` to it is clear."""
         if not (len(request) == 2 and request[0] == _READ and series.size == 1):
-            return False
+            return None
         code = request[1]
         if code not in self.of:
-            self.of[code] = Doubt(series, sure=self._was_one(code))
-        doubt = self.of[code]
-        if body == ERROR:
-            doubt.waiting.append(time)
-        return body == ERROR
+            sure = code not in self._wary and self._was_one(code)
+            self.of[code] = Doubt(series, sure=sure)
+        return self.of[code]
+
+    def holds(self, request: bytes, body: bytes, time: float, series: Series) -> bool:
+        """Whether `body` is doubtful, the answer to a `request` of `time`; then it waits here."""
+        doubt = self.about(request, series)
+        if doubt is None or body != ERROR:
+            return False
+        doubt.waiting.append(time)
+        return True
 
     def refused(self, request: bytes, time: float) -> None:
         """`request` was answered `01`, and that is no datum."""
@@ -83,7 +89,9 @@ class Doubts:
             self._mark(code, time)
         elif len(request) == _TWICE:
             self._drop(code, doubt, time)
-            doubt.sure, doubt.wary = False, True
+            doubt.sure = False
+        if len(request) == _TWICE:
+            self._wary.add(code)
 
     def settle(self, series: Series, body: bytes, time: float) -> None:
         """A response with data beyond doubt, before it is kept."""
@@ -111,7 +119,7 @@ class Doubts:
         counting = [False] * len(doubtful)
         count = len(settling)
         trusted = 0  # from which settling one on
-        if doubt is not None and doubt.wary:
+        if code in self._wary:
             trusted = ones.index(True) if True in ones else count
         for at, place in enumerate(behind):
             if place >= trusted:
@@ -135,24 +143,27 @@ class Doubts:
         """The code has a datum beyond doubt. `one`: it is 01."""
         doubt = self.of.get(code)
         if doubt is not None:
-            if one or not doubt.wary:
+            if one or code not in self._wary:
                 self._keep(doubt)
             elif doubt.waiting:
                 self._drop(code, doubt, time)
-            doubt.sure, doubt.wary = one, doubt.wary and not one
+            doubt.sure = one
+        if one:
+            self._wary.discard(code)
         if code in self._found.refused:
             self._found.refused[code].add(time, value=False)
 
     def conclude(self, time: float) -> None:
         """The recording ends."""
         for code, doubt in self.of.items():
-            believed = len(doubt.waiting) >= _BELIEVED and code in self._twice and not doubt.wary
+            believed = len(doubt.waiting) >= _BELIEVED and code in self._twice - self._wary
             if doubt.sure or believed:
                 self._keep(doubt)
             elif doubt.waiting:
                 self._drop(code, doubt, time)
         self.of.clear()
         self._twice.clear()
+        self._wary.clear()
 
     def _was_one(self, code: int) -> bool:
         """Whether the code's latest datum was 01."""

@@ -27,7 +27,8 @@ from mikas.recording import pcapng
 from mikas.recording.about import about_of
 from mikas.recording.decode import SeenFrame, decode
 from mikas.recording.happened import GapSeen, Unit, events_of, unit_of
-from mikas.recording.notes import TAG, Kind, Note, read_block
+from mikas.recording.note_blocks import TAG, read_block
+from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import Blocks, CaptureReader, Packet, reason_of
 from mikas.recording.scan import RawBlock, scan
 from mikas.recording.table import PLAINLY_UNIX

@@ -31,6 +31,7 @@ from mikas.recording.bulk.match import Answers
 _READ: Final = c.ReadParameters.CODES[0]
 _STREAMS: Final = frozenset([*c.StreamCyclic.CODES, *c.StreamAtStroke.CODES])
 _ONE: Final = ERROR[0]
+_TWICE: Final = 3  # bytes of `61 P P`
 _OTHER, _DATUM, _REFUSAL = 0, 1, 2  # what settles: another value; 01 beyond doubt; 01 to `61 P P`
 _BELIEVED: Final = 2  # of 01s at the end
 _NOWHERE: Final = np.empty(0, np.int64)
@@ -49,7 +50,7 @@ class Verdicts:
 
 @dataclass(slots=True)
 class _Code:
-    """A code that was asked for alone, up to here. `stretch`: the present one's number."""
+    """A code asked for alone, or twice at once, up to here. `stretch`: the present one's number."""
 
     stretch: int = 0
     sure: bool = False  # the present stretch is behind an 01 beyond doubt
@@ -77,6 +78,8 @@ class Doubt:
         for part in parts:
             request = self._bodies[part.request]
             if len(request) != 2 or part.layout.length != 1:
+                if len(request) == _TWICE and request[0] == _READ and request[1] == request[2]:
+                    self._follow(request[1])
                 certain.append(part)
                 yield part
             elif request[0] in _STREAMS:
@@ -86,8 +89,7 @@ class Doubt:
                 yield part.only(np.union1d(certain[-1].fitting, counting))
             else:
                 alone[request[1]] = part
-                if request[1] not in self._codes:
-                    self._codes[request[1]] = _Code(sure=self._was_one(request[1]))
+                self._follow(request[1])
         self._remember(certain, answers)
         for code, state in self._codes.items():
             lone = alone.get(code)
@@ -134,7 +136,11 @@ class Doubt:
         self._found.streams |= maybe - self._pending
         return _NOWHERE
 
-    # What came before a code was asked for alone
+    # What came before a code was asked for so
+
+    def _follow(self, code: int) -> None:
+        if code not in self._codes:
+            self._codes[code] = _Code(sure=self._was_one(code))
 
     def _remember(self, certain: list[Part], answers: Answers) -> None:
         self._fed += 1
