@@ -37,6 +37,7 @@ TREE = {
     "NotAKLineAdapter": ("NoConnection", ConnectionError),
     "LineError": ("MikasError", Exception),
     "NoResponse": ("LineError", TimeoutError),
+    "EngineStands": ("NoResponse", TimeoutError),
     "EchoDiffers": ("LineError", Exception),
     "DamagedResponse": ("LineError", Exception),
     "WrongLength": ("LineError", Exception),

@@ -239,9 +239,41 @@ def test_two_sessions_in_one_file(mikas, tmp_path, drive):
     drive.write_bytes(drive.read_bytes() * 2)
     ran = mikas("export", "drive.pcapng", "-o", "a.csv", "--json")
     assert (ran.status, ran.object["rows"]) == (0, 2 * once)
-    assert "Times run back" in ran.err
+    assert "Times run back in this table (times: 1)" in ran.err
     used = column(tmp_path / "a.csv", "FUEL_USED")
     assert used[:once] == used[once:]  # each session counts from zero
+
+
+def test_that_times_run_back_is_said_once(mikas, tmp_path, drive):
+    drive.write_bytes(drive.read_bytes() * 6)
+    said = mikas("export", "drive.pcapng", "-o", "a.csv", "TWAT").err
+    assert said.count("run back") == said.count("run back in this table (times: 5)") == 1
+    said = mikas("export", "drive.pcapng", "-o", "b.csv", "TWAT", "--lang", "ru").err
+    assert said.count("идёт назад") == said.count("идёт назад (раз: 5)") == 1
+
+
+def test_a_recording_without_values(mikas, tmp_path):
+    mikas("raw", "01", "--port", "sim:?clock=simulated", "--capture", "raw.pcapng")
+    ran = mikas("export", "raw.pcapng", "-o", "a.csv")
+    assert ran.status == 2
+    assert "no parameter was read in this recording" in ran.err
+    assert "mikas log -o" in ran.err
+    assert not (tmp_path / "a.csv").exists()
+
+
+def test_a_recording_that_lost_its_beginning(mikas, tmp_path):
+    drive = tmp_path / "drive.pcapng"
+    watched = ("watch", "INJ", "TWAT", "--method", "batch", "--count", "90")
+    mikas(*watched, "--port", "sim:?clock=simulated", "--capture", "drive.pcapng")
+    whole = mikas("export", "drive.pcapng", "-o", "a.csv", "--json").object["rows"]
+    drive.write_bytes(bytes(5000) + drive.read_bytes()[5000:])
+    ran = mikas("export", "drive.pcapng", "-o", "b.csv", "--json")
+    assert (ran.status, 0 < ran.object["rows"] < whole) == (0, True)
+    assert "drive.pcapng, offset 0: damaged bytes" in ran.err
+    rows = column(tmp_path / "b.csv", "INJ")
+    assert rows == column(tmp_path / "a.csv", "INJ")[-len(rows) :]
+    assert mikas("decode", "drive.pcapng").status == 0
+    assert mikas("read", "TWAT", "INJ", "--port", "replay:drive.pcapng").status == 0
 
 
 @pytest.mark.parametrize(

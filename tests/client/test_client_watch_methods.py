@@ -11,6 +11,7 @@ from client_bench import STREAMS, STROKES, bench, ecu_on
 from mikas.errors import (
     DamagedResponse,
     EcuRefused,
+    EngineStands,
     LinkLost,
     NoResponse,
     NotConfirmed,
@@ -152,9 +153,26 @@ class TestTheList:
 def test_a_standing_engine_gives_gaps_that_say_so(method):
     ecu = ecu_on(bench(DATA | {0x29: b"\x00"}, rpm=0.0))
     samples = list(ecu.watch("TWAT", method=method, count=3))
-    assert all(isinstance(s.reason, NoResponse) for s in samples)
-    assert "engine turns" in str(samples[0].reason)
-    assert samples[2].time - samples[0].time > 9  # it waits for the engine, 5 s each
+    assert all(isinstance(s.reason, EngineStands) for s in samples)
+    assert samples[0].reason.reason.en == "No stroke for 2 s: the engine stands"
+    assert "двигатель не вращается" in samples[0].reason.text.ru
+    assert samples[2].time - samples[0].time > 4  # it waits for the engine, 2 s each
+
+
+@pytest.mark.parametrize("method", STREAMS)
+def test_a_stream_that_falls_silent_tells_how_long_it_was_waited_for(method):
+    it = bench()
+    ecu = ecu_on(it)
+    with closing(ecu.watch("TWAT", method=method)) as samples:
+        before = next(samples)
+        it.power_cycle(ecu)
+        gap = next(sample for sample in samples if sample.gap)
+        assert next(samples).readings
+    assert isinstance(gap.reason, NoResponse)
+    seconds = gap.reason.fields["seconds"]
+    assert seconds == (0.5 if method == "stream" else 2)
+    assert gap.time - before.time >= seconds
+    assert f"within {seconds:g} s" in gap.reason.reason.en
 
 
 @pytest.mark.parametrize("method", STREAMS)

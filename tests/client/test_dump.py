@@ -10,7 +10,8 @@ from client_bench import bench, ecu_on
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.client.dump import Difference, Dump, compare, differences, manifest_path, read_manifest
+from mikas.client.dump import Difference, Dump, compare, differences
+from mikas.client.dump_manifest import manifest_path, read_manifest
 from mikas.errors import AddressOutOfRange, LineError, NoConnection, UsageError
 
 

@@ -14,12 +14,17 @@ from hypothesis import strategies as st
 from mikas.errors import CaptureError
 from mikas.recording import pcapng
 from mikas.recording.capture import CaptureReader, CaptureWriter, Packet, Problem
+from mikas.recording.notes import Kind, Note
 from mikas.recording.pcapng import Custom, EnhancedPacket, Interface, Section, SimplePacket
+from mikas.recording.scan import LARGEST
+from mikas.recording.summary import summarise
 
 
 def write_blocks(path, *blocks, order="<"):
     path.write_bytes(b"".join(pcapng.encode(block, order) for block in blocks))
 
+
+LINE = (Section(application="mikas 1"), Interface(), EnhancedPacket(0, 1, b"x", pcapng.INBOUND))
 
 # A file that is no capture
 
@@ -34,6 +39,8 @@ def write_blocks(path, *blocks, order="<"):
         (b"\x0a\x0d\x0d\x0a" + bytes(60), "not a recording"),
         (bytes.fromhex("d4c3b2a1020004000000000000000000ffff000093000000"), "old pcap"),
         (b"\x1f\x8b\x08" + bytes(20), "compressed"),
+        (b"PK\x03\x04" + bytes(26) + b"".join(map(pcapng.encode, LINE)), "not a recording"),
+        (b"x" * 99 + 2 * pcapng.encode(LINE[-1]), "not a recording"),
     ],
 )
 def test_a_foreign_file(path, content, words):
@@ -42,6 +49,14 @@ def test_a_foreign_file(path, content, words):
         CaptureReader(path)
     assert caught.value.offset == 0
     assert caught.value.text.ru != caught.value.text.en
+
+
+def test_a_beginning_is_not_looked_for_in_a_whole_disk(path):
+    with path.open("wb") as file:
+        file.seek(LARGEST)
+        file.write(b"".join(map(pcapng.encode, LINE)))
+    with pytest.raises(CaptureError, match="not a recording"):
+        CaptureReader(path)
 
 
 @pytest.mark.parametrize("name", ["absent.pcapng", "."])
@@ -203,6 +218,83 @@ def test_a_body_that_contradicts_itself_costs_one_packet(path):
     packets, (problem,) = read(path)
     assert packets == everything[:2] + everything[3:]
     assert problem.offset == at
+
+
+@pytest.mark.parametrize("lost", [range(4, 160), range(160, 400, 3)])
+def test_a_recording_without_its_beginning_gives_the_packets_behind_it(path, lost):
+    whole = small_capture(path)
+    everything = list(CaptureReader(path))
+    for length in lost:
+        behind = [packet for packet in everything if packet.offset >= length]
+        for content in (bytes(length) + whole[length:], whole[length:]):
+            path.write_bytes(content)
+            if len(behind) < 3:
+                with pytest.raises(CaptureError, match="not a recording"):
+                    CaptureReader(path)
+                continue
+            packets, problems = read(path)
+            assert contents(packets) == contents(behind)
+            assert {packet.source.recording for packet in packets} == {0}
+            assert [problem.offset for problem in problems][:1] in ([], [0])
+            described = packets[0].source.url == "sim:"
+            assert any("describes its port" in it.text.en for it in problems) != described
+
+
+def test_recordings_behind_damage_are_whole(path):
+    whole = small_capture(path)
+    everything = contents(CaptureReader(path))
+    path.write_bytes(bytes(5000) + whole + whole)
+    packets, (problem,) = read(path)
+    assert contents(packets) == 2 * everything
+    assert [packets[0].source.recording, packets[-1].source.recording] == [0, 1]
+    assert (problem.offset, problem.text.en) == (
+        0,
+        "damaged bytes of the file (5000) are passed over",
+    )
+
+
+def test_notes_count_a_recording_without_its_beginning_too(path):
+    with CaptureWriter(path, url="sim:") as writer:
+        for time in range(9):
+            writer.record(SENT, b"1", time)
+        writer.note(Note(Kind.MARKER, 9.0))
+    whole = path.read_bytes()
+    path.write_bytes(bytes(200) + whole[200:] + whole)
+    packets, _ = read(path)
+    assert [note.recording for note in CaptureReader(path).notes()] == [0, 1]
+    assert [packets[0].source.recording, packets[-1].source.recording] == [0, 1]
+    summary = summarise(path)
+    assert (summary.recordings, summary.markers) == (2, 2)
+    path.write_bytes(bytes(200) + whole[200:])
+    assert (summarise(path).recordings, summarise(path).problem) == (1, None)
+
+
+@pytest.mark.parametrize(
+    "packet",
+    [
+        EnhancedPacket(0, 1, b"x"),
+        EnhancedPacket(1, 1, b"x", pcapng.INBOUND),
+        EnhancedPacket(0, 1_700_000_000 * 10**9, b"x", pcapng.INBOUND),
+        EnhancedPacket(0, 1, b"x", pcapng.INBOUND | 0x1F0),
+        EnhancedPacket(0, 1, b"x", pcapng.INBOUND, comment="gear"),
+    ],
+)
+def test_what_may_be_anothers_is_not_read_without_its_port(path, packet):
+    path.write_bytes(bytes(60) + 4 * pcapng.encode(packet))
+    packets, problems = read(path)
+    assert not packets
+    assert "not described" in problems[-1].text.en
+
+
+@pytest.mark.parametrize(("application", "count"), [("mikas 1", 1), ("Wireshark", 0)])
+def test_a_damaged_description_of_the_port(path, application, count):
+    packet = EnhancedPacket(0, MICRO, b"x", pcapng.INBOUND)
+    path.write_bytes(
+        pcapng.encode(Section(application=application)) + bytes(40) + pcapng.encode(packet)
+    )
+    packets, problems = read(path)
+    assert contents(packets) == [(RECEIVED, b"x", 1.0)][:count]
+    assert len(problems) == 2
 
 
 def test_zeros_behind_the_end_as_a_power_cut_leaves_them(path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -11,13 +12,17 @@ import pytest
 import mikas
 from mikas.catalog import shipped
 from mikas.client import Limits
+from mikas.client.connecting import maker
 from mikas.errors import CaptureError, CatalogError, MissingExtra, UnknownParameter, UsageError
 from mikas.language import Text
+from mikas.link.plug import Plug
 from mikas.recording import CaptureWriter, write_session_header
 from mikas.recording.deriving import FRESH, Deriver
 from mikas.recording.notebook import Table, arrow_table, pandas_frame, polars_frame
 from mikas.recording.notes import learnt_note
 from mikas.recording.table import Channel, Rows
+from mikas.sampling.acquisition import Acquisition
+from mikas.sampling.events import Sampled
 from mikas.sampling.plan import Plan, Wanted
 
 NAN = np.nan
@@ -235,6 +240,23 @@ def test_a_clock_that_runs_back_holds_nothing():
     deriver = Deriver(shipped(), ["DUTY"])
     deriver.columns(rows([10.0], FREQ=[800.0], INJ=[NAN]))
     assert np.isnan(deriver.columns(rows([5.0], FREQ=[NAN], INJ=[4.0]))["DUTY"]).all()
+
+
+def test_what_adds_up_is_the_same_as_it_was_live_though_responses_were_spoilt(tmp_path):
+    """A row without values is a response that was asked for again, and no gap."""
+    path, port = tmp_path / "spoilt.pcapng", PORT + "&seed=3&damaged=0.01&cut=0.01&foreign=0.02"
+    with CaptureWriter(path, url=port) as sink:
+        made = Acquisition(Plug(port, sink=sink), maker(), shipped(), ["FUEL_USED"], method="list")
+        with closing(made.run()) as events:
+            samples = (event for event in events if isinstance(event, Sampled))
+            live = [next(samples).derived["FUEL_USED"] for _ in range(400)]
+    times = [value.time for value in live]
+    assert live[-1].gaps == (np.diff(times) > 2).sum()
+    (table,) = mikas.open(path, names=["FREQ", "FUEL_USED"]).rows()
+    spoilt = np.isnan(table.values["FREQ"])
+    assert spoilt.any()
+    used = np.interp(times, table.times[~spoilt], table.values["FUEL_USED"][~spoilt])
+    np.testing.assert_allclose(used - used[0], [value.value for value in live], atol=1e-9)
 
 
 def test_it_tells_the_methods_that_were_used_not_the_first_guess(tmp_path):

@@ -84,6 +84,12 @@ def test_what_is_added_up_goes_on_when_other_channels_are_wanted_but_not_in_anot
         second = used(events)
         assert second.value > first.value > 0
         assert second.since == first.since
+        made.want(["TWAT"], "batch")
+        assert not of(Sampled, take(events, enough))[-1].derived
+        made.want(["FUEL_USED"], "batch")
+        third = used(events)
+        assert third.value > second.value
+        assert (third.since, third.gaps) == (first.since, 1)  # and that is told
         made.want(["FREQ"], "batch")
         take(events, enough)
         plug.bus.ecu.responder.car.on = False
@@ -92,7 +98,7 @@ def test_what_is_added_up_goes_on_when_other_channels_are_wanted_but_not_in_anot
         plug.bus.ecu.responder.car.on = True
         assert of(UnitFound, take(events, enough))[0].another
         made.want(["FUEL_USED"], "batch")
-        assert used(events).since > second.time
+        assert used(events).since > third.time
 
 
 def test_a_gap_is_counted_where_something_is_added_up():

@@ -127,7 +127,7 @@ def test_a_flag_is_0_or_1(catalog: Catalog) -> None:
 
 
 def revs(channels: DerivedChannels, time: float, freq: float | None = 600) -> float | None:
-    """Turns so far: 600 rpm are 10 a second. No `freq`: a gap."""
+    """Turns so far: 600 rpm are 10 a second. No `freq`: nothing came."""
     sample = {} if freq is None else readings(time, FREQ=freq)
     made = channels.update(sample, time).get("REVS")
     return made.value if made else None
@@ -148,22 +148,62 @@ def test_adding_up(catalog: Catalog) -> None:
 
 def test_a_gap_adds_nothing_and_is_counted(catalog: Catalog) -> None:
     channels = DerivedChannels(catalog, ["REVS"])
-    assert revs(channels, 99.0, None) is None  # before the first value: not one
     assert revs(channels, 100.0) == 0
     assert revs(channels, 100.5) == 5
-    assert revs(channels, 100.6, None) is None
-    assert channels.accumulated["REVS"] == Accumulated(5, 100.0, 1)
-    assert revs(channels, 100.7, None) is None
-    assert revs(channels, 100.8) == 5
-    assert revs(channels, 101.8) == 15
+    assert revs(channels, 103.0) == 5  # too long
+    assert revs(channels, 104.0) == 15
     assert channels.accumulated["REVS"] == Accumulated(15, 100.0, 1)
-    assert revs(channels, 104.0) == 15  # too long
-    assert revs(channels, 105.0) == 25
-    assert channels.accumulated["REVS"] == Accumulated(25, 100.0, 2)
-    assert revs(channels, 50.0) == 25  # the clock went back
-    assert revs(channels, 50.0) == 25  # and stood
-    assert revs(channels, 50.5) == 30
-    assert channels.accumulated["REVS"] == Accumulated(30, 100.0, 3)
+    assert revs(channels, 50.0) == 15  # the clock went back
+    assert revs(channels, 50.0) == 15  # and stood
+    assert revs(channels, 50.5) == 20
+    assert channels.accumulated["REVS"] == Accumulated(20, 100.0, 2)
+
+
+def test_a_response_that_brought_nothing_is_no_gap_if_the_next_one_comes_in_time(
+    catalog: Catalog,
+) -> None:
+    """It was spoilt, and asked for again."""
+    channels, columns = DerivedChannels(catalog, ["REVS"]), DerivedChannels(catalog, ["REVS"])
+    came = {99.0: None, 100.0: 600, 100.9: None, 101.0: None, 102.0: 600, 102.1: None, 104.5: 600}
+    for time, freq in came.items():
+        revs(channels, time, freq)
+    assert channels.accumulated["REVS"] == Accumulated(20, 100.0, 1)
+    freqs = np.array([math.nan if freq is None else freq for freq in came.values()])
+    columns.columns(Rows(np.array(list(came)), {"FREQ": freqs}))
+    assert columns.accumulated == channels.accumulated
+
+
+def wanted(catalog: Catalog, before: DerivedChannels, *names: str, asked: str) -> DerivedChannels:
+    """Other channels, while the parameters `asked` are."""
+    channels = DerivedChannels(catalog, names)
+    channels.go_on_from(before, asked.split())
+    return channels
+
+
+def test_what_was_added_up_is_kept_while_it_is_not_wanted(catalog: Catalog) -> None:
+    channels = DerivedChannels(catalog, ["REVS_A_SECOND"])
+    assert [revs(channels, time) for time in (100.0, 101.0)] == [None, None]  # of another's making
+    channels = wanted(catalog, channels, "SUM", asked="INJ TWAT RXX")
+    channels.update(readings(101.1, INJ=4, TWAT=80, RXX=1), 101.1)
+    channels = wanted(catalog, channels, asked="INJ")
+    channels = wanted(catalog, channels, "REVS", asked="FREQ")
+    assert channels.update(readings(101.2, FREQ=600), 101.2)["REVS"].since == 100.0
+    assert revs(channels, 101.7) == 15
+    assert channels.accumulated["REVS"] == Accumulated(15, 100.0, 1)
+    assert channels.accumulated["SECONDS"] == Accumulated(1.5, 100.0, 1)
+
+
+def test_it_goes_on_adding_up_unseen_while_its_inputs_are_asked_for_others(
+    catalog: Catalog,
+) -> None:
+    channels = DerivedChannels(catalog, ["REVS"])
+    revs(channels, 100.0)
+    channels = wanted(catalog, channels, asked="FREQ TWAT")
+    assert channels.channels == channels.requires == ()
+    assert channels.update(readings(101.0, FREQ=600, TWAT=80), 101.0) == {}
+    channels = wanted(catalog, channels, "REVS", asked="FREQ")
+    assert revs(channels, 102.0) == 20
+    assert channels.accumulated == {"REVS": Accumulated(20, 100.0, 0)}
 
 
 def test_what_comes_seldom_adds_up_as_well(catalog: Catalog) -> None:

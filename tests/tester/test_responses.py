@@ -131,6 +131,35 @@ def test_as_often_as_it_was_told(retries):
     assert tester.statistics.failed == retries + 1
 
 
+def test_silence_to_what_a_unit_does_not_know_is_no_failure():
+    unit = Watched(missing=GROUPS["count"])
+    tester = unit.connected()
+    with pytest.raises(NotSupported):
+        tester.request(c.CountParameters())
+    assert unit.heard(b"\x60") == 2
+    assert tester.statistics.failed == 0
+    assert not tester.statistics.failures
+
+
+def test_a_response_that_was_lost_is_one_though_its_command_was_new():
+    unit = Watched()
+    tester = unit.connected()
+    unit.bus.disturbance = Fate([(Trouble.LOST, 0)])
+    right(tester, 22)
+    assert [failure.code for failure in tester.statistics.failures] == ["NoResponse"]
+
+
+@pytest.mark.parametrize(("trial", "failed"), [(False, 2), (True, 0)])
+def test_nor_is_silence_to_a_list_that_may_be_too_long(trial, failed):
+    unit = Watched(max_list=1)
+    tester = unit.connected()
+    right(tester, 22)
+    both = c.ReadParameters((c.Datum(22, len(DATA[22])), c.Datum(16, len(DATA[16]))))
+    with pytest.raises(NoResponse):
+        tester.exchange(both, retries=1, trial=trial)
+    assert tester.statistics.failed == failed
+
+
 def test_the_count_of_retries_can_be_given_for_one_exchange():
     unit = Watched()
     tester = unit.connected()

@@ -97,7 +97,7 @@ def test_with_the_engine_standing_nothing_comes_until_it_turns(command, end):
         began = stream._heard
         with pytest.raises(NoResponse):
             next(stream)
-        assert unit.link.now() - began == pytest.approx(5, abs=0.1)
+        assert unit.link.now() - began == pytest.approx(2, abs=0.1)
     unit.car.rpm = 850.0
     right(tester)
     assert unit.told("stream-end") == 1

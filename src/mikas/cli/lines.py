@@ -54,7 +54,7 @@ class _Lines:
 
 
 class JsonLines(_Lines):
-    """`{"time", "values", "gap"}`, one a cycle; in a gap one a try, about one a second."""
+    """`{"time", "values", "gap"}`, one a cycle; in a gap one a try, with its `reason`."""
 
     def take(self, event: Event) -> None:
         if not isinstance(event, Sampled | Gap):
@@ -62,7 +62,10 @@ class JsonLines(_Lines):
         fresh = fresh_in(event)
         values = {c.name: fresh[c.name].value if c.name in fresh else None for c in self._channels}
         time = round(event.time, 6)
-        self._output.data({"time": time, "values": values, "gap": isinstance(event, Gap)})
+        line: dict[str, object] = {"time": time, "values": values, "gap": isinstance(event, Gap)}
+        if isinstance(event, Gap):
+            line["reason"] = {"en": event.error.reason.en, "ru": event.error.reason.ru}
+        self._output.data(line)
 
 
 class PlainLines(_Lines):

@@ -1,14 +1,15 @@
 """The live table of a session, redrawn in place on a terminal.
 
 A value of this cycle stands as it is; one from an earlier cycle is faded, with its age; in a gap
-there are dashes. A channel in alarm has a colour, and the line over the table says it in words.
+there are dashes. Where nothing comes, not even a gap, the last values fade after a second and are
+dashes after two. A channel in alarm has a colour, and the line over the table says it in words.
 """
 
 from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol, Self
 
 from mikas.catalog import Level
@@ -16,8 +17,10 @@ from mikas.cli import layout
 from mikas.cli.lines import fresh_in
 from mikas.cli.output import Output, stdout_console
 from mikas.cli.readings import reference, shown_unit, shown_value
+from mikas.cli.silence import Arrivals, Silence
 from mikas.cli.words import decimal, language, say, shown
 from mikas.language import Text
+from mikas.link import WallClock
 from mikas.sampling.alarms import AlarmEvent, Side
 from mikas.sampling.events import Gap, LineState, Sampled, StateChanged
 
@@ -62,7 +65,13 @@ class LiveTable:
     the last state is left on the usual one, and the notices on stderr.
     """
 
-    def __init__(self, session: Watched, output: Output, console: Console | None = None) -> None:
+    def __init__(
+        self,
+        session: Watched,
+        output: Output,
+        console: Console | None = None,
+        clock: Callable[[], float] | None = None,
+    ) -> None:
         from rich.live import Live
 
         self._session = session
@@ -74,6 +83,7 @@ class LiveTable:
         self._lowest: dict[str, Reading | DerivedValue] = {}
         self._highest: dict[str, Reading | DerivedValue] = {}
         self._times: deque[float] = deque(maxlen=100)
+        self._arrivals = Arrivals(clock or WallClock().now)
         self._now: Sampled | Gap | None = None
         self._broken: StateChanged | None = None
         self._alarms: dict[str, AlarmEvent] = {}
@@ -94,8 +104,10 @@ class LiveTable:
                     self._sampled(event)
                 case Gap():
                     self._now = event
+                    self._arrivals.broke()
                 case StateChanged():
                     self._broken = None if event.state in _BETTER else event
+                    self._arrivals.broke()
                 case AlarmEvent():
                     self._alarms.pop(event.channel.name, None)
                     if event.level is not Level.NONE:
@@ -109,6 +121,7 @@ class LiveTable:
     def _sampled(self, event: Sampled) -> None:
         self._now, self._broken = event, None
         self._times.append(event.time)
+        self._arrivals.came()
         for name, reading in fresh_in(event).items():
             if name not in self._past:  # an input of something derived
                 continue
@@ -119,23 +132,27 @@ class LiveTable:
             self._lowest[name] = min(lowest, reading, key=lambda r: r.value)
             self._highest[name] = max(highest, reading, key=lambda r: r.value)
 
-    def drawing(self, lines: int | None = None) -> RenderableType:
-        """The table as it is now, for the console's size, or for so many lines."""
+    def drawing(self, lines: int | None = None, *, ended: bool = False) -> RenderableType:
+        """The table as it is now, for the console's size, or for so many lines.
+
+        `ended`: as the last event left it; that nothing came since is as it should be.
+        """
         with self._changing:
-            rows = [self._row(channel) for channel in self._session.channels]
-            state = self._state()
-            well = isinstance(self._now, Sampled) and self._broken is None
+            silence = Silence() if ended else self._arrivals.silence()
+            rows = [self._row(channel, silence) for channel in self._session.channels]
+            state = self._state(silence)
+            well = isinstance(self._now, Sampled) and not self._broken and not silence.seconds
             alarms = self._in_alarm()
             notice = self._notices[-1] if self._notices else ""
         width, height = self._console.size
         head = layout.Head(state, "green" if well or self._now is None else "red", alarms, notice)
         return layout.draw(head, rows, width, lines or height)
 
-    def _row(self, channel: Parameter | Derived) -> layout.Row:
+    def _row(self, channel: Parameter | Derived, silence: Silence) -> layout.Row:
         name = channel.name
         told = self._lowest.get(name)
         ranged = told if not channel.is_flag else None
-        value, style = self._value(channel)
+        value, style = self._value(channel, silence)
         return layout.Row(
             name=name,
             value=value,
@@ -148,16 +165,18 @@ class LiveTable:
             curve=sparkline(self._past[name]),
         )
 
-    def _value(self, channel: Parameter | Derived) -> tuple[str, str]:
+    def _value(self, channel: Parameter | Derived, silence: Silence) -> tuple[str, str]:
         """What stands for the value, and how."""
         latest = self._latest.get(channel.name)
-        if latest is None or self._broken is not None or not isinstance(self._now, Sampled):
+        dead = self._broken is not None or silence.gone
+        if latest is None or dead or not isinstance(self._now, Sampled):
             return "–", ""
         alarm = self._alarms.get(channel.name)
         style = _STYLES[alarm.level] if alarm else ""
-        if channel.name in fresh_in(self._now):
+        fresh = channel.name in fresh_in(self._now)
+        if fresh and not silence.seconds:
             return shown_value(latest), style
-        age = max(0.0, self._now.time - latest.time)
+        age = silence.seconds + (0.0 if fresh else max(0.0, self._now.time - latest.time))
         if age < _OLD:
             return shown_value(latest), "dim"
         return say(
@@ -173,7 +192,7 @@ class LiveTable:
             for alarm in order
         )
 
-    def _state(self) -> str:
+    def _state(self, silence: Silence) -> str:
         model = shown(self._session.model.text) if self._session.model else "…"
         failed = say(f"errors {self._session.errors}", f"ошибок {self._session.errors}")
         if self._broken is not None:
@@ -183,6 +202,12 @@ class LiveTable:
             return f"… {say('waiting for the first answer', 'ждём первого ответа')} · {model}"
         if isinstance(self._now, Gap):
             return f"○ {shown(self._now.error.reason)} · {model} · {failed}"
+        if silence.seconds:
+            for_so_long = f"{silence.seconds:.0f}"
+            nothing = say(
+                f"nothing has come for {for_so_long} s", f"уже {for_so_long} с ничего не приходит"
+            )
+            return f"○ {nothing} · {model} · {failed}"
         sets = decimal(f"{self._rate():.1f}")
         rate = say(f"{sets} sets/s", f"{sets} раз/с")
         told = [shown(LineState.SAMPLING.text), model, self._session.method or "", rate, failed]
@@ -197,10 +222,10 @@ class LiveTable:
         self._live.start(refresh=True)
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         self._live.stop()
-        if self._now:
-            self._console.print(self.drawing(layout.UNLIMITED))
+        if self._now:  # at its own end the line has been brought to quiet, which takes a moment
+            self._console.print(self.drawing(layout.UNLIMITED, ended=kind is None))
         for sentence in self._notices:
             self._output.note(sentence)
 

@@ -6,15 +6,17 @@ On stderr for plain lines and JSON; in the live table's last line, and under it 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mikas.cli.words import decimal, say, shown
-from mikas.errors import MikasError
+from mikas.errors import EngineStands, MikasError, NoConnection, OutOfStep
 from mikas.sampling.alarms import AlarmEvent
 from mikas.sampling.events import (
     Chosen,
     Dropped,
+    Gap,
     LineState,
     PlanChanged,
     Sampled,
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
 
 Tell = Callable[[str], None]
 
+_LASTING = 3.0  # s without a sample, though the line is well, that are worth a word
+
 
 class Notices:
     """Follows a session's events and hands each sentence to `tell`. `verbose`: more of them.
@@ -41,8 +45,11 @@ class Notices:
         self._tell = tell
         self._verbose = verbose
         self._sampled: float | None = None  # when the latest sample came
+        self._began: float | None = None  # when the line was last found well
         self._broken: float | None = None  # since when: from the last sample, as a gap is recorded
-        self._waiting: LineState | None = None
+        self._waiting: LineState | None = None  # told; SAMPLING: the line is well, nothing comes
+        self._plan: Plan | None = None
+        self._method: str | None = None  # that was chosen
         self._failure: MikasError | None = None
         session.recorder.on_file = self._new_file
 
@@ -64,6 +71,8 @@ class Notices:
         match event:
             case Sampled():
                 yield from self._came(event)
+            case Gap():
+                yield from self._lost(event)
             case StateChanged():
                 yield from self._state(event)
             case UnitFound(another=True):
@@ -80,9 +89,9 @@ class Notices:
             case AlarmEvent():
                 yield f"{'✓' if event.better else '▲'} {capital(shown(event.text))}."
             case Chosen() if self._verbose:
-                yield chosen(event)
+                yield from self._chose(event)
             case PlanChanged() if self._verbose:
-                yield priced(event.plan)
+                yield from self._planned(event.plan)
 
     def _came(self, event: Sampled) -> Iterator[str]:
         self._sampled = event.time
@@ -91,8 +100,38 @@ class Notices:
             yield say(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
         self._broken = self._waiting = None
 
+    def _lost(self, event: Gap) -> Iterator[str]:
+        """A cycle that failed is no news, unless it is one of many: then why is."""
+        if isinstance(event.error, NoConnection | OutOfStep) or self._waiting is LineState.SAMPLING:
+            return  # the line's state tells it, or it was told
+        since = max((it for it in (self._sampled, self._began) if it is not None), default=inf)
+        if isinstance(event.error, EngineStands) or event.time - since >= _LASTING:
+            self._waiting = LineState.SAMPLING
+            if self._broken is None:
+                self._broken = event.time if self._sampled is None else self._sampled
+            told = f"{shown(event.error.reason)}.", shown(event.error.to_try), _waits()
+            yield " ".join(sentence for sentence in told if sentence)
+
+    def _planned(self, plan: Plan) -> Iterator[str]:
+        self._plan = plan
+        if self._session.asked.method == "auto" and plan.method != self._method:
+            yield say(
+                "Methods are being tried, each for about a second; which one goes on is told then.",
+                "Пробуем способы, каждый около секунды; потом скажем, какой останется.",
+            )
+        else:
+            yield priced(plan)
+
+    def _chose(self, event: Chosen) -> Iterator[str]:
+        self._method = event.method
+        yield chosen(event, self._session.asked.rate)
+        if self._plan is not None and self._plan.method == event.method:
+            yield priced(self._plan)  # it is not told anew
+
     def _state(self, event: StateChanged) -> Iterator[str]:
         well = event.state in (LineState.SAMPLING, LineState.ECU_ALIVE)
+        if well:
+            self._began = event.time
         if not well and self._session.connected:
             if self._broken is None:
                 self._broken = event.time if self._sampled is None else self._sampled
@@ -114,7 +153,11 @@ def waiting(event: StateChanged) -> str:
     """The state in words, and that nobody need do anything in this window."""
     state = capital(shown(event.state.text))
     state += "" if state.endswith("?") else "."
-    return say(f"{state} Waiting; it goes on by itself.", f"{state} Ждём; опрос продолжится сам.")
+    return f"{state} {_waits()}"
+
+
+def _waits() -> str:
+    return say("Waiting; it goes on by itself.", "Ждём; опрос продолжится сам.")
 
 
 def stopped(failure: MikasError) -> str:
@@ -137,16 +180,24 @@ def priced(plan: Plan) -> str:
     )
 
 
-def chosen(event: Chosen) -> str:
-    """The method, and what each gave that was measured; a dash: it does not work."""
+def chosen(event: Chosen, enough: float | None = None) -> str:
+    """The method, and what each gave that was measured; a dash: it does not work.
+
+    `enough`: the rate that is wanted, for which a slower one may have been taken.
+    """
     rates = ", ".join(
         f"{name} {rate:.1f}" if rate else f"{name} –" for name, rate in event.rates.items()
     )
     if not rates:
         return say(f"Method: {event.method}.", f"Способ: {event.method}.")
+    why, ru_why = ".", "."
+    if enough is not None and event.rates.get(event.method, 0.0) < max(event.rates.values()):
+        wanted = f"{enough:g}"
+        why = f": enough for the {wanted} asked for, and it does least to the unit."
+        ru_why = f": для заданных {decimal(wanted)} хватает, а блок он нагружает меньше других."
     return say(
-        f"Method: {event.method} (sets/s: {rates}).",
-        f"Способ: {event.method} (раз/с: {decimal(rates)}).",
+        f"Method: {event.method} (sets/s: {rates}){why}",
+        f"Способ: {event.method} (раз/с: {decimal(rates)}){ru_why}",
     )
 
 

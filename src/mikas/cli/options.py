@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, TypeVar
 
 import click
@@ -49,80 +50,95 @@ LONGEST_TIMEOUT = 60
 MOST_RETRIES = 100
 
 
+_COMMON = (
+    partial(
+        CommonOption,
+        ["--port"],
+        metavar="URL",
+        text=Text(
+            "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (a virtual "
+            "ECU), replay:FILE (a recorded one)",
+            "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (виртуальный "
+            "блок), replay:FILE (записанный)",
+        ),
+    ),
+    partial(
+        CommonOption,
+        ["--echo"],
+        type=OneOf(ECHO),
+        text=Text(
+            "whether the adapter returns what it sends (auto finds out)",
+            "возвращает ли адаптер посланное (auto определяет сам)",
+        ),
+    ),
+    partial(
+        CommonOption,
+        ["--timeout"],
+        type=Number(above=0, most=LONGEST_TIMEOUT),
+        metavar="SECONDS",
+        text=Text(
+            "how long to wait for an answer to begin (0.5)",
+            "сколько ждать начала ответа, в секундах (0.5)",
+        ),
+    ),
+    partial(
+        CommonOption,
+        ["--retries"],
+        type=Whole(0, MOST_RETRIES),
+        metavar="N",
+        text=Text(
+            "how often to repeat what is safe to repeat (2)",
+            "сколько раз повторять то, что повторять безопасно (2)",
+        ),
+    ),
+    partial(
+        CommonOption,
+        ["--capture"],
+        type=File(),
+        metavar="FILE",
+        text=Text(
+            "record everything on the wire (.pcapng)",
+            "записать всё, что было на линии (.pcapng)",
+        ),
+    ),
+    partial(
+        CommonOption,
+        ["--reading"],
+        type=OneOf(READING),
+        text=Text(
+            "how the source's doubtful places are read (corrected)",
+            "как понимать сомнительные места источника (corrected)",
+        ),
+    ),
+    partial(
+        CommonOption,
+        ["--catalog"],
+        type=File(),
+        multiple=True,
+        metavar="FILE",
+        text=Text(
+            "your own parameters and faults, added to ours",
+            "свои параметры и ошибки в дополнение к нашим",
+        ),
+    ),
+    partial(
+        CommonOption, ["--lang"], type=OneOf(LANGUAGES), text=Text("language", "язык: en или ru")
+    ),
+    partial(
+        CommonOption, ["--json"], is_flag=True, text=Text("JSON on stdout", "вывод в виде JSON")
+    ),
+    partial(
+        CommonOption,
+        ["-v", "--verbose"],
+        is_flag=True,
+        text=Text("more details (on stderr)", "больше подробностей (в stderr)"),
+    ),
+)
+
+
 def common_options() -> list[click.Parameter]:
     """Fresh instances of the common options, for one command."""
-    return [
-        CommonOption(
-            ["--port"],
-            metavar="URL",
-            text=Text(
-                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (a virtual "
-                "ECU), replay:FILE (a recorded one)",
-                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (виртуальный "
-                "блок), replay:FILE (записанный)",
-            ),
-        ),
-        CommonOption(
-            ["--echo"],
-            type=OneOf(ECHO),
-            text=Text(
-                "whether the adapter returns what it sends (auto finds out)",
-                "возвращает ли адаптер посланное (auto определяет сам)",
-            ),
-        ),
-        CommonOption(
-            ["--timeout"],
-            type=Number(above=0, most=LONGEST_TIMEOUT),
-            metavar="SECONDS",
-            text=Text(
-                "how long to wait for an answer to begin (0.5)",
-                "сколько ждать начала ответа, в секундах (0.5)",
-            ),
-        ),
-        CommonOption(
-            ["--retries"],
-            type=Whole(0, MOST_RETRIES),
-            metavar="N",
-            text=Text(
-                "how often to repeat what is safe to repeat (2)",
-                "сколько раз повторять то, что повторять безопасно (2)",
-            ),
-        ),
-        CommonOption(
-            ["--capture"],
-            type=File(),
-            metavar="FILE",
-            text=Text(
-                "record everything on the wire (.pcapng)",
-                "записать всё, что было на линии (.pcapng)",
-            ),
-        ),
-        CommonOption(
-            ["--reading"],
-            type=OneOf(READING),
-            text=Text(
-                "how the source's doubtful places are read (corrected)",
-                "как понимать сомнительные места источника (corrected)",
-            ),
-        ),
-        CommonOption(
-            ["--catalog"],
-            type=File(),
-            multiple=True,
-            metavar="FILE",
-            text=Text(
-                "your own parameters and faults, added to ours",
-                "свои параметры и ошибки в дополнение к нашим",
-            ),
-        ),
-        CommonOption(["--lang"], type=OneOf(LANGUAGES), text=Text("language", "язык: en или ru")),
-        CommonOption(["--json"], is_flag=True, text=Text("JSON on stdout", "вывод в виде JSON")),
-        CommonOption(
-            ["-v", "--verbose"],
-            is_flag=True,
-            text=Text("more details (on stderr)", "больше подробностей (в stderr)"),
-        ),
-    ]
+    return [make() for make in _COMMON]
 
 
 def option(*names: str, text: Text, **settings: Any) -> Callable[[F], F]:

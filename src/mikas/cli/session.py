@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.run import Run
 from mikas.cli.words import say
-from mikas.errors import RecordingOver
+from mikas.errors import EngineStands, RecordingOver
 from mikas.link import choose_port
 from mikas.link.plug import Plug
 from mikas.recording.recorder import Recorder
@@ -54,8 +54,11 @@ class Asked:
 class Session:
     """What `session` gives: `events` to be run through once, and what is known meanwhile."""
 
-    def __init__(self, acquisition: Acquisition, recorder: Recorder, port: str) -> None:
+    def __init__(
+        self, acquisition: Acquisition, recorder: Recorder, port: str, asked: Asked
+    ) -> None:
         self.acquisition = acquisition
+        self.asked = asked
         self.recorder = recorder
         self.port = port
         self.model: Model | None = None
@@ -97,7 +100,7 @@ class Session:
         with closing(self._until_it_is_over()) as events:
             for event in events:
                 self.recorder.take(event)
-                if isinstance(event, Gap) and self._is_searching():
+                if isinstance(event, Gap) and self._is_searching(event):
                     continue
                 if isinstance(event, Sampled) and period:
                     if event.time < due:  # methods are measured as fast as they go
@@ -117,8 +120,10 @@ class Session:
                     raise
                 self.over = error
 
-    def _is_searching(self) -> bool:
-        """Whether this gap may only be the unit's refusal of a method, which is raised next."""
+    def _is_searching(self, gap: Gap) -> bool:
+        """Whether `gap` may only be the unit's refusal of a method, which is raised next."""
+        if isinstance(gap.error, EngineStands):
+            return False
         self._searched += not self.samples
         return not self.samples and self._searched <= _SEARCH
 
@@ -164,7 +169,7 @@ def session(
         acquisition.relearn()
     if out is not None:
         recorder.start(out, url=port)
-    current = Session(acquisition, recorder, port)
+    current = Session(acquisition, recorder, port, asked)
     run.output.detail(say("port", "порт"), port)
     try:
         yield current

@@ -59,7 +59,8 @@ class Asking:
             if self._known:
                 break
             with suppress(EcuRefused, LineError):
-                data, reply = self._tester.exchange(ReadParameters((datum,)), retries=0)
+                command = ReadParameters((datum,))
+                data, reply = self._tester.exchange(command, retries=0, trial=True)
                 if data != (_ONE,):
                     self._taken([datum], data, reply)
         return bool(self._known)
@@ -79,7 +80,10 @@ class Asking:
             retries = 0  # its list was silent often enough; others wait while this one is
         elif len(part) > self.proven:
             retries = 1  # it may be too long: the time for more is better spent on its halves
-        data, reply = self._tester.exchange(ReadParameters(tuple(part)), retries=retries)
+        trial = len(part) > self.proven or part[0].code not in self._known
+        data, reply = self._tester.exchange(
+            ReadParameters(tuple(part)), retries=retries, trial=trial
+        )
         if lone and data == (_ONE,):
             return self._doubted(lone, reply)
         return self._taken(part, data, reply)

@@ -2,7 +2,8 @@
 
 The file is plain binary, the first byte at the first address. Beside it `FILE.json`, its manifest,
 says what the file is: space, range, unit, whether it is complete, whether a second pass agreed.
-What was read stays in the file whatever happens, and the next run goes on behind it.
+What was read stays in the file whatever happens, and the next run goes on behind it; so does a
+second pass, whose findings stand in the manifest.
 """
 
 from __future__ import annotations
@@ -10,17 +11,15 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
+from mikas.client.dump_manifest import Manifest, manifest_path, read_manifest, wrong
 from mikas.client.ecu import Ecu
 from mikas.client.memory import MemorySpace
 from mikas.commands.base import check_range
-from mikas.errors import UsageError, reason_of
-from mikas.language import Text
+from mikas.errors import UsageError, reason_at
 
-SCHEMA = 1
 Progress = Callable[[int], None]  # told how many more bytes are done
 
 
@@ -31,52 +30,6 @@ class Difference:
     address: int
     a: int | None
     b: int | None
-
-
-@dataclass(slots=True)
-class Manifest:
-    """What a dump's file holds. `time`: the link's clock at its last change."""
-
-    space: str
-    first: int
-    last: int
-    model: str
-    version_code: int
-    passport: tuple[str, ...]
-    bytes_read: int = 0
-    complete: bool = False
-    verified: bool | None = None
-    sha256: str | None = None
-    time: float = 0.0
-    schema: int = SCHEMA
-
-    @property
-    def size(self) -> int:
-        """Bytes of the whole."""
-        return self.last - self.first + 1
-
-    def as_json(self) -> dict[str, Any]:
-        """As it stands in the file."""
-        return asdict(self)
-
-
-def manifest_path(file: Path) -> Path:
-    """`dump.bin` → `dump.bin.json`."""
-    return file.with_name(file.name + ".json")
-
-
-def read_manifest(file: Path) -> Manifest | None:
-    """The manifest of `file`; None if there is none. Raises `UsageError` if it is not one."""
-    path = manifest_path(file)
-    if not path.exists():
-        return None
-    try:
-        stored = json.loads(path.read_text("utf-8"))
-        manifest = Manifest(**{**stored, "passport": tuple(stored["passport"])})
-        check_range(manifest.space, 0xFFFF, manifest.first, manifest.size)
-    except (OSError, ValueError, TypeError, KeyError) as error:
-        raise _wrong(path, "it is no manifest of a dump", "это не описание образа") from error
-    return manifest
 
 
 class Dump:
@@ -94,7 +47,7 @@ class Dump:
         )
         if file.exists() or manifest_path(file).exists():
             if not resume:
-                raise _wrong(
+                raise wrong(
                     file,
                     "it exists already; choose another name, or --resume to go on with it",
                     "такой файл уже есть; выберите другое имя или продолжите его: --resume",
@@ -103,33 +56,46 @@ class Dump:
 
     def _go_on(self) -> None:
         stored, wanted = read_manifest(self._file), self.manifest
-        if stored is None or not self._file.exists():
-            raise _wrong(
+        if not self._file.exists():
+            raise wrong(
+                self._file,
+                "the file is gone, only its manifest is left; delete that too to begin anew",
+                "самого файла нет, осталось только описание; чтобы начать заново, удалите и его",
+            )
+        if stored is None:
+            raise wrong(
                 self._file,
                 "it has no manifest beside it, so it can't be resumed",
                 "рядом с ним нет описания, продолжить нельзя",
             )
         if (stored.space, stored.first, stored.last) != (wanted.space, wanted.first, wanted.last):
-            raise _wrong(
+            raise wrong(
                 self._file,
                 f"it is a dump of {stored.space} {stored.first:04X}–{stored.last:04X}",
                 f"это образ {stored.space} {stored.first:04X}–{stored.last:04X}",
             )
         if (stored.version_code, stored.passport) != (wanted.version_code, wanted.passport):
-            raise _wrong(
+            raise wrong(
                 self._file,
                 "it was begun on another unit (its passport differs)",
                 "он начат на другом блоке (паспорт не тот)",
             )
         if self._file.stat().st_size > wanted.size:
-            raise _wrong(
+            raise wrong(
                 self._file,
                 "it is longer than its manifest says, so it is another file",
                 "он длиннее, чем сказано в описании, значит это другой файл",
             )
-        wanted.bytes_read = self._file.stat().st_size
-        if wanted.bytes_read == wanted.size:
-            wanted.verified = stored.verified
+        stored.holds(self._file.stat().st_size)
+        self.manifest = replace(
+            wanted,
+            bytes_read=stored.bytes_read,
+            complete=stored.complete,
+            verified=stored.verified,
+            verify=stored.verify,
+            checked=stored.checked,
+            differences=stored.differences,
+        )
 
     def advance(self, *, block: int | None, progress: Progress) -> None:
         """Reads what is still missing. What was read before an error stays in the file."""
@@ -150,16 +116,29 @@ class Dump:
         except OSError as error:
             if isinstance(error, ConnectionError | TimeoutError):
                 raise
-            why = reason_of(error)
-            raise _wrong(self._file, why.en, why.ru) from error
+            raise UsageError(problem=reason_at(self._file, error)) from error
         finally:
             self._note()
 
     def verify(self, *, block: int | None, progress: Progress) -> list[Difference]:
         """A second pass over all of it; returns where it differs from the first."""
         manifest = self.manifest
-        found = list(compare(self._space, self._file.read_bytes(), manifest.first, block, progress))
-        manifest.verified = not found
+        manifest.verified, manifest.checked, manifest.differences = None, 0, None
+        return self.check(manifest.size, block=block, progress=progress)
+
+    def check(self, most: int, *, block: int | None, progress: Progress) -> list[Difference]:
+        """The next `most` bytes of the second pass; returns where they differ from the first."""
+        manifest = self.manifest
+        with self._file.open("rb") as file:
+            file.seek(manifest.checked)
+            data = file.read(most)
+        first = manifest.first + manifest.checked
+        found = list(compare(self._space, data, first, block, progress))
+        manifest.verify = True
+        manifest.checked += len(data)
+        manifest.differences = (manifest.differences or 0) + len(found)
+        if manifest.checked >= manifest.size:
+            manifest.verified = manifest.differences == 0
         self._note()
         return found
 
@@ -173,8 +152,7 @@ class Dump:
             text = json.dumps(manifest.as_json(), ensure_ascii=False, indent=1)
             path.write_text(text + "\n", "utf-8")
         except OSError as error:
-            why = reason_of(error)
-            raise _wrong(path, why.en, why.ru) from error
+            raise UsageError(problem=reason_at(path, error)) from error
 
 
 def compare(
@@ -199,7 +177,3 @@ def differences(a: bytes, first_a: int, b: bytes, first_b: int) -> Iterator[Diff
         right = b[in_b] if 0 <= in_b < len(b) else None
         if left != right:
             yield Difference(address, left, right)
-
-
-def _wrong(file: Path, en: str, ru: str) -> UsageError:
-    return UsageError(problem=Text(f"{file}: {en}", f"{file}: {ru}"))

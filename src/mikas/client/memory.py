@@ -57,6 +57,11 @@ _SPACES = {
 }
 
 
+def last_of(space: str) -> int:
+    """The highest address of a space; every unit has the same."""
+    return _SPACES[space].last
+
+
 _SMALL_BLOCK = 2
 _IN_PART = Text(
     "Some of the bytes were written before it refused; what was there stands in the journal.",

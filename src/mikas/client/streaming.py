@@ -12,14 +12,17 @@ from mikas.catalog import Parameter
 from mikas.client.parameters import Parameters
 from mikas.client.reading import Reading
 from mikas.commands import Availability, StreamAtStroke, StreamCyclic
-from mikas.errors import LineError, LinkLost, MikasError, NoConnection, NoResponse, NotSupported
+from mikas.errors import (
+    EngineStands,
+    LineError,
+    LinkLost,
+    MikasError,
+    NoConnection,
+    NoResponse,
+    NotSupported,
+)
 from mikas.language import Text
 from mikas.tester import Stream, StreamItem, Tester
-
-_STANDS = Text(
-    "A stream by strokes comes only while the engine turns.",
-    "Поток по тактам идёт, только пока двигатель вращается.",
-)
 
 
 class ReadingStream:
@@ -48,8 +51,8 @@ class ReadingStream:
 
         Raises `NotSupported` for a stream that the unit does not begin, `LinkLost`, and any other
         `NoConnection` or `LineError` for what the next call may get over: a response that came
-        damaged is one, behind which the stream goes on. `NoResponse`: the unit is
-        there, but it has fallen silent, or its engine stands.
+        damaged is one, behind which the stream goes on. `NoResponse`: the unit is there, but it has
+        fallen silent; `EngineStands`: by strokes, and there are none.
         """
         while True:
             try:
@@ -96,10 +99,10 @@ class ReadingStream:
             deadline = min(until, now + patience)
         # Before anything fitted, what does not fit may be the unit's way to refuse so many.
         item = self._stream.read(deadline, tell=self.works)
-        over = item is None and self._tester.link.now() >= until
-        if over or not self._stream.running:
-            self._stream.silence = 0.0  # what its silence means is the stream's to say
-            return next(self._stream)
+        if item is None and not self._stream.running:
+            raise StopIteration
+        if item is None and self._tester.link.now() >= until:
+            raise self._stream.fallen_silent()
         return item
 
     def _end(self) -> NoConnection | None:
@@ -130,10 +133,14 @@ class ReadingStream:
             return error
         if rpm.value:
             self.silent += 1
-        else:
-            self.silent = 0
-            error.to_try = _STANDS
-        return error
+            return error
+        self.silent = 0
+        return EngineStands(
+            seconds=error.fields["seconds"],
+            request=error.request,
+            received=error.received,
+            time=error.time,
+        )
 
     def _not_supported(self, error: NoResponse) -> NotSupported:
         cyclic = self._stroke is None

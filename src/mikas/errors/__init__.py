@@ -24,6 +24,7 @@
     │   └── NotAKLineAdapter           an ELM327 answered instead of a wire
     ├── LineError                      the ECU is there, the exchange was spoilt
     │   ├── NoResponse (TimeoutError)  silence, D14
+    │   │   └── EngineStands           of a stream by strokes, as there are none (D15)
     │   ├── EchoDiffers                what came back is not what was sent (D1)
     │   ├── DamagedResponse            checksum, cut or over-long frame (§2)
     │   ├── WrongLength                a good frame, but not this request's (D13)
@@ -45,6 +46,7 @@ words of a terminal. Each is also the matching builtin.
 from mikas.errors.base import (
     MikasError,
     in_hex,
+    reason_at,
     reason_of,
 )
 from mikas.errors.connection import (
@@ -63,6 +65,7 @@ from mikas.errors.connection import (
 from mikas.errors.line import (
     DamagedResponse,
     EchoDiffers,
+    EngineStands,
     LineError,
     LineNotQuiet,
     NoResponse,
@@ -100,6 +103,7 @@ __all__ = [
     "EchoDiffers",
     "EchoOnly",
     "EcuRefused",
+    "EngineStands",
     "ExportError",
     "JournalError",
     "LineError",
@@ -129,5 +133,6 @@ __all__ = [
     "WrongContent",
     "WrongLength",
     "in_hex",
+    "reason_at",
     "reason_of",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+from pathlib import Path
 from typing import ClassVar
 
 from mikas.language import Language, Text
@@ -118,3 +119,9 @@ def reason_of(error: OSError) -> Text:
     """Why the system refused, in its own words; in Russian where they are known."""
     words = error.strerror or str(error)
     return Text(words, _IN_RUSSIAN.get(error.errno or 0, words))
+
+
+def reason_at(file: Path, error: OSError) -> Text:
+    """The same, with the file that it is about."""
+    why = reason_of(error)
+    return Text(f"{file}: {why.en}", f"{file}: {why.ru}")

@@ -21,10 +21,10 @@ class PortNotFound(NoConnection):
         "без адаптера работает `--port sim:`.",
     )
     advice_on_screen = Text(
-        "Found: {found}. Plug the adapter in and choose it on the Cable screen; a virtual car "
-        "there works with no adapter at all.",
-        "Найдены: {found}. Воткните адаптер и выберите его на экране «Связь»; виртуальный "
-        "автомобиль там работает и без адаптера.",
+        "Found: {found}. Plug the adapter in: the one in use goes on by itself, another has to be "
+        "chosen on the Cable screen; a virtual car there works with no adapter at all.",
+        "Найдены: {found}. Воткните адаптер: тот, что был в работе, продолжит сам, другой нужно "
+        "выбрать на экране «Связь»; виртуальный автомобиль там работает и без адаптера.",
     )
 
 

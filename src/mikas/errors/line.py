@@ -39,6 +39,20 @@ class NoResponse(LineError, TimeoutError):
     )
 
 
+class EngineStands(NoResponse):
+    """A stream by strokes is silent, and the unit says that there are none (D15)."""
+
+    what = Text(
+        "No stroke for {seconds:g} s: the engine stands",
+        "Тактов нет {seconds:g} с: двигатель не вращается",
+    )
+    advice = Text(
+        "A stream by strokes comes only while the engine turns: start it, or take another method.",
+        "Поток по тактам идёт, только пока двигатель вращается: запустите его или возьмите другой "
+        "способ.",
+    )
+
+
 class EchoDiffers(LineError):
     """What came back is not what was sent: a second talker or a bad line (D1, D2)."""
 

@@ -20,7 +20,7 @@ from typing import BinaryIO, Final
 
 from mikas.recording import pcapng
 from mikas.recording.notes import Kind, Note
-from mikas.recording.scan import LARGEST, RawBlock, scan
+from mikas.recording.scan import LARGEST, RawBlock, is_headless, scan
 
 ENTERPRISE: Final = 32473  # RFC 5612: for documentation; nobody's own
 TAG: Final = b"mikas/1\n"
@@ -69,7 +69,7 @@ def _refuse(constant: str) -> None:
 
 def find(file: BinaryIO) -> Iterator[Note]:
     """The notes of a capture that is open for reading and seekable, in the order of the file."""
-    recording, known = -1, True
+    recording, known = 0 if is_headless(file) else -1, True
     for offset, is_section in _places(file):
         block = _block_at(file, offset)
         if isinstance(block, pcapng.Section) and is_section:

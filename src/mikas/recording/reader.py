@@ -20,13 +20,16 @@ from mikas.link.tee import Direction
 from mikas.recording import pcapng
 from mikas.recording.note_blocks import find
 from mikas.recording.notes import Note
-from mikas.recording.scan import Gap, RawBlock, is_section_start, scan
+from mikas.recording.scan import Gap, RawBlock, goes_on_as_one, is_section_start, scan
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 FLAGS: Final = {Direction.SENT: pcapng.OUTBOUND, Direction.RECEIVED: pcapng.INBOUND}
 _DIRECTIONS: Final = {flags: direction for direction, flags in FLAGS.items()}
+_HERE: Final = "mikas"  # how the name of the program that wrote a recording begins
+_LATEST: Final = 1 << 52  # µs; in 2112: what is later was written in another unit
+_ZIP: Final = b"PK\x03\x04"
 _CLASSIC_PCAP: Final = ("a1b2c3d4", "d4c3b2a1", "a1b23c4d", "4d3cb2a1", "a1b2cd34", "34cdb2a1")
 
 
@@ -109,14 +112,20 @@ class CaptureReader:
         if not head:
             raise CaptureError(str(self.path), _EMPTY, 0)
         if not is_section_start(head):
-            raise CaptureError(str(self.path), _what_else(head), 0)
+            what_else = _what_else(head)
+            if what_else or not goes_on_as_one(file):
+                raise CaptureError(str(self.path), what_else or _NOT_PCAPNG, 0)
         other = _foreign_link_type(file)
         if other is not None:
             raise CaptureError(str(self.path), _OTHER_LINK_TYPE.filled(type=other), 0)
 
 
 class Blocks:
-    """What the blocks of one file mean, one after the other."""
+    """What the blocks of one file mean, one after the other.
+
+    Blocks before the first section are those of a recording that has lost its beginning. If its
+    first packet looks as if it was written here, its port is known but for its name.
+    """
 
     def __init__(self) -> None:
         self._recording = -1
@@ -133,6 +142,9 @@ class Blocks:
             text = _CUT if item.cut else _DAMAGED
             yield Problem(item.offset, text.filled(count=item.end - item.offset))
             return
+        if self._recording < 0 and item.kind != pcapng.SECTION:
+            self._recording = 0
+            self._section = pcapng.Section(application=_HERE)
         if self._section is None and item.kind != pcapng.SECTION:
             return  # of a section in a version that is not known, reported when it began
         try:
@@ -177,7 +189,16 @@ class Blocks:
     def _is_ours(self, number: int) -> bool:
         return self._interfaces[number][0].link_type == pcapng.LINKTYPE_USER0
 
+    def _is_as_written_here(self, block: pcapng.EnhancedPacket) -> bool:
+        """Whether a packet of a port that is not described is as `CaptureWriter` writes them."""
+        here = self._section is not None and self._section.application.startswith(_HERE)
+        whole = block.interface == 0 and not block.comment and not block.cut
+        return here and whole and block.flags in FLAGS.values() and block.ticks < _LATEST
+
     def _packet(self, block: pcapng.EnhancedPacket, offset: int) -> Iterator[Packet | Problem]:
+        if not self._interfaces and self._is_as_written_here(block):
+            self._add(pcapng.Interface())
+            yield Problem(offset, _HEADLESS)
         if block.interface >= len(self._interfaces):
             yield Problem(offset, _NO_INTERFACE)
             return
@@ -211,12 +232,12 @@ def _foreign_link_type(file: BinaryIO) -> int | None:
     return other
 
 
-def _what_else(head: bytes) -> Text:
+def _what_else(head: bytes) -> Text | None:
     if head[:4].hex() in _CLASSIC_PCAP:
         return _CLASSIC
     if head.startswith(b"\x1f\x8b"):
         return _COMPRESSED
-    return _NOT_PCAPNG
+    return _NOT_PCAPNG if head.startswith(_ZIP) else None
 
 
 def reason_of(error: OSError) -> Text:
@@ -265,6 +286,12 @@ _CUT = Text(
 _DAMAGED = Text(
     "damaged bytes of the file ({count}) are passed over",
     "повреждённые байты файла ({count}) пропущены",
+)
+_HEADLESS = Text(
+    "the beginning of this recording, which describes its port, is damaged or missing; its packets "
+    "are read as this program writes them",
+    "начало этой записи, где описан порт, повреждено или пропало; пакеты читаются так, как их "
+    "пишет эта программа",
 )
 _VERSION = Text(
     "a part of the file has pcapng version {version}, which is not known here; it is passed over",

@@ -4,6 +4,9 @@ A block counts as whole if its two lengths agree and it lies inside the file. Wh
 walk looks for the next place where a block of a known kind is whole, at any byte, and gives what
 lies between as a `Gap`. So a flipped bit costs a block, not the rest of the recording, and two
 files joined end to end read on behind the seam even if the first one was cut short.
+
+A file that has lost its first bytes is read on from its first whole block: as little-endian, which
+is what is written here, until a section says something else.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ if TYPE_CHECKING:
 
 LARGEST: Final = 1 << 24  # a longer block of a known kind is taken for damage, as other tools do
 _SMALLEST = 12
+_TELLING: Final = 3  # blocks one behind another that no other kind of file has by accident
 _WINDOW: Final = 1 << 16
 _SECTION_BYTES: Final = struct.pack("<I", pcapng.SECTION)
 _STARTS: Final = {
@@ -27,6 +31,9 @@ _STARTS: Final = {
     )
     for order in ("<", ">")
 }
+
+
+_OURS: Final[pcapng.Order] = "<"
 
 
 class RawBlock(NamedTuple):
@@ -55,9 +62,11 @@ def scan(
     `offset`: where to begin, in a section of that byte `order`.
     """
     size = file.seek(0, 2)
+    begun = order is not None  # else nothing but its kind shows that a block begins here
+    order = order or _OURS
     while offset < size:
         block = _block_at(file, offset, size, order)
-        if block is None:
+        if block is None or not (begun or block.kind in pcapng.KNOWN):
             start = offset
             block = _next_block(file, start + 1, size, order)
             yield Gap(
@@ -67,7 +76,7 @@ def scan(
             )
             if block is None:
                 return
-        order, offset = block.order, block.end
+        begun, order, offset = True, block.order, block.end
         yield block
 
 
@@ -76,6 +85,28 @@ def is_section_start(head: bytes) -> bool:
     if len(head) < _SMALLEST:
         return _SECTION_BYTES.startswith(head[:4])
     return head.startswith(_SECTION_BYTES) and pcapng.byte_order(head[8:12]) is not None
+
+
+def goes_on_as_one(file: BinaryIO, within: int = LARGEST) -> bool:
+    """Whether a file that does not begin as a pcapng file is one that has lost its first bytes: a
+    section begins further on, or some blocks follow each other. Looks no further than `within`.
+    """
+    size = min(file.seek(0, 2), within)
+    block = _next_block(file, 0, size, _OURS)
+    while block is not None and block.kind != pcapng.SECTION:
+        following: RawBlock | None = block
+        for _ in range(_TELLING - 1):
+            following = following and _block_at(file, following.end, size, following.order)
+        if following is not None:
+            return True
+        block = _next_block(file, block.offset + 1, size, _OURS)
+    return block is not None
+
+
+def is_headless(file: BinaryIO) -> bool:
+    """Whether the first whole block of the file is none that begins a section."""
+    first = next((item for item in scan(file) if isinstance(item, RawBlock)), None)
+    return first is not None and first.kind != pcapng.SECTION
 
 
 def _block_at(

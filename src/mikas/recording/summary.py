@@ -30,7 +30,7 @@ from mikas.recording.happened import GapSeen, Unit, events_of, unit_of
 from mikas.recording.note_blocks import TAG, read_block
 from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import Blocks, CaptureReader, Packet, reason_of
-from mikas.recording.scan import RawBlock, scan
+from mikas.recording.scan import RawBlock, is_headless, scan
 from mikas.recording.table import PLAINLY_UNIX
 
 _WINDOW: Final = 1 << 20
@@ -183,6 +183,9 @@ def _searched(file: BinaryIO) -> _Places:
         if order is not None:
             found.sections.append(offset)
             found.orders.append(order)
+    if found.sections[:1] != [0] and is_headless(file):
+        found.sections.insert(0, 0)
+        found.orders.insert(0, "<")
     return found
 
 

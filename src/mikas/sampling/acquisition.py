@@ -140,7 +140,8 @@ class Acquisition:
             self._in_force = self._selection
             before = self._derived
             self._derived = DerivedChannels(self._catalog, self._in_force.derived)
-            self._derived.go_on_from(before)
+            asked = [wanted.parameter.name for wanted in self._in_force.wanted]
+            self._derived.go_on_from(before, asked)
 
     def call(self, job: Callable[[Ecu], T]) -> Future[T]:
         """`job(ecu)` between two cycles, as `Sampler.call`."""

@@ -21,7 +21,7 @@ from mikas.client.limits import Pace
 from mikas.client.methods import STREAMS, FixedMethod
 from mikas.commands import Availability
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, OutOfStep
-from mikas.sampling.cycles import cycles_of
+from mikas.sampling.cycles import Cycles, cycles_of
 from mikas.sampling.doubt import Doubt
 from mikas.sampling.plan import Plan
 
@@ -29,6 +29,8 @@ CANDIDATES: tuple[FixedMethod, ...] = ("stream", "list", "batch")
 """In the order of §5: what should be the fastest first."""
 LAST: FixedMethod = "single"
 """What is left where none of them works."""
+OF_THEIR_OWN: frozenset[FixedMethod] = frozenset({"stream", "list"})
+"""Those with commands of their own, which a unit may lack (D10); the others are all 61."""
 
 _SECONDS = 1.0
 _CYCLES = 6  # at least; one that sets lists, learns limits or begins a stream is not counted
@@ -86,7 +88,6 @@ def measure(
     before: float | None = None  # when the latest ended, if nothing else was asked since
     free = False  # for other things: not before each cycle, or nothing would ever be measured
     failures = 0
-    broken = False
     try:
         while len(spans) < _CYCLES or sum(spans) < _SECONDS:
             try:
@@ -113,15 +114,24 @@ def measure(
                 before, turn = now, next(turns)
             yield fresh
     finally:
-        try:
-            cycles.pause()
-        except LineError:
-            broken = True  # it can't be ended as it should: it is not to be begun again
-    if broken:
-        return Measured(plan.method, 0.0)
-    if max(spans) > _ACCIDENT * median(spans):
-        spans.remove(max(spans))  # one repeated request says nothing of the method
-    return Measured(plan.method, len(spans) / sum(spans))
+        ended = _ended(cycles)
+    # What can't be ended as it should is not to be begun again.
+    return Measured(plan.method, _rate(spans) if ended else 0.0)
+
+
+def _ended(cycles: Cycles) -> bool:
+    try:
+        cycles.pause()
+    except LineError:
+        return False
+    return True
+
+
+def _rate(spans: list[float]) -> float:
+    """One repeated request says nothing of the method."""
+    accident = max(spans) > _ACCIDENT * median(spans)
+    counted = sorted(spans)[:-1] if accident else spans
+    return len(counted) / sum(counted)
 
 
 def pace_of(measured: Measured, plan: Plan, baud: int) -> Pace | None:
@@ -138,8 +148,8 @@ def rates_of(plan: Plan, paces: Mapping[str, Pace], baud: int) -> dict[FixedMeth
     rates: dict[FixedMethod, float] = {}
     for method in (*CANDIDATES, LAST):
         by = plan.by(method)
-        pace = paces.get(method)
-        if pace is None or (pace.delay is None and len(by.fast) < pace.codes):
+        pace, codes = paces.get(method), len(by.fast)
+        if pace is None or (pace.delay is None and codes < pace.codes and codes <= plan.max_list):
             continue  # a shorter list than the one that was refused may be taken
         wire, responses = _cost(by, baud)
         rates[method] = 0.0 if pace.delay is None else 1 / (wire + responses * pace.delay)

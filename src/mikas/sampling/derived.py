@@ -7,10 +7,10 @@ What an input does not give, nothing is made of: a derived channel has no value 
 inputs did not come in the same sample, or where its formula has none (a division by zero).
 
 A channel that accumulates adds up its formula, which is per second, from each of its values to the
-next, along a straight line. A gap adds nothing and is counted. A gap is a sample that brought
-nothing at all, a pause longer than `longest`, or a clock that went back. A sample that brought
-other parameters only, or a spoilt response, is none, nor is a pause like both before it: where
-values are wanted seldom, that is how they come.
+next, along a straight line. A gap adds nothing and is counted. A gap is a pause longer than
+`longest`, a time in which the inputs were not asked, or a clock that went back. A sample that
+brought nothing of it, a spoilt response that was asked for again, is none, nor is a pause like both
+before it: where values are wanted seldom, that is how they come.
 """
 
 from __future__ import annotations
@@ -94,28 +94,35 @@ class DerivedChannels:
     def __init__(self, catalog: Catalog, names: Iterable[str], *, longest: float = 2.0) -> None:
         named = (_derived(catalog, name) for name in names)
         self.channels = tuple({channel.name: channel for channel in named}.values())
-        steps = in_order(catalog.derived, [channel.name for channel in self.channels])
-        self._steps = [(channel, channel.calculation()) for channel in steps]
-        self._integrals = {each.name: _Integral(longest) for each in steps if each.accumulates}
-        needed = {name for channel in steps for name in channel.inputs}
-        self.requires = tuple(each.name for each in catalog.parameters if each.name in needed)
+        self._catalog = catalog
+        self._steps = _steps(catalog, [channel.name for channel in self.channels])
+        self._integrals = {
+            each.name: _Integral(longest) for each, _ in self._steps if each.accumulates
+        }
+        self.requires = _required(catalog, [channel.name for channel in self.channels])
 
     @property
     def accumulated(self) -> dict[str, Accumulated]:
         """How far each channel that accumulates has come, also while it has no value."""
         return {name: integral.state for name, integral in self._integrals.items()}
 
-    def go_on_from(self, before: DerivedChannels) -> None:
-        """What `before` has added up is not lost because other channels are wanted now."""
-        for name in self._integrals.keys() & before._integrals.keys():
-            self._integrals[name] = before._integrals[name]
+    def go_on_from(self, before: DerivedChannels, asked: Iterable[str]) -> None:
+        """What `before` has added up is not lost because other channels are wanted now.
+
+        What is not wanted any more is kept, for when it will be. It goes on adding up if the
+        parameters that are `asked` now are enough for it; else that time is a gap.
+        """
+        asked = set(asked)
+        self._integrals |= before._integrals
+        for name, integral in before._integrals.items():
+            if not asked.issuperset(_required(self._catalog, [name])):
+                integral.interrupt()
+        names = [channel.name for channel in self.channels]
+        self._steps = _steps(self._catalog, dict.fromkeys([*names, *self._integrals]))
 
     def update(self, readings: Mapping[str, Reading], time: float) -> dict[str, DerivedValue]:
         """The channels that have a value in a sample of `readings`, however long that took."""
         there: dict[str, Reading | DerivedValue] = {**readings}
-        if not there:
-            for integral in self._integrals.values():
-                integral.interrupt()
         for channel, calculation in self._steps:
             if value := self._made(channel, calculation, there, time):
                 there[channel.name] = value
@@ -143,20 +150,17 @@ class DerivedChannels:
     def columns(self, rows: Rows) -> dict[str, Column]:
         """The same for a stretch of samples, each row as `update` has it; NaN is missing.
 
-        `rows` has all that was recorded: a row in which nothing is there is a gap. Stretches follow
-        each other, and accumulating goes on from one to the next.
+        Stretches follow each other, and accumulating goes on from one to the next.
         """
         import numpy as np
 
         missing = np.full(len(rows.times), nan)
-        values = {name: rows.values.get(name, missing) for name in self.requires}
-        nothing = np.ones(len(rows.times), dtype=np.bool_)
-        for column in rows.values.values() if self._integrals else ():
-            nothing &= ~np.isfinite(column)
+        inputs = {name for channel, _ in self._steps for name in channel.inputs}
+        values = {name: rows.values.get(name, missing) for name in inputs}
         for channel, calculation in self._steps:
             column = calculation.column(values)
             if integral := self._integrals.get(channel.name):
-                column = integral.add_column(rows.times, column, nothing)
+                column = integral.add_column(rows.times, column)
             values[channel.name] = column
         return {channel.name: values[channel.name] for channel in self.channels}
 
@@ -171,7 +175,7 @@ class _Integral:
         self._steps = 0.0, 0.0  # s between the values before, the last one behind; 0: not known
 
     def interrupt(self) -> None:
-        """A sample that brought nothing."""
+        """Its inputs are not asked any more."""
         if self._last is not None:
             self._last, self._steps = None, (0.0, 0.0)
             self.state = replace(self.state, gaps=self.state.gaps + 1)
@@ -192,27 +196,23 @@ class _Integral:
         self._last = time, rate
         return total
 
-    def add_column(self, times: Column, rates: Column, nothing: NDArray[np.bool_]) -> Column:
-        """The total at each row, NaN where `rates` is; `nothing`: the rows that are gaps.
+    def add_column(self, times: Column, rates: Column) -> Column:
+        """The total at each row, NaN where `rates` is.
 
-        The same operations as `add` and `interrupt`, in the same order.
+        The same operations as `add`, in the same order.
         """
         import numpy as np
 
         totals, rows = np.full(len(rates), nan), np.flatnonzero(np.isfinite(rates))
-        gaps_before = np.cumsum(nothing)
-        at, rate, gap = times[rows], rates[rows], gaps_before[rows]
+        at, rate = times[rows], rates[rows]
         if self._last is not None:
             at, rate = np.insert(at, 0, self._last[0]), np.insert(rate, 0, self._last[1])
-            gap = np.insert(gap, 0, 0)
-        if len(at):
+        if len(rows):
             with np.errstate(all="ignore"):
                 steps = np.diff(at)
-                whole = np.diff(gap) == 0
-                known = np.concatenate([self._steps, np.where(whole, steps, 0.0)])
-                usual = np.minimum(known[:-2], known[1:-1])
-                longest = np.maximum(self._longest, _ALIKE * usual)
-                joined = (steps >= 0) & (steps <= longest) & whole
+                known = np.concatenate([self._steps, steps])
+                longest = np.maximum(self._longest, _ALIKE * np.minimum(known[:-2], known[1:-1]))
+                joined = (steps >= 0) & (steps <= longest)
                 self._steps = float(known[-2]), float(known[-1])
                 added = np.where(joined, (rate[:-1] * 0.5 + rate[1:] * 0.5) * steps, 0.0)
                 running = np.add.accumulate(np.insert(added, 0, self.state.total))
@@ -221,8 +221,6 @@ class _Integral:
             gaps = self.state.gaps + int(np.count_nonzero(~joined))
             self.state = Accumulated(_finite(float(running[-1])), since, gaps)
             self._last = float(at[-1]), float(rate[-1])
-            if nothing[rows[-1] + 1 if len(rows) else 0 :].any():
-                self.interrupt()
         return np.where(np.isfinite(totals), totals, nan)
 
 
@@ -235,6 +233,17 @@ def number_of(value: Reading | DerivedValue) -> float:
     if isinstance(value, Reading) and value.reading != "corrected":
         return float(value.parameter.decode(value.raw))
     return float(value.value)
+
+
+def _steps(catalog: Catalog, names: Iterable[str]) -> list[tuple[Derived, Calculation]]:
+    """The channels `names` and those that they are made of, in the order of their making."""
+    return [(each, each.calculation()) for each in in_order(catalog.derived, list(names))]
+
+
+def _required(catalog: Catalog, names: Iterable[str]) -> tuple[str, ...]:
+    """The parameters that these channels are made of in the end, in the order of the catalog."""
+    needed = {name for channel in in_order(catalog.derived, list(names)) for name in channel.inputs}
+    return tuple(each.name for each in catalog.parameters if each.name in needed)
 
 
 def _derived(catalog: Catalog, name: str) -> Derived:

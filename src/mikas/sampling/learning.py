@@ -17,6 +17,7 @@ from mikas.errors import LineError
 from mikas.sampling.choosing import (
     CANDIDATES,
     LAST,
+    OF_THEIR_OWN,
     Measured,
     best,
     kind_of_adapter,
@@ -30,6 +31,7 @@ _SLOWER = 0.75  # of what was promised: then it is another adapter, or another s
 _CYCLES, _SECONDS = 6, 1.0  # that a promise is held against
 _OFTEN = 2
 _BAUD = 9600  # §1
+_NEVER = Pace(0, None)  # refused, however short the list is
 
 
 class Learning:
@@ -55,10 +57,13 @@ class Learning:
         self._ecu = ecu
         try:
             self._kind = kind_of_adapter(ecu)
-            kept = ecu.limits().methods.get(self._kind, {})
+            kinds = ecu.limits().methods
         except LineError:
-            self._kind, kept = "", {}  # no telling on such a line
-        self._paces.setdefault(self._kind, kept)
+            self._kind, kinds = "", {}  # no telling on such a line
+        # What the unit does not know it knows with no adapter.
+        found = [each.items() for each in (*kinds.values(), *self._paces.values())]
+        lacks = {name: pace for paces in found for name, pace in paces if pace == _NEVER}
+        self._paces.setdefault(self._kind, lacks | kinds.get(self._kind, {}))
 
     @property
     def _known(self) -> dict[str, Pace]:
@@ -84,6 +89,10 @@ class Learning:
         pace = pace_of(measured, plan, baud)
         if pace is not None:
             self._known[measured.method] = pace
+
+    def lacks(self, method: FixedMethod) -> None:
+        """The unit does not know it, however short the list is."""
+        self._known[method] = _NEVER
 
     def keep(self) -> None:
         """For the next session."""
@@ -111,7 +120,7 @@ class Learning:
         return by.price(turn_round=pace.delay, pause=pace.delay)
 
     def blame(self, method: FixedMethod) -> None:
-        """It worked, or should have, and does not: everything is to be measured anew."""
+        """It worked, or should have, and does not: what works is to be measured anew."""
         self._blamed[method] += 1
         self.disprove()
 
@@ -124,8 +133,11 @@ class Learning:
         del self._blamed[method]
 
     def disprove(self) -> None:
-        """What is known of this kind of adapter is not so."""
-        self._paces[self._kind] = {}
+        """The rates known of this kind of adapter are not so; what the unit refuses it refuses."""
+        known = self._known.items()
+        self._paces[self._kind] = {
+            name: pace for name, pace in known if pace.delay is None and name in OF_THEIR_OWN
+        }
 
     def promise(self, plan: Plan, baud: int) -> Promise | None:
         """What the first cycles have to show, if the choice was made from memory."""

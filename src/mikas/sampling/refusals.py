@@ -41,11 +41,16 @@ class Refusals:
         self._asked_again: Wish | None = None
 
     def accepted(self, ecu: Ecu, wish: Wish) -> Generator[Event, None, Plan | None]:
-        """The plan of what the unit gives; None: it gives nothing, which was told.
+        """The plan of what the unit gives; None: it gives nothing, which was told, or something
+        else is wanted by now.
 
         Raises `NotSupported` instead if there has never been a sample, and what `strict` says.
         """
         for attempt in range(1, _ATTEMPTS + 1):
+            if attempt > 1:
+                self._session.jobs.run(ecu)  # an attempt takes seconds, where the unit is silent
+            if not self._session.still(wish):
+                return None
             plan = self._left(wish)
             if plan is None:
                 break
@@ -57,7 +62,8 @@ class Refusals:
                 if attempt == _ATTEMPTS:
                     return plan  # on such a line there is no telling
             except NotSupported as error:
-                if not (yield from self.weed(ecu, plan)):
+                weeded = yield from self.weed(ecu, plan, wish)
+                if not weeded and self._session.still(wish):
                     yield from self._nothing(ecu, error)
                     return None
         plan = self._left(wish)
@@ -83,18 +89,22 @@ class Refusals:
             raise error
         yield Gap(ecu.tester.link.now(), error)
 
-    def weed(self, ecu: Ecu, plan: Plan, *, going: bool = False) -> Generator[Event, None, bool]:
+    def weed(
+        self, ecu: Ecu, plan: Plan, wish: Wish, *, going: bool = False
+    ) -> Generator[Event, None, bool]:
         """Drops what the unit refuses now; whether that is anything.
 
-        A silent one takes a second each time that it is asked. `going`: then the others have a
-        cycle, lest they wait for it too.
+        A silent one takes a second each time that it is asked; whoever wants something else gets it
+        before the next. `going`: then the others have a cycle, lest they wait for it too.
         """
+        session = self._session
         asked = tuple(plan.every)
         answered: list[Datum] = []
         left: dict[Datum, int] = {}  # those that did not answer; how often they are asked again
         to_ask = list(dict.fromkeys((*COMMON, *asked)))
         try:
-            while to_ask and not self._session.stopped:
+            while to_ask and session.still(wish):
+                session.jobs.run(ecu)
                 datum = to_ask.pop(0)
                 if answered and datum not in asked:
                     continue
@@ -114,7 +124,8 @@ class Refusals:
         except LineError as error:
             yield Gap(ecu.tester.link.now(), error)
             return False
-        lost = {datum for datum in left if datum in asked} if answered and not to_ask else set()
+        settled = {datum for datum, times in left.items() if not times}
+        lost = settled.intersection(asked) if answered else set()
         yield from self._drop(ecu, plan, lost)
         return bool(lost)
 
@@ -153,7 +164,7 @@ def _answers(ecu: Ecu, datum: Datum) -> Said:
     command = ReadParameters((datum,) * (2 if ecu.limits().max_list > 1 else 1))
     for attempt in range(1, _ATTEMPTS + 1):
         try:
-            ecu.tester.exchange(command, retries=0)
+            ecu.tester.exchange(command, retries=0, trial=True)
             break
         except NotSupported as error:
             return Said.NO if error.received else Said.NOTHING

@@ -14,6 +14,7 @@ from mikas.sampling.cycles import Asked, Cycles, cycles_of
 from mikas.sampling.doubt import Doubt
 from mikas.sampling.events import Event, Gap
 from mikas.sampling.plan import Plan
+from mikas.sampling.reasons import reason
 from mikas.sampling.refusals import Refusals
 from mikas.sampling.session import Session, Wish
 
@@ -49,6 +50,7 @@ class Running:
         self._length = plan.price(baud=baud).seconds  # of a cycle, until one was measured
         self._failures = 0  # in a row
         self._doubts = 0  # of these, those that may be the unit's answer
+        self._worked = False
         self._over = False
 
     def events(self) -> Iterator[Event]:
@@ -82,7 +84,7 @@ class Running:
         except (NoConnection, OutOfStep):
             raise
         except MikasError as error:
-            yield Gap(self._now(), error)
+            yield Gap(self._now(), reason(self._ecu, cycles.plan, error, worked=self._worked))
             yield from self._after(error, cycles)
             return
         if cycles is self._cycles:
@@ -96,6 +98,7 @@ class Running:
 
     def _sampled(self, fresh: dict[str, Reading]) -> Iterator[Event]:
         self._failures = self._doubts = 0
+        self._worked = True
         sampled = self._session.sampled(fresh)
         if self._session.in_time(sampled):
             yield sampled
@@ -110,7 +113,8 @@ class Running:
             self._doubts = _DOUBTS  # nobody allowed it
         elif cycles.let_down(error):
             self._doubts += 1
-            if (yield from self._refusals.weed(self._ecu, self._plan, going=True)):
+            weed = self._refusals.weed(self._ecu, self._plan, self._wish, going=True)
+            if (yield from weed) or not self._session.still(self._wish):
                 self._over = True
                 return
         if self._doubts >= _DOUBTS:

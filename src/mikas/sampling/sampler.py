@@ -180,6 +180,8 @@ class Sampler:
             if self._told is None or self._told[0] is not wish:
                 session.begin(wish)
             plan = yield from self._refusals.accepted(ecu, wish)
+            if not session.still(wish):
+                continue
             if plan is None:
                 yield from self._idle(ecu, wish, _LONG)
                 session.refused.clear()

@@ -21,7 +21,7 @@ from mikas.errors import (
 from mikas.framing import Frame
 from mikas.tester.line import Line
 
-_STANDING_ENGINE = 5.0  # s without a stroke before a stream by strokes gives up (D15)
+_STANDING_ENGINE = 2.0  # s without a stroke (D15): what turns slower than 60 rpm stands
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,9 +143,13 @@ class Stream:
             return item
         if not self._open:
             raise StopIteration
+        raise self.fallen_silent()
+
+    def fallen_silent(self) -> NoResponse | NotSupported:
+        """What it means that nothing has come for `silence` seconds."""
         if self._held:
-            raise self._unknown(self._held.body)
-        raise NoResponse(
+            return self._unknown(self._held.body)
+        return NoResponse(
             seconds=self.silence, request=self._request, received=b"", time=self._line.link.now()
         )
 

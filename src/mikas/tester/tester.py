@@ -136,20 +136,42 @@ class Tester:
         """Whether this unit has ever answered a command of this code as it should."""
         return code in self._known
 
-    def exchange(self, command: c.Command[T], *, retries: int | None = None) -> tuple[T, Reply]:
+    def exchange(
+        self, command: c.Command[T], *, retries: int | None = None, trial: bool = False
+    ) -> tuple[T, Reply]:
         """As `request`, with the response's bytes and times beside what it says.
 
         `retries`: other than the tester's own; a command that is not safe to repeat never is.
+        `trial`: the unit may not take these parameters, or so many; that it is silent to them does
+        not count as spoilt.
         """
         with self._holding():
-            return self._exchange(command, self.retries if retries is None else retries)
+            retries = self.retries if retries is None else retries
+            return self._exchange(command, retries, trial=trial)
 
     def in_a_row(self, *commands: c.Command[T]) -> list[T]:
         """As `request` for each of `commands`, with no other thread's request between them."""
         with self._holding():
             return [self._exchange(command, self.retries)[0] for command in commands]
 
-    def _exchange(self, command: c.Command[T], retries: int) -> tuple[T, Reply]:
+    def _exchange(
+        self, command: c.Command[T], retries: int, *, trial: bool = False
+    ) -> tuple[T, Reply]:
+        spoilt: list[LineError] = []
+        try:
+            return self._attempts(command, retries, spoilt)
+        except (NoResponse, NotSupported) as error:
+            if not error.received and (trial or isinstance(error, NotSupported)):
+                # To be silent is how it said no (D10, D11).
+                spoilt = [each for each in spoilt if not isinstance(each, NoResponse)]
+            raise
+        finally:
+            for each in spoilt:
+                self.statistics.fail(each)
+
+    def _attempts(
+        self, command: c.Command[T], retries: int, spoilt: list[LineError]
+    ) -> tuple[T, Reply]:
         attempts = 1 + (retries if command.repeatable else 0)
         if command.code not in self._known:
             attempts = min(attempts, _ATTEMPTS_AT_THE_UNKNOWN)
@@ -159,7 +181,7 @@ class Tester:
             try:
                 return self._once(command)
             except LineError as error:
-                self.statistics.fail(error)
+                spoilt.append(error)
                 if not attempts:
                     raise self._verdict(command, error) from error
                 self.statistics.repeated += 1

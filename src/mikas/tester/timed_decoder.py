@@ -4,11 +4,15 @@ A chunk's time is when its last byte was there, or later: adapters hand bytes ov
 frame that began `n` bytes before a chunk's end can't have begun later than `n` byte times before
 that chunk came. Of all the chunks that brought any of it the one that says the earliest is right,
 or the least wrong.
+
+Chunks that all come late, and then at once, would still have their last frames begin before the
+first. A frame that would, counts as begun a byte's time behind the one before it.
 """
 
 from __future__ import annotations
 
 from collections import deque
+from math import inf
 
 from mikas.framing import Damage, Decoder, Frame
 from mikas.link import Chunk
@@ -22,6 +26,7 @@ class TimedDecoder:
         self._byte_time = byte_time
         # Of what is not finished: where a chunk ends, and when by it the very first byte began.
         self._chunks: deque[tuple[int, float]] = deque()
+        self._latest = -inf  # when the frame before began
 
     @property
     def pending(self) -> bytes:
@@ -40,4 +45,8 @@ class TimedDecoder:
 
     def _began(self, offset: int) -> float:
         zero = min(zero for end, zero in self._chunks if end > offset)
-        return zero + offset * self._byte_time
+        began = zero + offset * self._byte_time
+        if began <= self._latest:
+            began = self._latest + self._byte_time
+        self._latest = began
+        return began

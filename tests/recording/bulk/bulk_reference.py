@@ -19,11 +19,12 @@ def answers(items):
     how often the request had been sent.
     """
     items = list(items)
-    ends = defaultdict(list)  # of received packets: up to where in their stream, and when
+    ends = defaultdict(list)  # of received packets: where in their stream, and when
     for packet in items:
         if isinstance(packet, Packet) and packet.direction is Direction.RECEIVED:
             line = ends[packet.source]
-            line.append(((line[-1][0] if line else 0) + len(packet.data), packet.time))
+            start = line[-1][1] if line else 0
+            line.append((start, start + len(packet.data), packet.time))
     asked, listed, sent = {}, {}, Counter()
     for item in decode(items):
         if not isinstance(item, SeenFrame) or item.echo:
@@ -37,8 +38,9 @@ def answers(items):
         if item.request == asked.get(item.source, b"") and body == b"\x00":
             listed[item.source] = item.request[1:]
         start = item.frame.offset
-        end, time = next(it for it in ends[item.source] if it[0] > start)
-        began = time - (end - start) * (10 / (item.source.baud or 9600))
+        stop, byte_time = start + len(item.frame.wire), 10 / (item.source.baud or 9600)
+        brought = [it for it in ends[item.source] if it[1] > start and it[0] < stop]
+        began = min(time - (end - start) * byte_time for _, end, time in brought)
         times = sent[item.source, item.request]
         yield item.source, began, body, item.request, listed.get(item.source), times
 

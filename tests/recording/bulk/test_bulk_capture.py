@@ -17,7 +17,7 @@ from mikas.recording.bulk.capture import read
 from mikas.recording.bulk.packets import seconds
 from mikas.recording.reader import CaptureReader, Packet, Problem
 
-SECTION = pcapng.Section(application="test")
+SECTION = pcapng.Section(application="mikas test")
 LINE = pcapng.Interface(name="sim:", speed=9600)
 
 packets = st.builds(
@@ -100,11 +100,13 @@ def expected(path):
     order=st.sampled_from("<<<>"),
     window=st.sampled_from([16, 64, 100, 256, 1 << 16]),
     injuries=wounds,
+    head=st.one_of(st.just((0, 0)), st.tuples(st.integers(0, 300), st.integers(0, 300))),
 )
-def test_the_same_packets_and_problems(tmp_path_factory, blocks, order, window, injuries):
+def test_the_same_packets_and_problems(tmp_path_factory, blocks, order, window, injuries, head):
     path = tmp_path_factory.mktemp("capture") / "line.pcapng"
     data = b"".join(pcapng.encode(block, order) for block in [SECTION, LINE, *blocks])
-    path.write_bytes(spoilt(data, injuries))
+    zeros, lost = head
+    path.write_bytes(bytes(zeros) + spoilt(data, injuries)[lost:])
     try:
         wanted = expected(path)
     except CaptureError as error:

@@ -17,10 +17,13 @@ from mikas import tester as testers
 from mikas.catalog import load, shipped
 from mikas.client import Ecu
 from mikas.errors import MikasError
-from mikas.link.tee import CaptureTee
+from mikas.framing import Decoder, encode
+from mikas.link import Chunk
+from mikas.link.tee import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
 from mikas.recording.bulk import TableReader, read_table
 from mikas.recording.capture import CaptureReader, CaptureWriter, Problem
+from mikas.tester.timed_decoder import TimedDecoder
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
 from mikas.virtual.disturbance import Disturbance, Trouble
@@ -240,3 +243,32 @@ def test_only_the_parameters_that_are_wanted(tmp_path):
     (stretch,) = table.rows()
     assert np.isnan(stretch.values["UACC"]).all()
     assert not np.isnan(stretch.values["FREQ"]).any()
+
+
+@given(
+    held_up=st.lists(st.sampled_from([0.0, 0.0, 0.004, 0.05, 0.2]), min_size=1, max_size=9),
+    lump=st.integers(1, 40),
+    size=st.sampled_from([3, 65536]),
+)
+def test_responses_that_came_late_and_at_once_have_the_times_that_they_had_live(
+    tmp_path_factory, held_up, lump, size
+):
+    """They rise, so that no table has two rows at one time."""
+    byte_time = 10 / 9600
+    codes = bytes([code for code, size in CATALOG.codes if size == 1][:2])
+    wire, request = encode(b"\x85\x7d") * 30, encode(b"\x71" + codes)
+    path = tmp_path_factory.mktemp("late") / "line.pcapng"
+    decoder, live, now = TimedDecoder(Decoder(), byte_time), [], 1000.0
+    with CaptureWriter(path, url="sim:") as writer:
+        writer.record(Direction.SENT, request, now)
+        writer.record(Direction.RECEIVED, request, now)
+        for number, begin in enumerate(range(0, len(wire), lump)):
+            data = wire[begin : begin + lump]
+            late = held_up[number % len(held_up)]
+            # As a recording keeps it, in whole microseconds.
+            now = round(max(now, 1000 + (begin + len(data)) * byte_time + late), 6)
+            writer.record(Direction.RECEIVED, data, now)
+            live += [began for _, began in decoder.feed(Chunk(data, now))]
+    times = np.array([time for time, _ in table_of(path, size=size)[0]])
+    assert (np.diff(times) > 0).all()
+    np.testing.assert_allclose(times, live, rtol=0, atol=2 * byte_time)  # rounded another way

@@ -57,48 +57,51 @@ def dashboard_options(function: Callable[..., Any]) -> Callable[..., Any]:
         return function(run, wishes, **rest)
 
     gathered_with: Callable[..., Any] = gathered
-    for add in (
-        option(
-            "--record",
-            metavar="DIR",
-            text=Text(
-                "where recordings and dumps are kept (mikas in your documents)",
-                "где хранить записи и образы памяти (mikas в «Документах»)",
-            ),
-        ),
-        option(
-            "--no-browser",
-            is_flag=True,
-            text=Text("print the address only", "только напечатать адрес"),
-        ),
-        option(
-            "--lan-control",
-            is_flag=True,
-            text=Text(
-                "others in the network may control as well, not only look",
-                "из сети можно не только смотреть, но и управлять",
-            ),
-        ),
-        option(
-            "--lan",
-            is_flag=True,
-            text=Text(
-                "let others in the network look on: by a link with a key, shown as a QR code too",
-                "пустить зрителей из сети: по ссылке с ключом, она же показана QR-кодом",
-            ),
-        ),
-        option(
-            "--host-port",
-            type=Whole(1, 65535),
-            metavar="N",
-            text=Text(
-                "the TCP port of the page (8071, or the next that is free)",
-                "порт TCP для страницы (8071 или следующий свободный)",
-            ),
-        ),
-    ):
+    for add in _OPTIONS:
         gathered_with = add(gathered_with)
     return gathered_with
+
+
+_OPTIONS = (
+    option(
+        "--record",
+        metavar="DIR",
+        text=Text(
+            "where recordings and dumps are kept (mikas in your documents)",
+            "где хранить записи и образы памяти (mikas в «Документах»)",
+        ),
+    ),
+    option(
+        "--no-browser",
+        is_flag=True,
+        text=Text("print the address only", "только напечатать адрес"),
+    ),
+    option(
+        "--lan-control",
+        is_flag=True,
+        text=Text(
+            "others in the network may control as well, not only look",
+            "из сети можно не только смотреть, но и управлять",
+        ),
+    ),
+    option(
+        "--lan",
+        is_flag=True,
+        text=Text(
+            "let others in the network look on: by a link with a key, shown as a QR code too",
+            "пустить зрителей из сети: по ссылке с ключом, она же показана QR-кодом",
+        ),
+    ),
+    option(
+        "--host-port",
+        type=Whole(1, 65535),
+        metavar="N",
+        text=Text(
+            "the TCP port of the page (8071, or the next that is free)",
+            "порт TCP для страницы (8071 или следующий свободный)",
+        ),
+    ),
+)
 
 
 def wishes_of(

@@ -130,20 +130,19 @@ def _tell_problems(run: Run, recording: Recording) -> None:
 
 
 def _watched(run: Run, stretches: Iterable[Rows]) -> Iterator[Rows]:
-    """Passes the rows on; says once that their times run back."""
-    last = float("-inf")
+    """Passes the rows on; says in the end how often their times ran back."""
+    last, count = float("-inf"), 0
     for rows in stretches:
         if len(rows.times):
-            if rows.times[0] < last:
-                run.output.note(
-                    say(
-                        "Times run back in this table: the recording has several sessions or "
-                        "ports, one after another.",
-                        "Время в этой таблице идёт назад: в записи несколько сеансов или портов, "
-                        "они стоят друг за другом.",
-                    )
-                )
-                last = float("inf")
-            if last != float("inf"):
-                last = float(rows.times[-1])
+            count += rows.times[0] < last
+            last = float(rows.times[-1])
         yield rows
+    if count:
+        run.output.note(
+            say(
+                f"Times run back in this table (times: {count}): the recording has several "
+                "sessions or ports, one after another.",
+                f"Время в этой таблице идёт назад (раз: {count}): в записи несколько сеансов или "
+                "портов, они стоят друг за другом.",
+            )
+        )

@@ -44,10 +44,20 @@ class Stream:
         return block, by
 
     def began(self, block: FrameBlock, events: Index) -> Floats:
-        """When the first bytes of these frames of the latest block began on the wire."""
+        """When the first bytes of these frames of the latest block began on the wire: the earliest
+        that any packet with a byte of it says, as live (`mikas.tester.timed_decoder`).
+        """
         starts = block.starts[events] + block.origin
-        first = self._ends.searchsorted(starts, "right")
-        began: Floats = self._times[first] - (self._ends[first] - starts) * self._byte_time
+        packet = self._ends.searchsorted(starts, "right")
+        last = self._ends.searchsorted(block.ends[events] + block.origin)
+        began: Floats = self._times[packet] - (self._ends[packet] - starts) * self._byte_time
+        more = (packet < last).nonzero()[0]
+        while more.size:
+            packet[more] += 1
+            at = packet[more]
+            told = self._times[at] - (self._ends[at] - starts[more]) * self._byte_time
+            began[more] = np.minimum(began[more], told)
+            more = more[at < last[more]]
         return began
 
     def _late(self, times: Floats, lengths: Index, after_sent: Mask) -> Mask:

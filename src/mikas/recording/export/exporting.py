@@ -118,9 +118,7 @@ def _check(out: Path, channels: Sequence[Channel], *, overwrite: bool) -> None:
     if not overwrite and os.path.lexists(out):
         raise _already_there(out)
     if not channels:
-        raise ExportError(
-            str(out), Text("there are no channels to write", "нет каналов для записи")
-        )
+        raise ExportError(str(out), _NO_CHANNELS)
     names = [TIME]
     for channel in channels:
         if (name := channel.name.casefold()) in names:
@@ -171,3 +169,13 @@ def _remove(part: Path) -> None:
         part.unlink(missing_ok=True)
     except OSError:
         return
+
+
+_NO_CHANNELS = Text(
+    "there are no channels to write: no parameter was read in this recording, or what was asked "
+    "is lost; `mikas decode FILE` shows what it holds, and `mikas log -o FILE.pcapng` (or key R on "
+    "the Live screen) makes one with values",
+    "нет каналов для записи: параметры в этой записи не читались, или запросы к ним потеряны; "
+    "`mikas decode ФАЙЛ` покажет, что в ней есть, а запись со значениями делает "
+    "`mikas log -o ФАЙЛ.pcapng` (или клавиша R на экране «Приборы»)",
+)

@@ -1,0 +1,91 @@
+"""What is said beside the values: once, and only what somebody has to know."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from mikas.cli import words
+from mikas.cli.notices import Notices
+from mikas.cli.session import Asked
+from mikas.errors import DamagedResponse, EchoOnly, EngineStands, NotSupported
+from mikas.language import Text
+from mikas.sampling.events import Gap, LineState, Sampled, StateChanged
+
+CUT = DamagedResponse(damage=Text("cut", "обрыв"))
+SILENT = EchoOnly(seconds=1)
+
+
+@pytest.fixture(autouse=True)
+def in_english():
+    yield
+    words.choose("en")
+
+
+def told(*events, **asked) -> list[str]:
+    session = SimpleNamespace(
+        asked=Asked(**asked), connected=True, recorder=SimpleNamespace(failure=None, on_file=None)
+    )
+    sentences: list[str] = []
+    notices = Notices(session, sentences.append)
+    for event in events:
+        notices.take(event)
+    return sentences
+
+
+def well(time: float) -> StateChanged:
+    return StateChanged(time, LineState.SAMPLING)
+
+
+def sample(time: float) -> Sampled:
+    return Sampled(time, {}, {})
+
+
+def test_a_lost_cycle_is_no_news():
+    assert told(well(0), sample(1), Gap(1.5, CUT), sample(2), Gap(2.5, CUT), sample(3)) == []
+
+
+def test_many_in_a_row_are_said_once_and_that_it_is_over():
+    gaps = [Gap(1 + n / 2, CUT) for n in range(1, 12)]
+    first, back = told(well(0), sample(1), *gaps, sample(7))
+    assert first.startswith("The response came damaged: cut. Check ground and plug")
+    assert first.endswith(" Waiting; it goes on by itself.")
+    assert back == "Back after 6 s."
+
+
+def test_from_the_beginning_too():
+    (only,) = told(well(5), Gap(6, CUT), Gap(7.9, CUT), Gap(8, CUT), Gap(9, CUT))
+    assert only.startswith("The response came damaged")
+
+
+def test_a_standing_engine_is_said_at_once_with_what_to_do():
+    words.choose("ru")
+    (only,) = told(well(0), Gap(2, EngineStands(seconds=2)), Gap(5, EngineStands(seconds=2)))
+    assert only == (
+        "Тактов нет 2 с: двигатель не вращается. Поток по тактам идёт, только пока двигатель "
+        "вращается: запустите его или возьмите другой способ. Ждём; опрос продолжится сам."
+    )
+
+
+def test_what_the_state_says_is_not_said_twice():
+    off = StateChanged(6, LineState.ECHO_ONLY, SILENT)
+    said = told(well(0), sample(1), Gap(6, SILENT), off, Gap(7, SILENT), Gap(8, SILENT))
+    assert [sentence.split(":")[0] for sentence in said] == ["Echo, but the ECU is silent"]
+
+
+def test_ignition_on_again_but_no_engine():
+    off = StateChanged(3, LineState.ECHO_ONLY, SILENT)
+    stands = Gap(12, EngineStands(seconds=2))
+    said = told(well(0), sample(1), off, well(10), stands, off, well(20), stands, sample(31))
+    assert [" ".join(sentence.split()[:3]) for sentence in said] == [
+        "Echo, but the", "No stroke for", "Echo, but the", "No stroke for", "Back after 30",
+    ]  # fmt: skip
+
+
+def test_no_advice_leaves_no_hole():
+    refused = NotSupported(command=Text("it", "это"), advice=Text("", ""))
+    refused.to_try = Text("", "")
+    (only,) = told(well(0), sample(1), Gap(9, refused))
+    assert "  " not in only
+    assert only.endswith(". Waiting; it goes on by itself.")

@@ -1,0 +1,75 @@
+"""What `watch` and `log` say of why: the method that was taken, and what does not come."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+from cli_bench import is_russian
+
+from mikas.recording import CaptureReader
+
+
+def test_while_methods_are_tried_no_plan_is_told_as_if_it_were_the_choice(mikas):
+    measuring = mikas("watch", "TWAT", "--count", "20", "-v").err
+    assert "Methods are being tried, each for about a second" in measuring
+    assert "Plan: " not in measuring
+    told = mikas("watch", "TWAT", "--count", "900", "-v").err
+    assert told.index("being tried") < told.index("Method: stream (") < told.index("Plan: stream, ")
+    assert told.count("Plan: ") == 1
+    assert "tried" not in mikas("watch", "TWAT", "--count", "5", "-v", "--method", "list").err
+    is_russian(mikas("watch", "TWAT", "--count", "20", "-v", "--relearn", "--lang", "ru").err)
+
+
+def test_why_a_slower_method_was_taken_is_told(mikas):
+    assert "asked for" not in mikas("watch", "TWAT", "--count", "900", "-v").err  # it is learnt
+    told = mikas("watch", "TWAT", "--count", "5", "--rate", "10", "-v").err
+    assert "Method: batch (" in told
+    assert "): enough for the 10 asked for, and it does least to the unit." in told
+    argv = ("watch", "TWAT", "--count", "5", "--rate", "2.5", "-v", "--lang", "ru")
+    assert "для заданных 2,5 хватает" in mikas(*argv).err
+
+
+@pytest.fixture
+def standing(tmp_path):
+    """The ignition is on, the engine stands."""
+    scenario = 'name = "standing"\nduration = 100\n[start]\nrunning = false\n[timeline]\nkey = 1\n'
+    (tmp_path / "standing.toml").write_text(scenario)
+    return "&scenario=standing.toml"
+
+
+def test_why_no_strokes_come_is_said_recorded_and_does_not_hold_up_the_end(
+    mikas, standing, tmp_path
+):
+    argv = ("FREQ", "--method", "stroke0", "--duration", "20", "--json")
+    ran = mikas("log", "-o", "a.pcapng", *argv, sim=standing)
+    assert ran.status == 0
+    why = {
+        "en": "No stroke for 2 s: the engine stands",
+        "ru": "Тактов нет 2 с: двигатель не вращается",
+    }
+    assert all(line["reason"] == why and line["gap"] for line in ran.objects)
+    times = [line["time"] for line in ran.objects]
+    assert times[0] < 5
+    assert max(later - before for before, later in pairwise(times)) < 4
+    assert 17 < times[-1] - times[0] < 23
+    assert ran.err.count(why["en"]) == 1
+    assert "comes only while the engine turns: start it" in ran.err
+    (gap,) = (note for note in CaptureReader(tmp_path / "a.pcapng").notes() if note.kind == "gap")
+    assert gap.data["reason"] == why
+    russian = mikas("watch", "FREQ", "--method", "stroke0", "--duration", "8", "--lang", "ru")
+    assert f"{why['ru']}. Поток по тактам идёт, только пока двигатель вращается" in russian.err
+    is_russian(russian.err)
+
+
+def test_the_reason_of_a_gap_tells_how_long_it_was_waited(mikas, tmp_path):
+    """The unit is off so shortly that it is there again when it is asked why it is silent."""
+    dip = 'name = "dip"\nduration = 30\n[timeline]\nkey = [[0, 1], [18, 0], [18.5, 1]]\n'
+    (tmp_path / "dip.toml").write_text(dip)
+    argv = ("FREQ", "TWAT", "--method", "stream", "--duration", "25", "--json")
+    ran = mikas("log", "-o", "a.pcapng", *argv, sim="&scenario=dip.toml")
+    (gap,) = (note for note in CaptureReader(tmp_path / "a.pcapng").notes() if note.kind == "gap")
+    assert gap.data["reason"]["en"] == "The ECU did not answer within 0.5 s"
+    (line,) = (line for line in ran.objects if line["gap"])
+    assert line["reason"] == gap.data["reason"]
+    assert "reason" not in ran.objects[0]

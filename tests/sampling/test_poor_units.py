@@ -1,0 +1,176 @@
+"""Units without 71 and 63/64 (D10): found out once, while values go on; the line is not blamed."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from itertools import pairwise
+
+import pytest
+from sampling_bench import (
+    SimulatedPlug,
+    assert_values_are_the_units,
+    make_sampler,
+    of,
+    settled,
+    take,
+    wishes,
+)
+
+from mikas.sampling.events import Chosen, Dropped, Gap, PlanChanged, Sampled
+from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.assumptions import GROUPS, Assumptions, Unknown
+from virtual_bench import make_bus
+
+MANY = ("FREQ", "FREQX", "TWAT", "UACC", "TAIR", "INJ", "JAIR", "UGB", "VALF", "SSM")
+POOR = GROUPS["stream"] | GROUPS["list"]
+METHODS = {0x71, 0x63, 0x64}
+
+
+def poor(unknown: Unknown, *, missing: frozenset[int] = POOR, **others: object):
+    return make_bus(assumptions=Assumptions(missing=missing, unknown=unknown, **others))
+
+
+def asked_of(bus) -> list[int]:
+    """The codes of what is asked from now on."""
+    asked: list[int] = []
+
+    def hear(heard) -> None:
+        if heard.kind == "request":
+            asked.append(heard.data[0])
+
+    bus.ecu.watcher = hear
+    return asked
+
+
+def longest_pause(events) -> float:
+    times = [sample.time for sample in of(Sampled, events)]
+    return max(after - before for before, after in pairwise(times))
+
+
+def some(count: int):
+    return lambda events: len(of(Sampled, events)) >= count
+
+
+@pytest.mark.parametrize("unknown", Unknown)
+@pytest.mark.parametrize("max_list", [255, 4])
+def test_other_lists_cost_nothing_whatever_their_length(unknown, max_list):
+    bus = poor(unknown, max_list=max_list)
+    sampler = make_sampler(SimulatedPlug(bus), *MANY)
+    with closing(sampler.run()) as events:
+        take(events, settled)
+        asked = asked_of(bus)
+        for count in (4, 3, 5, 2, 1, 10):
+            sampler.want(wishes(*MANY[:count]))
+            told = take(events, some(100))
+            assert longest_pause(told) < 0.2
+            assert not of(Gap, told)
+            assert_values_are_the_units(told)
+    assert not METHODS.intersection(asked)
+
+
+@pytest.mark.parametrize("unknown", Unknown)
+def test_what_it_lacks_is_remembered_and_with_any_adapter(unknown, tmp_path):
+    with closing(make_sampler(SimulatedPlug(poor(unknown)), *MANY, state=tmp_path).run()) as events:
+        take(events, settled)
+    bus = make_bus(
+        adapter=AdapterKind(latency=0.016), assumptions=Assumptions(missing=POOR, unknown=unknown)
+    )
+    asked = asked_of(bus)
+    with closing(make_sampler(SimulatedPlug(bus), "TWAT", state=tmp_path).run()) as events:
+        (chosen,) = of(Chosen, take(events, settled))
+    assert chosen.method == "batch"
+    assert not METHODS.intersection(asked)
+
+
+def test_there_are_values_while_it_is_found_out():
+    with closing(make_sampler(SimulatedPlug(poor(Unknown.SILENT)), *MANY).run()) as events:
+        told = take(events, settled)
+    stream, set_list = of(Gap, told)
+    between = told[told.index(stream) : told.index(set_list)]
+    assert len(of(Sampled, between)) == 2  # before the shortest stream is tried, and after it
+    assert longest_pause(told) < 3
+
+
+@pytest.mark.parametrize("unknown", Unknown)
+@pytest.mark.parametrize("max_list", [255, 4])
+def test_finding_out_what_a_unit_lacks_is_no_trouble_of_the_line(unknown, max_list):
+    bus = poor(unknown, max_list=max_list)
+    del bus.ecu.responder.car._data[0x21]
+    sampler = make_sampler(SimulatedPlug(bus), *MANY)
+    with closing(sampler.run()) as events:
+        told = take(events, settled)
+        assert sampler.ecu.tester.statistics.failed == 0
+    assert [each.name for each in of(Dropped, told)] == ["JAIR"]
+
+
+def test_where_only_so_long_a_list_is_refused_a_shorter_one_is_not_given_up():
+    bus = make_bus(assumptions=Assumptions(max_list=8))
+    sampler = make_sampler(SimulatedPlug(bus), *MANY)
+    with closing(sampler.run()) as events:
+        assert of(Chosen, take(events, settled))[-1].method == "batch"
+        asked, most = asked_of(bus), sampler.plan.max_list
+        assert most >= 4
+        sampler.want(wishes(*MANY[: most + 1]))  # 61 has shown that these are too many
+        told = take(events, some(60))
+        assert not METHODS.intersection(asked)
+        assert not of(Gap, told)
+        sampler.want(wishes(*MANY[:most]))
+        assert of(Chosen, take(events, settled))[-1].method == "stream"
+
+
+def refusing(bus, code: int) -> None:
+    """From now on the unit refuses this parameter, alone, in a list and in the list that is set."""
+    responder = bus.ecu.responder
+    through = type(responder).answer
+
+    class Picky(type(responder)):
+        __slots__ = ()
+
+        def answer(self, body: bytes, now: float):
+            named = bytes(d.code for d in self._list) if body == b"\x63" else body[1:]
+            if body[0] in (0x61, 0x63, 0x64, 0x71) and code in named:
+                return self._unknown()
+            return through(self, body, now)
+
+    responder.__class__ = Picky
+
+
+@pytest.mark.parametrize("missing", ["stream", "stream and list"])
+@pytest.mark.parametrize("unknown", Unknown)
+class TestOneIsRefusedInTheMiddle:
+    def told(self, missing: str, unknown: Unknown, tmp_path, asked: list[int]):
+        groups = frozenset().union(*(GROUPS[group] for group in missing.split(" and ")))
+        bus = poor(unknown, missing=groups)
+        plug = SimulatedPlug(bus)
+        sampler = make_sampler(plug, "FREQ", "TWAT", "JAIR", "UACC", "TAIR", state=tmp_path)
+        with closing(sampler.run()) as events:
+            take(events, settled)
+            heard = asked_of(bus)
+            refusing(bus, 0x21)
+            told = take(events, lambda e: bool(of(Dropped, e)))
+            told += take(events, some(100))
+        asked += heard
+        return told
+
+    def test_what_was_learnt_of_methods_stays(self, missing, unknown, tmp_path):
+        asked: list[int] = []
+        told = self.told(missing, unknown, tmp_path, asked)
+        assert [each.name for each in of(Dropped, told)] == ["JAIR"]
+        assert 0x71 not in asked
+        assert longest_pause(told[told.index(of(Dropped, told)[0]) :]) < 0.2
+        names = [wanted.parameter.name for wanted in of(PlanChanged, told)[-1].plan.wanted]
+        assert names == ["FREQ", "TWAT", "UACC", "TAIR"]
+        assert_values_are_the_units(told)
+
+    def test_the_one_gap_tells_what_was_refused(self, missing, unknown, tmp_path):
+        (gap,) = of(Gap, self.told(missing, unknown, tmp_path, []))
+        text = gap.error.reason
+        if unknown is Unknown.SILENT:
+            assert text.en.startswith("The ECU did not answer")
+        elif missing == "stream":
+            assert text.en == "This ECU does not know a list (63) of these parameters (5)"
+            assert text.ru == "Этот блок не знает списка (63) из этих параметров (5)"
+        else:
+            assert text.en == "This ECU does not know parameter JAIR (61 21)"
+            assert text.ru == "Этот блок не знает параметра JAIR (61 21)"
+        assert gap.error.received is not None
