@@ -133,6 +133,22 @@ def test_the_doctor_borrows_the_port_and_gives_it_back(idle):
     assert idle.sampling()["line"] == "sampling"
 
 
+def test_what_the_doctor_answers_is_described(shared_off):
+    described = shared_off.get("/openapi.json")
+    answer = described["paths"]["/api/doctor"]["post"]["responses"]["200"]["content"]
+    assert list(answer) == ["application/x-ndjson"]
+    schema = answer["application/x-ndjson"]["schema"]
+    shape = set(schema["properties"])
+    assert (
+        schema["properties"]["title"]["$ref"].removeprefix("#/components/schemas/")
+        in (described["components"]["schemas"])
+    )
+    lines = shared_off.client.post("/api/doctor", json={"port": "sim:?supplied=0"}, headers=ME).text
+    steps = [json.loads(line) for line in lines.splitlines()]
+    assert all(set(step) == shape for step in steps)
+    assert steps[0]["to_try"] is None  # it went well: nothing to try, rather than empty words
+
+
 def test_the_doctor_without_a_connection_leaves_none(off):
     steps = off.client.post("/api/doctor", json={"port": "sim:?supplied=0"}, headers=ME).text
     last = json.loads(steps.splitlines()[-1])

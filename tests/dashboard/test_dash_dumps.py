@@ -6,24 +6,15 @@ import json
 
 import pytest
 
+from dashboard.dumps_rig import XRAM, begun, ended, hold, let_go, when
 from dashboard.rig import ME, OTHER, rig
 
-XRAM = {"space": "xram", "first": 0x100, "last": 0x8FF}
 
-
-def ended(it, name, *phases):
-    """Waits, by live messages, until the dump is in one of `phases`."""
-    with it.live() as live:
-        while (dump := it.get(f"/dumps/{name}"))["state"] not in phases:
-            live.next()
-    return dump
-
-
-def begun(it, name, least=1):
-    with it.live() as live:
-        while (dump := it.get(f"/dumps/{name}"))["done"] < least:
-            live.next()
-    return dump
+@pytest.fixture
+def held(monkeypatch):
+    """Dumps stop behind each piece, until `let_go`."""
+    hold(monkeypatch)
+    return monkeypatch
 
 
 def memory(it, first, count):
@@ -49,37 +40,36 @@ def test_a_dump_is_what_the_unit_holds(idle):
     assert idle.get("/state")["samples"] > samples  # it went on meanwhile
 
 
-def test_it_is_paused_and_goes_on_behind_what_was_read(idle):
+def test_it_is_paused_and_goes_on_behind_what_was_read(held, idle):
     name = idle.post("/dumps", XRAM)["id"]
     begun(idle, name)
     paused = idle.post(f"/dumps/{name}/pause")
     assert paused["state"] == "paused"
-    assert idle.get(f"/dumps/{name}")["done"] >= paused["done"]
+    assert idle.get(f"/dumps/{name}")["done"] == paused["done"] < 2048
     assert idle.post(f"/dumps/{name}/pause")["state"] == "paused"
     assert idle.post(f"/dumps/{name}/resume")["state"] == "running"
     assert idle.post(f"/dumps/{name}/resume")["state"] == "running"  # a second click
+    let_go(held, idle, name)
     assert ended(idle, name, "done", "failed")["state"] == "done"
     assert idle.post(f"/dumps/{name}/resume")["state"] == "done"
     assert idle.client.get(f"/api/dumps/{name}/file").content == memory(idle, 0x100, 2048)
 
 
-def test_a_pulled_adapter_costs_nothing_that_was_read(idle):
+def test_a_pulled_adapter_costs_nothing_that_was_read(held, idle):
     name = idle.post("/dumps", XRAM)["id"]
     begun(idle, name, 300)
     idle.cars.pull()
-    with idle.live() as live:
-        while idle.get(f"/dumps/{name}")["error"] is None:
-            live.next()
-    held = idle.get(f"/dumps/{name}")
-    assert held["state"] == "running"
-    assert held["error"]["ru"]
+    let_go(held, idle, name)
+    waits = when(idle, name, lambda dump: dump["error"])
+    assert waits["state"] == "running"
+    assert waits["error"]["ru"]
     idle.cars.put_back()
     done = ended(idle, name, "done", "failed")
     assert (done["state"], done["error"]) == ("done", None)
     assert idle.client.get(f"/api/dumps/{name}/file").content == memory(idle, 0x100, 2048)
 
 
-def test_a_dump_outlives_the_program(tmp_path):
+def test_a_dump_outlives_the_program(held, tmp_path):
     with rig(tmp_path, "sim:?scenario=warm-idle") as it:
         it.sampling()
         name = it.post("/dumps", XRAM)["id"]
@@ -89,12 +79,12 @@ def test_a_dump_outlives_the_program(tmp_path):
         it.sampling()
         found = it.get("/dumps")["dumps"]
         assert [(dump["id"], dump["state"]) for dump in found] == [(name, "paused")]
-        assert found[0]["done"] >= 300
-        it.post(f"/dumps/{name}/resume")
+        assert 300 <= found[0]["done"] < 2048
+        let_go(held, it, name)
         assert ended(it, name, "done", "failed")["state"] == "done"
 
 
-def test_it_is_not_gone_on_with_on_another_unit(tmp_path):
+def test_it_is_not_gone_on_with_on_another_unit(held, tmp_path):
     with rig(tmp_path, "sim:?scenario=warm-idle") as it:
         it.sampling()
         name = it.post("/dumps", XRAM)["id"]
@@ -109,7 +99,7 @@ def test_it_is_not_gone_on_with_on_another_unit(tmp_path):
         assert "another unit" in failed["error"]["en"]
 
 
-def test_two_at_once_would_both_be_slow(idle):
+def test_two_at_once_would_both_be_slow(held, idle):
     first = idle.post("/dumps", XRAM)["id"]
     assert idle.post("/dumps", XRAM, 409)["code"] == "Busy"
     idle.post(f"/dumps/{first}/pause")
@@ -159,21 +149,22 @@ def test_deleting_a_dump_asks_first(idle):
     assert delete(idle, name, 404)["code"] == "NotFound"
 
 
-def test_a_dump_that_is_being_read_is_not_deleted(idle):
+def test_a_dump_that_is_being_read_is_not_deleted(held, idle):
     name = idle.post("/dumps", XRAM)["id"]
     assert delete(idle, name, 409)["code"] == "Busy"
     idle.post(f"/dumps/{name}/pause")
     nonce = delete(idle, name)["nonce"]
     idle.post(f"/dumps/{name}/resume")
     assert idle.post(f"/changes/{nonce}", status=409)["code"] == "Busy"
+    let_go(held, idle, name)
     ended(idle, name, "done")
 
 
-def test_a_dump_that_is_no_longer_as_it_was_shown_is_not_deleted(idle):
+def test_a_dump_that_is_no_longer_as_it_was_shown_is_not_deleted(held, idle):
     name = idle.post("/dumps", XRAM)["id"]
     idle.post(f"/dumps/{name}/pause")
     nonces = [delete(idle, name)["nonce"] for _ in range(2)]
-    idle.post(f"/dumps/{name}/resume")
+    let_go(held, idle, name)
     ended(idle, name, "done")
     assert idle.post(f"/changes/{nonces[0]}", status=409)["code"] == "NonceStale"
     assert idle.client.get(f"/api/dumps/{name}/file").content == memory(idle, 0x100, 2048)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import pytest
+
 from dashboard.rig import rig
 from mikas.catalog import load
+from mikas.dashboard import happenings
 from mikas.dashboard.history import History
 from mikas.dashboard.story import Story
 from mikas.errors import LinkLost, NoResponse, NotSupported, PortNotFound
@@ -60,6 +63,16 @@ def test_a_verdict_on_exchanges_that_were_told_is_no_more_errors():
     assert [error["code"] for error in errors(told)] == ["NotSupported"]
 
 
+@pytest.mark.parametrize("received", [b"", b"\x01"])
+def test_what_the_unit_does_not_know_is_told_but_is_no_error_of_the_line(received):
+    told = story()
+    verdict = NotSupported(command="x", request=b"\x71", received=received, time=5.5)
+    verdict.__cause__ = None if received else spoilt(5.5)
+    told.take(Gap(5.6, verdict))
+    assert [error["code"] for error in errors(told)] == ["NotSupported"]
+    assert told.meters.errors == 0
+
+
 def test_another_look_finds_only_what_is_new_though_the_tester_forgets():
     told, statistics = story(), Statistics()
     for time in range(100):
@@ -77,6 +90,18 @@ def test_a_port_that_is_waited_for_is_one_error_and_a_gap():
     told.take(Sampled(50.0, {}, {}))
     told.take(Gap(51.0, PortNotFound(url="x", found="none", time=51.0)))
     assert len(errors(told)) == 2
+
+
+def test_many_errors_push_out_nothing_else():
+    told = story()
+    told.tell(happenings.marker(1.0, "knock"))
+    for number in range(6000):
+        told.tell(happenings.error(2.0 + number, spoilt(2.0 + number)))
+    told.tell(happenings.marker(9000.0, "again"))
+    kinds = [event["kind"] for event in told.events]
+    assert kinds[:3] == ["state", "marker", "error"]
+    assert kinds[-2:] == ["error", "marker"]
+    assert len(errors(told)) == 5000
 
 
 def test_a_bad_line_shows_its_errors_with_bytes(tmp_path):

@@ -71,6 +71,29 @@ def test_what_is_too_old_goes():
     assert rows.values["A"][-1] == 19_999
 
 
+def test_two_hours_stay_however_often_the_plan_changes():
+    plans = [tuple(f"N{number}" for number in range(40 - less)) for less in (0, 1)]
+    history = History()
+    for second in range(7200):
+        names = plans[second // 20 % 2]
+        history.add(float(second), names, [float(second)] * len(names))
+    rows = history.rows(7200)
+    assert rows.times.tolist() == [float(second) for second in range(7200)]
+    assert plain(rows.values["N0"]) == list(range(7200))
+
+
+def test_the_oldest_goes_when_there_are_too_many_values(monkeypatch):
+    monkeypatch.setattr("mikas.dashboard.history._ROWS", 10)
+    monkeypatch.setattr("mikas.dashboard.history._MOST_VALUES", 100)
+    history = History()
+    for number in range(200):
+        history.add(float(number), ("A", "B"), [number, number])
+    assert 40 <= len(history.rows(7200).times) <= 50
+    for number in range(200, 1000):  # blocks of one row
+        history.add(float(number), ("A", "B") if number % 2 else ("B", "C"), [number, number])
+    assert 35 <= len(history.rows(7200).times) <= 50
+
+
 def test_nothing_yet():
     assert History().rows(60).json_columns() == {"names": [], "times": [], "values": []}
     assert History().rows(60, ["A"]).json_columns() == {

@@ -137,6 +137,45 @@ def test_only_what_was_understood_and_allowed_takes_the_seat(off):
     off.post("/connect", {"port": 5}, 409)
 
 
+def test_who_only_looks_does_not_take_the_seat(idle):
+    for headers in ({}, SOMEBODY):
+        for path in ("/faults", "/state", "/history", "/catalog", "/ports"):
+            idle.get(path, headers=headers)
+            assert idle.get("/state")["controller"] is None, path
+    idle.get("/passport", headers=SOMEBODY)
+    idle.get("/memory/ram", headers=SOMEBODY, address="0", count=1)
+    assert idle.get("/state")["controller"] is None
+    idle.post("/relearn")
+    assert idle.get("/passport", headers={})["version_code"]
+    assert idle.get("/memory/ram", 409, SOMEBODY, address="0")["code"] == "NotController"
+    assert idle.get("/state", headers={})["controller"]["you"] is False
+
+
+def test_who_gives_no_id_is_told_what_is_known_and_asks_for_nothing(idle):
+    error = idle.get("/passport", 400, {})
+    assert "X-Mikas-Client" in error["ru"]
+    asked = []
+    idle.hub.read_faults = asked.append
+    assert idle.get("/faults", headers={})["count"] == 0
+    assert asked == []
+
+
+def test_looking_on_the_line_keeps_the_seat_for_who_has_it(seat):
+    seat.demand(ME, take=False)
+    assert seat.holder is None
+    seat.take_back(seat.demand(ME, take=False))
+    assert seat.holder is None
+    seat.demand(ME)
+    seat.passes(AFTER_REQUEST - 1)
+    seat.demand(ME, take=False)
+    seat.passes(AFTER_REQUEST - 1)
+    assert seat.holder == ME
+    with pytest.raises(NotController):
+        seat.demand(OTHER, take=False)
+    with pytest.raises(NotAllowed):
+        seat.demand(VIEWER, take=False)
+
+
 def test_an_unlock_is_not_handed_on(idle):
     idle.post("/unlock", {"minutes": 5})
     assert idle.get("/state")["unlocked_until"]

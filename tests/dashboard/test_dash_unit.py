@@ -112,6 +112,22 @@ def test_the_passport_is_read_once_and_for_all(idle):
     assert idle.get("/passport", headers=OTHER)["version_code"] == told["version_code"]
 
 
+def test_who_disconnects_meanwhile_spoils_no_answer(faulty):
+    ask = faulty.hub.ask
+
+    async def ask_and_lose(job, **more):
+        answer = await ask(job, **more)
+        faulty.hub._forget_unit()
+        return answer
+
+    faulty.hub.ask = ask_and_lose
+    assert faulty.get("/faults")["count"] == 2
+    assert change(faulty, kind="erase_faults")["before"] == [13, 14]
+    assert faulty.get("/passport")["version_code"] == 10
+    assert faulty.post("/passport/probe")["supported"]
+    assert faulty.hub.info is None
+
+
 def test_every_command_is_tried_when_asked(shared_idle):
     told = shared_idle.post("/passport/probe")["supported"]
     known = {it["source_name"]: it["supported"] for it in told}

@@ -10,8 +10,8 @@ from mikas.dashboard.history import Rows
 from mikas.dashboard.recordings_live import _judged, _pauses, _since
 
 
-def unit(time, code=10, passport="A"):
-    return {"kind": "unit", "time": time, "version_code": code, "passport": [passport]}
+def unit(time, *, another=False):
+    return {"kind": "unit", "time": time, "another": another}
 
 
 ROWS = Rows(np.arange(10.0), {"TWAT": np.arange(10.0), "UACC": np.arange(10.0)})
@@ -26,10 +26,17 @@ def test_the_car_before_does_not_count() -> None:
     assert len(_since(ROWS, []).times) == 10
     assert len(_since(ROWS, [unit(3.0)]).times) == 10
     assert len(_since(ROWS, [unit(1.0), {"kind": "state", "time": 2.0}, unit(5.0)]).times) == 10
-    changed = _since(ROWS, [unit(1.0), unit(4.0, passport="B"), unit(6.0, passport="B")])
+    changed = _since(ROWS, [unit(1.0), unit(4.0, another=True), unit(6.0)])
     assert changed.times.tolist() == [4, 5, 6, 7, 8, 9]
     assert changed.values["TWAT"].tolist() == [4, 5, 6, 7, 8, 9]
-    assert _since(ROWS, [unit(1.0), unit(8.0, code=9)]).times.tolist() == [8, 9]
+    twice = [unit(1.0), unit(4.0, another=True), unit(8.0, another=True)]
+    assert _since(ROWS, twice).times.tolist() == [8, 9]
+
+
+def test_a_passport_that_was_read_with_a_hole_is_no_other_car() -> None:
+    whole = {**unit(1.0), "version_code": 10, "passport": ["A", "B"]}
+    hole = {**unit(5.0), "version_code": 10, "passport": ["A", None]}
+    assert len(_since(ROWS, [whole, hole]).times) == 10
 
 
 def test_each_gap_once_and_none_from_before() -> None:

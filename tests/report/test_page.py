@@ -15,6 +15,7 @@ import pytest
 from report_bench import START, found, rows
 
 from mikas.catalog import load, shipped
+from mikas.errors import EchoOnly
 from mikas.language import Text
 from mikas.report import page
 from mikas.report.findings import find
@@ -247,6 +248,15 @@ def test_a_spike_is_drawn_and_a_gap_is_one() -> None:
     at, wide = float(pause.get("x")), float(pause.get("width"))
     assert abs(at - before[-1][0]) < 3
     assert abs(at + wide - after[0][0]) < 3
+
+
+@pytest.mark.parametrize("language", ["en", "ru"])
+def test_why_nothing_came_is_told_without_bytes_and_advice(language) -> None:
+    error = EchoOnly(request=b"\x01\xff\x0d", received=b"\x01\xff\x0d")
+    gap = Pause(START + 40, START + 50, error.text_on_screen)
+    text = page.render(found(rows(60), pauses=(gap,)), language)
+    assert f"0:50 ({error.reason.to(language)})" in text
+    assert "FF 0D" not in text
 
 
 def test_a_slow_parameter_is_one_line() -> None:

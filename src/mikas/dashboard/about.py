@@ -171,8 +171,7 @@ def history(
     wanted = [name for name in names.split(",") if name] if names is not None else None
     rows = hub.history.rows(seconds, wanted)
     since = (rows.times[-1] if len(rows.times) else hub.now()) - seconds
-    with hub.story.lock:
-        events = [event for event in hub.story.events if event["time"] >= since]
+    events = [event for event in hub.story.events if event["time"] >= since]
     shown = decimated(rows, points).json_columns()
     return Response(dumps({**shown, "events": events}), media_type="application/json")
 

@@ -20,7 +20,7 @@ from http.cookies import CookieError, SimpleCookie
 from typing import Any, Literal
 from urllib.parse import parse_qs
 
-from mikas.dashboard.refusals import Forbidden, NotAllowed, TokenWanted
+from mikas.dashboard.refusals import Forbidden, TokenWanted
 from mikas.language import Text
 
 Rights = Literal["control", "view"]
@@ -118,12 +118,6 @@ class Access:
 
     def _is_token(self, given: str) -> bool:
         return hmac.compare_digest(given.encode(), self.token.encode())
-
-
-def check_control(rights: Rights) -> None:
-    """Raises `NotAllowed` for a viewer."""
-    if rights != "control":
-        raise NotAllowed
 
 
 def _headers(scope: Mapping[str, Any]) -> dict[str, str]:

@@ -3,7 +3,8 @@
     @router.post("/connect")
     async def connect(hub: TheHub, _: Controller) -> State: ...
 
-`Viewer`: anybody who was let in. `Controller`: holds the seat, or gets it now; else 403 or 409.
+`Viewer`: anybody who was let in. `Controller`: holds the seat, or gets it now; else 403 or 409. A
+GET only looks: it is let pass while the seat is free, and does not take it.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ ID = re.compile(r"[A-Za-z0-9-]{8,64}")
 _LONGEST_NAME = 40
 _NO_USE = (400, 403, 404, 410, 413)  # not understood, or not allowed
 
-_WHO = Text(
+WHO = Text(
     "the header X-Mikas-Client must hold 8 to 64 letters, digits or hyphens",
     "в заголовке X-Mikas-Client нужны от 8 до 64 латинских букв, цифр или дефисов",
 )
@@ -44,7 +45,7 @@ ClientName = Annotated[
 def client_of(identity: str | None, name: str | None, *, may_control: bool) -> Client:
     """The client of that id and name. Raises `BadRequest` for an id that is none."""
     if identity is None or not ID.fullmatch(identity):
-        raise BadRequest(problem=_WHO)
+        raise BadRequest(problem=WHO)
     shown = "".join(c for c in unquote(name or "") if c.isprintable())[:_LONGEST_NAME]
     return Client(identity, shown, may_control)
 
@@ -78,8 +79,8 @@ Asker = Annotated[Client, Depends(_asker)]
 """With rights and an id, but it need not hold the seat."""
 
 
-async def _controller(hub: TheHub, client: Asker) -> AsyncIterator[Client]:
-    before = hub.seat.demand(client)
+async def _controller(hub: TheHub, client: Asker, request: Request) -> AsyncIterator[Client]:
+    before = hub.seat.demand(client, take=request.method != "GET")
     try:
         yield client
     except (RequestValidationError, MikasError) as error:

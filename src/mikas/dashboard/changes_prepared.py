@@ -11,7 +11,7 @@ from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
 from mikas.client.ecu import erasing
 from mikas.client.gate import hexed
-from mikas.client.memory import writing
+from mikas.client.memory import last_of, writing
 from mikas.client.reading import decode
 from mikas.commands.base import check_range
 from mikas.dashboard.answers import in_hex
@@ -25,9 +25,7 @@ from mikas.language import Text, byte_count
 
 async def erase(hub: Hub) -> Prepared:
     """The stored faults, which would be gone."""
-    await hub.ask(hub.read_faults)
-    page = hub.fault_book.page
-    assert page is not None
+    page = await hub.ask(hub.read_faults)
     codes = [fault.code for fault in page.faults]
 
     async def make() -> dict[str, Any]:
@@ -111,8 +109,7 @@ def _told(reading: Reading | None) -> dict[str, Any] | None:
 async def write_memory(hub: Hub, wish: WriteMemory) -> Prepared:
     """Some bytes; raises for a range that the space does not have."""
     data = bytes.fromhex(wish.data)
-    last = 0xFFFF if wish.space in ("xram", "code") else 0xFF
-    check_range(wish.space, last, wish.address, len(data))
+    check_range(wish.space, last_of(wish.space), wish.address, len(data))
     before = await hub.ask(lambda ecu: ecu.memory[wish.space].read_block(wish.address, len(data)))
 
     async def make() -> dict[str, Any]:

@@ -7,24 +7,22 @@ for it listens no more; the port is given back all the same.
 from __future__ import annotations
 
 import asyncio
-import json
 from collections.abc import AsyncIterator
-from typing import Any
 
 from fastapi import APIRouter
 from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, Field
 
 from mikas.client.doctor import Step
-from mikas.dashboard.answers import TwoTexts, errors
+from mikas.dashboard.answers import TwoTexts, errors, two, two_or_none
 from mikas.dashboard.asking import Controller, TheHub
 from mikas.dashboard.examination import Examination
-from mikas.dashboard.happenings import both
 from mikas.dashboard.hub import Hub
 from mikas.dashboard.reach import TheReach
 from mikas.dashboard.refusals import Busy
 from mikas.dashboard.shown import state_of
 from mikas.dashboard.state import State
+from mikas.dashboard.switch import CHANGING
 from mikas.errors import MikasError
 from mikas.language import Text
 from mikas.link.urls import parse
@@ -40,7 +38,6 @@ _TITLES = {
     "ecu": Text("ECU", "блок"),
     "commands": Text("commands", "команды"),
 }
-_BUSY = Text("the connection is being changed", "соединение как раз меняется")
 
 
 class DoctorWish(BaseModel):
@@ -59,10 +56,15 @@ class DoctorStep(BaseModel):
     to_try: TwoTexts | None
 
 
+_NDJSON = "application/x-ndjson"
+_LINE = DoctorStep.model_json_schema(ref_template="#/components/schemas/{model}")
+_LINE.pop("$defs")  # described elsewhere in the API
+
+
 @router.post(
     "/doctor",
     response_class=StreamingResponse,
-    responses={**errors(409, 503), 200: {"content": {"application/x-ndjson": {}}}},
+    responses={**errors(409, 503), 200: {"content": {_NDJSON: {"schema": _LINE}}}},
 )
 async def doctor(
     hub: TheHub, _: Controller, reach: TheReach, wish: DoctorWish
@@ -74,8 +76,8 @@ async def doctor(
         port = await asyncio.to_thread(hub.switch.likely)
     parse(port)
     if hub.switch.changing or hub.examination is not None:
-        raise Busy(problem=_BUSY)
-    told: asyncio.Queue[dict[str, Any] | None] = asyncio.Queue()
+        raise Busy(problem=CHANGING)
+    told: asyncio.Queue[DoctorStep | None] = asyncio.Queue()
     examination = Examination(port, hub.settings, hub.catalog)
     hub.examination = examination
     examination.task = asyncio.create_task(_examine(hub, examination, told))
@@ -83,11 +85,11 @@ async def doctor(
     async def lines() -> AsyncIterator[str]:
         try:
             while (step := await told.get()) is not None:
-                yield json.dumps(step, ensure_ascii=False) + "\n"
+                yield step.model_dump_json() + "\n"
         finally:  # nobody listens any more; not awaited, for this may be a cancelled task
             asyncio.get_running_loop().run_in_executor(None, examination.stop)
 
-    return StreamingResponse(lines(), media_type="application/x-ndjson")
+    return StreamingResponse(lines(), media_type=_NDJSON)
 
 
 @router.post("/doctor/stop", responses=errors(409))
@@ -99,7 +101,7 @@ async def stop(hub: TheHub, client: Controller) -> State:
 
 
 async def _examine(
-    hub: Hub, examination: Examination, told: asyncio.Queue[dict[str, Any] | None]
+    hub: Hub, examination: Examination, told: asyncio.Queue[DoctorStep | None]
 ) -> None:
     loop = asyncio.get_running_loop()
 
@@ -116,7 +118,7 @@ async def _examine(
         told.put_nowait(None)
 
 
-def _line(step: Step) -> dict[str, Any]:
+def _line(step: Step) -> DoctorStep:
     to_try = step.to_try or Text("", "")
     found = Text(
         *(
@@ -124,10 +126,10 @@ def _line(step: Step) -> dict[str, Any]:
             for detail, advice in zip(step.detail, to_try, strict=True)
         )
     )
-    return {
-        "name": step.name,
-        "title": both(_TITLES[step.name]),
-        "ok": step.ok,
-        "detail": both(found),
-        "to_try": both(step.on_screen or to_try),
-    }
+    return DoctorStep(
+        name=step.name,
+        title=two(_TITLES[step.name]),
+        ok=step.ok,
+        detail=two(found),
+        to_try=two_or_none(step.on_screen or to_try),
+    )

@@ -2,12 +2,15 @@
 
 A piece is half a second of the wire, then the sampling has its turn. A lost line, a reload, even
 the end of the program cost nothing that was read: what a dump is stands in its file and manifest
-(`mikas.client.dump`), and it goes on behind that. A second pass (verify) is done alike.
+(`mikas.client.dump`), and it goes on behind that. A second pass (verify) is done alike, and what
+it found is kept there too.
 """
 
 from __future__ import annotations
 
 import asyncio
+import logging
+import re
 from collections import deque
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -15,14 +18,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from mikas.client import Ecu
-from mikas.client.dump import Dump, Manifest, compare, read_manifest
-from mikas.dashboard.refusals import Busy, NotConnected
+from mikas.client.dump import Dump
+from mikas.client.dump_manifest import Manifest, read_manifest
+from mikas.dashboard.refusals import Bug, Busy, NotConnected
 from mikas.dashboard.settings import made
-from mikas.errors import LineError, MikasError, NoConnection, UsageError, reason_of
+from mikas.errors import LineError, MikasError, NoConnection, UsageError, reason_at
 from mikas.language import Text
 
 if TYPE_CHECKING:
     from mikas.dashboard.hub import Hub
+
+_log = logging.getLogger("mikas.dashboard")
 
 PIECE = 384  # bytes: 0.4 s of the wire
 TURN = 0.2  # s that the sampling has between two pieces
@@ -32,6 +38,7 @@ _TRIES = 5  # spoilt pieces in a row; the tester has repeated each request by th
 _SPEED_OVER = 10.0
 CELLS = 256
 _SMALLEST_CELL = 64
+_STAMP = re.compile(r"-(\d{8}-\d{6})(?:-(\d+))?$")  # of an id; the number: in the same second
 
 _RUNS = Text("the dump {id} is running", "идёт чтение образа {id}")
 
@@ -50,24 +57,28 @@ class Job:
     file: Path
     manifest: Manifest
     block: int | None
-    verify: bool
     phase: Phase = "paused"
     error: MikasError | None = None
-    differences: int | None = None
-    checked: int = 0  # bytes of the second pass
     retried: set[int] = field(default_factory=set)
     task: asyncio.Task[None] | None = None
     _pace: deque[tuple[float, int]] = field(default_factory=deque)
 
     @property
+    def begun(self) -> tuple[str, int]:
+        """When, as its id says; one that was put there under another name counts as the oldest."""
+        stamp = _STAMP.search(self.id)
+        return (stamp[1], int(stamp[2] or 1)) if stamp else ("", 0)
+
+    @property
     def done(self) -> int:
         """Bytes read; those of a second pass count as well."""
-        return self.manifest.bytes_read + self.checked
+        manifest = self.manifest
+        return manifest.bytes_read + manifest.checked
 
     @property
     def total(self) -> int:
         """Bytes to be read, both passes."""
-        return self.manifest.size * (2 if self.verify else 1)
+        return self.manifest.size * (2 if self.manifest.verify else 1)
 
     @property
     def cell(self) -> int:
@@ -107,11 +118,10 @@ class Dumping:
             with suppress(MikasError):
                 manifest = read_manifest(file)
             if manifest is not None and file.stem not in self.jobs:
-                manifest.bytes_read = min(manifest.size, file.stat().st_size)
-                job = Job(file.stem, file, manifest, None, verify=manifest.verified is not None)
-                if manifest.complete:
+                manifest.holds(file.stat().st_size)
+                job = Job(file.stem, file, manifest, None)
+                if manifest.finished:
                     job.phase = "done"
-                    job.checked = manifest.size if job.verify else 0
                 self.jobs[job.id] = job
 
     def start(self, job: Job) -> None:
@@ -141,6 +151,19 @@ class Dumping:
             await self.pause(job)
 
     async def _run(self, job: Job) -> None:
+        """Until it is done, or fails: whatever ends it is told, and another one can begin."""
+        try:
+            await self._read_all(job)
+            job.phase = "done"
+        except MikasError as error:
+            job.phase, job.error = "failed", error
+        except OSError as error:
+            job.phase, job.error = "failed", UsageError(problem=reason_at(job.file, error))
+        except Exception as bug:
+            _log.error("a bug in the dump %s", job.id, exc_info=bug)
+            job.phase, job.error = "failed", Bug(kind=f"{type(bug).__name__}: {bug}")
+
+    async def _read_all(self, job: Job) -> None:
         spoilt = 0
         while True:
             try:
@@ -155,21 +178,11 @@ class Dumping:
                 spoilt += 1
                 job.retried.add(job.manifest.bytes_read // job.cell)
                 if spoilt == _TRIES:
-                    job.phase = "failed"
-                    return
+                    raise
                 continue
-            except MikasError as error:
-                job.phase, job.error = "failed", error
-                return
-            except OSError as error:
-                why = reason_of(error)
-                told = Text(f"{job.file}: {why.en}", f"{job.file}: {why.ru}")
-                job.phase, job.error = "failed", UsageError(problem=told)
-                return
             spoilt, job.error = 0, None
             job.went_on(self._hub.clock())
             if not going_on:
-                job.phase = "done"
                 return
             await asyncio.sleep(TURN)
 
@@ -183,22 +196,23 @@ class Dumping:
                 job.retried |= set(
                     range(before // job.cell, job.manifest.bytes_read // job.cell + 1)
                 )
-            return job.verify or not job.manifest.complete
-        if job.verify and job.checked < job.manifest.size:
+        elif not job.manifest.finished:
             self._check(ecu, job)
-        return job.verify and job.checked < job.manifest.size
+        return not job.manifest.finished
 
     def _open(self, ecu: Ecu, job: Job) -> Dump:
         made(job.file.parent)
         wanted = job.manifest
-        return Dump(
+        dump = Dump(
             ecu,
             ecu.memory[wanted.space],
             job.file,
             first=wanted.first,
             last=wanted.last,
-            resume=job.file.exists(),
+            resume=True,
         )
+        dump.manifest.verify |= wanted.verify
+        return dump
 
     def _read(self, ecu: Ecu, job: Job) -> None:
         dump = self._open(ecu, job)
@@ -217,16 +231,7 @@ class Dumping:
             job.manifest = dump.manifest
 
     def _check(self, ecu: Ecu, job: Job) -> None:
-        manifest = job.manifest
-        with job.file.open("rb") as file:
-            file.seek(job.checked)
-            data = file.read(PIECE)
-        space = ecu.memory[manifest.space]
-        found = list(compare(space, data, manifest.first + job.checked, job.block, lambda _: None))
-        job.differences = (job.differences or 0) + len(found)
-        job.checked += len(data)
-        if job.checked >= manifest.size:
-            dump = self._open(ecu, job)
-            dump.manifest.verified = job.differences == 0
-            dump.advance(block=job.block, progress=lambda _: None)  # nothing is missing: it notes
-            job.manifest = dump.manifest
+        dump = self._open(ecu, job)
+        job.manifest = dump.manifest
+        if dump.manifest.complete:  # else the file was cut: first read what is missing now
+            dump.check(PIECE, block=job.block, progress=lambda _: None)

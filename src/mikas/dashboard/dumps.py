@@ -15,7 +15,9 @@ from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
 from mikas.client import Ecu
-from mikas.client.dump import Difference, Manifest, differences
+from mikas.client.dump import Difference, differences
+from mikas.client.dump_manifest import Manifest
+from mikas.client.memory import last_of
 from mikas.commands.base import check_range
 from mikas.dashboard.answers import ErrorBody, body_of, errors
 from mikas.dashboard.asking import Controller, TheHub
@@ -64,7 +66,10 @@ class DumpAnswer(BaseModel):
     blocks: list[CellOfDump]
     error: ErrorBody | None = Field(description="what holds it up, or ended it")
     file: str
-    differences: int | None = Field(description="of the second pass; null: there was none")
+    differences: int | None = Field(
+        description="that the second pass has found so far; null: none was wanted, or it has not "
+        "begun"
+    )
 
 
 class DumpsAnswer(BaseModel):
@@ -91,28 +96,27 @@ class DifferencesAnswer(BaseModel):
 @router.post("/dumps", responses=errors(409, 502, 503))
 async def start(hub: TheHub, _: Controller, wish: DumpWish) -> DumpAnswer:
     """Begins to read a range of memory into a file."""
-    last = 0xFFFF if wish.space in ("xram", "code") else 0xFF
-    check_range(wish.space, last, wish.first, wish.last - wish.first + 1)
+    check_range(wish.space, last_of(wish.space), wish.first, wish.last - wish.first + 1)
     manifest = await hub.ask(lambda ecu: _manifest(ecu, wish))
     stamp = time.strftime("%Y%m%d-%H%M%S")
     name = f"{wish.space}-{wish.first:04X}-{wish.last:04X}-{stamp}"
     folder, number, stem = hub.settings.dumps, 2, name
     while stem in hub.dumping.jobs or (folder / f"{stem}.bin").exists():
         stem, number = f"{name}-{number}", number + 1
-    job = Job(stem, folder / f"{stem}.bin", manifest, wish.block, wish.verify)
+    job = Job(stem, folder / f"{stem}.bin", manifest, wish.block)
     hub.dumping.start(job)
     return _answer(job)
 
 
 @router.get("/dumps", responses=errors())
-def dumps(hub: TheHub) -> DumpsAnswer:
+async def dumps(hub: TheHub) -> DumpsAnswer:
     """All that there are."""
-    jobs = sorted(hub.dumping.jobs.values(), key=lambda job: job.id[-15:], reverse=True)
+    jobs = sorted(hub.dumping.jobs.values(), key=lambda job: job.begun, reverse=True)
     return DumpsAnswer(dumps=[_answer(job) for job in jobs])
 
 
 @router.get("/dumps/{id}", responses=errors(404))
-def dump(hub: TheHub, id: DumpId) -> DumpAnswer:  # noqa: A002  (the API's name)
+async def dump(hub: TheHub, id: DumpId) -> DumpAnswer:  # noqa: A002  (the API's name)
     """One of them."""
     return _answer(_job(hub, id))
 
@@ -178,6 +182,7 @@ def _manifest(ecu: Ecu, wish: DumpWish) -> Manifest:
         ecu.model.text.en,
         ecu.version_code,
         ecu.passport().pieces,
+        verify=wish.verify,
     )
 
 
@@ -205,7 +210,7 @@ def _answer(job: Job) -> DumpAnswer:
         blocks=_map(job),
         error=ErrorBody(**body_of(job.error)) if job.error else None,
         file=job.file.name,
-        differences=job.differences,
+        differences=manifest.differences,
     )
 
 

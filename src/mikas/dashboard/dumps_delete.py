@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from mikas.client.dump import manifest_path
-from mikas.dashboard.nonces import Prepared
+from mikas.client.dump_manifest import manifest_path
+from mikas.dashboard.nonces import FOR_GOOD, Prepared
 from mikas.dashboard.refusals import Busy, NonceStale, NotFound
-from mikas.errors import UsageError, reason_of
+from mikas.errors import UsageError, reason_at
 from mikas.language import Text
 
 if TYPE_CHECKING:
@@ -21,10 +21,6 @@ if TYPE_CHECKING:
 _RUNS = Text(
     "this dump is being read; pause it first",
     "этот образ как раз читается; сначала остановите чтение",
-)
-_FOR_GOOD = Text(
-    "The file is removed for good. Download it first if it may be needed.",
-    "Файл удаляется насовсем. Если он может понадобиться, сначала скачайте его.",
 )
 _GONE = Text("This dump is no longer there", "Этого образа уже нет")
 _CHANGED = Text("This dump is no longer as it was shown", "Этот образ уже не тот, что был показан")
@@ -53,7 +49,7 @@ def prepared_delete_of_dump(hub: Hub, name: str) -> Prepared:
         before=before,
         after=None,
         lost=(before,),
-        meaning=_FOR_GOOD,
+        meaning=FOR_GOOD,
         make=make,
     )
 
@@ -73,6 +69,4 @@ def _delete(job: Job) -> None:
         for path in (job.file, manifest_path(job.file)):
             path.unlink(missing_ok=True)
     except OSError as error:
-        why = reason_of(error)
-        told = Text(f"{job.file}: {why.en}", f"{job.file}: {why.ru}")
-        raise UsageError(problem=told) from error
+        raise UsageError(problem=reason_at(job.file, error)) from error

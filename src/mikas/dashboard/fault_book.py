@@ -61,7 +61,7 @@ class FaultBook:
         with self._lock:
             codes = [fault.code for fault in faults]
             if not self._heard or self._heard[-1].codes != tuple(codes):
-                self._heard = [*self._heard[-_MOST:], Heard(time, tuple(codes), erased)]
+                self._heard = [*self._heard, Heard(time, tuple(codes), erased)][-_MOST:]
             self._first = {code: self._first.get(code, time) for code in codes}
             self.page = Page(time, tuple(faults), dict(self._first))
             return self.page

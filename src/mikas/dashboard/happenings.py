@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+from heapq import merge
 from typing import Any
 
 from mikas.dashboard.answers import body_of, in_hex
@@ -12,6 +14,30 @@ from mikas.sampling.events import Chosen, Dropped, StateChanged, UnitFound
 from mikas.tester.statistics import Failure
 
 Happening = dict[str, Any]
+
+_MOST = 5000  # kept for those who come later; as many errors besides
+
+
+class Kept:
+    """The latest happenings. Errors have a place of their own: a bad line has thousands, which
+    must not push out markers, gaps and units.
+    """
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._errors: deque[tuple[int, Happening]] = deque(maxlen=_MOST)
+        self._others: deque[tuple[int, Happening]] = deque(maxlen=_MOST)
+
+    def add(self, it: Happening) -> None:
+        """One more."""
+        kept = self._errors if it["kind"] == "error" else self._others
+        kept.append((self._count, it))
+        self._count += 1
+
+    @property
+    def all(self) -> list[Happening]:
+        """In the order in which they came."""
+        return [it for _, it in merge(self._errors, self._others)]
 
 
 def both(text: Text | None) -> dict[str, str] | None:

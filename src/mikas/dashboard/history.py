@@ -46,6 +46,14 @@ class _Block:
         self.values = np.empty((_ROWS, len(names)))
         self.count = 0
 
+    def trim(self) -> int:
+        """Lets go of the rows that were not used; returns how many values that is."""
+        before = self.values.size
+        if self.count < len(self.times):
+            self.times = self.times[: self.count].copy()
+            self.values = self.values[: self.count].copy()
+        return before - self.values.size
+
 
 class History:
     """Rows of the last `seconds`. Any thread may add or ask."""
@@ -61,6 +69,8 @@ class History:
         with self._lock:
             block = self._blocks[-1] if self._blocks else None
             if block is None or block.names != names or block.count == _ROWS:
+                if block is not None:
+                    self._held -= block.trim()
                 block = _Block(names)
                 self._blocks.append(block)
                 self._held += block.values.size
@@ -95,12 +105,6 @@ class History:
                     columns[name][start : start + len(part)] = values[:, index]
             start += len(part)
         return Rows(times, columns)
-
-    def clear(self) -> None:
-        """Forgets everything: another clock begins."""
-        with self._lock:
-            self._blocks.clear()
-            self._held = 0
 
     def _forget(self, now: float) -> None:
         blocks = self._blocks
@@ -149,11 +153,6 @@ def plain(column: Column) -> list[float | int | None]:
         None if isnan(value) else int(value) if value.is_integer() else value
         for value in column.tolist()
     ]
-
-
-def number(value: float | bool | None) -> float:
-    """A value for a row."""
-    return float("nan") if value is None else float(value)
 
 
 def row_of(names: Sequence[str], values: Mapping[str, float]) -> list[float]:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from mikas.dashboard.approval import Approval
 from mikas.dashboard.dumping import Dumping
-from mikas.dashboard.fault_book import FaultBook
+from mikas.dashboard.fault_book import FaultBook, Page
 from mikas.dashboard.gaps import AGAIN, DOCTOR
 from mikas.dashboard.history import History
 from mikas.dashboard.lock import WritingLock
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-_ANSWER = 30.0  # s that a request waits for its turn and the unit's answer
+_ANSWER = 30.0  # s that a request waits for its turn
 _ALIVE = (LineState.ECU_ALIVE, LineState.SAMPLING)
 
 
@@ -211,15 +211,15 @@ class Hub:
 
         return await turn(session, in_turn, seconds)
 
-    def read_faults(self, ecu: Ecu) -> None:
+    def read_faults(self, ecu: Ecu) -> Page:
         """A job: reads the stored faults into the book."""
-        self.fault_book.keep(ecu.faults(), ecu.tester.link.now())
+        return self.fault_book.keep(ecu.faults(), ecu.tester.link.now())
 
     def look(self) -> None:
         """Sees what nobody tells; a few times a second, while anybody looks."""
         self.recording.look()
-        if self.session is not None:
-            self._measure(self.session)
+        if (session := self.session) is not None:
+            self._measure(session)
 
     def _measure(self, session: Session) -> None:
         now, ecu, meters = session.now(), session.ecu, self.story.meters
@@ -236,12 +236,12 @@ class Hub:
     @property
     def ecu(self) -> Ecu | None:
         """The unit of now, to be looked at only."""
-        return self.session.ecu if self.session else None
+        return session.ecu if (session := self.session) else None
 
     @property
     def is_demo(self) -> bool:
         """Whether the car is a virtual one."""
-        return self.way is not None and self.way.url.startswith("sim:")
+        return (way := self.way) is not None and way.url.startswith("sim:")
 
     def nobody(self) -> NotConnected:
         """There is nobody to ask, and why."""

@@ -9,6 +9,7 @@ sampling: it never waits for anybody who looks.
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -24,6 +25,8 @@ from mikas.dashboard.refusals import ApiRefusal
 from mikas.dashboard.shown import holder_of, state_of
 from mikas.dashboard.state import OWN
 from mikas.dashboard.story import Row
+
+_log = logging.getLogger("mikas.dashboard")
 
 PERIOD = 0.0525  # s between messages at least
 SPACING = 0.05  # for each client, so that a backlog shrinks
@@ -54,10 +57,10 @@ class Broadcaster:
 
     def join(self, listener: Listener) -> None:
         """From now on it gets what comes."""
+        self._new_state()
         self._listeners.add(listener)
         self._hub.seat.opened(listener.client)
         self._hub.story.listened = True
-        self._new_state()
         listener.offer("")
         if self._task is None:
             self._task = asyncio.create_task(self._run())
@@ -92,7 +95,7 @@ class Broadcaster:
 
     async def _run(self) -> None:
         loop, something = asyncio.get_running_loop(), asyncio.Event()
-        story = self._hub.story
+        story, good = self._hub.story, True
         while True:
             await asyncio.sleep(PERIOD)
             something.clear()
@@ -101,7 +104,14 @@ class Broadcaster:
                     # Not wait_for: before Python 3.12 it may swallow a cancellation.
                     async with asyncio.timeout(STATE_EVERY):
                         await something.wait()
-            self._tick()
+            before = good
+            try:
+                self._tick()
+                good = True
+            except Exception as bug:  # whatever it is: what comes next is told to all
+                good = False
+                if before:  # not each time, if it is there to stay
+                    _log.error("a bug in the live data", exc_info=bug)
 
     def _tick(self) -> None:
         hub = self._hub

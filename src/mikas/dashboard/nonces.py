@@ -18,6 +18,11 @@ from mikas.language import Text
 
 LIFETIME = 120.0
 _MOST = 100
+FOR_GOOD = Text(
+    "The file is removed for good. Download it first if it may be needed.",
+    "Файл удаляется насовсем. Если он может понадобиться, сначала скачайте его.",
+)
+"""What deleting a file means."""
 
 
 @dataclass(frozen=True, slots=True)

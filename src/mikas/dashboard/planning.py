@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -18,10 +19,11 @@ if TYPE_CHECKING:
 
 
 class Planning:
-    """Changes the hub's wish."""
+    """Changes the hub's wish; any thread may."""
 
     def __init__(self, hub: Hub) -> None:
         self._hub = hub
+        self._lock = threading.Lock()
 
     @property
     def channels(self) -> list[str]:
@@ -31,13 +33,14 @@ class Planning:
 
     def want(self, wish: Wish) -> None:
         """Samples this from now on, or from the next connection. Raises `UnknownParameter` …"""
-        if (session := self._hub.session) is not None:
-            session.acquisition.want(wish.names, wish.method or "auto", wish.rate)
-        else:
-            for name in wish.every:
-                self._hub.catalog.channel(name)
-        self._hub.wish = wish
-        self._hub.story.names_are(wish.every)
+        with self._lock:  # two at once: what is sampled is what is said to be
+            if (session := self._hub.session) is not None:
+                session.acquisition.want(wish.names, wish.method or "auto", wish.rate)
+            else:
+                for name in wish.every:
+                    self._hub.catalog.channel(name)
+            self._hub.wish = wish
+            self._hub.story.names_are(wish.every)
 
     def relearn(self) -> None:
         """Forgets what was learnt of this unit. Raises `NotConnected`."""

@@ -11,8 +11,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 
 from mikas.dashboard.answers import TwoTexts
-from mikas.errors import UsageError, reason_of
-from mikas.language import Text
+from mikas.errors import UsageError, reason_at
 
 _SHIPPED = Path(__file__).with_name("presets.toml")
 Name = Annotated[str, Field(min_length=1, max_length=40)]
@@ -62,5 +61,4 @@ def keep(file: Path, presets: list[Preset]) -> None:
         fresh.write_text(json.dumps(told, ensure_ascii=False, indent=1), "utf-8")
         fresh.replace(file)
     except OSError as error:
-        why = reason_of(error)
-        raise UsageError(problem=Text(f"{file}: {why.en}", f"{file}: {why.ru}")) from error
+        raise UsageError(problem=reason_at(file, error)) from error

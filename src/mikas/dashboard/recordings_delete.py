@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any
 
-from mikas.dashboard.nonces import Prepared
+from mikas.dashboard.nonces import FOR_GOOD, Prepared
 from mikas.dashboard.recordings_shelf import Shelf, Shelved
 from mikas.dashboard.refusals import Busy, NonceStale, NotFound
 from mikas.errors import CaptureError, reason_of
@@ -17,10 +17,6 @@ if TYPE_CHECKING:
 _IN_PROGRESS = Text(
     "this recording is being made; stop it first",
     "эта запись ещё идёт; сначала остановите её",
-)
-_FOR_GOOD = Text(
-    "The file is removed for good. Download it first if it may be needed.",
-    "Файл удаляется насовсем. Если он может понадобиться, сначала скачайте его.",
 )
 _GONE = Text("This recording is no longer there", "Этой записи уже нет")
 _CHANGED = Text(
@@ -44,7 +40,7 @@ async def prepared_delete(hub: Hub, identity: str) -> Prepared:
         before=before,
         after=None,
         lost=({"id": it.id, "bytes": it.bytes},),
-        meaning=_FOR_GOOD,
+        meaning=FOR_GOOD,
         make=make,
     )
 

@@ -46,10 +46,10 @@ def _found(hub: Hub) -> Findings:
     from mikas.report.told import gone_of
     from mikas.report.words import date_of
 
-    catalog, story, session, ecu = hub.catalog, hub.story, hub.session, hub.ecu
+    catalog, story, session, ecu, way = hub.catalog, hub.story, hub.session, hub.ecu, hub.way
     with story.lock:
         unit, method, errors_ = story.unit, story.method or "", story.meters.errors
-        events = list(story.events)
+        events = story.events
     rows = _since(_judged(hub.history.rows(MINUTES * 60), catalog, hub.settings.reading), events)
     if unit is None and not len(rows.times):
         raise NotConnected
@@ -66,7 +66,7 @@ def _found(hub: Hub) -> Findings:
         gone=gone_of(hub.fault_book.heard, catalog),
         how=How(
             date=date_of(measured.began),
-            port=hub.way.url if hub.way else "",
+            port=way.url if way else "",
             adapter=session.adapter if session else "",
             echo=ecu.tester.echoes if ecu else None,
             method=method,
@@ -85,15 +85,8 @@ def _judged(rows: Rows, catalog: Catalog, reading: str) -> Rows:
 
 def _since(rows: Rows, events: list[dict[str, Any]]) -> Rows:
     """Since the unit of now was first there; before it, it was another car."""
-    since, now = float("-inf"), None
-    for event in reversed([each for each in events if each["kind"] == "unit"]):
-        who = (event["version_code"], event["passport"])
-        now = now or who
-        if who != now:
-            break
-        since = event["time"]
-    else:
-        since = float("-inf")  # it was the only one
+    came = (each["time"] for each in events if each["kind"] == "unit" and each["another"])
+    since = max(came, default=float("-inf"))
     first = int(np.searchsorted(rows.times, since))
     return Rows(rows.times[first:], {name: it[first:] for name, it in rows.values.items()})
 

@@ -4,7 +4,8 @@ The seat is taken by asking for it while it is free, and is free again when its 
 for a while: 15 s after the last WebSocket was closed (a reload, a lid that was shut for a moment),
 60 s after the last request of a client that never had one (a script). A page's request that comes
 when its WebSocket is gone counts as the former: the page is reloaded, or was closed. A request that
-was not understood or not allowed is taken back: it was no use of the seat.
+was not understood or not allowed is taken back: it was no use of the seat. Looking (`take` False)
+needs a seat that is free or one's own, and does not take it.
 """
 
 from __future__ import annotations
@@ -68,8 +69,9 @@ class Seat:
         with self._lock:
             return len(self._sockets)
 
-    def demand(self, client: Client, *, force: bool = False) -> Before:
-        """Lets the holder pass; gives a free seat, or with `force` any. For `take_back`.
+    def demand(self, client: Client, *, force: bool = False, take: bool = True) -> Before:
+        """Lets the holder pass; gives a free seat, or with `force` any. For `take_back`. Without
+        `take` a free seat stays free, and `client` may pass.
 
         Raises `NotAllowed`, `NotController`.
         """
@@ -79,6 +81,8 @@ class Seat:
             held = self._held()
             if held is not None and held.id != client.id and not force:
                 raise NotController(holder=held.name or held.id)
+            if held is None and not take:
+                return Before(self._requests, held, self._until)
             self._requests += 1
             before = Before(self._requests, held, self._until)
             self._give(client)

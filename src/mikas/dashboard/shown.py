@@ -47,6 +47,8 @@ def holder_of(hub: Hub, client: Client) -> Holder | None:
 def _shared(hub: Hub) -> State:
     """What is the same for all."""
     story, session, now = hub.story, hub.session, hub.now()
+    # Any of these may be gone at a second look.
+    way, page, unlocked = hub.way, hub.fault_book.page, hub.lock.left
     recording = _recording(hub)  # not under the story's lock: the recorder tells the story of files
     with story.lock:
         text, line = _OFF, _NO_LINE
@@ -64,7 +66,7 @@ def _shared(hub: Hub) -> State:
             reason=two_or_none(story.reason or silent),
             reason_code=story.reason_code,
             since=story.since,
-            port=hub.way.url if hub.way else None,
+            port=way.url if way else None,
             adapter=session.adapter if session else "",
             model=two_or_none(story.model),
             version_code=unit.version_code if unit else None,
@@ -85,8 +87,8 @@ def _shared(hub: Hub) -> State:
             recording=recording,
             alarms=[_alarm(hub, it) for it in story.alarms_seen],
             alarm_count=story.alarm_count,
-            fault_count=len(hub.fault_book.page.faults) if hub.fault_book.page else None,
-            unlocked_until=None if hub.lock.left is None else now + hub.lock.left,
+            fault_count=len(page.faults) if page else None,
+            unlocked_until=None if unlocked is None else now + unlocked,
             demo=hub.is_demo,
             lan=hub.lan,
         )

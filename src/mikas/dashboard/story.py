@@ -15,10 +15,10 @@ from math import isfinite
 from mikas.catalog import Catalog, Level
 from mikas.dashboard import happenings
 from mikas.dashboard.gaps import BY_HAND, JOB, PLAN, Gaps
-from mikas.dashboard.happenings import Happening
+from mikas.dashboard.happenings import Happening, Kept
 from mikas.dashboard.history import History, row_of
 from mikas.dashboard.meters import Meters
-from mikas.errors import LineError, MikasError, NoConnection
+from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.language import Text
 from mikas.sampling.alarms import AlarmEvent
 from mikas.sampling.events import (
@@ -34,7 +34,6 @@ from mikas.sampling.events import (
 )
 from mikas.tester.statistics import Failure
 
-_HAPPENINGS = 5000  # kept for those who come later
 _ERRORS = 1000  # remembered, to be told once; more than a tester remembers
 _ROWS = 20_000  # gathered at most; more come only from a simulated clock
 
@@ -59,7 +58,7 @@ class Story:
         self.history = history
         self.listened = False
         self._waiting: Callable[[], object] | None = None
-        self.events: deque[Happening] = deque(maxlen=_HAPPENINGS)
+        self._kept = Kept()
         self._batch = Batch()
         self._names: tuple[str, ...] = ()
         self._gaps = Gaps(self.tell)
@@ -123,10 +122,16 @@ class Story:
             batch.names = self._names
             return batch
 
+    @property
+    def events(self) -> list[Happening]:
+        """What happened, in the order in which it was told."""
+        with self.lock:
+            return self._kept.all
+
     def tell(self, happening: Happening) -> None:
         """Something that happened beside the sampling."""
         with self.lock:
-            self.events.append(happening)
+            self._kept.add(happening)
             if self.listened:
                 self._batch.happenings.append(happening)
                 self.stir()
@@ -201,7 +206,10 @@ class Story:
             cause = event.error.__cause__  # of a verdict on exchanges, which the tester told
             told_as = cause if isinstance(cause, LineError) else event.error
             if self._is_news(told_as):
-                self._error(happenings.error(event.time, event.error))
+                told = happenings.error(event.time, event.error)
+                # A refusal is an answer, even if it is silence: nothing is wrong with the line.
+                tell = self.tell if isinstance(event.error, EcuRefused) else self._error
+                tell(told)
         self._waited |= nobody
 
     def _is_news(self, error: MikasError | Failure) -> bool:

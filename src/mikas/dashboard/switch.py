@@ -21,7 +21,7 @@ from mikas.link.ports import listed
 from mikas.link.urls import parse
 
 _FIRST_WORD = 2.0  # s that `connect` waits for what the port says
-_CHANGING = Text("the connection is being changed", "соединение как раз меняется")
+CHANGING = Text("the connection is being changed", "соединение как раз меняется")
 
 
 class Switch:
@@ -115,7 +115,7 @@ class Switch:
     @asynccontextmanager
     async def _alone(self) -> AsyncIterator[None]:
         if self._changing.locked():
-            raise Busy(problem=_CHANGING)
+            raise Busy(problem=CHANGING)
         async with self._changing:
             yield
 

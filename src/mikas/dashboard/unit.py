@@ -5,7 +5,8 @@ Reading is done between two cycles. Who does not hold the seat is given what was
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
@@ -13,11 +14,13 @@ from pydantic import BaseModel, Field
 from mikas.catalog import Confidence, Fault
 from mikas.client import Ecu, Info, Support
 from mikas.dashboard.answers import TwoTexts, errors, two, two_or_none
-from mikas.dashboard.asking import Controller, TheHub, Viewer
+from mikas.dashboard.asking import WHO, Controller, TheHub, Viewer
 from mikas.dashboard.fault_book import Page
 from mikas.dashboard.hub import Hub
-from mikas.dashboard.refusals import NotAllowed, NotController
+from mikas.dashboard.refusals import BadRequest, NotAllowed, NotController
 from mikas.dashboard.seat import Client
+
+T = TypeVar("T")
 
 router = APIRouter(tags=["unit"])
 
@@ -85,41 +88,42 @@ class PassportAnswer(BaseModel):
 @router.get("/faults", responses=errors(409, 502, 503))
 async def faults(hub: TheHub, client: Viewer) -> FaultsAnswer:
     """Reads the stored faults. Without control: as they were last read."""
-    known = hub.fault_book.page
-    if not _may_read(hub, client, known is not None):
-        assert known is not None
-        return faults_answer(known)
-    await hub.ask(hub.read_faults)
-    known = hub.fault_book.page
-    assert known is not None
-    return faults_answer(known)
+    return faults_answer(await _latest(hub, client, hub.fault_book.page, hub.read_faults))
 
 
 @router.get("/passport", responses=errors(409, 502, 503))
 async def passport(hub: TheHub, client: Viewer) -> PassportAnswer:
     """Who the unit is. Without control: as it was last read."""
-    if _may_read(hub, client, hub.info is not None):
-        hub.info = await hub.ask(Ecu.info)
-    return _passport_answer(hub)
+
+    def read(ecu: Ecu) -> Info:
+        hub.info = info = ecu.info()
+        return info
+
+    return _passport_answer(hub, await _latest(hub, client, hub.info, read), hub.supported)
 
 
 @router.post("/passport/probe", responses=errors(409, 502, 503))
 async def probe(hub: TheHub, _: Controller) -> PassportAnswer:
     """Tries every harmless command once; a second for each that is left unanswered."""
-    hub.info = await hub.ask(Ecu.info)
-    hub.supported = await hub.ask(lambda ecu: list(ecu.supported()), seconds=_PROBE)
-    return _passport_answer(hub)
+
+    def read(ecu: Ecu) -> tuple[Info, list[Support]]:
+        hub.info, hub.supported = info, supported = ecu.info(), list(ecu.supported())
+        return info, supported
+
+    return _passport_answer(hub, *await hub.ask(read, seconds=_PROBE))
 
 
-def _may_read(hub: Hub, client: Client, known: bool) -> bool:
-    """Whether to ask the unit now; raises if nothing is known and this client may not ask."""
+async def _latest(hub: Hub, client: Client, known: T | None, job: Callable[[Ecu], T]) -> T:
+    """What `job` reads now; `known`, what was last read, for a client that may not ask."""
     try:
-        hub.seat.demand(client)
-    except (NotAllowed, NotController):
-        if known:
-            return False
-        raise
-    return True
+        hub.seat.demand(client, take=False)
+        if not client.id:
+            raise BadRequest(problem=WHO)
+    except (BadRequest, NotAllowed, NotController):
+        if known is None:
+            raise
+        return known
+    return await hub.ask(job)
 
 
 def faults_answer(page: Page) -> FaultsAnswer:
@@ -145,9 +149,8 @@ def fault_of(fault: Fault, first_seen: float) -> FaultOfUnit:
     )
 
 
-def _passport_answer(hub: Hub) -> PassportAnswer:
-    info, session = hub.info, hub.session
-    assert isinstance(info, Info)
+def _passport_answer(hub: Hub, info: Info, supported: list[Support] | None) -> PassportAnswer:
+    session = hub.session
     port = session.url if session else ""
     return PassportAnswer(
         model=two(info.model.text),
@@ -167,9 +170,7 @@ def _passport_answer(hub: Hub) -> PassportAnswer:
         ),
         method=hub.story.method,
         rates=hub.story.rates,
-        supported=None
-        if hub.supported is None
-        else [_command(it, _used(hub)) for it in hub.supported],
+        supported=None if supported is None else [_command(it, _used(hub)) for it in supported],
     )
 
 

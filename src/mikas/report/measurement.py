@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import suppress
 from typing import Final
@@ -25,6 +26,9 @@ _METHODS: Final = {
 }
 _STROKE: Final = Text("a response each engine cycle (7F–83)", "ответ на каждый цикл (7F–83)")
 _MOST_PAUSES: Final = 3
+_BEHIND: Final = re.compile(
+    r" \((?:sent|received|послано|принято|не принято) |\.(?:\s|$)"
+)  # a reason's first sentence: the bytes that were on the wire, or its end
 
 
 def rows(found: Findings, language: Language) -> Iterator[tuple[str, str]]:
@@ -75,8 +79,15 @@ def _gaps(pauses: tuple[Pause, ...], began: float, label: Labels, language: Lang
     told = []
     for pause in pauses[:_MOST_PAUSES]:
         ended = "…" if pause.ended is None else clock(pause.ended - began)
-        why = f" ({pause.reason.to(language)})" if pause.reason else ""
+        why = f" ({_plain(pause.reason.to(language))})" if pause.reason else ""
         told.append(f"{clock(pause.began - began)}–{ended}{why}")
     more = len(pauses) - _MOST_PAUSES
     rest = Text(f"{more} more", f"ещё {more}").to(language) if more > 0 else ""
     return "; ".join(filter(None, (f"{len(pauses)}: {told[0]}", *told[1:], rest)))
+
+
+def _plain(reason: str) -> str:
+    """What happened, for the car's owner: without the bytes, and without what the one at the line
+    was to try.
+    """
+    return _BEHIND.split(reason, maxsplit=1)[0]

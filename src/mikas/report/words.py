@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from datetime import datetime
 from math import isfinite
-from typing import Final
 
 from mikas.catalog import Confidence, Derived, Parameter
 from mikas.language import Language, Text
-
-_PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
+from mikas.recording.table import PLAINLY_UNIX
 
 
 def number(value: float, decimals: int, language: Language) -> str:
@@ -70,7 +68,7 @@ def clock(seconds: float) -> str:
 
 def date_of(time: float | None) -> datetime | None:
     """The calendar's word for a link's time; None where that clock was a simulated one."""
-    if time is None or time < _PLAINLY_UNIX:
+    if time is None or time < PLAINLY_UNIX:
         return None
     return datetime.fromtimestamp(time).astimezone()
 

@@ -8,6 +8,8 @@ import signal
 import socket
 import subprocess
 import sys
+from contextlib import contextmanager
+from urllib.parse import urlsplit
 
 import httpx
 import pytest
@@ -20,24 +22,49 @@ from dashboard.rig import ME
 pytestmark = pytest.mark.realtime
 
 
-@pytest.fixture
-def demo(tmp_path):
-    environment = {**os.environ, "HOME": str(tmp_path), "XDG_STATE_HOME": str(tmp_path / "state")}
-    argv = ["demo", "--scenario", "warm-idle", "--no-browser", "--json", "--record", str(tmp_path)]
+PATIENT = """\
+from mikas.cli.main import main
+from mikas.dashboard import server
+
+server._GRACE = 3600
+main()
+"""
+"""`mikas`, which gives those an hour whom it has not answered yet when it is to end."""
+
+
+@contextmanager
+def running(folder, *program):
+    environment = {**os.environ, "HOME": str(folder), "XDG_STATE_HOME": str(folder / "state")}
+    argv = ["demo", "--scenario", "warm-idle", "--no-browser", "--json", "--record", str(folder)]
     process = subprocess.Popen(
-        [sys.executable, "-m", "mikas", *argv],
+        [sys.executable, *program, *argv],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         env=environment,
     )
-    process.url = json.loads(process.stdout.readline())["url"]
-    yield process
-    process.kill()
-    process.communicate()
+    try:
+        process.url = json.loads(process.stdout.readline())["url"]
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
 
 
-def live(process):
-    return connect(f"{process.url.replace('http', 'ws')}api/live?client=watcher-0001")
+@pytest.fixture
+def demo(tmp_path):
+    with running(tmp_path, "-m", "mikas") as process:
+        yield process
+
+
+@pytest.fixture
+def patient(tmp_path):
+    with running(tmp_path, "-c", PATIENT) as process:
+        yield process
+
+
+def live(process, **headers):
+    url = f"{process.url.replace('http', 'ws')}api/live?client=watcher-0001"
+    return connect(url, additional_headers=headers, open_timeout=60)
 
 
 def until(socket, accepted):
@@ -54,11 +81,9 @@ def recorded(message):
 def test_ctrl_c_closes_the_recording_and_lets_everybody_go(demo, tmp_path):
     with live(demo) as watching:
         until(watching, lambda it: it.get("data"))
-        started = httpx.post(f"{demo.url}api/recording/start", json={"name": "a"}, headers=ME)
-        assert started.status_code == 200
-        until(
-            watching, lambda it: (it.get("state", {}).get("recording") or {}).get("samples", 0) > 9
-        )
+        start = f"{demo.url}api/recording/start"
+        assert httpx.post(start, json={"name": "a"}, headers=ME, timeout=60).status_code == 200
+        until(watching, lambda it: recorded(it) > 9)
         demo.send_signal(signal.SIGINT)
         with pytest.raises(ConnectionClosed):
             until(watching, lambda _: False)
@@ -69,17 +94,23 @@ def test_ctrl_c_closes_the_recording_and_lets_everybody_go(demo, tmp_path):
     assert len(mikas.open(tmp_path / "a.pcapng").to_pandas()) > 9
 
 
-def test_a_second_ctrl_c_does_not_wait(demo):
-    with socket.create_connection(("127.0.0.1", int(demo.url.rsplit(":", 1)[1][:-1]))) as half:
-        half.sendall(b"POST /api/connect HTTP/1.1\r\nHost: x\r\n")  # and never the rest
-        with live(demo) as watching:
+def test_a_second_ctrl_c_does_not_wait(patient):
+    address = urlsplit(patient.url)
+    with socket.create_connection((address.hostname, address.port)) as half:
+        half.sendall(
+            f"POST /api/connect HTTP/1.1\r\nHost: {address.netloc}\r\nContent-Length: 9\r\n"
+            "Content-Type: application/json\r\nX-Mikas-Client: half-0001\r\n"
+            "Expect: 100-continue\r\n\r\n".encode()
+        )
+        assert half.recv(12) == b"HTTP/1.1 100"  # it waits for the body, which never comes
+        with live(patient) as watching:
             until(watching, lambda it: it.get("data"))
-            demo.send_signal(signal.SIGINT)
+            patient.send_signal(signal.SIGINT)
             with pytest.raises(ConnectionClosed):
                 until(watching, lambda _: False)
-            demo.send_signal(signal.SIGINT)
-            assert demo.wait(60) == 130
-    assert "Traceback" not in demo.stderr.read().decode()
+            patient.send_signal(signal.SIGINT)
+            assert patient.wait(60) == 130
+    assert "Traceback" not in patient.stderr.read().decode()
 
 
 def test_many_are_no_trouble(demo):
@@ -91,10 +122,7 @@ def test_many_are_no_trouble(demo):
 
 def test_a_refused_socket_is_nothing_for_the_terminal(demo):
     with pytest.raises(InvalidStatus):
-        connect(
-            f"{demo.url.replace('http', 'ws')}api/live?client=watcher-0001",
-            additional_headers={"Origin": "http://elsewhere"},
-        )
+        live(demo, Origin="http://elsewhere")
     demo.send_signal(signal.SIGINT)
     assert demo.wait(60) == 130
     assert "ASGI" not in demo.stderr.read().decode()

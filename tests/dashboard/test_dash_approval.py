@@ -1,0 +1,51 @@
+"""What the dashboard lets pass to the unit: the sampler's own, and just what was confirmed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from mikas.client import Change
+from mikas.commands import Safety
+from mikas.dashboard.approval import Approval
+from mikas.dashboard.refusals import NonceStale
+from mikas.errors import NotConfirmed
+from mikas.language import Text
+
+WRITE = Change(Text("a write", "запись"), Safety.DANGEROUS, "31", before="0A", after="0B")
+
+
+@pytest.mark.parametrize("safety", Safety)
+def test_unasked_passes_only_what_the_ignition_undoes(safety):
+    assert Approval().confirm(replace(WRITE, safety=safety)) is (safety <= Safety.REVERSIBLE)
+
+
+def test_what_was_confirmed_passes_and_nothing_after_it():
+    it = Approval()
+    with it.given("0A"):
+        assert it.confirm(WRITE)
+    assert not it.confirm(WRITE)
+    with pytest.raises(ZeroDivisionError), it.given("0A"):
+        raise ZeroDivisionError
+    assert not it.confirm(WRITE)
+
+
+def test_what_is_no_longer_as_it_was_shown_does_not_pass():
+    it = Approval()
+    for shown in ("0B", None):
+        with it.given(shown), pytest.raises(NonceStale):
+            it.confirm(WRITE)
+
+
+def test_a_dangerous_change_that_nobody_confirmed_does_not_reach_the_unit(idle):
+    """Whoever asks for it inside the program; nobody unlocked anything, nobody said yes."""
+
+    def ask(job):
+        return idle.hub.session.call(job).result(60)
+
+    before = ask(lambda ecu: ecu.memory.code.read(0x9000))
+    with pytest.raises(NotConfirmed):
+        ask(lambda ecu: ecu.memory.code.write(0x9000, before ^ 0xFF))
+    assert ask(lambda ecu: ecu.memory.code.read(0x9000)) == before
+    assert idle.get("/journal") == {"entries": []}

@@ -1,0 +1,53 @@
+"""What is kept does not grow for ever: confirmations, and readings of the stored faults."""
+
+from __future__ import annotations
+
+import pytest
+
+from mikas.catalog import shipped
+from mikas.dashboard.fault_book import FaultBook
+from mikas.dashboard.nonces import LIFETIME, Nonces, Prepared
+from mikas.dashboard.refusals import NonceUnknown
+from mikas.dashboard.seat import Client
+from mikas.language import Text
+
+ME = Client("me", "Me", True)
+
+
+async def nothing():
+    return {}
+
+
+def prepared(number):
+    return Prepared(Text("a change", "изменение"), number, None, nothing)
+
+
+def test_of_very_many_confirmations_the_oldest_are_over():
+    nonces = Nonces(lambda: 0.0)
+    kept = [nonces.keep(ME, prepared(number)) for number in range(103)]
+    for nonce in kept[:3]:
+        with pytest.raises(NonceUnknown):
+            nonces.use(ME, nonce)
+    assert [nonces.use(ME, nonce).before for nonce in kept[3:]] == list(range(3, 103))
+
+
+def test_a_confirmation_that_is_over_takes_no_place():
+    now = [0.0]
+    nonces = Nonces(lambda: now[0])
+    for number in range(99):
+        nonces.keep(ME, prepared(number))
+    now[0] = LIFETIME / 2
+    last = nonces.keep(ME, prepared(99))
+    now[0] = LIFETIME
+    kept = [nonces.keep(ME, prepared(number)) for number in range(99)]
+    for nonce in (last, *kept):
+        nonces.use(ME, nonce)
+
+
+def test_of_very_many_readings_of_the_faults_the_latest_are_kept():
+    book, faults = FaultBook(), [shipped().fault(code) for code in (1, 2)]
+    for time in range(250):
+        book.keep([faults[time % 2]], float(time))
+    assert [heard.time for heard in book.heard] == [*map(float, range(150, 250)), 249.0]
+    book.keep([faults[1]], 260.0)  # the same again
+    assert [heard.time for heard in book.heard][-2:] == [249.0, 260.0]

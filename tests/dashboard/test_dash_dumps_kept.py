@@ -1,0 +1,204 @@
+"""What is known of a dump outlives the program, its second pass too; a bug ends just that one."""
+
+from __future__ import annotations
+
+import json
+import threading
+from types import SimpleNamespace
+
+import pytest
+
+from dashboard.dumps_rig import XRAM, begun, ended, hold, when
+from dashboard.rig import rig
+from mikas.client.dump_manifest import Manifest, manifest_path
+from mikas.dashboard import dumping, dumps
+from mikas.dashboard.dumping import Dumping
+
+SMALL = {"space": "xram", "first": 0x40, "last": 0x7F}
+
+
+def program(tmp_path):
+    """Started on the same folder each time."""
+    return rig(tmp_path, "sim:?scenario=warm-idle")
+
+
+def hold_the_second_pass(monkeypatch, spoil):
+    """It stops behind its first piece; before that the file is spoilt."""
+    check = Dumping._check
+
+    def first(self, ecu, job):
+        spoil(job.file)
+        hold(monkeypatch)
+        check(self, ecu, job)
+
+    monkeypatch.setattr(Dumping, "_check", first)
+
+
+def spoil(file):
+    data = bytearray(file.read_bytes())
+    data[0] ^= 1
+    file.write_bytes(data)
+
+
+def test_what_a_second_pass_found_outlives_the_program(tmp_path):
+    with pytest.MonkeyPatch.context() as patch, program(tmp_path) as it:
+        patch.setattr(dumping, "TURN", 0)
+        hold_the_second_pass(patch, spoil)
+        it.sampling()
+        name = it.post("/dumps", {**XRAM, "verify": True})["id"]
+        begun(it, name, 2049)
+        before = it.post(f"/dumps/{name}/pause")
+        assert (before["state"], before["total"], before["differences"]) == ("paused", 4096, 1)
+    with program(tmp_path) as it:
+        it.sampling()
+        found = it.get(f"/dumps/{name}")
+        assert found == before
+        it.post(f"/dumps/{name}/resume")
+        dump = ended(it, name, "done", "failed")
+        assert (dump["state"], dump["done"], dump["differences"]) == ("done", 4096, 1)
+        manifest = json.loads((it.hub.settings.dumps / f"{name}.bin.json").read_text("utf-8"))
+        assert manifest["verified"] is False
+    with program(tmp_path) as it:
+        found = it.get(f"/dumps/{name}")
+        assert (found["state"], found["done"], found["differences"]) == ("done", 4096, 1)
+
+
+def test_a_second_pass_that_has_not_begun_is_still_wanted(tmp_path, monkeypatch):
+    hold(monkeypatch)
+    with program(tmp_path) as it:
+        it.sampling()
+        name = it.post("/dumps", {**XRAM, "verify": True})["id"]
+        begun(it, name)
+    with program(tmp_path) as it:
+        found = it.get(f"/dumps/{name}")
+        assert (found["state"], found["total"], found["differences"]) == ("paused", 4096, None)
+
+
+def put(folder, name, held=64, **stored):
+    """A dump's file and manifest; of an older program unless `stored` says more."""
+    manifest = Manifest("xram", 0x40, 0x7F, "Mikas 7.1", 1, ("x",), 64, complete=True).as_json()
+    for added in ("verify", "checked", "differences"):
+        del manifest[added]
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / f"{name}.bin"
+    file.write_bytes(bytes(held))
+    manifest_path(file).write_text(json.dumps({**manifest, **stored}), "utf-8")
+
+
+def found(folder):
+    it = Dumping(SimpleNamespace(settings=SimpleNamespace(dumps=folder)))
+    it.find()
+    return it.jobs
+
+
+@pytest.mark.parametrize(
+    ("stored", "known"),
+    [
+        ({"verified": None}, ("done", 64, 64, None)),
+        ({"verified": True}, ("done", 128, 128, 0)),
+        ({"verified": False}, ("paused", 64, 128, None)),  # how many differed was not kept
+        ({"held": 32, "verified": True}, ("paused", 32, 128, None)),
+        ({"verify": True, "checked": 20, "differences": 3}, ("paused", 84, 128, 3)),
+        ({"held": 63, "verify": True, "checked": 20, "differences": 3}, ("paused", 63, 128, None)),
+        ({"verify": True, "checked": 64, "differences": 2, "verified": False},
+         ("done", 128, 128, 2)),
+    ],
+)  # fmt: skip
+def test_manifests_of_older_programs_and_of_this_one_are_understood(tmp_path, stored, known):
+    put(tmp_path, "a", **stored)
+    job = found(tmp_path)["a"]
+    assert (job.phase, job.done, job.total, job.manifest.differences) == known
+
+
+@pytest.mark.parametrize(
+    "stored",
+    [{"checked": "9"}, {"checked": -1}, {"checked": 65}, {"differences": -1},
+     {"differences": float("inf")}, {"space": "rom"}, {"space": []}, {"space": "ram", "last": 256}],
+)  # fmt: skip
+def test_what_is_no_manifest_is_no_dump_and_stops_nothing(tmp_path, stored):
+    put(tmp_path, "a", **stored)
+    put(tmp_path, "b")
+    assert list(found(tmp_path)) == ["b"]
+
+
+def test_a_file_that_was_cut_is_read_on_and_then_checked(idle):
+    name = idle.post("/dumps", {**SMALL, "verify": True})["id"]
+    ended(idle, name, "done")
+    file = idle.hub.settings.dumps / f"{name}.bin"
+    whole = file.read_bytes()
+    file.write_bytes(whole[:10])
+    idle.hub.dumping.jobs.clear()
+    idle.hub.dumping.find()
+    idle.post(f"/dumps/{name}/resume")
+    dump = ended(idle, name, "done", "failed")
+    assert (dump["state"], dump["done"], dump["differences"]) == ("done", 128, 0)
+    assert file.read_bytes() == whole
+
+
+def test_a_file_that_is_cut_in_the_second_pass_is_made_whole_first(idle):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(dumping, "TURN", 0)
+        hold_the_second_pass(patch, lambda file: file.write_bytes(file.read_bytes()[:10]))
+        name = idle.post("/dumps", {**SMALL, "verify": True})["id"]
+        cut = when(idle, name, lambda dump: 0 < dump["done"] < 64)
+        assert (cut["done"], cut["differences"]) == (10, None)
+        idle.post(f"/dumps/{name}/pause")
+    idle.post(f"/dumps/{name}/resume")
+    dump = ended(idle, name, "done", "failed")
+    assert (dump["state"], dump["done"], dump["differences"]) == ("done", 128, 0)
+
+
+def test_a_file_that_is_gone_is_told(idle, monkeypatch):
+    hold(monkeypatch)
+    name = idle.post("/dumps", XRAM)["id"]
+    begun(idle, name)
+    idle.post(f"/dumps/{name}/pause")
+    (idle.hub.settings.dumps / f"{name}.bin").unlink()
+    idle.post(f"/dumps/{name}/resume")
+    failed = ended(idle, name, "failed", "done")
+    assert failed["state"] == "failed"
+    assert "is gone" in failed["error"]["en"]
+
+
+def test_a_bug_in_one_dump_ends_that_one(idle):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Dumping, "_read", lambda *_: 1 // 0)
+        name = idle.post("/dumps", SMALL)["id"]
+        failed = ended(idle, name, "failed")
+    assert failed["error"]["code"] == "Bug"
+    assert "ZeroDivisionError" in failed["error"]["ru"]
+    assert idle.post(f"/dumps/{name}/pause")["state"] == "failed"
+    ended(idle, idle.post("/dumps", {"space": "ram", "last": 3})["id"], "done")
+    idle.post(f"/dumps/{name}/resume")
+    assert ended(idle, name, "done", "failed")["error"] is None
+
+
+def test_the_newest_comes_first(off):
+    names = [
+        "by hand",
+        "xram-0040-007F-20260102-100000",
+        "ram-0040-007F-20260102-100001",
+        *(f"ram-0040-007F-20260102-100001-{number}" for number in (2, 3, 10)),
+        "code-0040-007F-20260102-100002",
+    ]
+    for name in names:
+        put(off.hub.settings.dumps, name)
+    off.hub.dumping.find()
+    assert [dump["id"] for dump in off.get("/dumps")["dumps"]] == names[::-1]
+
+
+def test_a_dump_is_looked_at_where_it_is_changed(off, monkeypatch):
+    """In the event loop; in another thread its pace would be cleared under the reader's eyes."""
+    put(off.hub.settings.dumps, "a")
+    off.hub.dumping.find()
+    threads, answer = set(), dumps._answer
+
+    def told(job):
+        threads.add(threading.current_thread())
+        return answer(job)
+
+    monkeypatch.setattr(dumps, "_answer", told)
+    off.post("/dumps/a/pause")
+    off.get("/dumps")
+    off.get("/dumps/a")
+    assert len(threads) == 1

@@ -1,0 +1,100 @@
+"""Sessions and examinations that nobody wants any more, and what is seen while things change."""
+
+from __future__ import annotations
+
+import pytest
+
+from mikas.dashboard.examination import Examination
+from mikas.dashboard.fault_book import Page
+from mikas.dashboard.hub import Hub
+from mikas.dashboard.session import Session
+from mikas.dashboard.settings import Settings
+from mikas.dashboard.shown import state_of
+from mikas.errors import LinkLost
+from mikas.link import open_link
+from mikas.recording.recorder import Recorder
+from mikas.sampling.events import LineState, StateChanged
+
+
+class OneThat:
+    """A session that lives on a clock that stands."""
+
+    adapter, baud, ecu, ended = "", 9600, None, False
+
+    def now(self):
+        return 5.0
+
+
+def hub_of(tmp_path, **more):
+    return Hub(Settings(tmp_path, state=tmp_path, **more))
+
+
+def test_what_a_session_of_before_tells_is_not_of_this_one(tmp_path):
+    hub = hub_of(tmp_path)
+    hub.switch.heard = lambda: None
+    hub.switch.session, before = OneThat(), OneThat()
+    hub._told(before, StateChanged(1.0, LineState.NO_ECHO, None))
+    hub._ended(before, None)
+    assert hub.story.line is None
+    assert hub.story.events == []
+    hub._told(hub.session, StateChanged(2.0, LineState.SAMPLING, None))
+    assert hub.story.line is LineState.SAMPLING
+
+
+class Opening:
+    """Opens a simulated port; meanwhile it stops whoever wanted that."""
+
+    def __init__(self, tmp_path):
+        self.settings = Settings(tmp_path, state=tmp_path, open_port=self.open_port)
+        self.sent = []
+
+    def open_port(self, url):
+        self.link = open_link("sim:?clock=simulated")
+        self.link.bus.send = lambda data, now: self.sent.append(data)
+        self.wanting.stop()
+        return self.link
+
+
+def test_a_port_that_opens_when_nobody_samples_any_more_is_closed_at_once(tmp_path):
+    opening = Opening(tmp_path)
+    opening.wanting = Session(
+        "sim:",
+        opening.settings,
+        ["FREQ"],
+        echo="auto",
+        method=None,
+        rate=None,
+        sink=Recorder(ecu=lambda: None, reading="corrected"),
+        confirm=lambda _: False,
+        tell=lambda *_: None,
+        ended=lambda *_: None,
+    )
+    link = opening.wanting._open("sim:")
+    with pytest.raises(LinkLost):
+        link.write(b"\x00")
+
+
+def test_a_port_that_opens_when_nobody_wants_the_doctor_any_more_is_not_used(tmp_path):
+    opening, told = Opening(tmp_path), []
+    opening.wanting = Examination("sim:", opening.settings, opening.settings.catalog)
+    opening.wanting.run(told.append)
+    assert (told, opening.sent) == ([], [])
+
+
+def test_a_lock_that_closes_while_it_is_looked_at_is_open_or_closed(tmp_path):
+    hub, times = hub_of(tmp_path), iter((0.0, 59.0, 61.0))
+    hub.lock.clock = lambda: next(times)
+    hub.lock.open(60.0)
+    state = state_of(hub)
+    assert state.unlocked_until is not None
+    assert state.unlocked_until > 0
+
+
+def test_faults_that_are_forgotten_while_they_are_looked_at_are_counted_or_not(tmp_path):
+    class Forgetful:
+        pages = iter((Page(1.0, (), {}), None))
+        page = property(lambda self: next(self.pages))
+
+    hub = hub_of(tmp_path)
+    hub.fault_book = Forgetful()
+    assert state_of(hub).fault_count == 0
