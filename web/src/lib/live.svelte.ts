@@ -4,13 +4,13 @@ import { address, api } from "./api";
 import { beat } from "./beat.svelte";
 import { client, clientName, seat } from "./client";
 import { Columns } from "./columns";
+import { Happened } from "./happened";
 import type { LineEvent, LiveMessage, Rows, State } from "./types";
 
-/** What is kept of the past: seconds, rows, events. */
+/** What is kept of the past: seconds, rows. */
 const HOUR = 3600;
 const QUARTER = 900;
 const MINUTE = 60;
-const EVENTS = 2000;
 const WAITS = [500, 1000, 2000, 4000, 8000];
 
 export interface Latest {
@@ -22,7 +22,7 @@ class LiveLine {
   /** `lost`: the program does not answer; nothing on the screen is of now. */
   link = $state<"connecting" | "open" | "lost">("connecting");
   state = $state.raw<State | null>(null);
-  events = $state.raw<LineEvent[]>([]);
+  events = $state.raw<readonly LineEvent[]>([]);
   /** Counts messages with data: what draws from `columns` or `latest` reads it to be drawn again. */
   tick = $state(0);
   /** The program's clock, as of the last message; `now()` goes on from there. */
@@ -42,6 +42,7 @@ class LiveLine {
   private started = false;
   /** Rows that came while the past is being asked for. */
   private waiting: Rows[] | null = null;
+  private readonly known = new Happened();
 
   start(): void {
     if (this.started) return;
@@ -109,6 +110,7 @@ class LiveLine {
     if ((rows.times[rows.times.length - 1] ?? Infinity) < this.columns.last - MINUTE) {
       this.columns.clear();
       this.latest.clear();
+      this.known.clear();
       this.events = [];
     }
     if (this.waiting) this.waiting.push(rows);
@@ -144,7 +146,7 @@ class LiveLine {
   }
 
   private happened(events: LineEvent[]): void {
-    this.events = joined(this.events, events);
+    this.events = this.known.add(events);
   }
 
   /**
@@ -175,22 +177,8 @@ class LiveLine {
     const kept = values.map((cells) => cells.slice(0, count));
     this.columns.append(names, times.slice(0, count), kept);
     names.forEach((name, index) => this.stretch(name, kept[index]!));
-    this.events = joined(events, this.events);
+    this.events = this.known.add(events);
   }
 }
-
-/** In order of time, each once. A gap is told when it begins and again when it has ended: the later word holds. */
-export function joined(before: readonly LineEvent[], after: readonly LineEvent[]): LineEvent[] {
-  const byKey = new Map<string, LineEvent>();
-  for (const event of [...before, ...after]) {
-    const key = event.kind === "gap" ? `gap ${event.began}` : JSON.stringify(event);
-    const held = byKey.get(key);
-    if (held?.kind === "gap" && held.ended !== null) continue;
-    byKey.set(key, event);
-  }
-  return [...byKey.values()].sort((a, b) => begun(a) - begun(b)).slice(-EVENTS);
-}
-
-const begun = (event: LineEvent): number => (event.kind === "gap" ? event.began : event.time);
 
 export const live = new LiveLine();

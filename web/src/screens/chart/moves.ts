@@ -57,7 +57,6 @@ export const bindings: Binding[] = [
   { code: "KeyC", show: "C", text: () => t("second"), run: () => view.toggleSecond() },
   { code: "KeyG", show: "G", text: () => t("nextGap"), run: () => toGap(1) },
   { code: "KeyG", shift: true, show: "⇧G", text: () => t("nextGap"), run: () => toGap(-1) },
-  { code: "KeyL", show: "L", text: () => t("followLong"), run: () => view.follow() },
   { code: "Digit0", show: "0", text: () => t("fit"), run: fit },
   { code: "Equal", show: "+", text: () => t("closer"), run: () => view.zoom(0.7, middle()) },
   { code: "Minus", show: "−", text: () => t("farther"), run: () => view.zoom(1 / 0.7, middle()) },
@@ -67,6 +66,9 @@ export const bindings: Binding[] = [
   arrow("ArrowLeft", true, -10),
   arrow("ArrowRight", true, 10),
 ];
+
+/** On the live line; while a recording is shown L is its loop, and it has no newest. */
+export const newest: Binding = { code: "KeyL", show: "L", text: () => t("followLong"), run: () => view.follow() };
 
 /** Where a mouse would click, while two recordings are being aligned. */
 export const chosen: Binding = {

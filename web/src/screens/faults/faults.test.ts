@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Fault } from "../../lib/types";
-import { changeText, codesOf, folded } from "./journal";
+import { changeText, codesOf, folded, parameterOf, valueOf } from "./journal";
 import { faultsText, type Words } from "./message";
 
 const fault = (code: number, text: string): Fault => ({
@@ -82,5 +82,25 @@ describe("the journal", () => {
     expect(codesOf("0D35")).toEqual([13, 53]);
     expect(codesOf([13, { code: 53 }, {}])).toEqual([13, 53]);
     expect(codesOf(null)).toEqual([]);
+  });
+});
+
+describe("a parameter that was written", () => {
+  const volts = { formula: "b / 10", size: 1, flag: false };
+
+  it("is named by the change", () => {
+    expect(parameterOf({ en: "write parameter RCOD", ru: "записать параметр RCOD" })).toBe("RCOD");
+    expect(parameterOf("erase 2 stored fault(s)")).toBeNull();
+  });
+
+  it("has the value that its formula makes of the bytes", () => {
+    expect(valueOf("8A", volts)).toBeCloseTo(13.8);
+    expect(valueOf("DC05", { formula: "w / 100", size: 2, flag: false })).toBe(15);
+    expect(valueOf("DC 05", { formula: "w / 100", size: 2, flag: false })).toBe(15);
+  });
+
+  it("has none where there are no bytes of its size, or it is a flag", () => {
+    expect([null, "8A05", "refused", 138].map((it) => valueOf(it, volts))).toEqual([null, null, null, null]);
+    expect(valueOf("40", { formula: "b & 0x40", size: 1, flag: true })).toBeNull();
   });
 });

@@ -3,7 +3,8 @@
  * outcome nobody saw still stands there; here the two are one line.
  */
 
-import type { Text } from "../../lib/types";
+import type { Channel, Text } from "../../lib/types";
+import { compile } from "../memory/formula";
 
 export interface RawEntry {
   time: number;
@@ -111,4 +112,17 @@ export function changeText(change: string | Text): Text {
     if (pattern.test(en)) return { en, ru: en.replace(pattern, russian) };
   }
   return { en, ru: en };
+}
+
+/** The parameter that was written; null: another change. */
+export function parameterOf(change: string | Text): string | null {
+  const en = typeof change === "string" ? change : change.en;
+  return /^write parameter (\S+)$/.exec(en)?.[1] ?? null;
+}
+
+/** What these bytes are by the catalog's formula; null: no bytes, or no value that is a number. */
+export function valueOf(bytes: unknown, channel: Pick<Channel, "formula" | "size" | "flag">): number | null {
+  if (typeof bytes !== "string" || channel.flag || !/^([0-9A-F]{2} ?)+$/i.test(bytes)) return null;
+  const data = Uint8Array.from(bytes.match(/[0-9A-F]{2}/gi)!, (byte) => parseInt(byte, 16));
+  return data.length === channel.size ? compile(channel.formula).value(data) : null;
 }

@@ -31,6 +31,14 @@ export function mapOf(blocks: readonly Block[], columns = 32): BlockMap {
   return { columns: across, rows: Math.max(1, Math.ceil(cells.length / across)), cells, counts };
 }
 
+/** How far one reading of it has come, and which it is: what is read twice has twice the bytes to read, but no more to hold. */
+export function passOf(dump: Pick<Dump, "first" | "last" | "done" | "total">): { done: number; size: number; pass: number; passes: number } {
+  const size = dump.last - dump.first + 1;
+  const passes = Math.max(1, Math.round(dump.total / size));
+  const pass = Math.min(passes, Math.floor(dump.done / size) + 1);
+  return { done: dump.done - (pass - 1) * size, size, pass, passes };
+}
+
 /** 0 … 100, whole; 100 only when everything is there. */
 export function percent(done: number, total: number): number {
   if (total <= 0) return 0;

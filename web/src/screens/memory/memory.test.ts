@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { mapOf, percent, secondsFor } from "./blocks";
+import { mapOf, passOf, percent, secondsFor } from "./blocks";
 import { bytesOf, readsFor, restored, valueOf, type Cell } from "./cells";
 import { compare } from "./compare";
 import { GLOW_MS, Glow } from "./glow";
@@ -142,4 +142,12 @@ describe("the map of blocks", () => {
     expect(secondsFor("code", 65536, 255)).toBeGreaterThan(70);
     expect(secondsFor("code", 65536, 255)).toBeLessThan(74);
   });
+});
+
+it("a dump that is read twice has two passes over the same bytes", () => {
+  const dump = { first: 0x100, last: 0x1ff, total: 512 };
+  expect(passOf({ ...dump, done: 100 })).toEqual({ done: 100, size: 256, pass: 1, passes: 2 });
+  expect(passOf({ ...dump, done: 300 })).toEqual({ done: 44, size: 256, pass: 2, passes: 2 });
+  expect(passOf({ ...dump, done: 512 })).toEqual({ done: 256, size: 256, pass: 2, passes: 2 });
+  expect(passOf({ ...dump, total: 256, done: 256 })).toEqual({ done: 256, size: 256, pass: 1, passes: 1 });
 });

@@ -139,6 +139,7 @@ export const t = dictionary({
   },
   remove_yes: { en: "Delete", ru: "Удалить" },
   compare: { en: "Compare with a file", ru: "Сравнить с файлом" },
+  pass: { en: "pass {n} of {all}:", ru: "проход {n} из {all}:" },
   progress: { en: "{done} of {total} bytes", ru: "{done} из {total} байтов" },
   speed: { en: "{n} bytes/s", ru: "{n} байт/с" },
   left: { en: "{time} left", ru: "осталось {time}" },

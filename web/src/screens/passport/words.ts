@@ -91,15 +91,15 @@ export const t = dictionary({
   probing: { en: "Trying one after another…", ru: "Пробуем одну за другой…" },
   knows: { en: "knows", ru: "знает" },
   knows_not: { en: "does not know", ru: "не знает" },
-  not_tried: { en: "not tried", ru: "не пробовалась" },
+  not_tried: { en: "not known", ru: "неизвестно" },
   knows_count: { en: "{n} of {all} work", ru: "работают {n} из {all}" },
   code: { en: "Code", ru: "Код" },
   command: { en: "Command", ru: "Команда" },
   source: { en: "Name", ru: "Имя" },
   answer: { en: "This unit", ru: "Этот блок" },
   not_tried_more: {
-    en: "“Not tried”: a command that would change something.",
-    ru: "«Не пробовалась»: команда, которая что-то изменила бы.",
+    en: "“Not known”: what could change or upset something is not tried, and not every answer settles it.",
+    ru: "«Неизвестно»: то, что могло бы что-то изменить или сбить, не пробуется, и не всякий ответ решает вопрос.",
   },
 });
 

@@ -65,6 +65,7 @@ describe("the player bar", () => {
   });
   it("shows tenths without skipping to the sixtieth second", () => {
     expect([precise(0), precise(59.97), precise(65.25)]).toEqual(["00:00.0", "01:00.0", "01:05.3"]);
+    expect([precise(0.021, 2), precise(59.999, 2), precise(65.25, 2)]).toEqual(["00:00.02", "01:00.00", "01:05.25"]);
   });
 });
 

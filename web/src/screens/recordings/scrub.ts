@@ -58,8 +58,9 @@ export function keyStep(key: string, shift: boolean): number | "first" | "last" 
   }
 }
 
-/** 65.25 → `1:05.3`, for the player's clock. */
-export function precise(seconds: number): string {
-  const tenths = Math.max(0, Math.round(seconds * 10));
-  return `${clock(Math.floor(tenths / 10))}.${tenths % 10}`;
+/** 65.25 → `1:05.3`, for the player's clock; with two decimals `1:05.25`: a sample may be but hundredths from the next. */
+export function precise(seconds: number, decimals: 1 | 2 = 1): string {
+  const parts = 10 ** decimals;
+  const whole = Math.max(0, Math.round(seconds * parts));
+  return `${clock(Math.floor(whole / parts))}.${String(whole % parts).padStart(decimals, "0")}`;
 }
