@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -61,7 +62,7 @@ LAPTOP = "laptop.test"
 """How the network calls this computer; the browser is told that it is 127.0.0.1. As from every
 plain http address but the loopback's own, pages from there have no secure context.
 """
-UNTIL = 30_000
+UNTIL = 60_000
 """ms that anything may take on a slow machine; nothing waits longer than it has to."""
 
 expect.set_options(timeout=UNTIL)
@@ -152,6 +153,19 @@ class Dash:
                 if accepted():
                     return
         raise AssertionError("it never came")
+
+    @contextmanager
+    def onlooker(self) -> Iterator[None]:
+        """One more who looks on meanwhile, and keeps up."""
+        url = f"{self.url.replace('http', 'ws')}/api/live?client=onlooker-0001"
+        with connect(url, open_timeout=60) as live:
+            reading = threading.Thread(target=lambda: deque(live, maxlen=0))
+            reading.start()
+            try:
+                yield
+            finally:
+                live.close()
+                reading.join()
 
     def samples(self) -> Dash:
         """Waits until it does."""

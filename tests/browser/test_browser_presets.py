@@ -5,6 +5,17 @@ from __future__ import annotations
 from playwright.sync_api import expect
 
 
+def stand(tab, *first, count=None):
+    """Waits until these tiles are the first, or all there are."""
+    tab.until(
+        """([first, count]) => {
+          const names = [...document.querySelectorAll("[data-tile]")].map((it) => it.dataset.tile);
+          return first.every((it, at) => it === names[at]) && [null, names.length].includes(count);
+        }""",
+        [first, count],
+    )
+
+
 def tiles(tab):
     return tab.page.locator("[data-tile]").evaluate_all("all => all.map(it => it.dataset.tile)")
 
@@ -13,6 +24,7 @@ def test_a_preset_is_made_kept_and_deleted(dash, visitor):
     tab = visitor(dash.url).show("live")
     tab.is_line("sampling")
     tab.press("Edit")
+    expect(tab.page.locator(".grip").first).to_be_visible()
     first, second, third = tiles(tab)[:3]
 
     tab.press("Add…")
@@ -26,21 +38,20 @@ def test_a_preset_is_made_kept_and_deleted(dash, visitor):
 
     grips = tab.page.locator(".grip")
     grips.first.press("ArrowRight")
-    assert tiles(tab)[:3] == [second, first, third]
+    stand(tab, second, first, third)
     grips.nth(2).drag_to(tab.page.locator(f'[data-tile="{second}"]'))
-    assert tiles(tab)[0] == third
+    stand(tab, third)
 
     order = tiles(tab)
     tab.page.get_by_label("Name of the preset").fill("Winter")
     tab.press("Save")
     expect(tab.page.get_by_role("tab", name="Winter")).to_have_attribute("aria-selected", "true")
-    assert tiles(tab) == order
+    stand(tab, *order, count=len(order))
     expect(tab.value("TAIR")).not_to_have_text("–")  # what is shown is asked
 
     tab.page.reload()
     expect(tab.page.get_by_role("tab", name="Winter")).to_have_attribute("aria-selected", "true")
-    expect(tab.page.locator("[data-tile]")).to_have_count(len(order))
-    assert tiles(tab) == order
+    stand(tab, *order, count=len(order))
 
     tab.press("Edit")
     tab.press("Delete preset")

@@ -23,6 +23,9 @@ THERE = {  # what a screen shows once it has what it shows
     "report": "iframe",
     "connection": ".columns",
 }
+TOLD = """() => [...document.querySelectorAll("#screen [data-value], #screen [data-trace]")]
+  .every((it) => !/^\\s*–/.test(it.textContent) && (!it.dataset.trace || it.querySelector("b")))"""
+"""Whether all values that have a place on the screen are there: asked for, and come."""
 AXE = Path(find_spec("axe_playwright_python").origin).parent / "axe.min.js"
 PICTURES = Path(
     os.environ.get("MIKAS_SCREENSHOTS")
@@ -50,6 +53,7 @@ def there(tab, screen):
         tab.find(".bar [type=submit]").click()
     expect(tab.find(f"#screen {THERE[screen]}").first).to_be_visible()
     expect(tab.find("#screen [aria-busy=true]")).to_have_count(0)
+    tab.until(TOLD)
     if screen == "report":
         expect(tab.page.frame_locator("iframe").locator("h1")).to_be_visible()
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
+
 from playwright.sync_api import expect
 
 from browser.rig import Tab
@@ -59,8 +61,13 @@ def test_an_adapter_that_was_pulled_comes_back_by_itself(own, visitor):
     assert made["gaps"] == 1
 
 
-def test_the_controls_of_a_tab_that_was_left_go_to_the_next_of_that_browser(own, visitor):
+def test_the_controls_of_a_tab_that_was_left_go_to_the_next_of_that_browser(
+    own, visitor, monkeypatch
+):
+    """Within the time that is granted for it, however long the browser takes."""
+    monkeypatch.setattr("mikas.dashboard.seat.AFTER_SOCKET", 3600)
     first = visitor(own.url).show("live")
+    first.page.context.clock.set_fixed_time(datetime.now(UTC))
     first.press("Record")
     first.is_line("recording")
     held = own.state()["controller"]

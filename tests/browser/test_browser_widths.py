@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import expect
 
 from browser.rig import SCREENS, dashboard
-from browser.test_browser_screens import there
+from browser.test_browser_screens import TOLD, there
 
 HEIGHTS = {390: 844, 1280: 800, 1920: 1080}
 CUT = r"""
@@ -103,6 +103,7 @@ def test_no_label_is_cut_on_any_preset(alarmed, visitor, language, width):
         if name in ("idle", "driving", "ignition"):
             expect(tab.find("[data-tile=UACC].warning")).to_be_visible()
             expect(tab.find("[data-tile=TWAT].warning")).to_be_visible()
+        tab.until(TOLD)
         cut[name] = tab.page.evaluate(CUT)
     assert {"idle", "driving", "fuel", "ignition", "all"} <= set(cut)
     assert {preset: found for preset, found in cut.items() if found} == {}
