@@ -130,6 +130,32 @@ def test_values_that_came_before_the_plot_was_made_are_drawn_with_it(own, visito
     assert tab.until(DRAWN)
 
 
+def test_the_past_that_comes_to_a_frozen_view_is_drawn(own, visitor):
+    tab = visitor(own.url).show("live")
+    expect(tab.value("TWAT")).to_have_text("87")
+    began = own.state()["samples"]
+    own.until(lambda: own.state()["samples"] > began + 30)
+    late, holding = [], True
+
+    def hold(route):
+        if holding:
+            late.append(route)
+        else:
+            route.continue_()  # a second question follows the first
+
+    tab.page.route("**/api/history**", hold)
+    tab.page.reload()
+    tab.show("chart")
+    expect(tab.find(".panes canvas")).to_have_count(4)
+    tab.page.keyboard.press("Space")
+    tab.says("View frozen")
+    assert not tab.page.evaluate(DRAWN)
+    holding = False
+    for answer in late:
+        answer.continue_()
+    assert tab.until(DRAWN)
+
+
 def test_a_frozen_view_is_drawn_again_when_one_comes_back_to_it(dash, visitor):
     tab = visitor(dash.url).show("chart")
     assert tab.until(DRAWN)

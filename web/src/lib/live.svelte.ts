@@ -24,6 +24,8 @@ class LiveLine {
   state = $state.raw<State | null>(null);
   events = $state.raw<readonly LineEvent[]>([]);
   /** Counts messages with data: what draws from `columns` or `latest` reads it to be drawn again. */
+  /** How often the past was added: what stands still is drawn again, too. */
+  filled = $state(0);
   tick = $state(0);
   /** The program's clock, as of the last message; `now()` goes on from there. */
   clock = $state(0);
@@ -165,6 +167,7 @@ class LiveLine {
     }
     for (const rows of this.waiting) this.columns.append(rows.names, rows.times, rows.values);
     this.waiting = null;
+    this.filled += 1;
     this.tick += 1;
     beat.poke();
   }
