@@ -19,7 +19,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from bench.rig import everything
 from mikas.catalog import shipped
@@ -31,6 +31,8 @@ from mikas.virtual.ecu import Happening
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
+
+    from mikas.virtual.responder import Car
 
 COUNTER = "TWAT"
 """A byte, told as a whole number: byte − 40 (§4)."""
@@ -54,7 +56,7 @@ class CountingUnit:
         responder = self._bus.ecu.responder
         self._car = responder.car
         self._code = shipped().parameter(COUNTER).code
-        responder.car = self
+        responder.car = cast("Car", self)  # all but a few things are the car's own
         self._clock = clock
 
     def __getattr__(self, name: str) -> object:

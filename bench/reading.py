@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from random import Random
 from time import perf_counter
@@ -107,7 +108,7 @@ def decoders(scope: Scope) -> Theme:
     part = pattern[: scope.of(1_000_000, 200_000)]
     for name, piece in (("whole", len(part)), ("byte by byte", 1)):
         chunks = [part[at : at + piece] for at in range(0, len(part), piece)]
-        rates = [len(part) / each / 1e6 for each in _seconds(lambda c=chunks: _fed(c), runs)]
+        rates = [len(part) / each / 1e6 for each in _seconds(partial(_fed, chunks), runs)]
         aside = f"{sorted(rates)[len(rates) // 2] * 1e6 / 960:,.0f} times the wire"
         rows.append(Row(f"incremental decoder, fed {name}", rates, "MB/s", 2, aside=aside))
     return Theme("Decoders", _DECODERS.format(runs=runs, megabytes=megabytes), rows)

@@ -19,11 +19,11 @@ from mikas.client.methods import Method
 from mikas.language import Text
 from mikas.link.tee import Direction
 from mikas.recording import CaptureWriter, Coalescer, pcapng
+from mikas.recording.note_blocks import block_of
 from mikas.recording.notes import (
     Kind,
     Note,
     alarm_note,
-    block_of,
     gap_note,
     marker_note,
     state_note,

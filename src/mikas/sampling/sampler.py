@@ -116,7 +116,7 @@ class Sampler:
 
     # The loop
 
-    def run(self) -> Iterator[Event]:
+    def run(self) -> Generator[Event, None, None]:
         """Events until `stop`; closing the iterator stops too, and leaves the line quiet.
 
         Raises `NotAKLineAdapter`, `NotSupported` for a unit that gives nothing from the beginning,
