@@ -159,7 +159,7 @@ class Dumping:
             job.phase, job.error = "failed", error
         except OSError as error:
             job.phase, job.error = "failed", UsageError(problem=reason_at(job.file, error))
-        except Exception as bug:
+        except Exception as bug:  # whatever it is: the dump says so and can be resumed
             _log.error("a bug in the dump %s", job.id, exc_info=bug)
             job.phase, job.error = "failed", Bug(kind=f"{type(bug).__name__}: {bug}")
 
