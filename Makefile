@@ -33,11 +33,12 @@ test: .venv/with-test web/node_modules/installed ## all tests but those in a bro
 browser: .venv/with-test ## the tests that drive the page in Chromium; pictures of all screens in build/screenshots
 	@$(venv_python) -m pytest tests/browser
 
-check: .venv/with-check web/node_modules/installed ## lint, format, types, import rules
+check: .venv/with-check web/node_modules/installed ## lint, format, types, import rules, names of changes/
 	$(venv_python) -m ruff check .
 	$(venv_python) -m ruff format --check .
 	$(venv_python) -m mypy
 	.venv/bin/lint-imports
+	@$(venv_python) -m towncrier build --draft --version next >/dev/null
 	@$(npm) run check
 
 bench: .venv/with-test ## rates, times and memory against their targets, into docs/benchmarks.md: half an hour
