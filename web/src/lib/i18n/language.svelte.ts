@@ -1,7 +1,7 @@
 // The language on the screen: chosen by a touch and kept; at first that of the command line (`--lang`, which the server writes into the page), else
 // the browser's.
-import { keep, kept } from "../kept";
-import type { Text } from "../types";
+import { keep, kept } from "../platform/storage";
+import type { Text } from "../api/types";
 
 export type Code = "en" | "ru";
 

@@ -1,8 +1,8 @@
 // What the chart shows: panes and their traces (kept on this computer), the window of time, zoom in value, stacking. It outlives the screen.
-import { compared } from "../../lib/compared.svelte";
-import { cursors } from "../../lib/cursors.svelte";
-import { keep, kept } from "../../lib/kept";
-import { shown } from "../../lib/source.svelte";
+import { compared } from "../../lib/recording/comparison.svelte";
+import { cursors } from "../../lib/view/cursors.svelte";
+import { keep, kept } from "../../lib/platform/storage";
+import { shown } from "../../lib/view/source.svelte";
 
 export interface Trace {
   name: string;

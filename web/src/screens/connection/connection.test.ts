@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import type { DoctorStep, Port, State } from "../../lib/types";
-import { PINS } from "./block";
+import type { DoctorStep, Port, State } from "../../lib/api/types";
+import { PINS } from "./diagnosticBlock";
 import { drawn, verdict } from "./steps";
 import { bestGuess, situationOf } from "./situation";
 

@@ -3,7 +3,7 @@
  * what to do differs: "not connected" alone helps nobody.
  */
 
-import type { Port, State } from "../../lib/types";
+import type { Port, State } from "../../lib/api/types";
 
 export type Situation =
   | "off"

@@ -1,6 +1,6 @@
 /** The examination as it is drawn: every step there is, with what is known of it so far. */
 
-import type { DoctorStep } from "../../lib/types";
+import type { DoctorStep } from "../../lib/api/types";
 
 export const STEPS = ["port", "echo", "baud", "latency", "line", "ecu", "commands"] as const;
 export type StepName = (typeof STEPS)[number];

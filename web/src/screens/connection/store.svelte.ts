@@ -1,9 +1,9 @@
 // Ports found and the examination: they go on while one looks at another screen.
-import { ApiError, api } from "../../lib/api";
-import { Asked } from "../../lib/asked.svelte";
-import { live } from "../../lib/live.svelte";
-import { kept } from "../../lib/recording.svelte";
-import type { About, DoctorStep, Port, State } from "../../lib/types";
+import { ApiError, api } from "../../lib/api/api";
+import { Asked } from "../../lib/api/request.svelte";
+import { live } from "../../lib/live/live.svelte";
+import { kept } from "../../lib/live/recordingControl.svelte";
+import type { About, DoctorStep, Port, State } from "../../lib/api/types";
 
 class ConnectionStore {
   readonly ports = new Asked<Port[]>();

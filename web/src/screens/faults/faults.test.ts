@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import type { Fault } from "../../lib/types";
+import type { Fault } from "../../lib/api/types";
 import { changeText, codesOf, folded, parameterOf, valueOf } from "./journal";
 import { faultsText, type Words } from "./message";
 

@@ -3,8 +3,8 @@
  * outcome nobody saw still stands there; here the two are one line.
  */
 
-import type { Channel, Text } from "../../lib/types";
-import { compile } from "../memory/formula";
+import type { Channel, Text } from "../../lib/api/types";
+import { compile } from "../memory/cells/formula";
 
 export interface RawEntry {
   time: number;

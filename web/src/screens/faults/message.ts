@@ -3,7 +3,7 @@
  * and of which unit. The words come in, so that it is written in the reader's language.
  */
 
-import type { Fault, Faults } from "../../lib/types";
+import type { Fault, Faults } from "../../lib/api/types";
 
 export interface Words {
   title: string;

@@ -1,8 +1,8 @@
 // The stored faults as last read, and the journal: kept while one looks at another screen.
-import { api } from "../../lib/api";
-import { Asked } from "../../lib/asked.svelte";
-import { unitKey } from "../../lib/may.svelte";
-import type { Faults } from "../../lib/types";
+import { api } from "../../lib/api/api";
+import { Asked } from "../../lib/api/request.svelte";
+import { unitKey } from "../../lib/live/capabilities.svelte";
+import type { Faults } from "../../lib/api/types";
 import { folded, type Entry, type RawEntry } from "./journal";
 
 class FaultStore {

@@ -1,10 +1,10 @@
 // The presets: shipped ones from the catalog, the user's own from the program; which one is on the screen; the one being edited.
-import { api } from "../../lib/api";
-import { catalog } from "../../lib/catalog.svelte";
-import { insist } from "../../lib/insist";
-import { keep, kept } from "../../lib/kept";
-import { needs } from "../../lib/needs.svelte";
-import type { Preset, Tile } from "../../lib/types";
+import { api } from "../../lib/api/api";
+import { catalog } from "../../lib/api/catalog.svelte";
+import { insist } from "../../lib/api/retry";
+import { keep, kept } from "../../lib/platform/storage";
+import { needs } from "../../lib/live/subscriptions.svelte";
+import type { Preset, Tile } from "../../lib/api/types";
 
 class Presets {
   own = $state.raw<Preset[]>([]);

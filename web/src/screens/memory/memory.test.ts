@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
-import { mapOf, passOf, percent, secondsFor } from "./blocks";
-import { bytesOf, readsFor, restored, valueOf, type Cell } from "./cells";
-import { compare } from "./compare";
-import { GLOW_MS, Glow } from "./glow";
+import { mapOf, passOf, percent, secondsFor } from "./dumps/blocks";
+import { bytesOf, readsFor, restored, valueOf, type Cell } from "./cells/cells";
+import { compare } from "./dumps/compare";
+import { GLOW_MS, Glow } from "./cells/glow";
 
 const cell = (address: number, formula = "b", space: Cell["space"] = "ram"): Cell => ({
   id: `${space}${address}`,

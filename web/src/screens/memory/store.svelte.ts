@@ -1,12 +1,12 @@
 // What the memory screen keeps while one looks at another: the page of each space, the watched cells and what they read.
-import { api } from "../../lib/api";
-import { Asked } from "../../lib/asked.svelte";
-import { keep, kept } from "../../lib/kept";
-import { unitKey } from "../../lib/may.svelte";
-import type { Dump, MemoryRead, Space } from "../../lib/types";
-import { bytesOf, readsFor, restored, type Cell } from "./cells";
-import { Glow } from "./glow";
-import { SPACES, addressText, fromHex, parseAddress, spaceOf, type Charset } from "./hex";
+import { api } from "../../lib/api/api";
+import { Asked } from "../../lib/api/request.svelte";
+import { keep, kept } from "../../lib/platform/storage";
+import { unitKey } from "../../lib/live/capabilities.svelte";
+import type { Dump, MemoryRead, Space } from "../../lib/api/types";
+import { bytesOf, readsFor, restored, type Cell } from "./cells/cells";
+import { Glow } from "./cells/glow";
+import { SPACES, addressText, fromHex, parseAddress, spaceOf, type Charset } from "./cells/hex";
 
 /** ms between two readings of what is watched, so that sampling gets its turn. */
 const PAUSE = 150;

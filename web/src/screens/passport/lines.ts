@@ -1,8 +1,8 @@
 // The passport as names and values: once for the screen, the copied text and the saved file.
 import { DASH, number, say } from "../../lib/i18n";
-import type { Passport } from "../../lib/types";
+import type { Passport } from "../../lib/api/types";
 import type { Line } from "./sheet";
-import { methods, t } from "./words";
+import { methods, t } from "./messages";
 
 type Method = Parameters<typeof methods>[0];
 const METHODS: readonly Method[] = ["stream", "list", "batch", "single"];

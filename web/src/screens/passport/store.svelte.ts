@@ -1,8 +1,8 @@
 // The passport as last read: kept while one looks at another screen, forgotten with another unit.
-import { api } from "../../lib/api";
-import { Asked } from "../../lib/asked.svelte";
-import { unitKey } from "../../lib/may.svelte";
-import type { Passport } from "../../lib/types";
+import { api } from "../../lib/api/api";
+import { Asked } from "../../lib/api/request.svelte";
+import { unitKey } from "../../lib/live/capabilities.svelte";
+import type { Passport } from "../../lib/api/types";
 
 class PassportStore {
   readonly read = new Asked<Passport>();

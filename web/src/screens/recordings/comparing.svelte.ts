@@ -1,8 +1,8 @@
 // Choosing a second recording: for the one that is played, or for one of the list, which is opened first. Shown by the frame, in the chart.
-import { ApiError } from "../../lib/api";
-import { compared } from "../../lib/compared.svelte";
-import { player } from "../../lib/player.svelte";
-import { route } from "../../lib/router.svelte";
+import { ApiError } from "../../lib/api/api";
+import { compared } from "../../lib/recording/comparison.svelte";
+import { player } from "../../lib/recording/player.svelte";
+import { route } from "../../lib/view/router.svelte";
 
 class Comparing {
   /** For which recording a second one is being chosen. */

@@ -1,8 +1,8 @@
 // Opening a recording: the player puts it in the place of the live line, Live shows it, and the bar below plays it.
-import { ApiError } from "../../lib/api";
-import { player } from "../../lib/player.svelte";
-import { route } from "../../lib/router.svelte";
-import type { Recording } from "../../lib/types";
+import { ApiError } from "../../lib/api/api";
+import { player } from "../../lib/recording/player.svelte";
+import { route } from "../../lib/view/router.svelte";
+import type { Recording } from "../../lib/api/types";
 
 class Opener {
   /** What is being opened. */

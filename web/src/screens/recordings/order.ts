@@ -1,6 +1,6 @@
 /** The table's order and search. Newest first is what one looks for after a drive. */
 
-import type { Recording } from "../../lib/types";
+import type { Recording } from "../../lib/api/types";
 
 /** What has no date stands at the end. */
 export function newestFirst(recordings: readonly Recording[]): Recording[] {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import type { Recording } from "../../lib/types";
+import type { Recording } from "../../lib/api/types";
 import { fileName, sheetText } from "../passport/sheet";
 import { matching, newestFirst } from "./order";
 import { faster, keyStep, nextLoop, precise, share, slower } from "./scrub";

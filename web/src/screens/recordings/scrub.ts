@@ -1,7 +1,7 @@
 /** The player's bar: places on it as times, its speeds, and the loop between two marks. */
 
 import { clock } from "../../lib/i18n";
-import { SPEEDS } from "../../lib/player.svelte";
+import { SPEEDS } from "../../lib/recording/player.svelte";
 
 export interface Loop {
   from: number;

@@ -1,7 +1,7 @@
 // The list of recordings: kept while one looks at another screen, asked again when it is opened.
-import { api } from "../../lib/api";
-import { Asked } from "../../lib/asked.svelte";
-import type { About, Recording, Text } from "../../lib/types";
+import { api } from "../../lib/api/api";
+import { Asked } from "../../lib/api/request.svelte";
+import type { About, Recording, Text } from "../../lib/api/types";
 
 class RecordingStore {
   readonly list = new Asked<Recording[]>();

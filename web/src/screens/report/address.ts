@@ -1,5 +1,5 @@
 /** Where a report is: of the running session, or of a recording. */
-import { api } from "../../lib/api";
+import { api } from "../../lib/api/api";
 
 export function reportAddress(recording: string | null, lang: string, inline: boolean): string {
   return recording === null

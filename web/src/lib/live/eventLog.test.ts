@@ -1,0 +1,49 @@
+import { describe, expect, it, vi } from "vitest";
+import { Happened } from "./eventLog";
+import type { LineEvent } from "../api/types";
+
+const reason = { en: "no answer", ru: "нет ответа" };
+const gap = (began: number, ended: number | null): LineEvent => ({ kind: "gap", time: ended ?? began, began, ended, reason });
+const marker = (time: number): LineEvent => ({ kind: "marker", time, label: "" });
+
+/** As they are told, one batch after the other. */
+function told(...batches: LineEvent[][]): readonly LineEvent[] {
+  const happened = new Happened();
+  return batches.map((batch) => happened.add(batch)).at(-1)!;
+}
+
+describe("events", () => {
+  it("come in order, each once, however often they are told", () => {
+    expect(told([marker(1), marker(5)], [marker(5), marker(3)]).map(({ time }) => time)).toEqual([1, 3, 5]);
+    expect(told([marker(5), marker(5), marker(1)])).toEqual([marker(1), marker(5)]);
+  });
+
+  it("a gap that has ended replaces its beginning, and is not reopened by the past", () => {
+    expect(told([gap(2, null)], [marker(3)], [gap(2, 4)])).toEqual([gap(2, 4), marker(3)]);
+    expect(told([gap(2, null)], [gap(2, 4)], [gap(2, null)])).toEqual([gap(2, 4)]);
+  });
+
+  it("gives another list each time, and leaves the one before as it was", () => {
+    const happened = new Happened();
+    const before = happened.add([marker(1)]);
+    expect(happened.add([marker(2)])).not.toBe(before);
+    expect(before).toEqual([marker(1)]);
+  });
+
+  it("holds the latest; what is over the edge may come again", () => {
+    const happened = new Happened();
+    happened.add(Array.from({ length: 2000 }, (_, time) => marker(time)));
+    expect(happened.add([marker(2000)]).map(({ time }) => time)).toEqual(Array.from({ length: 2000 }, (_, at) => at + 1));
+    expect(happened.add([marker(0)]).at(0)).toEqual(marker(1));
+  });
+
+  it("an event costs its own key only, however many are held", () => {
+    const happened = new Happened();
+    happened.add(Array.from({ length: 1500 }, (_, time) => marker(time)));
+    const stringify = vi.spyOn(JSON, "stringify");
+    const sort = vi.spyOn(Array.prototype, "sort");
+    happened.add([marker(1500)]);
+    expect([stringify.mock.calls.length, sort.mock.calls.length]).toEqual([1, 0]);
+    vi.restoreAllMocks();
+  });
+});

@@ -1,0 +1,55 @@
+import { describe, expect, it } from "vitest";
+import { everyName, planFor, watched, withWatched } from "./subscriptions.svelte";
+import type { State } from "../api/types";
+
+const state = (names: string[], recording = false): State =>
+  ({
+    plan: { wanted: names.map((name) => ({ name, every: name === "TWAT" ? 10 : 1 })), method: "auto", rate: null },
+    recording: recording ? {} : null,
+  }) as unknown as State;
+
+const limits = { danger_low: null, warning_low: null, warning_high: 100, danger_high: null };
+
+describe("the plan to ask for", () => {
+  it("is what is shown, and how often stays as it was", () => {
+    expect(planFor(["FREQ", "TWAT"], [], state(["TWAT", "UOZ"]))).toEqual([
+      { name: "FREQ", every: 1 },
+      { name: "TWAT", every: 10 },
+    ]);
+  });
+
+  it("is left alone when it does already, in whatever order", () => {
+    expect(planFor(["FREQ", "UOZ"], [], state(["UOZ", "FREQ"]))).toBeNull();
+  });
+
+  it("takes nothing away from a recording", () => {
+    expect(planFor(["FREQ"], [], state(["UOZ", "INJ"], true))?.map(({ name }) => name)).toEqual(["FREQ", "UOZ", "INJ"]);
+    expect(planFor(["UOZ"], [], state(["UOZ", "INJ"], true))).toBeNull();
+  });
+
+  it("asks in passing for what is watched and not shown", () => {
+    const passing = planFor(["FREQ"], ["TWAT"], state(["FREQ"]))!;
+    expect(passing.map(({ name }) => name)).toEqual(["FREQ", "TWAT"]);
+    expect(passing[1]!.every).toBeGreaterThanOrEqual(10);
+    const asked = { plan: { wanted: passing, method: "auto", rate: null }, recording: null };
+    expect(planFor(["FREQ"], ["TWAT"], asked)).toBeNull();
+    // Shown, it is asked as what is shown; out of sight, in passing again.
+    const shown = planFor(["FREQ", "TWAT"], ["TWAT"], asked)!;
+    expect(shown).toEqual([{ name: "FREQ", every: 1 }, { name: "TWAT", every: 1 }]);
+    expect(planFor(["FREQ"], ["TWAT"], { ...asked, plan: { ...asked.plan, wanted: shown } })).toEqual(passing);
+  });
+
+  it("makes nothing slower that is being recorded", () => {
+    expect(planFor(["FREQ"], ["UACC"], state(["FREQ", "UACC"], true))).toBeNull();
+  });
+});
+
+it("what has limits or is an alarm when set is watched", () => {
+  const channel = (name: string, own: object) => ({ name, limits: null, alarm_when_true: "none" as const, ...own });
+  expect(watched([channel("FREQ", {}), channel("TWAT", { limits }), channel("RDET", { alarm_when_true: "warning" })])).toEqual(["TWAT", "RDET"]);
+  expect(withWatched([{ name: "TWAT", every: 1 }], ["TWAT"])).toEqual([{ name: "TWAT", every: 1 }]);
+});
+
+it("everything is all that the unit does not refuse", () => {
+  expect(everyName([{ name: "FREQ" }, { name: "UOZ" }], { dropped_parameters: ["UOZ"] })).toEqual(["FREQ"]);
+});

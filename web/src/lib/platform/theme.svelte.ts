@@ -1,0 +1,36 @@
+// Day (white, for the sun) and night (near-black): the system's until chosen here, then kept.
+import { keep, kept } from "./storage";
+
+export type Tone = "day" | "night";
+
+function first(): Tone {
+  const chosen = kept("theme");
+  if (chosen === "day" || chosen === "night") return chosen;
+  return globalThis.matchMedia?.("(prefers-color-scheme: light)").matches ? "day" : "night";
+}
+
+class Theme {
+  tone = $state<Tone>(first());
+
+  choose(tone: Tone): void {
+    this.tone = tone;
+    keep("theme", tone);
+    this.show();
+  }
+
+  toggle(): void {
+    this.choose(this.tone === "day" ? "night" : "day");
+  }
+
+  show(): void {
+    if (globalThis.document) document.documentElement.dataset.theme = this.tone;
+  }
+
+  /** A colour (or other token) of styles/tokens.css for what is drawn on a canvas; read it inside an effect that reads `tone`. */
+  token(name: string): string {
+    return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  }
+}
+
+export const theme = new Theme();
+theme.show();

@@ -1,0 +1,79 @@
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import { api } from "../api/api";
+import { compared } from "./comparison.svelte";
+import { player } from "./player.svelte";
+import type { RecordingDetail } from "../api/types";
+
+/** Two drives: the first from 5000 s on, the second, without THR, from 90 s on. */
+const BEGAN: Record<string, number> = { first: 5000, second: 90 };
+const times = (id: string) => Array.from({ length: 100 }, (_, row) => BEGAN[id]! + row / 10);
+
+beforeEach(async () => {
+  vi.stubGlobal("requestAnimationFrame", () => 1);
+  vi.stubGlobal("cancelAnimationFrame", () => undefined);
+  player.close();
+  vi.spyOn(api, "recording").mockImplementation((id) =>
+    Promise.resolve({ id, first: BEGAN[id]! - 1, last: BEGAN[id]! + 9.9, samples: 100, rate: 10, events: [] } as unknown as RecordingDetail),
+  );
+  vi.spyOn(api, "rows").mockImplementation((id) => {
+    const at = times(id);
+    const names = id === "first" ? ["FREQ", "THR"] : ["FREQ"];
+    return Promise.resolve({ names, times: at, values: names.map(() => at.map((_, row) => row)), decimated: false });
+  });
+  await player.open("first");
+});
+
+describe("a second recording", () => {
+  it("begins where the first one does, whatever their clocks said", async () => {
+    await compared.start("second", player.first);
+    expect(compared.on).toBe(true);
+    expect(compared.first + compared.lag).toBe(5000);
+    expect(compared.extremes("FREQ")).toEqual({ min: 0, max: 99 });
+    expect(compared.extremes("THR")).toBeUndefined();
+  });
+
+  it("is moved by tenths that stay tenths", async () => {
+    await compared.start("second", player.first);
+    for (let step = 0; step < 13; step += 1) compared.shift(0.1);
+    expect(compared.offset).toBe(1.3);
+    expect(compared.lag).toBeCloseTo(4911.3);
+    compared.moveTo(0);
+    expect(compared.lag).toBe(4910);
+  });
+
+  it("is aligned by a moment of its own and the same one of the first", async () => {
+    await compared.start("second", player.first);
+    compared.choose(5003);
+    expect(compared.offset).toBe(0);
+    compared.turnAligning();
+    compared.choose(5003);
+    expect(compared.aligning).toEqual({ step: "first", at: 5003 });
+    compared.choose(5001.5);
+    expect(compared.offset).toBe(-1.5);
+    expect(compared.aligning).toBeNull();
+  });
+
+  it("goes with the first one, and its offset with it", async () => {
+    await compared.start("second", player.first);
+    compared.shift(2);
+    player.close();
+    expect([compared.on, compared.offset, compared.columns.length]).toEqual([false, 0, 0]);
+  });
+
+  it("that was asked for later holds, though the earlier one answers after it", async () => {
+    let answer: () => void = () => undefined;
+    const slow = new Promise<void>((done) => (answer = done));
+    const rows = vi.mocked(api.rows).getMockImplementation()!;
+    vi.spyOn(api, "rows").mockImplementationOnce(async (id, query, signal) => {
+      await slow;
+      return rows(id, query, signal);
+    });
+    const asked = vi.mocked(api.rows).mock.calls.length;
+    const before = compared.start("first", player.first);
+    await vi.waitFor(() => expect(vi.mocked(api.rows).mock.calls).toHaveLength(asked + 1));
+    expect(await compared.start("second", player.first)).toBe(true);
+    answer();
+    expect(await before).toBe(false);
+    expect(compared.detail?.id).toBe("second");
+  });
+});

@@ -1,0 +1,118 @@
+// A recording in the place of the live line: play, pause, step, scrub, loop. A `Source` like the live line.
+import { beat } from "../view/frameClock.svelte";
+import { compared } from "./comparison.svelte";
+import type { Latest } from "../live/live.svelte";
+import { Recorded } from "./recordingData.svelte";
+import { shown, type Source } from "../view/source.svelte";
+
+/** A value older than this at the player's place is not shown. */
+const REACH = 30;
+/** A frame that took longer (a hidden tab) does not make the place leap. */
+const LEAP = 0.25;
+
+export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16] as const;
+
+class Player extends Recorded implements Source {
+  readonly kind = "recording";
+  /** Where it stands: seconds of the recording's own clock, between `first` and `last`. */
+  position = $state(0);
+  playing = $state(false);
+  speed = $state<number>(1);
+  loop = $state.raw<{ from: number; to: number } | null>(null);
+
+  private frame = 0;
+  private before = 0;
+
+  get paused(): boolean {
+    return !this.playing;
+  }
+
+  /** Shows it in the place of the live line. Throws `ApiError` if it can't be read at all. */
+  async open(id: string): Promise<void> {
+    this.close();
+    if (!(await this.begin(id))) return;
+    this.position = this.first;
+    shown.play(this);
+  }
+
+  /** Back to the live line. */
+  close(): void {
+    compared.end();
+    this.pause();
+    this.loop = null;
+    this.forget();
+    if (shown.source === this) shown.goLive();
+  }
+
+  leave(): void {
+    this.close();
+  }
+
+  play(): void {
+    if (!this.detail || this.playing) return;
+    if (this.position >= this.last) this.position = this.loop?.from ?? this.first;
+    this.playing = true;
+    this.before = performance.now();
+    this.frame = requestAnimationFrame((now) => this.go(now));
+  }
+
+  pause(): void {
+    this.playing = false;
+    cancelAnimationFrame(this.frame);
+    beat.poke();
+  }
+
+  toggle(): void {
+    if (this.playing) this.pause();
+    else this.play();
+  }
+
+  seek(time: number): void {
+    this.position = Math.min(this.last, Math.max(this.first, time));
+    beat.poke();
+  }
+
+  /** To the next sample, or the one before. Stops. */
+  step(samples: number): void {
+    this.pause();
+    const { columns } = this;
+    if (columns.length === 0) return;
+    const row = columns.rowAt(this.position + 1e-6) + samples;
+    this.seek(columns.times()[Math.min(columns.length - 1, Math.max(0, row))]!);
+  }
+
+  now(): number {
+    return this.position;
+  }
+
+  latest(name: string): Latest | undefined {
+    const held = this.columns.valueAt(name, this.columns.rowAt(this.position), REACH);
+    return held && { value: held.value, time: this.columns.times()[held.row]! };
+  }
+
+  private go(now: number): void {
+    if (!this.playing) return;
+    const passed = Math.min(LEAP, (now - this.before) / 1000) * this.speed;
+    this.before = now;
+    this.position = advance(this.position, passed, this.last, this.loop);
+    beat.poke();
+    if (this.position >= this.last && !this.loop) this.pause();
+    else this.frame = requestAnimationFrame((next) => this.go(next));
+  }
+}
+
+/** The place after so many seconds more: within the loop if it was in it, else to the end and no farther. */
+export function advance(
+  position: number,
+  seconds: number,
+  last: number,
+  loop: { from: number; to: number } | null,
+): number {
+  const next = position + seconds;
+  if (loop && loop.to > loop.from && position <= loop.to && next > loop.to) {
+    return loop.from + ((next - loop.to) % (loop.to - loop.from));
+  }
+  return Math.min(last, next);
+}
+
+export const player = new Player();

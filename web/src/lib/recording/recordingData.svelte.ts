@@ -1,0 +1,136 @@
+// A recording as columns. It is read whole, in pieces, from its beginning; until the last has come a coarse view of all of it stands in, so that
+// the chart has something at once.
+import { ApiError, api } from "../api/api";
+import { beat } from "../view/frameClock.svelte";
+import { Columns } from "../series/columns";
+import type { Extremes } from "../view/source.svelte";
+import type { LineEvent, RecordingDetail } from "../api/types";
+
+/** Rows of a piece, and of the coarse view. */
+const PIECE = 15_000;
+const COARSE = 4000;
+/** More is not held here; such a recording stays coarse: eight hours at 35 sets a second. */
+const MOST = 1_000_000;
+
+export class Recorded {
+  detail = $state.raw<RecordingDetail | null>(null);
+  columns = $state.raw(new Columns());
+  /** How much has been read, 0 … 1. */
+  loaded = $state(0);
+  /** Reading broke off; what was read stays. */
+  trouble = $state.raw<ApiError | null>(null);
+  /** Counts changes of the columns. */
+  tick = $state(0);
+
+  private began = $state(0);
+  /** The first sample, not the first byte: before it there is nothing to show. */
+  readonly first = $derived(this.detail ? this.began : 0);
+  readonly last = $derived(this.detail?.last ?? 0);
+  /** Too long to be held whole: a step is not a sample, peaks stay. */
+  readonly coarse = $derived((this.detail?.samples ?? 0) > MOST);
+
+  private reading: AbortController | null = null;
+  private found = new Map<string, Extremes | undefined>();
+  private foundAt = -1;
+
+  get events(): readonly LineEvent[] {
+    return this.detail?.events ?? [];
+  }
+
+  /** Lowest and highest in all of it; undefined: it has no value of that name. */
+  extremes(name: string): Extremes | undefined {
+    if (this.foundAt !== this.tick) {
+      this.found.clear();
+      this.foundAt = this.tick;
+    }
+    if (!this.found.has(name)) this.found.set(name, extremesOf(this.columns.column(name)));
+    return this.found.get(name);
+  }
+
+  /** In the place of what was read before. False: another was asked for meanwhile. Throws `ApiError` if it can't be read at all. */
+  protected async begin(id: string): Promise<boolean> {
+    this.forget();
+    const reading = new AbortController();
+    this.reading = reading;
+    const detail = await api.recording(id);
+    const query = { from: detail.first, to: detail.last, points: COARSE };
+    const rough = await unless(reading.signal, () => api.rows(id, query, reading.signal));
+    if (!rough) return false;
+    const columns = columnsOf(COARSE * 2);
+    columns.append(rough.names, rough.times, rough.values);
+    if (rough.decimated) columns.spacing = (4 * (detail.last - detail.first)) / Math.max(1, columns.length);
+    this.columns = columns;
+    this.began = Math.max(detail.first, rough.times[0] ?? detail.first);
+    this.detail = detail;
+    this.tick += 1;
+    if (rough.decimated && !this.coarse) void this.read(id, detail, reading.signal);
+    else this.loaded = 1;
+    return true;
+  }
+
+  protected forget(): void {
+    this.reading?.abort();
+    this.reading = null;
+    this.detail = null;
+    this.loaded = 0;
+    this.trouble = null;
+    this.columns = new Columns();
+    this.tick += 1;
+  }
+
+  private async read(id: string, detail: RecordingDetail, signal: AbortSignal): Promise<void> {
+    const whole = columnsOf(detail.samples);
+    const length = Math.max(1e-6, detail.last - detail.first);
+    const rate = Math.max(detail.rate, detail.samples / length);
+    // Pieces by time; where samples lie closer than on average a piece would be decimated, and is asked again in halves.
+    let seconds = Math.max(1, PIECE / Math.max(1, rate));
+    let from = detail.first;
+    try {
+      while (from <= detail.last) {
+        const to = Math.min(from + seconds, detail.last + 1);
+        const query = { from, to, points: PIECE * 1.3 };
+        const rows = await unless(signal, () => api.rows(id, query, signal));
+        if (!rows) return;
+        if (rows.decimated && seconds > 0.5) {
+          seconds /= 2;
+          continue;
+        }
+        whole.append(rows.names, rows.times, rows.values);
+        from = to + 1e-6;
+        this.loaded = Math.min(1, (from - detail.first) / length);
+      }
+      this.columns = whole;
+      this.loaded = 1;
+      this.tick += 1;
+      beat.poke();
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      this.trouble = error;
+    }
+  }
+}
+
+/** Undefined once it has been given up, before or meanwhile. */
+async function unless<T>(signal: AbortSignal, job: () => Promise<T>): Promise<T | undefined> {
+  if (signal.aborted) return undefined;
+  try {
+    const done = await job();
+    return signal.aborted ? undefined : done;
+  } catch (error) {
+    if (signal.aborted) return undefined;
+    throw error;
+  }
+}
+
+const columnsOf = (rows: number): Columns => new Columns(Math.max(16, Math.ceil(rows * 1.1) + 16));
+
+function extremesOf(column: Float64Array | undefined): Extremes | undefined {
+  if (!column) return undefined;
+  let min = Infinity;
+  let max = -Infinity;
+  for (const value of column) {
+    if (value < min) min = value;
+    if (value > max) max = value;
+  }
+  return min <= max ? { min, max } : undefined;
+}

@@ -1,0 +1,58 @@
+// How far a value can be believed. Its own period is known (the plan and the rate of now): fresh for four of them, then faded with its age; after
+// twelve, or in a gap, or when the line is broken, there is no value: a dash, never the last number. Half a second is granted to the way here.
+import { live, type Latest } from "../live/live.svelte";
+import { shown } from "./source.svelte";
+
+export type Shown =
+  | { kind: "fresh"; value: number }
+  | { kind: "stale"; value: number; age: number }
+  | { kind: "none" };
+
+const NONE: Shown = { kind: "none" };
+
+/** Granted in any case: what messages and the unit's own answers vary by, and until when a value is kept, faded, at least. */
+const WAY = 0.5;
+const FADED = 3;
+/** Of a recording, and before a rate is known, whose period is not. */
+const UNKNOWN = { fresh: 1, faded: 10 };
+
+/** By its age and its own period; 0: not known. */
+export function judge(latest: Latest | undefined, now: number, period: number): Shown {
+  if (!latest) return NONE;
+  const age = now - latest.time;
+  const fresh = period > 0 ? Math.max(WAY, 4 * period) : UNKNOWN.fresh;
+  const faded = period > 0 ? Math.max(FADED, 12 * period) : UNKNOWN.faded;
+  if (age > faded) return NONE;
+  if (age > fresh) return { kind: "stale", value: latest.value, age };
+  return { kind: "fresh", value: latest.value };
+}
+
+/** Seconds between two values of this name by the plan in force. */
+function period(name: string): number {
+  const state = live.state;
+  if (!state || state.rate <= 0) return 0;
+  const every = state.plan.wanted.find((wanted) => wanted.name === name)?.every ?? 1;
+  return every / state.rate;
+}
+
+/** Read `beat.fast` beside it. */
+export function current(name: string): Shown {
+  const source = shown.source;
+  const latest = source.latest(name);
+  if (source.kind === "recording") return broken(latest, source.now()) ? NONE : judge(latest, source.now(), 0);
+  if (live.link !== "open" || live.state?.line !== "sampling") return NONE;
+  if (broken(latest, source.now())) return NONE;
+  return judge(latest, source.now(), period(name));
+}
+
+/** Within a gap that began after this value. */
+function broken(latest: Latest | undefined, now: number): boolean {
+  if (!latest) return true;
+  const events = shown.source.events;
+  for (let at = events.length - 1; at >= 0; at -= 1) {
+    const event = events[at]!;
+    if (event.kind !== "gap" || event.began > now) continue;
+    return event.began >= latest.time && (event.ended === null || event.ended > now);
+  }
+  return false;
+}

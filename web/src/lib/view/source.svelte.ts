@@ -1,0 +1,91 @@
+// What Live and Chart show: the live line, or a recording being played. The same interface for both.
+import { beat } from "./frameClock.svelte";
+import type { Columns } from "../series/columns";
+import { live, type Latest } from "../live/live.svelte";
+import type { LineEvent } from "../api/types";
+
+export interface Extremes {
+  min: number;
+  max: number;
+}
+
+export interface Source {
+  readonly kind: "live" | "recording";
+  /** Counts changes of the data: what draws reads it. */
+  readonly tick: number;
+  readonly columns: Columns;
+  readonly events: readonly LineEvent[];
+  /** The moment shown: now, the moment the view was frozen at, or where the player stands. */
+  now(): number;
+  /** The last value not later than that moment. */
+  latest(name: string): Latest | undefined;
+  /** Lowest and highest: live since `forget`, of a recording in all of it. */
+  extremes(name: string): Extremes | undefined;
+  /** Live: the view is frozen (sampling and recording go on). Recording: the player stands. */
+  readonly paused: boolean;
+  toggle(): void;
+  /** Another is shown from now on: lets go of what it holds. */
+  leave?(): void;
+}
+
+class LiveSource implements Source {
+  readonly kind = "live";
+  readonly columns = live.columns;
+  private frozen = $state<number | null>(null);
+
+  get tick(): number {
+    return live.tick;
+  }
+
+  get events(): readonly LineEvent[] {
+    return live.events;
+  }
+
+  get paused(): boolean {
+    return this.frozen !== null;
+  }
+
+  now(): number {
+    return this.frozen ?? live.now();
+  }
+
+  latest(name: string): Latest | undefined {
+    if (this.frozen === null) return live.latest.get(name);
+    const found = this.columns.valueAt(name, this.columns.rowAt(this.frozen), 30);
+    return found && { value: found.value, time: this.columns.times()[found.row]! };
+  }
+
+  extremes(name: string): Extremes | undefined {
+    return live.extremes.get(name);
+  }
+
+  toggle(): void {
+    this.frozen = this.frozen === null ? live.now() : null;
+    beat.poke();
+  }
+
+  resume(): void {
+    this.frozen = null;
+  }
+}
+
+export const liveSource = new LiveSource();
+
+class ShownSource {
+  source = $state.raw<Source>(liveSource);
+
+  play(recording: Source): void {
+    this.source = recording;
+    beat.poke();
+  }
+
+  goLive(): void {
+    const left = this.source;
+    liveSource.resume();
+    this.source = liveSource;
+    left.leave?.();
+    beat.poke();
+  }
+}
+
+export const shown = new ShownSource();

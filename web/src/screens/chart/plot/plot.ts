@@ -1,0 +1,208 @@
+// One pane as a uPlot: series, scales and axes from its traces; gaps hatched behind the lines. The cursor, the wheel and the hand are ours.
+import uPlot from "uplot";
+import { number } from "../../../lib/i18n";
+import type { Channel } from "../../../lib/api/types";
+import { counted, timesOfDay } from "./timeAxis";
+import { folded, type GapBand } from "../data/flags";
+import { fitting, lane, stretched } from "./scales";
+import type { Stretch, Trace } from "../view.svelte";
+
+export const LEFT = 58;
+export const RIGHT = 14;
+export const BOTTOM = 30;
+/** Of the second recording's lines, in CSS pixels. */
+const DASH = [5, 4];
+
+export interface Look {
+  text: string;
+  muted: string;
+  grid: string;
+  hatch: string;
+  ground: string;
+  traces: string[];
+  font: string;
+}
+
+export interface PlotPlan {
+  traces: Trace[];
+  channel: (name: string) => Channel | undefined;
+  stacked: boolean;
+  /** The lowest pane has the line of time. */
+  foot: boolean;
+  /** Some pane has a second axis: all keep room for it, so that times stand below each other. */
+  second: boolean;
+  /** Each trace once more, dashed: the second recording's; time is counted from here. Null: one source alone, times of day. */
+  zero: number | null;
+  look: Look;
+  stretch: () => Stretch | undefined;
+  gaps: () => GapBand[];
+  /** Where the line of that series (from 0) has long been without a value: from, to. */
+  holes: (series: number) => readonly [number, number][];
+  reason: (gap: GapBand) => string;
+}
+
+/** Traces of one unit share a scale; a flag has its own, at the foot of the pane. */
+export function scaleOf(trace: Trace, channel: Channel | undefined, stacked: boolean): string {
+  if (stacked || channel?.flag || !channel?.unit.en) return `own ${trace.name}`;
+  return channel.unit.en;
+}
+
+/** Scales in the order of their axes: at most two are drawn. */
+export function scalesOf(traces: readonly Trace[], channel: PlotPlan["channel"], stacked: boolean): string[] {
+  return [...new Set(traces.filter(({ hidden }) => !hidden).map((trace) => scaleOf(trace, channel(trace.name), stacked)))];
+}
+
+/** The least extent of a scale: so many steps of the last digit, and a little of the plausible range. */
+function least(channel: Channel | undefined): number {
+  const steps = 8 * 10 ** -(channel?.decimals ?? 0);
+  const range = channel?.range ? channel.range[1] - channel.range[0] : 0;
+  return Math.max(steps, range * 0.02);
+}
+
+export function makePlot(plan: PlotPlan, width: number, height: number, target: HTMLElement): uPlot {
+  const shown = plan.traces.filter(({ hidden }) => !hidden);
+  const keys = scalesOf(plan.traces, plan.channel, plan.stacked);
+  const { look, zero } = plan;
+  const scales: uPlot.Scales = { x: { time: zero === null, auto: false } };
+  keys.forEach((key, index) => {
+    const channels = shown.filter((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key).map(({ name }) => plan.channel(name));
+    const flag = channels.every((channel) => channel?.flag);
+    const floor = Math.max(...channels.map(least));
+    scales[key] = {
+      range: (_, min, max) => {
+        const fits: [number, number] = flag ? [-0.15, plan.stacked ? 1.15 : 4] : fitting(min, max, floor);
+        const own = plan.stacked ? lane(fits, index, keys.length) : fits;
+        return stretched(own, plan.stretch());
+      },
+    };
+  });
+  const colourOf = (key: string) => {
+    const own = shown.filter((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key);
+    return own.length === 1 ? look.traces[own[0]!.colour - 1]! : look.muted;
+  };
+  const drawn = plan.stacked ? [] : keys.filter((key) => !isFlag(plan, key)).slice(0, 2);
+  const axis = { font: look.font, grid: { stroke: look.grid, width: 1 }, ticks: { stroke: look.grid, width: 1, size: 4 } };
+  const times = zero === null ? { values: (_: uPlot, splits: number[], __: number, ___: number, step: number) => timesOfDay(splits, step) } : counted(zero);
+  const axes: uPlot.Axis[] = [
+    {
+      ...axis,
+      ...times,
+      // No words at all: an empty one is drawn, too, and costs as much as a short one.
+      ...(plan.foot ? {} : { values: () => [] }),
+      stroke: look.muted,
+      size: plan.foot ? BOTTOM : 0,
+      space: 90,
+      ticks: { ...axis.ticks, show: plan.foot },
+    },
+    ...drawn.map((key, index) => ({
+      ...axis,
+      scale: key,
+      side: (index === 0 ? 3 : 1) as 3 | 1,
+      size: index === 0 ? LEFT : LEFT,
+      space: 34,
+      stroke: colourOf(key),
+      grid: index === 0 ? axis.grid : { show: false },
+      values: (_: uPlot, splits: number[]) => splits.map((value) => number(value)),
+    })),
+  ];
+  const left = drawn.length > 0 ? 0 : LEFT;
+  const right = plan.second ? (drawn.length > 1 ? 0 : LEFT) : RIGHT;
+  const line = (trace: Trace, index: number, second: boolean): uPlot.Series => {
+    const channel = plan.channel(trace.name);
+    return {
+      label: trace.name,
+      scale: scaleOf(trace, channel, plan.stacked),
+      stroke: look.traces[trace.colour - 1]!,
+      width: second ? 1.25 : 1.75,
+      ...(second ? { dash: DASH.map((length) => length * devicePixelRatio) } : {}),
+      points: { show: false },
+      paths: channel?.flag ? uPlot.paths.stepped!({ align: 1 }) : uPlot.paths.linear!(),
+      gaps: (plot) => breaks(plot, plan, index + (second ? shown.length : 0), second),
+    };
+  };
+  const second = zero === null ? [] : shown.map((trace, index) => line(trace, index, true));
+  return new uPlot(
+    {
+      width,
+      height,
+      padding: [6, right, plan.foot ? 0 : 4, left],
+      legend: { show: false },
+      cursor: { show: false },
+      scales,
+      axes,
+      series: [{}, ...shown.map((trace, index) => line(trace, index, false)), ...second],
+      hooks: { drawAxes: [(plot) => hatch(plot, plan)] },
+    },
+    [[], ...shown.map(() => []), ...second.map(() => [])] as unknown as uPlot.AlignedData,
+    target,
+  );
+}
+
+const isFlag = (plan: PlotPlan, key: string) =>
+  plan.traces.some((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key && plan.channel(trace.name)?.flag);
+
+/** In canvas pixels, where a line is not drawn: a gap of the line, and where this value did not come for long. */
+function breaks(plot: uPlot, plan: PlotPlan, series: number, second: boolean): uPlot.Series.Gaps {
+  const place = (time: number) => Math.round(plot.valToPos(time, "x", true));
+  const between = plan
+    .gaps()
+    .filter((gap) => gap.second === second && gap.to > gap.from)
+    .map(({ from, to }): [number, number] => [from, to]);
+  return [...plan.holes(series), ...between]
+    .sort((one, other) => one[0] - other[0])
+    .map(([from, to]): [number, number] => [place(from), place(to)])
+    .filter(([from, to]) => to > from);
+}
+
+function hatch(plot: uPlot, plan: PlotPlan): void {
+  const { ctx, bbox } = plot;
+  const gaps = plan.gaps();
+  if (gaps.length === 0) return;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  const step = 9 * devicePixelRatio;
+  for (const gap of gaps) {
+    const from = Math.max(bbox.left, plot.valToPos(gap.from, "x", true));
+    const to = Math.min(bbox.left + bbox.width, plot.valToPos(gap.to, "x", true));
+    const wide = Math.max(to - from, devicePixelRatio);
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(from, bbox.top, wide, bbox.height);
+    ctx.clip();
+    ctx.strokeStyle = plan.look.hatch;
+    ctx.lineWidth = devicePixelRatio;
+    ctx.beginPath();
+    // On a grid of its own from the gap's edge, so that it moves with it; the second recording's leans the other way.
+    const [near, far] = gap.second ? [bbox.top, bbox.top + bbox.height] : [bbox.top + bbox.height, bbox.top];
+    for (let x = from - bbox.height; x < from + wide; x += step) {
+      ctx.moveTo(x, near);
+      ctx.lineTo(x + bbox.height, far);
+    }
+    ctx.stroke();
+    if (plan.foot && wide > 60 * devicePixelRatio) {
+      ctx.font = `${13 * devicePixelRatio}px ${plan.look.font.replace(/^\S+ /, "")}`;
+      write(ctx, plan.reason(gap), from, wide, gap.second ? bbox.top : bbox.top + bbox.height, gap.second, plan.look);
+    }
+    ctx.restore();
+  }
+  ctx.restore();
+}
+
+/** Words in a band, in as many lines as they need (three at most), on a ground of their own so that the hatching does not cut them. At the
+ * foot; the second recording's at the top. */
+function write(ctx: CanvasRenderingContext2D, words: string, left: number, wide: number, edge: number, atTop: boolean, look: Look): void {
+  const pad = 6 * devicePixelRatio;
+  const line = 16 * devicePixelRatio;
+  const lines = folded(words, (text) => ctx.measureText(text).width <= wide - 2 * pad, 3);
+  ctx.textBaseline = "top";
+  ctx.textAlign = "left";
+  lines.forEach((text, index) => {
+    const top = atTop ? edge + pad + line * index : edge - pad - line * (lines.length - index);
+    ctx.fillStyle = look.ground;
+    ctx.fillRect(left + pad / 2, top - 2, ctx.measureText(text).width + pad, line);
+    ctx.fillStyle = look.text;
+    ctx.fillText(text, left + pad, top);
+  });
+}

@@ -1,0 +1,79 @@
+// What a hand does on the chart, by keys, mouse or touch: the cursor's ways, and what fits.
+import { compared } from "../../lib/recording/comparison.svelte";
+import { cursors } from "../../lib/view/cursors.svelte";
+import type { Binding } from "../../lib/view/shortcuts.svelte";
+import { shown } from "../../lib/view/source.svelte";
+import { nextGap } from "./data/flags";
+import { everyGap, moment } from "./data/sources";
+import { view } from "./view.svelte";
+import { t } from "./messages";
+
+export function fit(): void {
+  view.fit();
+  view.showAll();
+}
+
+/** The cursor goes there; while two recordings are being aligned, it is the moment asked for. */
+export function choose(time: number): void {
+  cursors.a = time;
+  if (!compared.aligning) return;
+  compared.choose(time);
+  // Where the dashed line has it stays marked until it is in its place.
+  cursors.b = compared.aligning ? time : null;
+}
+
+const middle = () => cursors.a ?? (view.window()[0] + view.window()[1]) / 2;
+
+function step(samples: number): void {
+  const { columns } = shown.source;
+  const row = Math.min(columns.length - 1, Math.max(0, columns.rowAt(middle()) + samples));
+  if (columns.length > 0) cursors.a = columns.times()[row]!;
+}
+
+function toGap(step: 1 | -1): void {
+  const gap = nextGap(everyGap(), moment(cursors.a) ?? view.window()[0], step);
+  if (!gap) return;
+  const within = (gap.from + gap.to) / 2;
+  view.bring(within);
+  cursors.a = within;
+}
+
+function escape(): void {
+  if (compared.aligning) compared.turnAligning();
+  else cursors.a = null;
+  cursors.b = null;
+}
+
+const arrow = (code: "ArrowLeft" | "ArrowRight", shift: boolean, samples: number): Binding => ({
+  code,
+  shift,
+  show: `${shift ? "⇧" : ""}${samples < 0 ? "←" : "→"}`,
+  text: () => t(samples < 0 ? "left" : "right"),
+  run: () => step(samples),
+});
+
+export const bindings: Binding[] = [
+  { code: "KeyS", show: "S", text: () => t("stackLong"), run: () => (view.stacked = !view.stacked) },
+  { code: "KeyC", show: "C", text: () => t("second"), run: () => view.toggleSecond() },
+  { code: "KeyG", show: "G", text: () => t("nextGap"), run: () => toGap(1) },
+  { code: "KeyG", shift: true, show: "⇧G", text: () => t("nextGap"), run: () => toGap(-1) },
+  { code: "Digit0", show: "0", text: () => t("fit"), run: fit },
+  { code: "Equal", show: "+", text: () => t("closer"), run: () => view.zoom(0.7, middle()) },
+  { code: "Minus", show: "−", text: () => t("farther"), run: () => view.zoom(1 / 0.7, middle()) },
+  { code: "Escape", show: "Esc", text: () => t("second"), run: escape },
+  arrow("ArrowLeft", false, -1),
+  arrow("ArrowRight", false, 1),
+  arrow("ArrowLeft", true, -10),
+  arrow("ArrowRight", true, 10),
+];
+
+/** On the live line; while a recording is shown L is its loop, and it has no newest. */
+export const newest: Binding = { code: "KeyL", show: "L", text: () => t("followLong"), run: () => view.follow() };
+
+/** Where a mouse would click, while two recordings are being aligned. */
+export const chosen: Binding = {
+  code: "Enter",
+  show: "Enter",
+  text: () => t("chosen"),
+  run: () => cursors.a !== null && choose(cursors.a),
+};

@@ -1,0 +1,112 @@
+// The arc of a gauge: from where to where, and its bands. 240°, open at the bottom.
+import type { Channel } from "../../../lib/api/types";
+
+export interface Range {
+  low: number;
+  high: number;
+}
+
+/**
+ * The plausible range for a channel with limits: they are to stay in their places. Otherwise the warm idle and what was seen, with room, so that
+ * 15 kg/h of 450 is still a gauge; it grows in steps, not with each value.
+ */
+export function rangeOf(channel: Channel | undefined, seen?: { min: number; max: number }): Range {
+  const plausible = channel?.range && channel.range[1] > channel.range[0] ? channel.range : null;
+  const limits = Object.values(channel?.limits ?? {}).filter((limit): limit is number => limit !== null);
+  const reference = channel?.reference && channel.reference[1] > channel.reference[0] ? channel.reference : [];
+  if (plausible && (limits.length > 0 || reference.length === 0)) return { low: plausible[0], high: plausible[1] };
+  const known = [...reference, ...limits, ...(seen ? [seen.min, seen.max] : [])];
+  if (known.length === 0) return { low: 0, high: 1 };
+  const top = Math.max(...known);
+  const bottom = Math.min(0, ...known);
+  const room = top - bottom || Math.abs(top) || 1;
+  const low = bottom < 0 ? round(bottom - room * 0.2, -1) : 0;
+  const high = round(top + room * 0.25, 1);
+  if (plausible) return { low: Math.max(low, plausible[0]), high: Math.min(high, plausible[1]) };
+  // A share has no more than all of it.
+  return { low, high: channel?.unit.en === "%" && top <= 100 ? Math.min(high, 100) : high };
+}
+
+/** Away from zero to a number that reads well: 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 of a decade. */
+function round(value: number, way: 1 | -1): number {
+  if (value === 0) return 0;
+  const decade = 10 ** Math.floor(Math.log10(Math.abs(value)));
+  const steps = [1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10];
+  const share = Math.abs(value) / decade;
+  const step = steps.find((candidate) => candidate >= share - 1e-9) ?? 10;
+  return Number((way * step * decade).toPrecision(6));
+}
+
+export const share = (value: number, range: Range): number =>
+  Math.min(1, Math.max(0, (value - range.low) / (range.high - range.low)));
+
+export interface Band {
+  from: number;
+  to: number;
+  level: "danger" | "warning";
+}
+
+/** The parts of the arc beyond the limits, as shares of it. */
+export function bandsOf(channel: Channel | undefined, range: Range): Band[] {
+  const limits = channel?.limits;
+  if (!limits) return [];
+  const at = (value: number | null, without: number) => (value === null ? without : share(value, range));
+  const dangerLow = at(limits.danger_low, 0);
+  const warningLow = at(limits.warning_low, dangerLow);
+  const dangerHigh = at(limits.danger_high, 1);
+  const warningHigh = at(limits.warning_high, dangerHigh);
+  const bands: Band[] = [
+    { from: 0, to: dangerLow, level: "danger" },
+    { from: dangerLow, to: warningLow, level: "warning" },
+    { from: warningHigh, to: dangerHigh, level: "warning" },
+    { from: dangerHigh, to: 1, level: "danger" },
+  ];
+  return bands.filter(({ from, to }) => to > from);
+}
+
+const START = 150;
+const SWEEP = 240;
+
+const point = (at: number, radius: number, x: number, y: number): string => {
+  const angle = ((START + SWEEP * at) * Math.PI) / 180;
+  return `${(x + radius * Math.cos(angle)).toFixed(2)} ${(y + radius * Math.sin(angle)).toFixed(2)}`;
+};
+
+/** A piece of the arc as an SVG path, from share to share. */
+export function arc(from: number, to: number, radius: number, x = 100, y = 92): string {
+  const large = (to - from) * SWEEP > 180 ? 1 : 0;
+  return `M${point(from, radius, x, y)}A${radius} ${radius} 0 ${large} 1 ${point(to, radius, x, y)}`;
+}
+
+/** A mark across the arc. */
+export const tick = (at: number, inner: number, outer: number, x = 100, y = 92): string =>
+  `M${point(at, inner, x, y)}L${point(at, outer, x, y)}`;
+
+/** From where to where the lines of a strip go: one scale for all of one unit, and never so close that the last digit fills it. */
+export function framesOf(
+  names: readonly string[],
+  channelOf: (name: string) => Channel | undefined,
+  seenOf: (name: string) => { min: number; max: number } | undefined,
+): Map<string, Range> {
+  const groups = new Map<string, { min: number; max: number; least: number; names: string[] }>();
+  for (const name of names) {
+    const seen = seenOf(name);
+    if (!seen) continue;
+    const channel = channelOf(name);
+    const key = channel?.unit.en ? channel.unit.en : `own ${name}`;
+    const least = 8 * 10 ** -(channel?.decimals ?? 0);
+    const group = groups.get(key) ?? { ...seen, least, names: [] };
+    group.min = Math.min(group.min, seen.min);
+    group.max = Math.max(group.max, seen.max);
+    group.least = Math.max(group.least, least);
+    group.names.push(name);
+    groups.set(key, group);
+  }
+  const frames = new Map<string, Range>();
+  for (const group of groups.values()) {
+    const extent = Math.max((group.max - group.min) * 1.2, group.least);
+    const middle = (group.max + group.min) / 2;
+    for (const name of group.names) frames.set(name, { low: middle - extent / 2, high: middle + extent / 2 });
+  }
+  return frames;
+}

@@ -1,0 +1,128 @@
+/**
+ * Bytes and addresses as a person writes and reads them: hexadecimal, sixteen to a row, with their
+ * characters at the side. The four spaces and their ends are those of §3, rows 11–32.
+ */
+
+import type { Space as SpaceName } from "../../../lib/api/types";
+
+export type { SpaceName };
+
+export interface Space {
+  name: SpaceName;
+  last: number;
+  /** Read one by one: there is no block command for it (§3). */
+  single: boolean;
+}
+
+export const SPACES: readonly Space[] = [
+  { name: "ram", last: 0xff, single: false },
+  { name: "xram", last: 0xffff, single: false },
+  { name: "code", last: 0xffff, single: false },
+  { name: "sfr", last: 0xff, single: true },
+];
+
+export const WIDTH = 16;
+
+export function spaceOf(name: string): Space {
+  const found = SPACES.find((space) => space.name === name);
+  if (!found) throw new Error(`no memory space ${name}`);
+  return found;
+}
+
+/** `1F`, `0x1F`, `1Fh` → 31; anything else → null. */
+export function parseAddress(text: string): number | null {
+  const trimmed = text.trim();
+  const match = /^(?:0x([0-9a-f]{1,6})|([0-9a-f]{1,6})h?)$/i.exec(trimmed);
+  if (!match) return null;
+  return parseInt(match[1] ?? match[2] ?? "", 16);
+}
+
+/** `0A FF`, `0aff`, `0A:FF`, `0x0A, 0xFF` → bytes; null if it is anything else, or nothing. */
+export function parseBytes(text: string): Uint8Array | null {
+  const digits = text
+    .replace(/0x/gi, " ")
+    .replace(/[\s,:;]+/g, " ")
+    .trim();
+  if (!digits) return null;
+  const out: number[] = [];
+  for (const word of digits.split(" ")) {
+    // A lone digit is a byte of its own; of longer words each two digits are one.
+    const whole = word.length === 1 ? `0${word}` : word;
+    if (!/^(?:[0-9a-f]{2})+$/i.test(whole)) return null;
+    for (let at = 0; at < whole.length; at += 2) out.push(parseInt(whole.slice(at, at + 2), 16));
+  }
+  return Uint8Array.from(out);
+}
+
+/** The API's form of bytes: upper-case hex without spaces. */
+export function toHex(bytes: Iterable<number>): string {
+  return Array.from(bytes, byteText).join("");
+}
+
+/** Hex without spaces, as the API sends it, to bytes. */
+export function fromHex(hex: string): Uint8Array {
+  const out = new Uint8Array(hex.length >> 1);
+  for (let at = 0; at < out.length; at++) out[at] = parseInt(hex.slice(at * 2, at * 2 + 2), 16);
+  return out;
+}
+
+/** `0A FF 00`, cut at `longest` bytes. */
+export function spaced(bytes: Uint8Array, longest = Infinity): string {
+  const shown = Array.from(bytes.subarray(0, longest), byteText).join(" ");
+  return bytes.length > longest ? `${shown} … (${bytes.length})` : shown;
+}
+
+export function byteText(value: number): string {
+  return value.toString(16).toUpperCase().padStart(2, "0");
+}
+
+/** `0040`, or `40` in a space of 256 bytes. */
+export function addressText(address: number, space?: Space): string {
+  const digits = space && space.last <= 0xff ? 2 : 4;
+  return address.toString(16).toUpperCase().padStart(digits, "0");
+}
+
+export type Charset = "cp866" | "ascii";
+
+const CP866 = new TextDecoder("ibm866");
+const UPPER = Array.from({ length: 128 }, (_, at) => CP866.decode(Uint8Array.of(at + 128)));
+
+/** The byte's character, `·` for what has none. cp866 is what the passports are written in (§3). */
+export function character(value: number, charset: Charset): string {
+  if (value >= 0x20 && value < 0x7f) return String.fromCharCode(value);
+  // 0xFF is a no-break space in code page 866.
+  if (charset === "cp866" && value >= 0x80 && value < 0xff) return UPPER[value - 128] ?? "·";
+  return "·";
+}
+
+export interface Row {
+  address: number;
+  /** Sixteen places; null where the data have no byte. */
+  cells: (number | null)[];
+}
+
+/** Rows that begin at multiples of sixteen, as every hex dump has them. */
+export function rowsOf(data: Uint8Array, first: number): Row[] {
+  const rows: Row[] = [];
+  const end = first + data.length;
+  for (let address = first - (first % WIDTH); address < end; address += WIDTH) {
+    const cells = Array.from({ length: WIDTH }, (_, column) => {
+      const at = address + column - first;
+      return at >= 0 && at < data.length ? (data[at] ?? null) : null;
+    });
+    rows.push({ address, cells });
+  }
+  return rows;
+}
+
+/** As text, like `mikas mem read` prints it: for copying. */
+export function dumpText(data: Uint8Array, first: number, charset: Charset): string {
+  return rowsOf(data, first)
+    .map(({ address, cells }) => {
+      const hex = cells.map((cell) => (cell === null ? "  " : byteText(cell)));
+      const shown = cells.map((cell) => (cell === null ? " " : character(cell, charset))).join("");
+      const line = `${hex.slice(0, 8).join(" ")}  ${hex.slice(8).join(" ")}`;
+      return `${addressText(address)}  ${line}  ${shown}`.trimEnd();
+    })
+    .join("\n");
+}

@@ -1,0 +1,35 @@
+// The screens in the order of their keys 1–8. All come with the page: a program that has gone can't bring one later.
+import type { Component } from "svelte";
+import type { IconName } from "../components/basic/icons";
+import Chart from "./chart/Screen.svelte";
+import Connection from "./connection/Screen.svelte";
+import Faults from "./faults/Screen.svelte";
+import Live from "./live/Screen.svelte";
+import Memory from "./memory/Screen.svelte";
+import Passport from "./passport/Screen.svelte";
+import Recordings from "./recordings/Screen.svelte";
+import Report from "./report/Screen.svelte";
+import { dictionary } from "../lib/i18n";
+import type { ScreenName } from "../lib/view/router.svelte";
+
+export const screenTitle = dictionary<ScreenName>({
+  live: { en: "Live", ru: "Приборы" },
+  chart: { en: "Chart", ru: "График" },
+  faults: { en: "Faults", ru: "Ошибки" },
+  passport: { en: "Passport", ru: "Паспорт" },
+  memory: { en: "Memory", ru: "Память" },
+  recordings: { en: "Records", ru: "Записи" },
+  report: { en: "Report", ru: "Отчёт" },
+  connection: { en: "Cable", ru: "Связь" },
+});
+
+export const screens: { name: ScreenName; icon: IconName; component: Component }[] = [
+  { name: "live", icon: "live", component: Live },
+  { name: "chart", icon: "chart", component: Chart },
+  { name: "faults", icon: "faults", component: Faults },
+  { name: "passport", icon: "passport", component: Passport },
+  { name: "memory", icon: "memory", component: Memory },
+  { name: "recordings", icon: "recordings", component: Recordings },
+  { name: "report", icon: "report", component: Report },
+  { name: "connection", icon: "connection", component: Connection },
+];
