@@ -1,110 +1,6 @@
-// Everything the page asks of the server. Each call gives what docs/api.md says or throws an ApiError whose text says what to do.
-import { client, clientName } from "./client";
-import { say } from "../i18n";
+// One function for each route of the API (docs/api.md). Each returns the response's JSON or throws an `ApiError`.
+import { address, json, lines, type Query } from "./http";
 import type * as Api from "./types";
-
-const unreachable: Api.Text = {
-  en: "The mikas program does not answer. Is it still running? Look at the window it was started from.",
-  ru: "Программа mikas не отвечает. Она ещё запущена? Посмотрите в окно, из которого её запускали.",
-};
-
-const strange = (status: number): Api.Text => ({
-  en: `The program answered ${status} without an explanation. Reload the page; if it repeats, report it.`,
-  ru: `Программа ответила ${status} без объяснения. Обновите страницу; если повторится, сообщите об этом.`,
-});
-
-export class ApiError extends Error {
-  constructor(
-    /** 0: no answer at all. */
-    readonly status: number,
-    readonly code: string,
-    readonly text: Api.Text,
-    readonly sent: string | null = null,
-    readonly received: string | null = null,
-  ) {
-    super(text.en);
-    this.name = "ApiError";
-  }
-
-  /** The whole advice in the language on the screen. */
-  get said(): string {
-    return say(this.text);
-  }
-}
-
-export type Query = Record<string, string | number | boolean | string[] | null | undefined>;
-
-export function address(path: string, query: Query = {}): string {
-  const parts = Object.entries(query)
-    .filter(([, value]) => value !== null && value !== undefined)
-    .map(([name, value]) => `${name}=${encodeURIComponent(String(value))}`);
-  return `/api${path}${parts.length ? `?${parts.join("&")}` : ""}`;
-}
-
-interface Options {
-  query?: Query;
-  body?: unknown;
-  bytes?: BodyInit;
-  signal?: AbortSignal;
-}
-
-async function ask(method: string, path: string, options: Options = {}): Promise<Response> {
-  const headers: Record<string, string> = {
-    "X-Mikas-Client": client,
-    "X-Mikas-Name": encodeURIComponent(clientName()),
-  };
-  let body: BodyInit | undefined = options.bytes;
-  if (options.bytes !== undefined) headers["Content-Type"] = "application/octet-stream";
-  else if (options.body !== undefined) {
-    headers["Content-Type"] = "application/json";
-    body = JSON.stringify(options.body);
-  }
-  let answer: Response;
-  try {
-    answer = await fetch(address(path, options.query), { method, headers, body, signal: options.signal });
-  } catch (error) {
-    if (error instanceof DOMException && error.name === "AbortError") throw error;
-    throw new ApiError(0, "Unreachable", unreachable);
-  }
-  if (!answer.ok) throw await refusal(answer);
-  return answer;
-}
-
-async function refusal(answer: Response): Promise<ApiError> {
-  try {
-    const { error } = (await answer.json()) as { error: Api.ErrorBody };
-    if (typeof error.en !== "string") throw new TypeError("no text");
-    return new ApiError(
-      answer.status,
-      error.code,
-      { en: error.en, ru: error.ru },
-      error.sent,
-      error.received,
-    );
-  } catch {
-    return new ApiError(answer.status, "Strange", strange(answer.status));
-  }
-}
-
-async function json<T>(method: string, path: string, options?: Options): Promise<T> {
-  const answer = await ask(method, path, options);
-  return (answer.status === 204 ? undefined : await answer.json()) as T;
-}
-
-/** Newline-delimited JSON: each line as it comes. */
-async function lines<T>(path: string, options: Options, each: (line: T) => void): Promise<void> {
-  const answer = await ask("POST", path, options);
-  const reader = answer.body!.pipeThrough(new TextDecoderStream()).getReader();
-  let rest = "";
-  for (;;) {
-    const { value, done } = await reader.read();
-    if (done) break;
-    const parts = (rest + value).split("\n");
-    rest = parts.pop() ?? "";
-    for (const part of parts) if (part.trim()) each(JSON.parse(part) as T);
-  }
-  if (rest.trim()) each(JSON.parse(rest) as T);
-}
 
 const get = <T>(path: string, query?: Query, signal?: AbortSignal) =>
   json<T>("GET", path, { query, signal });
@@ -129,8 +25,8 @@ export const api = {
   connect: (port: string | null) =>
     post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null }),
   disconnect: () => post<Api.State>("/disconnect"),
-  doctor: (port: string | null, each: (step: Api.DoctorStep) => void) =>
-    lines<Api.DoctorStep>("/doctor", { body: { port } }, each),
+  doctor: (port: string | null, onStep: (step: Api.DoctorStep) => void) =>
+    lines<Api.DoctorStep>("/doctor", { body: { port } }, onStep),
   stopDoctor: () => post<Api.State>("/doctor/stop"),
   plan: (wanted: Api.Wanted[], method = "auto", rate: number | null = null) =>
     put<Api.State>("/plan", { wanted, method, rate }),
@@ -156,9 +52,8 @@ export const api = {
 
   unlock: (minutes = 5) => post<Api.State>("/unlock", { minutes }),
   lock: () => post<Api.State>("/lock"),
-  ask: (change: Api.Change) => post<Api.Asked>("/changes", change),
-  confirm: (nonce: string) =>
-    post<{ before: unknown; after: unknown; done: true }>(`/changes/${part(nonce)}`),
+  prepareChange: (change: Api.Change) => post<Api.ChangeProposal>("/changes", change),
+  confirmChange: (nonce: string) => post<Api.ChangeResult>(`/changes/${part(nonce)}`),
   journal: () => get<{ entries: Record<string, unknown>[] }>("/journal"),
 
   startRecording: (name: string | null = null) => post<Api.State>("/recording/start", { name }),

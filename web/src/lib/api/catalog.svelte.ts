@@ -1,6 +1,6 @@
 // The catalog: what there is to measure, with names, units, limits; asked until it came, after that it does not change.
 import { api } from "./api";
-import { insist } from "./retry";
+import { retry } from "./retry";
 import type { Catalog, Channel } from "./types";
 
 class CatalogStore {
@@ -13,8 +13,8 @@ class CatalogStore {
   );
 
   /** Until it came, or the returned function is called. Without it nothing on the page has a name. */
-  insist(): () => void {
-    return insist(async () => (this.loaded = await api.catalog()));
+  load(): () => void {
+    return retry(async () => (this.loaded = await api.catalog()));
   }
 
   get(name: string): Channel | undefined {

@@ -6,27 +6,27 @@
 const KEY = "mikas.client";
 const LEFT = "mikas.client.left";
 const TAKEN = "mikas.client.taken";
-const HEIR = "heir";
+const INHERITED = "inherited";
 /** ms that a closed tab's name waits for the next: after that its seat is free anyway. */
-const WAITS = 15_000;
-let heir = false;
+const INHERIT_MS = 15_000;
+let inherited = false;
 
 /** Told by the live line: whether this tab holds the controls. */
-export const seat = { held: false };
+export const controlLease = { held: false };
 
 function first(): string {
   try {
     const left = leftName();
     const [own, how] = (sessionStorage.getItem(KEY) ?? "").split(" ");
-    heir = how === HEIR;
+    inherited = how === INHERITED;
     // Another tab inherited it while this one was elsewhere: it is no longer this one's.
-    const mine = own && (heir || localStorage.getItem(TAKEN) !== own) ? own : null;
+    const mine = own && (inherited || localStorage.getItem(TAKEN) !== own) ? own : null;
     const before = mine ?? left;
     sessionStorage.removeItem(KEY);
     if (before === left) localStorage.removeItem(LEFT);
     if (left && !mine) {
       localStorage.setItem(TAKEN, left);
-      heir = true;
+      inherited = true;
     }
     if (before && /^[A-Za-z0-9-]{8,64}$/.test(before)) return before;
   } catch {
@@ -38,26 +38,26 @@ function first(): string {
 
 function leftName(): string | null {
   const [name, time] = (localStorage.getItem(LEFT) ?? "").split(" ");
-  return name && Date.now() - Number(time) < WAITS ? name : null;
+  return name && Date.now() - Number(time) < INHERIT_MS ? name : null;
 }
 
-export const client = globalThis.window ? first() : "page-test";
+export const clientId = globalThis.window ? first() : "page-test";
 
 /** What the other clients read when this one holds control. */
 export const clientName = (): string => {
   const agent = globalThis.navigator?.userAgent ?? "";
   const system = /Android|iPhone|iPad|Windows|Mac OS|Linux/.exec(agent)?.[0] ?? "";
   const browser = /Firefox|Edg|YaBrowser|Chrome|Safari/.exec(agent)?.[0]?.replace("Edg", "Edge") ?? "";
-  return [browser, system].filter(Boolean).join(", ") + ` (${tabSign})`;
+  return [browser, system].filter(Boolean).join(", ") + ` (${tabLabel})`;
 };
 
 /** Tells this tab from another of the same browser; stays over a reload. */
-export const tabSign = client.slice(-3).toUpperCase();
+export const tabLabel = clientId.slice(-3).toUpperCase();
 
 globalThis.window?.addEventListener("pagehide", () => {
   try {
-    sessionStorage.setItem(KEY, heir ? `${client} ${HEIR}` : client);
-    if (seat.held) localStorage.setItem(LEFT, `${client} ${Date.now()}`);
+    sessionStorage.setItem(KEY, inherited ? `${clientId} ${INHERITED}` : clientId);
+    if (controlLease.held) localStorage.setItem(LEFT, `${clientId} ${Date.now()}`);
   } catch {
     // As above.
   }
@@ -65,9 +65,9 @@ globalThis.window?.addEventListener("pagehide", () => {
 globalThis.window?.addEventListener("pageshow", (event) => {
   try {
     // Back from the browser's store of pages, and another tab has taken the name meanwhile: a new one.
-    const lent = event.persisted && seat.held && leftName() !== client;
+    const lent = event.persisted && controlLease.held && leftName() !== clientId;
     sessionStorage.removeItem(KEY);
-    if (leftName() === client) localStorage.removeItem(LEFT);
+    if (leftName() === clientId) localStorage.removeItem(LEFT);
     if (lent) location.reload();
   } catch {
     // As above.

@@ -1,55 +1,53 @@
-// A change in two steps: the server says what would be done and what would be lost, a person confirms exactly that (its nonce). What is
-// no longer as it was shown is shown again, never confirmed blindly.
-import { ApiError, api } from "./api";
-import { Asked } from "./request.svelte";
-import { say } from "../i18n";
-import type * as Api from "./types";
+// A change in two steps: the server proposes what it would do and what would be lost, a person confirms exactly that proposal (by its
+// nonce). A proposal that no longer describes the state is fetched and shown again; it is never confirmed unseen.
+import { localized } from "../i18n";
+import { api } from "./api";
+import type { ApiError } from "./http";
+import { ApiRequest } from "./request.svelte";
+import type { Change, ChangeProposal, ChangeResult } from "./types";
 
-export interface Outcome {
-  before: unknown;
-  after: unknown;
-}
+export type { ChangeResult };
 
-export class TwoSteps {
-  /** What is to be confirmed; null while it is being asked for. */
-  readonly shown = new Asked<Api.Asked>();
-  readonly done = new Asked<Outcome>();
-  /** It was shown again because it had changed, or was too old. */
-  again = $state(false);
+export class PendingChange {
+  readonly proposal = new ApiRequest<ChangeProposal>();
+  readonly result = new ApiRequest<ChangeResult>();
+  /** The proposal was fetched again because the first one had changed or expired. */
+  outdated = $state(false);
 
-  constructor(private readonly change: Api.Change) {}
+  constructor(private readonly change: Change) {}
 
-  async begin(): Promise<void> {
-    this.done.forget();
-    await this.shown.ask(() => api.ask(this.change));
+  async prepare(): Promise<void> {
+    this.result.reset();
+    await this.proposal.run(() => api.prepareChange(this.change));
   }
 
-  async confirm(): Promise<Outcome | undefined> {
-    const asked = this.shown.value;
-    if (!asked) return undefined;
-    const outcome = await this.done.ask(() => api.confirm(asked.nonce));
-    const error = this.done.error;
-    if (error && isStale(error)) {
-      this.again = true;
-      await this.begin();
+  async confirm(): Promise<ChangeResult | undefined> {
+    const proposal = this.proposal.value;
+    if (!proposal) return undefined;
+    const result = await this.result.run(() => api.confirmChange(proposal.nonce));
+    const error = this.result.error;
+    if (error && isOutdated(error)) {
+      this.outdated = true;
+      await this.prepare();
     }
-    return outcome;
+    return result;
   }
 }
 
-export function isStale(error: ApiError): boolean {
+/** Whether the error says that the proposal has changed, was used or has expired. */
+export function isOutdated(error: ApiError): boolean {
   return error.code === "NonceStale" || error.code === "NonceUnknown";
 }
 
-/** One thing that a change takes away, in words, whatever form the server gives it. */
-export function lostText(it: unknown): string {
-  if (typeof it === "string" || typeof it === "number") return String(it);
-  if (typeof it !== "object" || it === null) return "";
-  const thing = it as { en?: unknown; ru?: unknown; code?: unknown; text?: unknown };
+/** Text for an item that a change would delete: a string, a number, a text in two languages, or an object with `code` and `text`. */
+export function lostText(item: unknown): string {
+  if (typeof item === "string" || typeof item === "number") return String(item);
+  if (typeof item !== "object" || item === null) return "";
+  const fields = item as { en?: unknown; ru?: unknown; code?: unknown; text?: unknown };
   const text =
-    typeof thing.en === "string" && typeof thing.ru === "string"
-      ? say({ en: thing.en, ru: thing.ru })
-      : lostText(thing.text);
-  const code = thing.code === undefined ? "" : String(thing.code);
+    typeof fields.en === "string" && typeof fields.ru === "string"
+      ? localized({ en: fields.en, ru: fields.ru })
+      : lostText(fields.text);
+  const code = fields.code === undefined ? "" : String(fields.code);
   return [code, text].filter(Boolean).join(" · ");
 }

@@ -1,33 +1,34 @@
-// Something asked of the server: what came, or why not, and whether it is on its way. Of several askings the last one counts.
-import { ApiError } from "./api";
+// A request to the server with its state: the last value, the last error, whether a request is running. Of several overlapping requests
+// only the last one counts.
+import { ApiError } from "./http";
 
-export class Asked<T> {
+export class ApiRequest<T> {
   value = $state.raw<T | null>(null);
   error = $state.raw<ApiError | null>(null);
   busy = $state(false);
   private last = 0;
 
-  /** Undefined if it failed (then `error` says why), or if something else was asked meanwhile. */
-  async ask(job: () => Promise<T>): Promise<T | undefined> {
-    const mine = ++this.last;
+  /** Run the request. Undefined if it failed (then `error` is set) or a later one has replaced it. */
+  async run(job: () => Promise<T>): Promise<T | undefined> {
+    const own = ++this.last;
     this.busy = true;
     try {
       const value = await job();
-      if (mine !== this.last) return undefined;
+      if (own !== this.last) return undefined;
       this.value = value;
       this.error = null;
       return value;
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
-      if (mine === this.last) this.error = error;
+      if (own === this.last) this.error = error;
       return undefined;
     } finally {
-      if (mine === this.last) this.busy = false;
+      if (own === this.last) this.busy = false;
     }
   }
 
-  /** As at the beginning; what is still on its way comes to nothing. */
-  forget(): void {
+  /** Return to the initial state; a running request is ignored when it ends. */
+  reset(): void {
     this.last++;
     this.value = null;
     this.error = null;

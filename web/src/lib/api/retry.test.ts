@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { presets } from "../../screens/live/presets.svelte";
 import { catalog } from "./catalog.svelte";
-import { insist } from "./retry";
+import { retry } from "./retry";
 
 beforeEach(() => void vi.useFakeTimers());
 
@@ -24,7 +24,7 @@ function failing(times: number) {
 describe("insisting", () => {
   it("asks again after 1, 2, 4, 8 s, and no more once it came", async () => {
     const { asked, job } = failing(5);
-    insist(job);
+    retry(job);
     await vi.advanceTimersByTimeAsync(120_000);
     expect(asked).toEqual([0, 1, 3, 7, 15, 23]);
   });
@@ -32,7 +32,7 @@ describe("insisting", () => {
   it("waits for an answer before it asks again", async () => {
     let asked = 0;
     let fail = (_: Error) => {};
-    insist(() => {
+    retry(() => {
       asked += 1;
       return new Promise((_, reject) => (fail = reject));
     });
@@ -45,7 +45,7 @@ describe("insisting", () => {
 
   it("ends with the line: not even what is on its way is asked again", async () => {
     const { asked, job } = failing(Infinity);
-    const stop = insist(job);
+    const stop = retry(job);
     stop();
     await vi.advanceTimersByTimeAsync(60_000);
     expect(asked).toEqual([0]);
@@ -59,7 +59,7 @@ describe("what the page can't do without", () => {
   it("the catalog comes although its first request was lost", async () => {
     const got = { parameters: [], derived: [], presets: [] };
     vi.stubGlobal("fetch", vi.fn().mockImplementationOnce(lost).mockImplementation(async () => answer(got)));
-    const stop = catalog.insist();
+    const stop = catalog.load();
     await vi.advanceTimersByTimeAsync(0);
     expect(catalog.loaded).toBeNull();
     await vi.advanceTimersByTimeAsync(1000);
@@ -69,7 +69,7 @@ describe("what the page can't do without", () => {
 
   it("so do the presets", async () => {
     vi.stubGlobal("fetch", vi.fn().mockImplementationOnce(lost).mockImplementation(async () => answer({ presets: [] })));
-    const stop = presets.insist();
+    const stop = presets.load();
     await vi.advanceTimersByTimeAsync(0);
     expect(presets.loaded).toBe(false);
     await vi.advanceTimersByTimeAsync(1000);

@@ -300,7 +300,7 @@ export type Change =
   | { kind: "delete_dump"; id: string };
 
 /** What a change would do, to be shown before it is confirmed with its nonce. */
-export interface Asked {
+export interface ChangeProposal {
   nonce: string;
   expires: number;
   what: Text;
@@ -309,6 +309,11 @@ export interface Asked {
   danger: boolean;
   lost: unknown[];
   meaning: Text | null;
+}
+
+export interface ChangeResult {
+  before: unknown;
+  after: unknown;
 }
 
 export interface Recording {

@@ -1,3 +1,3 @@
 export { dictionary } from "./dictionary";
 export * from "./formats";
-export { language, say, type Code } from "./language.svelte";
+export { language, localized, type Code } from "./language.svelte";

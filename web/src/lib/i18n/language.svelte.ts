@@ -1,12 +1,12 @@
 // The language on the screen: chosen by a touch and kept; at first that of the command line (`--lang`, which the server writes into the page), else
 // the browser's.
-import { keep, kept } from "../platform/storage";
+import { loadSetting, saveSetting } from "../platform/storage";
 import type { Text } from "../api/types";
 
 export type Code = "en" | "ru";
 
 function first(): Code {
-  const chosen = kept("language");
+  const chosen = loadSetting("language");
   if (chosen === "en" || chosen === "ru") return chosen;
   const named = globalThis.document?.documentElement.dataset.language;
   if (named === "en" || named === "ru") return named;
@@ -19,7 +19,7 @@ class Language {
 
   choose(code: Code): void {
     this.code = code;
-    keep("language", code);
+    saveSetting("language", code);
     if (globalThis.document) document.documentElement.lang = code;
   }
 }
@@ -28,6 +28,6 @@ export const language = new Language();
 if (globalThis.document) document.documentElement.lang = language.code;
 
 /** A text of the server in the language on the screen. */
-export function say(text: Text | null | undefined): string {
+export function localized(text: Text | null | undefined): string {
   return text ? text[language.code] : "";
 }

@@ -2,13 +2,13 @@
 import { live } from "./live.svelte";
 
 /** Is a unit there to be asked? */
-export function answers(): boolean {
+export function ecuAnswers(): boolean {
   const line = live.state?.line;
   return live.link === "open" && (line === "ecu-alive" || line === "sampling");
 }
 
 /** Changes when another unit is at the line: what was read of the one before is not of this one. */
-export function unitKey(): string {
+export function ecuKey(): string {
   const state = live.state;
   return state ? JSON.stringify([state.port, state.version_code, state.passport]) : "";
 }

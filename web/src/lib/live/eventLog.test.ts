@@ -1,5 +1,5 @@
 import { describe, expect, it, vi } from "vitest";
-import { Happened } from "./eventLog";
+import { EventLog } from "./eventLog";
 import type { LineEvent } from "../api/types";
 
 const reason = { en: "no answer", ru: "нет ответа" };
@@ -8,7 +8,7 @@ const marker = (time: number): LineEvent => ({ kind: "marker", time, label: "" }
 
 /** As they are told, one batch after the other. */
 function told(...batches: LineEvent[][]): readonly LineEvent[] {
-  const happened = new Happened();
+  const happened = new EventLog();
   return batches.map((batch) => happened.add(batch)).at(-1)!;
 }
 
@@ -24,21 +24,21 @@ describe("events", () => {
   });
 
   it("gives another list each time, and leaves the one before as it was", () => {
-    const happened = new Happened();
+    const happened = new EventLog();
     const before = happened.add([marker(1)]);
     expect(happened.add([marker(2)])).not.toBe(before);
     expect(before).toEqual([marker(1)]);
   });
 
   it("holds the latest; what is over the edge may come again", () => {
-    const happened = new Happened();
+    const happened = new EventLog();
     happened.add(Array.from({ length: 2000 }, (_, time) => marker(time)));
     expect(happened.add([marker(2000)]).map(({ time }) => time)).toEqual(Array.from({ length: 2000 }, (_, at) => at + 1));
     expect(happened.add([marker(0)]).at(0)).toEqual(marker(1));
   });
 
   it("an event costs its own key only, however many are held", () => {
-    const happened = new Happened();
+    const happened = new EventLog();
     happened.add(Array.from({ length: 1500 }, (_, time) => marker(time)));
     const stringify = vi.spyOn(JSON, "stringify");
     const sort = vi.spyOn(Array.prototype, "sort");

@@ -4,7 +4,7 @@ import type { LineEvent } from "../api/types";
 
 const MOST = 2000;
 
-export class Happened {
+export class EventLog {
   private readonly byKey = new Map<string, LineEvent>();
   private held: LineEvent[] = [];
 

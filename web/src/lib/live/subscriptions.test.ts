@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { everyName, planFor, watched, withWatched } from "./subscriptions.svelte";
+import { supportedNames, planFor, alarmChannels, withAlarmChannels } from "./subscriptions.svelte";
 import type { State } from "../api/types";
 
 const state = (names: string[], recording = false): State =>
@@ -27,7 +27,7 @@ describe("the plan to ask for", () => {
     expect(planFor(["UOZ"], [], state(["UOZ", "INJ"], true))).toBeNull();
   });
 
-  it("asks in passing for what is watched and not shown", () => {
+  it("asks in passing for what is alarmChannels and not shown", () => {
     const passing = planFor(["FREQ"], ["TWAT"], state(["FREQ"]))!;
     expect(passing.map(({ name }) => name)).toEqual(["FREQ", "TWAT"]);
     expect(passing[1]!.every).toBeGreaterThanOrEqual(10);
@@ -44,12 +44,12 @@ describe("the plan to ask for", () => {
   });
 });
 
-it("what has limits or is an alarm when set is watched", () => {
+it("what has limits or is an alarm when set is alarmChannels", () => {
   const channel = (name: string, own: object) => ({ name, limits: null, alarm_when_true: "none" as const, ...own });
-  expect(watched([channel("FREQ", {}), channel("TWAT", { limits }), channel("RDET", { alarm_when_true: "warning" })])).toEqual(["TWAT", "RDET"]);
-  expect(withWatched([{ name: "TWAT", every: 1 }], ["TWAT"])).toEqual([{ name: "TWAT", every: 1 }]);
+  expect(alarmChannels([channel("FREQ", {}), channel("TWAT", { limits }), channel("RDET", { alarm_when_true: "warning" })])).toEqual(["TWAT", "RDET"]);
+  expect(withAlarmChannels([{ name: "TWAT", every: 1 }], ["TWAT"])).toEqual([{ name: "TWAT", every: 1 }]);
 });
 
 it("everything is all that the unit does not refuse", () => {
-  expect(everyName([{ name: "FREQ" }, { name: "UOZ" }], { dropped_parameters: ["UOZ"] })).toEqual(["FREQ"]);
+  expect(supportedNames([{ name: "FREQ" }, { name: "UOZ" }], { dropped_parameters: ["UOZ"] })).toEqual(["FREQ"]);
 });

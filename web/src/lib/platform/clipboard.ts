@@ -1,20 +1,25 @@
-// Text to the clipboard. On a phone over plain http the browser has no clipboard for pages; the old way works there too.
-import { copy } from "./saveFile";
+// Text to the clipboard. Over plain HTTP (a phone in the network) a page has no `navigator.clipboard`; selecting and copying works there too.
 
+/** Copy; false if the browser refuses, so that the text can be shown instead. */
 export async function copyText(text: string): Promise<boolean> {
-  return (await copy(text)) || bySelection(text);
+  try {
+    await navigator.clipboard.writeText(text);
+    return true;
+  } catch {
+    return copyBySelection(text);
+  }
 }
 
-function bySelection(text: string): boolean {
+function copyBySelection(text: string): boolean {
   const field = document.createElement("textarea");
   field.value = text;
   field.readOnly = true;
-  field.className = "aloud";
+  field.className = "visually-hidden";
   (document.querySelector("dialog[open]") ?? document.body).append(field);
   const before = document.activeElement;
   field.select();
   try {
-    // Deprecated, and the only thing that works without a secure context.
+    // Deprecated, but the only way without a secure context.
     return document.execCommand("copy");
   } catch {
     return false;

@@ -1,6 +1,6 @@
 // What is kept on this computer between visits. A browser that forbids it (private window) forgets, nothing more.
 
-export function kept(name: string): string | null {
+export function loadSetting(name: string): string | null {
   try {
     return localStorage.getItem(`mikas.${name}`);
   } catch {
@@ -8,7 +8,7 @@ export function kept(name: string): string | null {
   }
 }
 
-export function keep(name: string, value: string): void {
+export function saveSetting(name: string, value: string): void {
   try {
     localStorage.setItem(`mikas.${name}`, value);
   } catch {

@@ -1,10 +1,10 @@
 // Day (white, for the sun) and night (near-black): the system's until chosen here, then kept.
-import { keep, kept } from "./storage";
+import { loadSetting, saveSetting } from "./storage";
 
 export type Tone = "day" | "night";
 
 function first(): Tone {
-  const chosen = kept("theme");
+  const chosen = loadSetting("theme");
   if (chosen === "day" || chosen === "night") return chosen;
   return globalThis.matchMedia?.("(prefers-color-scheme: light)").matches ? "day" : "night";
 }
@@ -14,7 +14,7 @@ class Theme {
 
   choose(tone: Tone): void {
     this.tone = tone;
-    keep("theme", tone);
+    saveSetting("theme", tone);
     this.show();
   }
 

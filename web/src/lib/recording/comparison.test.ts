@@ -1,6 +1,6 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { api } from "../api/api";
-import { compared } from "./comparison.svelte";
+import { comparison } from "./comparison.svelte";
 import { player } from "./player.svelte";
 import type { RecordingDetail } from "../api/types";
 
@@ -25,39 +25,39 @@ beforeEach(async () => {
 
 describe("a second recording", () => {
   it("begins where the first one does, whatever their clocks said", async () => {
-    await compared.start("second", player.first);
-    expect(compared.on).toBe(true);
-    expect(compared.first + compared.lag).toBe(5000);
-    expect(compared.extremes("FREQ")).toEqual({ min: 0, max: 99 });
-    expect(compared.extremes("THR")).toBeUndefined();
+    await comparison.start("second", player.first);
+    expect(comparison.active).toBe(true);
+    expect(comparison.first + comparison.lag).toBe(5000);
+    expect(comparison.extremes("FREQ")).toEqual({ min: 0, max: 99 });
+    expect(comparison.extremes("THR")).toBeUndefined();
   });
 
   it("is moved by tenths that stay tenths", async () => {
-    await compared.start("second", player.first);
-    for (let step = 0; step < 13; step += 1) compared.shift(0.1);
-    expect(compared.offset).toBe(1.3);
-    expect(compared.lag).toBeCloseTo(4911.3);
-    compared.moveTo(0);
-    expect(compared.lag).toBe(4910);
+    await comparison.start("second", player.first);
+    for (let step = 0; step < 13; step += 1) comparison.shift(0.1);
+    expect(comparison.offset).toBe(1.3);
+    expect(comparison.lag).toBeCloseTo(4911.3);
+    comparison.moveTo(0);
+    expect(comparison.lag).toBe(4910);
   });
 
   it("is aligned by a moment of its own and the same one of the first", async () => {
-    await compared.start("second", player.first);
-    compared.choose(5003);
-    expect(compared.offset).toBe(0);
-    compared.turnAligning();
-    compared.choose(5003);
-    expect(compared.aligning).toEqual({ step: "first", at: 5003 });
-    compared.choose(5001.5);
-    expect(compared.offset).toBe(-1.5);
-    expect(compared.aligning).toBeNull();
+    await comparison.start("second", player.first);
+    comparison.alignAt(5003);
+    expect(comparison.offset).toBe(0);
+    comparison.toggleAligning();
+    comparison.alignAt(5003);
+    expect(comparison.aligning).toEqual({ step: "first", at: 5003 });
+    comparison.alignAt(5001.5);
+    expect(comparison.offset).toBe(-1.5);
+    expect(comparison.aligning).toBeNull();
   });
 
   it("goes with the first one, and its offset with it", async () => {
-    await compared.start("second", player.first);
-    compared.shift(2);
+    await comparison.start("second", player.first);
+    comparison.shift(2);
     player.close();
-    expect([compared.on, compared.offset, compared.columns.length]).toEqual([false, 0, 0]);
+    expect([comparison.active, comparison.offset, comparison.columns.length]).toEqual([false, 0, 0]);
   });
 
   it("that was asked for later holds, though the earlier one answers after it", async () => {
@@ -69,11 +69,11 @@ describe("a second recording", () => {
       return rows(id, query, signal);
     });
     const asked = vi.mocked(api.rows).mock.calls.length;
-    const before = compared.start("first", player.first);
+    const before = comparison.start("first", player.first);
     await vi.waitFor(() => expect(vi.mocked(api.rows).mock.calls).toHaveLength(asked + 1));
-    expect(await compared.start("second", player.first)).toBe(true);
+    expect(await comparison.start("second", player.first)).toBe(true);
     answer();
     expect(await before).toBe(false);
-    expect(compared.detail?.id).toBe("second");
+    expect(comparison.detail?.id).toBe("second");
   });
 });

@@ -1,9 +1,9 @@
 // A recording in the place of the live line: play, pause, step, scrub, loop. A `Source` like the live line.
-import { beat } from "../view/frameClock.svelte";
-import { compared } from "./comparison.svelte";
+import { frameClock } from "../view/frameClock.svelte";
+import { comparison } from "./comparison.svelte";
 import type { Latest } from "../live/live.svelte";
-import { Recorded } from "./recordingData.svelte";
-import { shown, type Source } from "../view/source.svelte";
+import { RecordingData } from "./recordingData.svelte";
+import { display, type Source } from "../view/source.svelte";
 
 /** A value older than this at the player's place is not shown. */
 const REACH = 30;
@@ -12,7 +12,7 @@ const LEAP = 0.25;
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16] as const;
 
-class Player extends Recorded implements Source {
+class Player extends RecordingData implements Source {
   readonly kind = "recording";
   /** Where it stands: seconds of the recording's own clock, between `first` and `last`. */
   position = $state(0);
@@ -30,18 +30,18 @@ class Player extends Recorded implements Source {
   /** Shows it in the place of the live line. Throws `ApiError` if it can't be read at all. */
   async open(id: string): Promise<void> {
     this.close();
-    if (!(await this.begin(id))) return;
+    if (!(await this.load(id))) return;
     this.position = this.first;
-    shown.play(this);
+    display.play(this);
   }
 
   /** Back to the live line. */
   close(): void {
-    compared.end();
+    comparison.end();
     this.pause();
     this.loop = null;
-    this.forget();
-    if (shown.source === this) shown.goLive();
+    this.reset();
+    if (display.source === this) display.goLive();
   }
 
   leave(): void {
@@ -59,7 +59,7 @@ class Player extends Recorded implements Source {
   pause(): void {
     this.playing = false;
     cancelAnimationFrame(this.frame);
-    beat.poke();
+    frameClock.request();
   }
 
   toggle(): void {
@@ -69,7 +69,7 @@ class Player extends Recorded implements Source {
 
   seek(time: number): void {
     this.position = Math.min(this.last, Math.max(this.first, time));
-    beat.poke();
+    frameClock.request();
   }
 
   /** To the next sample, or the one before. Stops. */
@@ -95,7 +95,7 @@ class Player extends Recorded implements Source {
     const passed = Math.min(LEAP, (now - this.before) / 1000) * this.speed;
     this.before = now;
     this.position = advance(this.position, passed, this.last, this.loop);
-    beat.poke();
+    frameClock.request();
     if (this.position >= this.last && !this.loop) this.pause();
     else this.frame = requestAnimationFrame((next) => this.go(next));
   }

@@ -1,7 +1,7 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { api } from "../api/api";
 import { advance, player } from "./player.svelte";
-import { shown } from "../view/source.svelte";
+import { display } from "../view/source.svelte";
 import type { RecordingDetail } from "../api/types";
 
 const RATE = 50;
@@ -38,7 +38,7 @@ beforeEach(() => {
 describe("the player", () => {
   it("shows a coarse view at once and then every row", async () => {
     await player.open("a.pcapng");
-    expect(shown.source).toBe(player);
+    expect(display.source).toBe(player);
     expect(player.columns.length).toBeGreaterThan(100);
     expect(player.columns.length).toBeLessThan(SAMPLES);
     await vi.waitFor(() => expect(player.loaded).toBe(1));
@@ -74,7 +74,7 @@ describe("the player", () => {
   it("gives the screen back to the live line", async () => {
     await player.open("a.pcapng");
     player.close();
-    expect(shown.source.kind).toBe("live");
+    expect(display.source.kind).toBe("live");
     expect(player.columns.length).toBe(0);
   });
 });

@@ -1,33 +1,34 @@
 // A recording as columns. It is read whole, in pieces, from its beginning; until the last has come a coarse view of all of it stands in, so that
 // the chart has something at once.
-import { ApiError, api } from "../api/api";
-import { beat } from "../view/frameClock.svelte";
+import { api } from "../api/api";
+import { ApiError } from "../api/http";
+import { frameClock } from "../view/frameClock.svelte";
 import { Columns } from "../series/columns";
 import type { Extremes } from "../view/source.svelte";
 import type { LineEvent, RecordingDetail } from "../api/types";
 
 /** Rows of a piece, and of the coarse view. */
-const PIECE = 15_000;
-const COARSE = 4000;
+const PART_ROWS = 15_000;
+const OVERVIEW_ROWS = 4000;
 /** More is not held here; such a recording stays coarse: eight hours at 35 sets a second. */
-const MOST = 1_000_000;
+const MAX_ROWS = 1_000_000;
 
-export class Recorded {
+export class RecordingData {
   detail = $state.raw<RecordingDetail | null>(null);
   columns = $state.raw(new Columns());
   /** How much has been read, 0 … 1. */
   loaded = $state(0);
   /** Reading broke off; what was read stays. */
-  trouble = $state.raw<ApiError | null>(null);
+  error = $state.raw<ApiError | null>(null);
   /** Counts changes of the columns. */
   tick = $state(0);
 
-  private began = $state(0);
+  private firstSample = $state(0);
   /** The first sample, not the first byte: before it there is nothing to show. */
-  readonly first = $derived(this.detail ? this.began : 0);
+  readonly first = $derived(this.detail ? this.firstSample : 0);
   readonly last = $derived(this.detail?.last ?? 0);
   /** Too long to be held whole: a step is not a sample, peaks stay. */
-  readonly coarse = $derived((this.detail?.samples ?? 0) > MOST);
+  readonly coarse = $derived((this.detail?.samples ?? 0) > MAX_ROWS);
 
   private reading: AbortController | null = null;
   private found = new Map<string, Extremes | undefined>();
@@ -48,32 +49,32 @@ export class Recorded {
   }
 
   /** In the place of what was read before. False: another was asked for meanwhile. Throws `ApiError` if it can't be read at all. */
-  protected async begin(id: string): Promise<boolean> {
-    this.forget();
+  protected async load(id: string): Promise<boolean> {
+    this.reset();
     const reading = new AbortController();
     this.reading = reading;
     const detail = await api.recording(id);
-    const query = { from: detail.first, to: detail.last, points: COARSE };
-    const rough = await unless(reading.signal, () => api.rows(id, query, reading.signal));
-    if (!rough) return false;
-    const columns = columnsOf(COARSE * 2);
-    columns.append(rough.names, rough.times, rough.values);
-    if (rough.decimated) columns.spacing = (4 * (detail.last - detail.first)) / Math.max(1, columns.length);
+    const query = { from: detail.first, to: detail.last, points: OVERVIEW_ROWS };
+    const overview = await unlessAborted(reading.signal, () => api.rows(id, query, reading.signal));
+    if (!overview) return false;
+    const columns = columnsOf(OVERVIEW_ROWS * 2);
+    columns.append(overview.names, overview.times, overview.values);
+    if (overview.decimated) columns.spacing = (4 * (detail.last - detail.first)) / Math.max(1, columns.length);
     this.columns = columns;
-    this.began = Math.max(detail.first, rough.times[0] ?? detail.first);
+    this.firstSample = Math.max(detail.first, overview.times[0] ?? detail.first);
     this.detail = detail;
     this.tick += 1;
-    if (rough.decimated && !this.coarse) void this.read(id, detail, reading.signal);
+    if (overview.decimated && !this.coarse) void this.read(id, detail, reading.signal);
     else this.loaded = 1;
     return true;
   }
 
-  protected forget(): void {
+  protected reset(): void {
     this.reading?.abort();
     this.reading = null;
     this.detail = null;
     this.loaded = 0;
-    this.trouble = null;
+    this.error = null;
     this.columns = new Columns();
     this.tick += 1;
   }
@@ -83,13 +84,13 @@ export class Recorded {
     const length = Math.max(1e-6, detail.last - detail.first);
     const rate = Math.max(detail.rate, detail.samples / length);
     // Pieces by time; where samples lie closer than on average a piece would be decimated, and is asked again in halves.
-    let seconds = Math.max(1, PIECE / Math.max(1, rate));
+    let seconds = Math.max(1, PART_ROWS / Math.max(1, rate));
     let from = detail.first;
     try {
       while (from <= detail.last) {
         const to = Math.min(from + seconds, detail.last + 1);
-        const query = { from, to, points: PIECE * 1.3 };
-        const rows = await unless(signal, () => api.rows(id, query, signal));
+        const query = { from, to, points: PART_ROWS * 1.3 };
+        const rows = await unlessAborted(signal, () => api.rows(id, query, signal));
         if (!rows) return;
         if (rows.decimated && seconds > 0.5) {
           seconds /= 2;
@@ -102,16 +103,16 @@ export class Recorded {
       this.columns = whole;
       this.loaded = 1;
       this.tick += 1;
-      beat.poke();
+      frameClock.request();
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
-      this.trouble = error;
+      this.error = error;
     }
   }
 }
 
 /** Undefined once it has been given up, before or meanwhile. */
-async function unless<T>(signal: AbortSignal, job: () => Promise<T>): Promise<T | undefined> {
+async function unlessAborted<T>(signal: AbortSignal, job: () => Promise<T>): Promise<T | undefined> {
   if (signal.aborted) return undefined;
   try {
     const done = await job();

@@ -7,27 +7,27 @@ export type Cell = number | boolean | null;
 const FIRST = 4096;
 
 export class Columns {
-  /** Rows held now. */
+  /** Rows byName now. */
   length = 0;
   /** Rows dropped from the front since the beginning: `start + i` names a row for good. */
   start = 0;
   /** Seconds that may lie between two rows because they came thinned; 0: all came. */
   spacing = 0;
-  private room: number;
+  private allocated: number;
   private time: Float64Array;
-  private readonly held = new Map<string, Float64Array>();
+  private readonly byName = new Map<string, Float64Array>();
 
   constructor(
     private readonly capacity = 1 << 18,
     /** Seconds kept at most. */
     private readonly span = Infinity,
   ) {
-    this.room = Math.min(FIRST, capacity);
-    this.time = new Float64Array(this.room);
+    this.allocated = Math.min(FIRST, capacity);
+    this.time = new Float64Array(this.allocated);
   }
 
   get names(): string[] {
-    return [...this.held.keys()];
+    return [...this.byName.keys()];
   }
 
   get first(): number {
@@ -45,7 +45,7 @@ export class Columns {
 
   /** A view as of `times`; undefined if this name was never seen. */
   column(name: string, from = 0, to = this.length): Float64Array | undefined {
-    return this.held.get(name)?.subarray(from, to);
+    return this.byName.get(name)?.subarray(from, to);
   }
 
   /** Rows not later than the last one are refused: a repeated message adds nothing twice. Gives how many were taken. */
@@ -53,30 +53,30 @@ export class Columns {
     const last = this.last;
     let skipped = 0;
     while (skipped < times.length && times[skipped]! <= last) skipped += 1;
-    // More than there is room for: the last of it.
+    // More than there is allocated for: the last of it.
     const over = Math.max(0, times.length - skipped - this.capacity);
     skipped += over;
     this.start += over;
     const added = times.length - skipped;
     if (added <= 0) return 0;
-    this.make(added);
+    this.reserve(added);
     const at = this.length;
     for (let row = 0; row < added; row += 1) this.time[at + row] = times[skipped + row]!;
-    for (const name of names) if (!this.held.has(name)) this.held.set(name, this.blank(at));
+    for (const name of names) if (!this.byName.has(name)) this.byName.set(name, this.blank(at));
     const given = new Map(names.map((name, index) => [name, values[index]!]));
-    for (const [name, column] of this.held) {
+    for (const [name, column] of this.byName) {
       const cells = given.get(name);
       for (let row = 0; row < added; row += 1) column[at + row] = numeric(cells?.[skipped + row]);
     }
     this.length += added;
-    this.forget();
+    this.dropOld();
     return added;
   }
 
   clear(): void {
     this.start += this.length;
     this.length = 0;
-    this.held.clear();
+    this.byName.clear();
   }
 
   /** The row of this time: the last one not later. -1: all are later. */
@@ -93,7 +93,7 @@ export class Columns {
 
   /** The last value not later than the row, and its row; undefined if there is none within `reach` seconds. */
   valueAt(name: string, row: number, reach = Infinity): { value: number; row: number } | undefined {
-    const column = this.held.get(name);
+    const column = this.byName.get(name);
     if (!column || row < 0) return undefined;
     const until = this.time[Math.min(row, this.length - 1)]! - reach;
     for (let at = Math.min(row, this.length - 1); at >= 0 && this.time[at]! >= until; at -= 1) {
@@ -104,26 +104,26 @@ export class Columns {
   }
 
   private blank(filled: number): Float64Array {
-    const column = new Float64Array(this.room);
+    const column = new Float64Array(this.allocated);
     column.fill(NaN, 0, filled);
     return column;
   }
 
-  private make(added: number): void {
-    if (this.length + added <= this.room) return;
-    if (this.room < this.capacity) {
-      while (this.room < this.length + added && this.room < this.capacity) this.room *= 2;
-      this.room = Math.min(this.room, this.capacity);
-      this.time = grown(this.time, this.room);
-      for (const [name, column] of this.held) this.held.set(name, grown(column, this.room));
+  private reserve(added: number): void {
+    if (this.length + added <= this.allocated) return;
+    if (this.allocated < this.capacity) {
+      while (this.allocated < this.length + added && this.allocated < this.capacity) this.allocated *= 2;
+      this.allocated = Math.min(this.allocated, this.capacity);
+      this.time = enlarged(this.time, this.allocated);
+      for (const [name, column] of this.byName) this.byName.set(name, enlarged(column, this.allocated));
     }
-    if (this.length + added > this.room) {
-      this.drop(Math.max(this.length + added - this.room, this.length >> 2));
+    if (this.length + added > this.allocated) {
+      this.drop(Math.max(this.length + added - this.allocated, this.length >> 2));
     }
   }
 
   /** Rows older than `span` go, a quarter at a time. */
-  private forget(): void {
+  private dropOld(): void {
     if (this.span === Infinity || this.length < FIRST) return;
     const quarter = this.length >> 2;
     if (this.time[quarter]! < this.last - this.span) this.drop(quarter);
@@ -132,7 +132,7 @@ export class Columns {
   private drop(count: number): void {
     const gone = Math.min(count, this.length);
     this.time.copyWithin(0, gone, this.length);
-    for (const column of this.held.values()) column.copyWithin(0, gone, this.length);
+    for (const column of this.byName.values()) column.copyWithin(0, gone, this.length);
     this.length -= gone;
     this.start += gone;
   }
@@ -141,8 +141,8 @@ export class Columns {
 const numeric = (cell: Cell | undefined): number =>
   cell === null || cell === undefined ? NaN : Number(cell);
 
-function grown(column: Float64Array, room: number): Float64Array {
-  const bigger = new Float64Array(room);
+function enlarged(column: Float64Array, allocated: number): Float64Array {
+  const bigger = new Float64Array(allocated);
   bigger.set(column);
   return bigger;
 }

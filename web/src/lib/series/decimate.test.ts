@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { Columns } from "./columns";
-import { gather, holes } from "./decimate";
+import { decimate, findHoles } from "./decimate";
 
 function filled(rows: number, value: (row: number) => number | null, step = 0.01): Columns {
   const columns = new Columns(1 << 17);
@@ -9,10 +9,10 @@ function filled(rows: number, value: (row: number) => number | null, step = 0.01
   return columns;
 }
 
-describe("gather", () => {
+describe("decimate", () => {
   it("gives all rows where there is room, with one more at either side", () => {
     const columns = filled(100, (row) => row);
-    const { times, values, width } = gather(columns, ["A"], 1000.195, 1000.305, 50);
+    const { times, values, width } = decimate(columns, ["A"], 1000.195, 1000.305, 50);
     expect(width).toBe(0);
     expect(values[0]).toEqual([19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31]);
     expect(times).toHaveLength(13);
@@ -20,7 +20,7 @@ describe("gather", () => {
 
   it("keeps a spike of one row in a hundred thousand, both ways", () => {
     const columns = filled(100_000, (row) => (row === 54_321 ? 900 : row === 70_007 ? -5 : 1));
-    const { values, times } = gather(columns, ["A"], 1000, 2000, 500);
+    const { values, times } = decimate(columns, ["A"], 1000, 2000, 500);
     expect(times.length).toBeLessThanOrEqual(2 * 502);
     expect(values[0]).toContain(900);
     expect(values[0]).toContain(-5);
@@ -28,7 +28,7 @@ describe("gather", () => {
 
   it("draws of a level stretch its ends, and enough at the edges to be scaled by", () => {
     const columns = filled(60, (row) => (row < 20 ? 1 : row < 40 ? 2 : 1));
-    const drawn = gather(columns, ["A"], 1000, 1000.6, 100).values[0]!;
+    const drawn = decimate(columns, ["A"], 1000, 1000.6, 100).values[0]!;
     expect(drawn.flatMap((value, row) => (value === undefined ? [] : [[row, value]]))).toEqual([
       ...[0, 1, 2, 3].map((row) => [row, 1]), [19, 1], [20, 2], [39, 2], [40, 1], ...[56, 57, 58, 59].map((row) => [row, 1]),
     ]);
@@ -36,21 +36,21 @@ describe("gather", () => {
 
   it("keeps what stands between missing values", () => {
     const columns = filled(30, (row) => (row % 3 === 0 ? 7 : null));
-    const drawn = gather(columns, ["A"], 1000, 1000.3, 100).values[0]!;
+    const drawn = decimate(columns, ["A"], 1000, 1000.3, 100).values[0]!;
     expect(drawn.filter((value) => value === 7)).toHaveLength(10);
   });
 
   it("keeps the order of low and high", () => {
-    const rising = gather(filled(1000, (row) => row), ["A"], 1000, 1010, 10);
-    const falling = gather(filled(1000, (row) => -row), ["A"], 1000, 1010, 10);
+    const rising = decimate(filled(1000, (row) => row), ["A"], 1000, 1010, 10);
+    const falling = decimate(filled(1000, (row) => -row), ["A"], 1000, 1010, 10);
     expect(rising.values[0]).toEqual([...(rising.values[0] as number[])].sort((a, b) => a - b));
     expect(falling.values[0]).toEqual([...(falling.values[0] as number[])].sort((a, b) => b - a));
   });
 
   it("does not change what is past when the window moves on", () => {
     const columns = filled(10_000, (row) => Math.sin(row * 1.7) * row);
-    const one = gather(columns, ["A"], 1000, 1090, 300);
-    const other = gather(columns, ["A"], 1002.37, 1092.37, 300);
+    const one = decimate(columns, ["A"], 1000, 1090, 300);
+    const other = decimate(columns, ["A"], 1002.37, 1092.37, 300);
     const before = new Map(one.times.map((time, index) => [time.toFixed(6), one.values[0]![index]]));
     const inside = other.times
       .map((time, index) => [time.toFixed(6), other.values[0]![index], time] as const)
@@ -61,7 +61,7 @@ describe("gather", () => {
 
   it("has null for stretches without a value, and for a name never seen", () => {
     const columns = filled(10_000, (row) => (row >= 4000 && row < 6000 ? null : 7));
-    const { values, times } = gather(columns, ["A", "B"], 1000, 1100, 100);
+    const { values, times } = decimate(columns, ["A", "B"], 1000, 1100, 100);
     const middle = times.findIndex((time) => time > 1050);
     expect(values[0]![middle]).toBeNull();
     expect(values[0]![0]).toBe(7);
@@ -70,17 +70,17 @@ describe("gather", () => {
   });
 
   it("takes an empty line and a window where nothing is", () => {
-    expect(gather(new Columns(), ["A"], 0, 10, 100)).toEqual({ times: [], values: [[]], width: 0 });
-    expect(gather(filled(100, () => 1), ["A"], 5000, 6000, 10).times.length).toBeLessThanOrEqual(2);
+    expect(decimate(new Columns(), ["A"], 0, 10, 100)).toEqual({ times: [], values: [[]], width: 0 });
+    expect(decimate(filled(100, () => 1), ["A"], 5000, 6000, 10).times.length).toBeLessThanOrEqual(2);
   });
 });
 
 describe("holes", () => {
   it("are where nothing came for longer than that", () => {
-    expect(holes([0, 1, 2, 9, 10, 20], [1, null, 1, 1, 1, 1], 5)).toEqual([
+    expect(findHoles([0, 1, 2, 9, 10, 20], [1, null, 1, 1, 1, 1], 5)).toEqual([
       [2, 9],
       [10, 20],
     ]);
-    expect(holes([0, 1], [null, null], 1)).toEqual([]);
+    expect(findHoles([0, 1], [null, null], 1)).toEqual([]);
   });
 });

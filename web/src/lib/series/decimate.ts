@@ -5,7 +5,7 @@ import type { Columns } from "./columns";
 
 export type Cells = (number | null | undefined)[];
 
-export interface Gathered {
+export interface Decimated {
   times: number[];
   /** A column a name; null where there is nothing, undefined where the line between its neighbours passes anyway. */
   values: Cells[];
@@ -13,51 +13,51 @@ export interface Gathered {
   width: number;
 }
 
-export function gather(
+export function decimate(
   columns: Columns,
   names: readonly string[],
   from: number,
   to: number,
   pixels: number,
-): Gathered {
+): Decimated {
   // One row more at either side: the line goes on to the edge.
   const first = Math.max(0, columns.rowAt(from));
   const last = Math.min(columns.length, columns.rowAt(to) + 2);
   const times = columns.times(first, last);
   if (times.length <= 2 * pixels || !(to > from)) {
-    return { times: [...times], values: names.map((name) => level(plain(columns.column(name, first, last), times.length))), width: 0 };
+    return { times: [...times], values: names.map((name) => dropFlatPoints(allRows(columns.column(name, first, last), times.length))), width: 0 };
   }
   const width = (to - from) / pixels;
-  const grid = stretches(times, width);
+  const grid = bucketsOf(times, width);
   return {
     times: grid.numbers.flatMap((number) => [(number + 0.25) * width, (number + 0.75) * width]),
-    values: names.map((name) => level(ends(columns.column(name, first, last), grid.edges))),
+    values: names.map((name) => dropFlatPoints(minMax(columns.column(name, first, last), grid.edges))),
     width,
   };
 }
 
-function plain(column: Float64Array | undefined, length: number): (number | null)[] {
+function allRows(column: Float64Array | undefined, length: number): (number | null)[] {
   if (!column) return new Array<null>(length).fill(null);
   return Array.from(column, (value) => (Number.isNaN(value) ? null : value));
 }
 
 /** So many at either end stay: some lie beyond the window, and what is in it must have a value to be scaled by. */
-const KEPT = 4;
+const EDGE_ROWS = 4;
 
 /** Of a level stretch only the ends are drawn: most channels stand still for many rows, and each point costs. */
-function level(values: (number | null)[]): Cells {
+function dropFlatPoints(values: (number | null)[]): Cells {
   const out: Cells = values;
   let before: number | null = null;
-  for (let row = KEPT - 1; row + KEPT < values.length; row += 1) {
+  for (let row = EDGE_ROWS - 1; row + EDGE_ROWS < values.length; row += 1) {
     const value = values[row]!;
-    if (row >= KEPT && value !== null && value === before && value === values[row + 1]) out[row] = undefined;
+    if (row >= EDGE_ROWS && value !== null && value === before && value === values[row + 1]) out[row] = undefined;
     before = value;
   }
   return out;
 }
 
 /** Which stretches have rows: their numbers on the grid, and where in the rows each begins (and the last one ends). */
-function stretches(times: Float64Array, width: number): { numbers: number[]; edges: number[] } {
+function bucketsOf(times: Float64Array, width: number): { numbers: number[]; edges: number[] } {
   const numbers: number[] = [];
   const edges: number[] = [];
   for (let row = 0; row < times.length; row += 1) {
@@ -70,7 +70,7 @@ function stretches(times: Float64Array, width: number): { numbers: number[]; edg
   return { numbers, edges };
 }
 
-function ends(column: Float64Array | undefined, edges: readonly number[]): (number | null)[] {
+function minMax(column: Float64Array | undefined, edges: readonly number[]): (number | null)[] {
   const out = new Array<number | null>(2 * (edges.length - 1)).fill(null);
   if (!column) return out;
   for (let stretch = 0; stretch + 1 < edges.length; stretch += 1) {
@@ -99,24 +99,24 @@ function ends(column: Float64Array | undefined, edges: readonly number[]): (numb
 }
 
 /** Where the line is not to be drawn: longer than `apart` seconds without a value. */
-export function holes(
+export function findHoles(
   times: readonly number[],
   values: Readonly<Cells>,
-  apart: number,
+  threshold: number,
 ): [number, number][] {
   const found: [number, number][] = [];
   let before = NaN;
   for (let row = 0; row < values.length; row += 1) {
     if (values[row] === null) continue;
     const time = times[row]!;
-    if (time - before > apart) found.push([before, time]);
+    if (time - before > threshold) found.push([before, time]);
     before = time;
   }
   return found;
 }
 
 /** Two on one line of time, the other's `lag` seconds later; where one has no row, its cells are undefined: its line passes. */
-export function joined(one: Gathered, other: Gathered, lag: number): { times: number[]; values: Cells[] } {
+export function mergeTimelines(one: Decimated, other: Decimated, lag: number): { times: number[]; values: Cells[] } {
   const times: number[] = [];
   const rows: number[] = [];
   const others: number[] = [];

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { apart } from "./gapThreshold";
+import { gapThreshold } from "./gapThreshold";
 import { Columns } from "./columns";
 
 /** A value every `every` seconds; none from..to. */
@@ -12,27 +12,27 @@ function rows(every: number, count: number, none: [number, number] = [0, 0]): Co
 
 describe("how far apart values may lie", () => {
   it("goes by the channel's own usual distance", () => {
-    expect(apart(rows(1 / 30, 900), "A")).toBe(0.5);
-    expect(apart(rows(0.2, 300), "A")).toBeCloseTo(1);
-    expect(apart(rows(4, 50), "A")).toBeCloseTo(20);
+    expect(gapThreshold(rows(1 / 30, 900), "A")).toBe(0.5);
+    expect(gapThreshold(rows(0.2, 300), "A")).toBeCloseTo(1);
+    expect(gapThreshold(rows(4, 50), "A")).toBeCloseTo(20);
   });
 
   it("is not stretched by the hole itself", () => {
-    expect(apart(rows(0.05, 600, [110, 125]), "A")).toBe(0.5);
+    expect(gapThreshold(rows(0.05, 600, [110, 125]), "A")).toBe(0.5);
   });
 
   it("is asked of sparse columns, too", () => {
     const columns = new Columns();
     const times = Array.from({ length: 600 }, (_, row) => row / 30);
     columns.append(["A"], times, [times.map((time, row) => (row % 10 ? null : time))]);
-    expect(apart(columns, "A")).toBeCloseTo(5 / 3);
+    expect(gapThreshold(columns, "A")).toBeCloseTo(5 / 3);
   });
 
   it("with next to nothing to go by is three seconds, and never less than the rows are thinned", () => {
-    expect(apart(rows(0.1, 2), "A")).toBe(3);
-    expect(apart(rows(0.1, 2), "B")).toBe(3);
+    expect(gapThreshold(rows(0.1, 2), "A")).toBe(3);
+    expect(gapThreshold(rows(0.1, 2), "B")).toBe(3);
     const thin = rows(1, 50);
     thin.spacing = 28;
-    expect(apart(thin, "A")).toBe(28);
+    expect(gapThreshold(thin, "A")).toBe(28);
   });
 });

@@ -1,5 +1,5 @@
 // Lines of values on a canvas: sparklines and strips. At most two points a pixel, its lowest and highest, so that a spike stays.
-import { apart } from "./gapThreshold";
+import { gapThreshold } from "./gapThreshold";
 import type { Columns } from "./columns";
 
 export interface Frame {
@@ -10,7 +10,7 @@ export interface Frame {
 }
 
 /** Ready to draw on, in CSS pixels, cleared; null while it has no size. */
-export function prepare(canvas: HTMLCanvasElement): { context: CanvasRenderingContext2D; width: number; height: number } | null {
+export function prepareCanvas(canvas: HTMLCanvasElement): { context: CanvasRenderingContext2D; width: number; height: number } | null {
   const width = canvas.clientWidth;
   const height = canvas.clientHeight;
   if (width === 0 || height === 0) return null;
@@ -29,7 +29,7 @@ export function prepare(canvas: HTMLCanvasElement): { context: CanvasRenderingCo
 }
 
 /** Lowest and highest within the time; undefined without values. */
-export function spanOf(columns: Columns, name: string, from: number, to: number): { min: number; max: number } | undefined {
+export function extremesBetween(columns: Columns, name: string, from: number, to: number): { min: number; max: number } | undefined {
   const first = columns.rowAt(from) + 1;
   const last = columns.rowAt(to) + 1;
   const column = columns.column(name, first, last);
@@ -44,7 +44,7 @@ export function spanOf(columns: Columns, name: string, from: number, to: number)
 }
 
 /** Adds the path of `name` to the context; to be stroked by whoever calls. */
-export function trace(
+export function drawTrace(
   context: CanvasRenderingContext2D,
   columns: Columns,
   name: string,
@@ -58,7 +58,7 @@ export function trace(
   const times = columns.times(first, last);
   const values = columns.column(name, first, last);
   if (!values) return;
-  const longest = apart(columns, name, first, last);
+  const longest = gapThreshold(columns, name, first, last);
   const perSecond = width / (frame.to - frame.from);
   const perUnit = (height - 2 * pad) / (frame.high - frame.low || 1);
   const y = (value: number) => height - pad - (value - frame.low) * perUnit;

@@ -1,52 +1,52 @@
 // A channel's value of now as it is shown: text, age, and how it stands to its limits.
-import { beat } from "./frameClock.svelte";
+import { frameClock } from "./frameClock.svelte";
 import { catalog } from "../api/catalog.svelte";
-import { current, type Shown } from "./displayValue";
-import { number, say } from "../i18n";
+import { currentValue, type DisplayValue } from "./displayValue";
+import { number, localized } from "../i18n";
 import { live } from "../live/live.svelte";
-import { shown, type Extremes } from "./source.svelte";
+import { display, type Extremes } from "./source.svelte";
 import type { Channel, Level } from "../api/types";
 
-export interface Standing {
+export interface LimitState {
   level: Level;
   side: "low" | "high";
 }
 
-export class Reading {
+export class ChannelValue {
   readonly channel = $derived.by(() => catalog.get(this.name()));
-  readonly now = $derived.by<Shown>(() => {
-    void beat.fast;
-    return current(this.name());
+  readonly now = $derived.by<DisplayValue>(() => {
+    void frameClock.fast;
+    return currentValue(this.name());
   });
   readonly kind = $derived(this.now.kind);
   readonly value = $derived(this.now.kind === "none" ? null : this.now.value);
   readonly age = $derived(this.now.kind === "stale" ? number(this.now.age, this.now.age < 10 ? 1 : 0) : "");
   readonly text = $derived(number(this.value, this.channel?.decimals ?? 0));
-  readonly title = $derived.by(() => (this.channel ? say(this.channel.text) : this.name()));
-  readonly unit = $derived(say(this.channel?.unit));
+  readonly title = $derived.by(() => (this.channel ? localized(this.channel.text) : this.name()));
+  readonly unit = $derived(localized(this.channel?.unit));
   readonly extremes = $derived.by<Extremes | undefined>(() => {
-    void beat.slow;
-    const held = shown.source.extremes(this.name());
+    void frameClock.slow;
+    const held = display.source.extremes(this.name());
     return held && { ...held };
   });
   readonly min = $derived(this.extremes ? number(this.extremes.min, this.channel?.decimals) : "");
   readonly max = $derived(this.extremes ? number(this.extremes.max, this.channel?.decimals) : "");
-  readonly standing = $derived.by<Standing | null>(() => {
+  readonly limitState = $derived.by<LimitState | null>(() => {
     if (this.value === null || !this.channel) return null;
     // Live, the program's own judgement, with its hysteresis; a recording is judged here.
-    if (shown.source.kind === "live") {
+    if (display.source.kind === "live") {
       const alarm = live.state?.alarms.find(({ name }) => name === this.name());
       return alarm ? { level: alarm.level, side: alarm.side } : null;
     }
-    return standing(this.value, this.channel);
+    return limitState(this.value, this.channel);
   });
-  readonly level = $derived(this.standing?.level ?? null);
+  readonly level = $derived(this.limitState?.level ?? null);
 
   constructor(private readonly name: () => string) {}
 }
 
 /** Beyond which limit, if any. */
-export function standing(value: number, channel: Channel): Standing | null {
+export function limitState(value: number, channel: Channel): LimitState | null {
   if (channel.flag) {
     if (channel.alarm_when_true === "none" || !value) return null;
     return { level: channel.alarm_when_true, side: "high" };

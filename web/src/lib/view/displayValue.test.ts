@@ -1,10 +1,10 @@
 import { describe, expect, it } from "vitest";
-import { judge } from "./displayValue";
+import { displayValueOf } from "./displayValue";
 
 const held = { value: 840, time: 100 };
-const kind = (age: number, period: number) => judge(held, 100 + age, period).kind;
+const kind = (age: number, period: number) => displayValueOf(held, 100 + age, period).kind;
 
-describe("judge", () => {
+describe("displayValueOf", () => {
   it("believes a value for its own period, not for a fixed second", () => {
     expect(kind(0.4, 0.03)).toBe("fresh");
     expect(kind(0.6, 0.03)).toBe("stale");
@@ -16,10 +16,10 @@ describe("judge", () => {
     expect(kind(3.5, 0.03)).toBe("none");
     expect(kind(11, 1)).toBe("stale");
     expect(kind(13, 1)).toBe("none");
-    expect(judge(undefined, 100, 1).kind).toBe("none");
+    expect(displayValueOf(undefined, 100, 1).kind).toBe("none");
   });
 
   it("says how old it is", () => {
-    expect(judge(held, 102, 0.1)).toEqual({ kind: "stale", value: 840, age: 2 });
+    expect(displayValueOf(held, 102, 0.1)).toEqual({ kind: "stale", value: 840, age: 2 });
   });
 });

@@ -1,28 +1,28 @@
-// How far a value can be believed. Its own period is known (the plan and the rate of now): fresh for four of them, then faded with its age; after
+// How far a value can be believed. Its own period is known (the plan and the rate of now): fresh for four of them, then stale with its age; after
 // twelve, or in a gap, or when the line is broken, there is no value: a dash, never the last number. Half a second is granted to the way here.
 import { live, type Latest } from "../live/live.svelte";
-import { shown } from "./source.svelte";
+import { display } from "./source.svelte";
 
-export type Shown =
+export type DisplayValue =
   | { kind: "fresh"; value: number }
   | { kind: "stale"; value: number; age: number }
   | { kind: "none" };
 
-const NONE: Shown = { kind: "none" };
+const NONE: DisplayValue = { kind: "none" };
 
 /** Granted in any case: what messages and the unit's own answers vary by, and until when a value is kept, faded, at least. */
-const WAY = 0.5;
-const FADED = 3;
+const MIN_FRESH = 0.5;
+const MIN_STALE = 3;
 /** Of a recording, and before a rate is known, whose period is not. */
-const UNKNOWN = { fresh: 1, faded: 10 };
+const UNKNOWN_PERIOD = { fresh: 1, stale: 10 };
 
 /** By its age and its own period; 0: not known. */
-export function judge(latest: Latest | undefined, now: number, period: number): Shown {
+export function displayValueOf(latest: Latest | undefined, now: number, period: number): DisplayValue {
   if (!latest) return NONE;
   const age = now - latest.time;
-  const fresh = period > 0 ? Math.max(WAY, 4 * period) : UNKNOWN.fresh;
-  const faded = period > 0 ? Math.max(FADED, 12 * period) : UNKNOWN.faded;
-  if (age > faded) return NONE;
+  const fresh = period > 0 ? Math.max(MIN_FRESH, 4 * period) : UNKNOWN_PERIOD.fresh;
+  const stale = period > 0 ? Math.max(MIN_STALE, 12 * period) : UNKNOWN_PERIOD.stale;
+  if (age > stale) return NONE;
   if (age > fresh) return { kind: "stale", value: latest.value, age };
   return { kind: "fresh", value: latest.value };
 }
@@ -35,20 +35,20 @@ function period(name: string): number {
   return every / state.rate;
 }
 
-/** Read `beat.fast` beside it. */
-export function current(name: string): Shown {
-  const source = shown.source;
+/** Read `frameClock.fast` beside it. */
+export function currentValue(name: string): DisplayValue {
+  const source = display.source;
   const latest = source.latest(name);
-  if (source.kind === "recording") return broken(latest, source.now()) ? NONE : judge(latest, source.now(), 0);
+  if (source.kind === "recording") return isInGap(latest, source.now()) ? NONE : displayValueOf(latest, source.now(), 0);
   if (live.link !== "open" || live.state?.line !== "sampling") return NONE;
-  if (broken(latest, source.now())) return NONE;
-  return judge(latest, source.now(), period(name));
+  if (isInGap(latest, source.now())) return NONE;
+  return displayValueOf(latest, source.now(), period(name));
 }
 
 /** Within a gap that began after this value. */
-function broken(latest: Latest | undefined, now: number): boolean {
+function isInGap(latest: Latest | undefined, now: number): boolean {
   if (!latest) return true;
-  const events = shown.source.events;
+  const events = display.source.events;
   for (let at = events.length - 1; at >= 0; at -= 1) {
     const event = events[at]!;
     if (event.kind !== "gap" || event.began > now) continue;

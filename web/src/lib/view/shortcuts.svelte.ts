@@ -1,6 +1,6 @@
 // Keys that mean something on this screen. By the key's place, not its letter: M works with the Russian layout on.
 //
-//   $effect(() => keys.bind({ code: "KeyF", show: "F", text: () => t("read"), run: read }));
+//   $effect(() => shortcuts.bind({ code: "KeyF", show: "F", text: () => t("read"), run: read }));
 
 import { untrack } from "svelte";
 
@@ -18,7 +18,7 @@ export interface Binding {
   everywhere?: boolean;
 }
 
-class Keys {
+class Shortcuts {
   bindings = $state.raw<Binding[]>([]);
 
   /** Gives back what undoes it; the binding made last wins. */
@@ -30,23 +30,23 @@ class Keys {
     };
   }
 
-  press(event: KeyboardEvent): void {
+  handle(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
-    if (taken(event)) return;
-    const found = this.bindings.findLast((binding) => meant(binding, event));
+    if (belongsToFocus(event)) return;
+    const found = this.bindings.findLast((binding) => matches(binding, event));
     if (!found) return;
     event.preventDefault();
     found.run(event);
   }
 }
 
-export function meant(binding: Binding, event: Pick<KeyboardEvent, "code" | "key" | "shiftKey">): boolean {
+export function matches(binding: Binding, event: Pick<KeyboardEvent, "code" | "key" | "shiftKey">): boolean {
   if (binding.key !== undefined && binding.key === event.key) return true;
   return binding.code === event.code && (binding.shift ?? false) === event.shiftKey;
 }
 
 /** The key belongs to what has the focus: a field, a sheet, a button under Space or Enter. */
-function taken(event: KeyboardEvent): boolean {
+function belongsToFocus(event: KeyboardEvent): boolean {
   if (document.querySelector("dialog[open]")) return true;
   const at = event.target;
   if (!(at instanceof HTMLElement)) return false;
@@ -59,4 +59,4 @@ function taken(event: KeyboardEvent): boolean {
   return event.code.startsWith("Arrow") && at.closest("[role=slider], [role=tablist], input") !== null;
 }
 
-export const keys = new Keys();
+export const shortcuts = new Shortcuts();

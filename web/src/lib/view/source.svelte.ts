@@ -1,5 +1,5 @@
 // What Live and Chart show: the live line, or a recording being played. The same interface for both.
-import { beat } from "./frameClock.svelte";
+import { frameClock } from "./frameClock.svelte";
 import type { Columns } from "../series/columns";
 import { live, type Latest } from "../live/live.svelte";
 import type { LineEvent } from "../api/types";
@@ -61,7 +61,7 @@ class LiveSource implements Source {
 
   toggle(): void {
     this.frozen = this.frozen === null ? live.now() : null;
-    beat.poke();
+    frameClock.request();
   }
 
   resume(): void {
@@ -71,12 +71,12 @@ class LiveSource implements Source {
 
 export const liveSource = new LiveSource();
 
-class ShownSource {
+class Display {
   source = $state.raw<Source>(liveSource);
 
   play(recording: Source): void {
     this.source = recording;
-    beat.poke();
+    frameClock.request();
   }
 
   goLive(): void {
@@ -84,8 +84,8 @@ class ShownSource {
     liveSource.resume();
     this.source = liveSource;
     left.leave?.();
-    beat.poke();
+    frameClock.request();
   }
 }
 
-export const shown = new ShownSource();
+export const display = new Display();

@@ -1,5 +1,6 @@
 // Short messages at the foot of the page. All go by themselves, and sooner when they are untrue by now; trouble stays in the band's list.
-import { ApiError, api } from "../api/api";
+import { api } from "../api/api";
+import { ApiError } from "../api/http";
 import { dictionary } from "../i18n";
 
 const t = dictionary({
@@ -8,7 +9,7 @@ const t = dictionary({
 
 export interface Toast {
   id: number;
-  kind: "done" | "trouble";
+  kind: "success" | "error";
   /** Asked for at each drawing, so that it follows the language. */
   text: () => string;
   detail?: string;
@@ -16,38 +17,38 @@ export interface Toast {
   /** The class of the error it tells. */
   code?: string;
   /** ms that it stays. */
-  lasts?: number;
+  duration?: number;
 }
 
-export interface Past {
+export interface PastError {
   /** UNIX seconds of this computer. */
   time: number;
   text: () => string;
   detail?: string;
 }
 
-const DONE = 4000;
-const TROUBLE = 20_000;
-const KEPT = 50;
+const SUCCESS_MS = 4000;
+const ERROR_MS = 20_000;
+const MAX_HISTORY = 50;
 
 class Toasts {
   shown = $state.raw<Toast[]>([]);
   private last = 0;
 
   /** Trouble that was told, the latest last. */
-  past = $state.raw<Past[]>([]);
+  history = $state.raw<PastError[]>([]);
 
-  done(text: () => string, more: Partial<Toast> = {}): void {
-    this.show({ kind: "done", text, lasts: DONE, ...more });
+  success(text: () => string, more: Partial<Toast> = {}): void {
+    this.show({ kind: "success", text, duration: SUCCESS_MS, ...more });
   }
 
-  trouble(text: () => string, more: Partial<Toast> = {}): void {
-    this.past = [...this.past, { time: Date.now() / 1000, text, detail: more.detail }].slice(-KEPT);
-    this.show({ kind: "trouble", text, lasts: TROUBLE, ...more });
+  error(text: () => string, more: Partial<Toast> = {}): void {
+    this.history = [...this.history, { time: Date.now() / 1000, text, detail: more.detail }].slice(-MAX_HISTORY);
+    this.show({ kind: "error", text, duration: ERROR_MS, ...more });
   }
 
   /** What was in the way no longer is: what tells of it goes. */
-  mended(codes: ReadonlySet<string>): void {
+  dismiss(codes: ReadonlySet<string>): void {
     this.shown = this.shown.filter(({ code }) => code === undefined || !codes.has(code));
   }
 
@@ -60,14 +61,14 @@ class Toasts {
     const said = toast.text();
     const others = this.shown.filter((before) => before.text() !== said).slice(-2);
     this.shown = [...others, { ...toast, id }];
-    setTimeout(() => this.close(id), toast.lasts);
+    setTimeout(() => this.close(id), toast.duration);
   }
 }
 
 export const toasts = new Toasts();
 
 /**
- * Do it; say what went wrong. Undefined when it failed. Somebody else at the controls: the message has a button that takes
+ * Do it; localized what went wrong. Undefined when it failed. Somebody else at the controls: the message has a button that takes
  * them and does it again.
  */
 export async function attempt<T>(job: () => Promise<T>): Promise<T | undefined> {
@@ -83,7 +84,7 @@ export async function attempt<T>(job: () => Promise<T>): Promise<T | undefined> 
             run: () => void attempt(() => api.takeControl(true)).then((taken) => taken && attempt(job)),
           }
         : undefined;
-    toasts.trouble(() => error.said, { action, detail: bytes(error), code: error.code });
+    toasts.error(() => error.advice, { action, detail: bytes(error), code: error.code });
     return undefined;
   }
 }

@@ -11,18 +11,18 @@ describe("messages", () => {
   });
 
   it("go by themselves, and trouble stays in the list", () => {
-    toasts.done(() => "done");
-    toasts.trouble(() => "no answer");
+    toasts.success(() => "done");
+    toasts.error(() => "no answer");
     expect(said()).toEqual(["done", "no answer"]);
     vi.runAllTimers();
     expect(said()).toEqual([]);
-    expect(toasts.past.at(-1)?.text()).toBe("no answer");
+    expect(toasts.history.at(-1)?.text()).toBe("no answer");
   });
 
   it("go at once when what they tell is mended", () => {
-    toasts.trouble(() => "no unit", { code: "NotConnected" });
-    toasts.trouble(() => "no such channel", { code: "UnknownParameter" });
-    toasts.mended(new Set(["NotConnected"]));
+    toasts.error(() => "no unit", { code: "NotConnected" });
+    toasts.error(() => "no such channel", { code: "UnknownParameter" });
+    toasts.dismiss(new Set(["NotConnected"]));
     expect(said()).toEqual(["no such channel"]);
   });
 });

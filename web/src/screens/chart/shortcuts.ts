@@ -1,8 +1,8 @@
 // What a hand does on the chart, by keys, mouse or touch: the cursor's ways, and what fits.
-import { compared } from "../../lib/recording/comparison.svelte";
+import { comparison } from "../../lib/recording/comparison.svelte";
 import { cursors } from "../../lib/view/cursors.svelte";
 import type { Binding } from "../../lib/view/shortcuts.svelte";
-import { shown } from "../../lib/view/source.svelte";
+import { display } from "../../lib/view/source.svelte";
 import { nextGap } from "./data/flags";
 import { everyGap, moment } from "./data/sources";
 import { view } from "./view.svelte";
@@ -16,16 +16,16 @@ export function fit(): void {
 /** The cursor goes there; while two recordings are being aligned, it is the moment asked for. */
 export function choose(time: number): void {
   cursors.a = time;
-  if (!compared.aligning) return;
-  compared.choose(time);
+  if (!comparison.aligning) return;
+  comparison.alignAt(time);
   // Where the dashed line has it stays marked until it is in its place.
-  cursors.b = compared.aligning ? time : null;
+  cursors.b = comparison.aligning ? time : null;
 }
 
 const middle = () => cursors.a ?? (view.window()[0] + view.window()[1]) / 2;
 
 function step(samples: number): void {
-  const { columns } = shown.source;
+  const { columns } = display.source;
   const row = Math.min(columns.length - 1, Math.max(0, columns.rowAt(middle()) + samples));
   if (columns.length > 0) cursors.a = columns.times()[row]!;
 }
@@ -39,7 +39,7 @@ function toGap(step: 1 | -1): void {
 }
 
 function escape(): void {
-  if (compared.aligning) compared.turnAligning();
+  if (comparison.aligning) comparison.toggleAligning();
   else cursors.a = null;
   cursors.b = null;
 }

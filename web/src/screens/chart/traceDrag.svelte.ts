@@ -1,4 +1,4 @@
-// A trace carried from the legend to another pane, by mouse, pen or finger. A finger takes it by its sign; elsewhere it scrolls.
+// A trace dragged from the legend to another pane, by mouse, pen or finger. A finger takes it by its sign; elsewhere it scrolls.
 import { view } from "./view.svelte";
 
 /** Into a pane of its own. */
@@ -6,16 +6,16 @@ export const NEW = -1;
 /** Pixels before a press is a drag. */
 const MOVED = 6;
 
-class Carry {
+class TraceDrag {
   /** What is under way, and where the hand is. */
   now = $state.raw<{ name: string; x: number; y: number } | null>(null);
   /** The pane below the hand; null: none. */
   over = $state<number | null>(null);
   private held: { name: string; x: number; y: number } | null = null;
-  private carried = false;
+  private dragged = false;
 
   down(event: PointerEvent, name: string): void {
-    this.carried = false;
+    this.dragged = false;
     const sign = event.target instanceof Element && event.target.closest(".line");
     if (event.button !== 0 || (event.pointerType === "touch" && !sign)) return;
     this.held = { name, x: event.clientX, y: event.clientY };
@@ -33,7 +33,7 @@ class Carry {
 
   up(): void {
     const { now, over } = this;
-    this.carried = now !== null;
+    this.dragged = now !== null;
     this.cancel();
     if (now && over !== null) view.move(now.name, over);
   }
@@ -43,11 +43,11 @@ class Carry {
   }
 
   /** The click that ends a drag is not one. */
-  wasCarried(): boolean {
-    const was = this.carried;
-    this.carried = false;
+  wasDragged(): boolean {
+    const was = this.dragged;
+    this.dragged = false;
     return was;
   }
 }
 
-export const carry = new Carry();
+export const traceDrag = new TraceDrag();

@@ -1,8 +1,8 @@
 // What the chart shows: panes and their traces (kept on this computer), the window of time, zoom in value, stacking. It outlives the screen.
-import { compared } from "../../lib/recording/comparison.svelte";
+import { comparison } from "../../lib/recording/comparison.svelte";
 import { cursors } from "../../lib/view/cursors.svelte";
-import { keep, kept } from "../../lib/platform/storage";
-import { shown } from "../../lib/view/source.svelte";
+import { loadSetting, saveSetting } from "../../lib/platform/storage";
+import { display } from "../../lib/view/source.svelte";
 
 export interface Trace {
   name: string;
@@ -33,7 +33,7 @@ function coloured(lists: string[][]): Pane[] {
 
 function stored(): Pane[] {
   try {
-    const panes = JSON.parse(kept("chart") ?? "") as Pane[];
+    const panes = JSON.parse(loadSetting("chart") ?? "") as Pane[];
     const sound = panes.every(({ traces }) => traces.every(({ name, colour }) => typeof name === "string" && colour >= 1 && colour <= 8));
     if (sound && panes.length > 0) return panes.slice(0, MOST_PANES).map((pane, id) => ({ ...pane, id }));
   } catch {
@@ -63,12 +63,12 @@ class View {
 
   change(panes: Pane[]): void {
     this.panes = panes;
-    keep("chart", JSON.stringify(panes));
+    saveSetting("chart", JSON.stringify(panes));
   }
 
   /** From where to where, at this moment. */
   window(): [number, number] {
-    const end = this.end ?? shown.source.now();
+    const end = this.end ?? display.source.now();
     return [end - this.span, end];
   }
 
@@ -104,16 +104,16 @@ class View {
 
   /** All there is. */
   showAll(): void {
-    const { columns } = shown.source;
+    const { columns } = display.source;
     if (columns.length < 2) return;
-    if (shown.source.kind === "live") {
-      this.span = Math.max(SHORTEST, shown.source.now() - columns.first);
+    if (display.source.kind === "live") {
+      this.span = Math.max(SHORTEST, display.source.now() - columns.first);
       return this.follow();
     }
     let { first, last } = columns;
-    if (compared.on && compared.columns.length > 1) {
-      first = Math.min(first, compared.columns.first + compared.lag);
-      last = Math.max(last, compared.columns.last + compared.lag);
+    if (comparison.active && comparison.columns.length > 1) {
+      first = Math.min(first, comparison.columns.first + comparison.lag);
+      last = Math.max(last, comparison.columns.last + comparison.lag);
     }
     const room = (last - first) * 0.01;
     this.show(first - room, last + room);
@@ -136,9 +136,9 @@ class View {
   }
 
   pan(seconds: number): void {
-    const now = shown.source.now();
+    const now = display.source.now();
     const end = (this.end ?? now) + seconds;
-    const live = shown.source.kind === "live" && !shown.source.paused;
+    const live = display.source.kind === "live" && !display.source.paused;
     this.end = live && end >= now ? null : end;
   }
 

@@ -1,14 +1,15 @@
 // Ports found and the examination: they go on while one looks at another screen.
-import { ApiError, api } from "../../lib/api/api";
-import { Asked } from "../../lib/api/request.svelte";
+import { api } from "../../lib/api/api";
+import { ApiError } from "../../lib/api/http";
+import { ApiRequest } from "../../lib/api/request.svelte";
 import { live } from "../../lib/live/live.svelte";
-import { kept } from "../../lib/live/recordingControl.svelte";
+import { announceSaved } from "../../lib/live/recordingControl.svelte";
 import type { About, DoctorStep, Port, State } from "../../lib/api/types";
 
 class ConnectionStore {
-  readonly ports = new Asked<Port[]>();
-  readonly about = new Asked<About>();
-  readonly connecting = new Asked<State>();
+  readonly ports = new ApiRequest<Port[]>();
+  readonly about = new ApiRequest<About>();
+  readonly connecting = new ApiRequest<State>();
   /** The port being connected to; "" for the one likely. */
   wanted = $state<string | null>(null);
   /** The last refusal to connect: which trouble it is. */
@@ -22,10 +23,10 @@ class ConnectionStore {
   examining = $state(false);
   examined = $state<string | null>(null);
   trouble = $state.raw<ApiError | null>(null);
-  readonly stopping = new Asked<State>();
+  readonly stopping = new ApiRequest<State>();
 
   async look(): Promise<void> {
-    await this.ports.ask(async () => (await api.ports()).ports);
+    await this.ports.run(async () => (await api.ports()).ports);
   }
 
   /** Amid a recording it is asked first: that file ends with this connection. */
@@ -47,12 +48,12 @@ class ConnectionStore {
     if (!left) return;
     this.leaving = null;
     const gone = left.port === undefined ? await this.part() : await this.join(left.port);
-    if (gone) kept(left.file);
+    if (gone) announceSaved(left.file);
   }
 
   private async join(port: string | null): Promise<boolean> {
     this.wanted = port ?? "";
-    const state = await this.connecting.ask(() => api.connect(port));
+    const state = await this.connecting.run(() => api.connect(port));
     this.wanted = null;
     this.code = this.connecting.error?.code ?? null;
     if (state) live.state = state;
@@ -60,7 +61,7 @@ class ConnectionStore {
   }
 
   private async part(): Promise<boolean> {
-    const state = await this.connecting.ask(() => api.disconnect());
+    const state = await this.connecting.run(() => api.disconnect());
     this.code = null;
     if (state) live.state = state;
     return state !== undefined;
@@ -69,7 +70,7 @@ class ConnectionStore {
   async examine(port: string | null): Promise<void> {
     this.steps = [];
     this.trouble = null;
-    this.stopping.forget();
+    this.stopping.reset();
     this.examining = true;
     this.examined = port;
     try {
@@ -84,7 +85,7 @@ class ConnectionStore {
 
   /** The program ends the examination, and lets go of the port; then the steps end by themselves. */
   async stop(): Promise<void> {
-    const state = await this.stopping.ask(() => api.stopDoctor());
+    const state = await this.stopping.run(() => api.stopDoctor());
     if (state) live.state = state;
   }
 }

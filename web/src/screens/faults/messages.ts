@@ -66,7 +66,7 @@ export const t = dictionary({
     ru: "Список останется здесь в журнале. Если причина не устранена, неисправность появится снова: сразу или в следующей поездке.",
   },
   erase_still: {
-    en: "Only with the car standing still.",
+    en: "Only with the car limitState still.",
     ru: "Только на стоящей машине.",
   },
   erase_again: {

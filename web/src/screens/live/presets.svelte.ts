@@ -1,15 +1,15 @@
 // The presets: shipped ones from the catalog, the user's own from the program; which one is on the screen; the one being edited.
 import { api } from "../../lib/api/api";
 import { catalog } from "../../lib/api/catalog.svelte";
-import { insist } from "../../lib/api/retry";
-import { keep, kept } from "../../lib/platform/storage";
-import { needs } from "../../lib/live/subscriptions.svelte";
+import { retry } from "../../lib/api/retry";
+import { loadSetting, saveSetting } from "../../lib/platform/storage";
+import { subscriptions } from "../../lib/live/subscriptions.svelte";
 import type { Preset, Tile } from "../../lib/api/types";
 
 class Presets {
   own = $state.raw<Preset[]>([]);
   loaded = $state(false);
-  private id = $state(kept("preset") ?? "idle");
+  private id = $state(loadSetting("preset") ?? "idle");
   /** What is on the screen while editing. */
   draft = $state.raw<Preset | null>(null);
 
@@ -22,8 +22,8 @@ class Presets {
   readonly names = $derived(this.onScreen ? namesOf(this.onScreen) : []);
 
   /** The user's own, until they came or the returned function is called. */
-  insist(): () => void {
-    return insist(async () => {
+  load(): () => void {
+    return retry(async () => {
       this.own = (await api.presets()).presets;
       this.loaded = true;
     });
@@ -32,8 +32,8 @@ class Presets {
   choose(id: string): void {
     this.id = id;
     this.draft = null;
-    keep("preset", id);
-    if (this.chosen) needs.ofPreset(namesOf(this.chosen), true);
+    saveSetting("preset", id);
+    if (this.chosen) subscriptions.setPreset(namesOf(this.chosen), true);
   }
 
   edit(): void {

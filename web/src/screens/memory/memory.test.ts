@@ -36,7 +36,7 @@ describe("glow", () => {
   it("knows nothing of another space", () => {
     const glow = new Glow();
     glow.take(Uint8Array.of(1), 0, 0);
-    glow.forget();
+    glow.reset();
     expect(glow.take(Uint8Array.of(2), 0, 1)).toBe(0);
   });
 });

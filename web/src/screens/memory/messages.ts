@@ -194,7 +194,7 @@ export const t = dictionary({
   unlock: { en: "Unlock writing for 5 minutes…", ru: "Разрешить запись на 5 минут…" },
   unlock_title: { en: "Unlock writing?", ru: "Разрешить запись?" },
   unlock_more: {
-    en: "A wrong byte in RAM or a register can stop a running engine at once; one in CODE can leave the unit unable to start. Only with the car standing still and a dump of what is there.",
+    en: "A wrong byte in RAM or a register can stop a running engine at once; one in CODE can leave the unit unable to start. Only with the car limitState still and a dump of what is there.",
     ru: "Неверный байт в RAM или регистре может сразу заглушить двигатель, в CODE — оставить блок неработающим. Только на стоящей машине и при готовом образе того, что есть.",
   },
   unlock_each: {
@@ -206,7 +206,7 @@ export const t = dictionary({
   locked: { en: "Writing is locked", ru: "Изменение памяти запрещено" },
   unlocked: { en: "Writing is open for {time}", ru: "Изменение памяти разрешено ещё {time}" },
   locked_more: {
-    en: "Reading needs no unlocking. To write, unlock first.",
+    en: "Reading subscriptions no unlocking. To write, unlock first.",
     ru: "Для чтения ничего разрешать не надо. Чтобы менять, сначала разрешите изменение.",
   },
 

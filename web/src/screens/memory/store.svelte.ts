@@ -1,8 +1,8 @@
 // What the memory screen keeps while one looks at another: the page of each space, the watched cells and what they read.
 import { api } from "../../lib/api/api";
-import { Asked } from "../../lib/api/request.svelte";
-import { keep, kept } from "../../lib/platform/storage";
-import { unitKey } from "../../lib/live/capabilities.svelte";
+import { ApiRequest } from "../../lib/api/request.svelte";
+import { loadSetting, saveSetting } from "../../lib/platform/storage";
+import { ecuKey } from "../../lib/live/capabilities.svelte";
 import type { Dump, MemoryRead, Space } from "../../lib/api/types";
 import { bytesOf, readsFor, restored, type Cell } from "./cells/cells";
 import { Glow } from "./cells/glow";
@@ -20,7 +20,7 @@ export class View {
   data = $state.raw<Uint8Array | null>(null);
   time = $state(0);
   chosen = $state<number | null>(null);
-  readonly read = new Asked<MemoryRead>();
+  readonly read = new ApiRequest<MemoryRead>();
   readonly glow = new Glow();
 
   constructor(readonly name: Space) {
@@ -42,7 +42,7 @@ export class View {
     const address = this.address;
     if (address === null) return false;
     const count = Math.min(this.count, spaceOf(this.name).last + 1 - address);
-    const got = await this.read.ask(() => api.memory(this.name, address, count));
+    const got = await this.read.run(() => api.memory(this.name, address, count));
     if (!got) return false;
     this.take(got.address, fromHex(got.data), got.time);
     return true;
@@ -58,9 +58,9 @@ export class View {
     }
   }
 
-  forget(): void {
-    this.read.forget();
-    this.glow.forget();
+  reset(): void {
+    this.read.reset();
+    this.glow.reset();
     this.data = null;
     this.chosen = null;
   }
@@ -78,10 +78,10 @@ class MemoryStore {
   /** Reading the page again and again; reading the watched cells again and again. */
   following = $state(false);
   watching = $state(false);
-  cells = $state.raw<Cell[]>(restored(kept("cells")));
+  cells = $state.raw<Cell[]>(restored(loadSetting("cells")));
   bytes = $state.raw<ReadonlyMap<string, Uint8Array>>(new Map());
-  readonly watched = new Asked<true>();
-  readonly dumps = new Asked<Dump[]>();
+  readonly watched = new ApiRequest<true>();
+  readonly dumps = new ApiRequest<Dump[]>();
   private unit = "";
 
   get view(): View {
@@ -90,10 +90,10 @@ class MemoryStore {
 
   /** What was read of another unit goes; the list of cells stays. */
   meet(): void {
-    const unit = unitKey();
+    const unit = ecuKey();
     if (unit === this.unit) return;
     if (this.unit !== "") {
-      for (const { name } of SPACES) this.views[name].forget();
+      for (const { name } of SPACES) this.views[name].reset();
       this.bytes = new Map();
     }
     this.unit = unit;
@@ -104,16 +104,16 @@ class MemoryStore {
     this.cells = known
       ? this.cells.map((it) => (it.id === cell.id ? cell : it))
       : [...this.cells, cell];
-    keep("cells", JSON.stringify(this.cells));
+    saveSetting("cells", JSON.stringify(this.cells));
   }
 
   dropCell(cell: Cell): void {
     this.cells = this.cells.filter((it) => it.id !== cell.id);
-    keep("cells", JSON.stringify(this.cells));
+    saveSetting("cells", JSON.stringify(this.cells));
   }
 
   async readCells(): Promise<boolean> {
-    const done = await this.watched.ask(async () => {
+    const done = await this.watched.run(async () => {
       const bytes = new Map(this.bytes);
       for (const read of readsFor(this.cells)) {
         const got = await api.memory(read.space, read.address, read.count);
@@ -140,7 +140,7 @@ class MemoryStore {
   }
 
   async refreshDumps(): Promise<void> {
-    await this.dumps.ask(async () => (await api.dumps()).dumps);
+    await this.dumps.run(async () => (await api.dumps()).dumps);
   }
 
   /** One dump as the server tells it now, in the list; the others as they were. */

@@ -1,5 +1,5 @@
 // The passport as names and values: once for the screen, the copied text and the saved file.
-import { DASH, number, say } from "../../lib/i18n";
+import { DASH, number, localized } from "../../lib/i18n";
 import type { Passport } from "../../lib/api/types";
 import type { Line } from "./sheet";
 import { methods, t } from "./messages";
@@ -25,7 +25,7 @@ export function piecesText(pieces: readonly (string | null)[]): string {
 
 export function unitLines(passport: Passport): Line[] {
   return [
-    [t("model"), say(passport.model)],
+    [t("model"), localized(passport.model)],
     [t("version_code"), byteText(passport.version_code)],
     [t("program"), piecesText(passport.program_passport)],
     [t("data"), piecesText(passport.data_passport)],
@@ -71,7 +71,7 @@ export function learntLines(passport: Passport): Line[] {
 
 export function commandLines(passport: Passport): Line[] {
   return (passport.supported ?? []).map(({ code, title, supported }) => {
-    return [`${byteText(code)} ${say(title)}`, answerText(supported)];
+    return [`${byteText(code)} ${localized(title)}`, answerText(supported)];
   });
 }
 

@@ -1,6 +1,6 @@
 // Choosing a second recording: for the one that is played, or for one of the list, which is opened first. Shown by the frame, in the chart.
-import { ApiError } from "../../lib/api/api";
-import { compared } from "../../lib/recording/comparison.svelte";
+import { ApiError } from "../../lib/api/http";
+import { comparison } from "../../lib/recording/comparison.svelte";
 import { player } from "../../lib/recording/player.svelte";
 import { route } from "../../lib/view/router.svelte";
 
@@ -27,7 +27,7 @@ class Comparing {
     this.error = null;
     try {
       if (player.detail?.id !== first) await player.open(first);
-      if (player.detail?.id !== first || !(await compared.start(second, player.first))) return;
+      if (player.detail?.id !== first || !(await comparison.start(second, player.first))) return;
       this.first = null;
       route.go("chart");
     } catch (error) {

@@ -1,5 +1,5 @@
 // Opening a recording: the player puts it in the place of the live line, Live shows it, and the bar below plays it.
-import { ApiError } from "../../lib/api/api";
+import { ApiError } from "../../lib/api/http";
 import { player } from "../../lib/recording/player.svelte";
 import { route } from "../../lib/view/router.svelte";
 import type { Recording } from "../../lib/api/types";

@@ -1,18 +1,18 @@
 // The list of recordings: kept while one looks at another screen, asked again when it is opened.
 import { api } from "../../lib/api/api";
-import { Asked } from "../../lib/api/request.svelte";
+import { ApiRequest } from "../../lib/api/request.svelte";
 import type { About, Recording, Text } from "../../lib/api/types";
 
 class RecordingStore {
-  readonly list = new Asked<Recording[]>();
-  readonly about = new Asked<About>();
+  readonly list = new ApiRequest<Recording[]>();
+  readonly about = new ApiRequest<About>();
   search = $state("");
   /** Why nothing can be kept in the folder. */
   problem = $state.raw<Text | null>(null);
 
   async refresh(): Promise<void> {
-    if (!this.about.value) void this.about.ask(() => api.about());
-    await this.list.ask(async () => {
+    if (!this.about.value) void this.about.run(() => api.about());
+    await this.list.run(async () => {
       const answer = await api.recordings();
       this.problem = answer.problem;
       return answer.recordings;

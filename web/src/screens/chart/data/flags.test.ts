@@ -38,7 +38,7 @@ describe("gaps", () => {
     ]);
   });
 
-  it("say what the line was said to be, not the whole advice", () => {
+  it("localized what the line was said to be, not the whole advice", () => {
     const silent = { en: "echo, but the ECU is silent", ru: "эхо есть, блок молчит" };
     const said: LineEvent = { kind: "state", time: 5, state: "echo-only", text: silent, reason: text };
     expect(gapsOf([gap(4, 6), said], 0, 20, 9)[0]!.reason).toEqual(silent);

@@ -39,7 +39,7 @@ export interface GapBand {
   reason: Text;
   /** The reason itself, with what to try. */
   whole: Text;
-  /** Of the second recording, with which the first is compared. */
+  /** Of the second recording, with which the first is comparison. */
   second: boolean;
 }
 

@@ -1,13 +1,13 @@
 // What stood at a moment: never the last number before a gap, nor one from long ago.
 import type { Columns } from "../../../lib/series/columns";
-import { apart } from "../../../lib/series/gapThreshold";
+import { gapThreshold } from "../../../lib/series/gapThreshold";
 import type { LineEvent } from "../../../lib/api/types";
 
 /** Seconds to either side, to see how often it usually comes. */
 const AROUND = 30;
 
 export function valueAt(columns: Columns, events: readonly LineEvent[], name: string, time: number): number | null {
-  const reach = apart(columns, name, Math.max(0, columns.rowAt(time - AROUND)), columns.rowAt(time + AROUND) + 1);
+  const reach = gapThreshold(columns, name, Math.max(0, columns.rowAt(time - AROUND)), columns.rowAt(time + AROUND) + 1);
   const found = columns.valueAt(name, columns.rowAt(time), reach);
   if (!found) return null;
   const measured = columns.times(found.row, found.row + 1)[0]!;

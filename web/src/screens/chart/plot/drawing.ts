@@ -1,7 +1,7 @@
 // What one pane draws: its traces of the source, and of the second recording, on one line of time; and where each line is broken.
-import { gather, holes, joined, type Cells, type Gathered } from "../../../lib/series/decimate";
+import { decimate, findHoles, mergeTimelines, type Cells, type Decimated } from "../../../lib/series/decimate";
 import type { Columns } from "../../../lib/series/columns";
-import { apart } from "../../../lib/series/gapThreshold";
+import { gapThreshold } from "../../../lib/series/gapThreshold";
 
 export interface Drawing {
   times: number[];
@@ -16,24 +16,24 @@ export interface Later {
 }
 
 export function drawing(columns: Columns, second: Later | null, names: readonly string[], from: number, to: number, pixels: number): Drawing {
-  const own = gather(columns, names, from, to, pixels);
+  const own = decimate(columns, names, from, to, pixels);
   const broken = brokenIn(own, columns, names, from, to);
   if (!second) return { times: own.times, values: own.values, holes: broken };
   const { lag } = second;
   // Dashes are the dearest lines: where there is more than a row a pixel, its lowest and highest of two pixels do.
-  const other = gather(second.columns, names, from - lag, to - lag, pixels / 2);
+  const other = decimate(second.columns, names, from - lag, to - lag, pixels / 2);
   const later = brokenIn(other, second.columns, names, from - lag, to - lag).map((spans) => spans.map(([begin, end]): [number, number] => [begin + lag, end + lag]));
-  return { ...joined(own, other, lag), holes: [...broken, ...later] };
+  return { ...mergeTimelines(own, other, lag), holes: [...broken, ...later] };
 }
 
 /** Where each line is broken. After that, nothing there and a line that passes are the same to what draws, and one kind costs less than two. */
-function brokenIn(gathered: Gathered, columns: Columns, names: readonly string[], from: number, to: number): [number, number][][] {
+function brokenIn(gathered: Decimated, columns: Columns, names: readonly string[], from: number, to: number): [number, number][][] {
   const first = Math.max(0, columns.rowAt(from));
   const last = columns.rowAt(to) + 1;
   return gathered.values.map((cells, line) => {
     // A stretch without values is a hole, not the way from one stretch to the next.
-    const longest = Math.max(apart(columns, names[line]!, first, last), 1.1 * gathered.width);
-    const found = holes(gathered.times, cells, longest);
+    const longest = Math.max(gapThreshold(columns, names[line]!, first, last), 1.1 * gathered.width);
+    const found = findHoles(gathered.times, cells, longest);
     for (let row = 0; row < cells.length; row += 1) cells[row] ??= undefined;
     return found;
   });

@@ -1,4 +1,4 @@
-// The line of time: times of day; while two recordings are compared, the time since each one's beginning.
+// The line of time: times of day; while two recordings are comparison, the time since each one's beginning.
 const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14_400];
 
 const two = (part: number) => String(part).padStart(2, "0");

@@ -2,7 +2,7 @@
  * The formula of a watched cell: arithmetic over the cell's bytes, in the notation of §4.
  *
  * `b` is the first byte, `s` the same as a signed number, `w` = second·256 + first (low byte first,
- * §2), `i` the same signed, `b2` the second byte. Numbers may be decimal (`0,5` too) or `0x1F`;
+ * §2), `i` the same signed, `b2` the second byte. Numbers allowed be decimal (`0,5` too) or `0x1F`;
  * `+ − * / & ( )`. Parsed here and walked as a tree: nothing is ever handed to eval, which the
  * page's Content-Security-Policy would refuse anyway.
  */

@@ -43,7 +43,7 @@ export class Glow {
   }
 
   /** Another space, or another unit: nothing is known. */
-  forget(): void {
+  reset(): void {
     this.#values.clear();
     this.#changed.clear();
   }

@@ -1,0 +1,109 @@
+// HTTP requests to the program that served the page, and the error that a failed one raises.
+import { localized } from "../i18n";
+import { clientId, clientName } from "./client";
+import type * as Api from "./types";
+
+const unreachable: Api.Text = {
+  en: "The mikas program does not answer. Is it still running? Look at the window it was started from.",
+  ru: "Программа mikas не отвечает. Она ещё запущена? Посмотрите в окно, из которого её запускали.",
+};
+
+const unexplained = (status: number): Api.Text => ({
+  en: `The program answered with status ${status} and no explanation. Reload the page; if it happens again, report it.`,
+  ru: `Программа ответила кодом ${status} без объяснения. Обновите страницу; если повторится, сообщите об этом.`,
+});
+
+export class ApiError extends Error {
+  constructor(
+    /** HTTP status; 0: there was no response. */
+    readonly status: number,
+    readonly code: string,
+    readonly text: Api.Text,
+    readonly sent: string | null = null,
+    readonly received: string | null = null,
+  ) {
+    super(text.en);
+    this.name = "ApiError";
+  }
+
+  /** The message with its advice, in the language on the screen. */
+  get advice(): string {
+    return localized(this.text);
+  }
+}
+
+export type Query = Record<string, string | number | boolean | string[] | null | undefined>;
+
+export function address(path: string, query: Query = {}): string {
+  const parts = Object.entries(query)
+    .filter(([, value]) => value !== null && value !== undefined)
+    .map(([name, value]) => `${name}=${encodeURIComponent(String(value))}`);
+  return `/api${path}${parts.length ? `?${parts.join("&")}` : ""}`;
+}
+
+export interface RequestOptions {
+  query?: Query;
+  body?: unknown;
+  bytes?: BodyInit;
+  signal?: AbortSignal;
+}
+
+/** Send a request and return its successful response. Throws `ApiError`, or the `AbortError` of the signal. */
+export async function send(method: string, path: string, options: RequestOptions = {}): Promise<Response> {
+  const headers: Record<string, string> = {
+    "X-Mikas-Client": clientId,
+    "X-Mikas-Name": encodeURIComponent(clientName()),
+  };
+  let body: BodyInit | undefined = options.bytes;
+  if (options.bytes !== undefined) headers["Content-Type"] = "application/octet-stream";
+  else if (options.body !== undefined) {
+    headers["Content-Type"] = "application/json";
+    body = JSON.stringify(options.body);
+  }
+  return checked(fetch(address(path, options.query), { method, headers, body, signal: options.signal }));
+}
+
+/** Fetch a file of the API by its address, so that an error can be shown instead of being saved as a file. */
+export const fetchFile = (url: string, signal?: AbortSignal): Promise<Response> => checked(fetch(url, { signal }));
+
+async function checked(request: Promise<Response>): Promise<Response> {
+  let response: Response;
+  try {
+    response = await request;
+  } catch (error) {
+    if (error instanceof DOMException && error.name === "AbortError") throw error;
+    throw new ApiError(0, "Unreachable", unreachable);
+  }
+  if (!response.ok) throw await errorOf(response);
+  return response;
+}
+
+async function errorOf(response: Response): Promise<ApiError> {
+  try {
+    const { error } = (await response.json()) as { error: Api.ErrorBody };
+    if (typeof error.en !== "string") throw new TypeError("no text");
+    return new ApiError(response.status, error.code, { en: error.en, ru: error.ru }, error.sent, error.received);
+  } catch {
+    return new ApiError(response.status, "Unexplained", unexplained(response.status));
+  }
+}
+
+export async function json<T>(method: string, path: string, options?: RequestOptions): Promise<T> {
+  const response = await send(method, path, options);
+  return (response.status === 204 ? undefined : await response.json()) as T;
+}
+
+/** Post a request that answers with newline-delimited JSON; `onLine` is called as each line arrives. */
+export async function lines<T>(path: string, options: RequestOptions, onLine: (line: T) => void): Promise<void> {
+  const response = await send("POST", path, options);
+  const reader = response.body!.pipeThrough(new TextDecoderStream()).getReader();
+  let rest = "";
+  for (;;) {
+    const { value, done } = await reader.read();
+    if (done) break;
+    const parts = (rest + value).split("\n");
+    rest = parts.pop() ?? "";
+    for (const part of parts) if (part.trim()) onLine(JSON.parse(part) as T);
+  }
+  if (rest.trim()) onLine(JSON.parse(rest) as T);
+}
