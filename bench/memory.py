@@ -21,7 +21,7 @@ from bench.rows import Row, Scope, Theme
 from mikas.catalog import shipped
 from mikas.client import Ecu
 from mikas.link.base import Link
-from mikas.link.plug import Plug
+from mikas.link.reconnecting import Plug
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Gap, Sampled

@@ -16,7 +16,7 @@ import numpy as np
 
 import mikas
 from mikas.client.methods import Method
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording import CaptureWriter, Coalescer, pcapng
 from mikas.recording.note_blocks import block_of

@@ -19,7 +19,7 @@ from mikas.client import Ecu
 from mikas.client.methods import FixedMethod
 from mikas.link import Chunk, open_link
 from mikas.link.base import Link
-from mikas.link.plug import Plug
+from mikas.link.reconnecting import Plug
 from mikas.sampling.events import Chosen, Gap, Sampled
 from mikas.sampling.plan import Wanted
 from mikas.sampling.sampler import Sampler

@@ -9,7 +9,7 @@ import pytest
 
 from mikas import errors
 from mikas.errors import LineNotQuiet, MikasError, NoPortGiven, PortNotFound, UnknownParameter
-from mikas.language import Text
+from mikas.i18n import Text
 
 _TERMINAL = re.compile(r"`mikas |`?--[a-z]|run the command|повторите команду|replay:FILE\?")
 CLASSES = [

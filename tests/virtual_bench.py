@@ -8,10 +8,10 @@ from pathlib import Path
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.assumptions import Assumptions
 from mikas.virtual.bus import Bus
-from mikas.virtual.disturbance import Disturbance
 from mikas.virtual.ecu import VirtualEcu
+from mikas.virtual.fault_injector import Disturbance
+from mikas.virtual.quirks import Assumptions
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
 

@@ -10,7 +10,7 @@ from playwright.sync_api import expect
 import mikas
 from browser.rig import CAR, dashboard
 from mikas.catalog import shipped
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording import CaptureWriter, write_session_header
 from mikas.recording.notes import gap_note, marker_note
 

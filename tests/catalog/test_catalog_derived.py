@@ -15,7 +15,7 @@ from catalog_bench import Write, assert_refused, refused
 from mikas.catalog import Confidence, Derived, Level, Parameter, load, shipped
 from mikas.catalog.derived import in_order
 from mikas.errors import UnknownParameter
-from mikas.language import Text
+from mikas.i18n import Text
 
 NEW = '[derived.D]\nformula = "TWAT + 1"\ntext = "d"\n'
 DOCUMENT = Path(__file__).parents[2] / "docs" / "catalog.md"

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from mikas.catalog import READINGS, Confidence, Fault, shipped
-from mikas.language import Text
+from mikas.i18n import Text
 
 CONFIRMED = {12, 17, 18, 21, 22}
 REPORTED = {13, 14, 23, 24, 25, 26, 31, 32, 41, 51, 52, 195}

@@ -10,8 +10,8 @@ from catalog_bench import Write, assert_refused, refused
 
 import mikas.catalog
 from mikas.catalog import Catalog, Confidence, load, shipped
-from mikas.catalog.source import parse_source
-from mikas.language import Text
+from mikas.catalog.loading.source import parse_source
+from mikas.i18n import Text
 
 NEW = '[parameter.P]\ncode = 0x33\nsize = 1\ntext = "p"\n'
 
@@ -41,7 +41,7 @@ def test_five_lines_add_a_parameter(write: Write) -> None:
 
 
 def test_the_docstring_shows_the_same_five_lines() -> None:
-    from mikas.catalog import loader
+    from mikas.catalog.loading import loader
 
     documented = (Path(__file__).parents[2] / "docs" / "catalog.md").read_text(encoding="utf-8")
     shown = re.findall(r"```toml\n(.*?)```", documented, re.DOTALL)[0]
@@ -50,7 +50,7 @@ def test_the_docstring_shows_the_same_five_lines() -> None:
 
 
 def test_the_document_names_every_key() -> None:
-    from mikas.catalog.fields import FAMILIES
+    from mikas.catalog.loading.fields import FAMILIES
 
     documented = (Path(__file__).parents[2] / "docs" / "catalog.md").read_text(encoding="utf-8")
     for family, rules in FAMILIES.items():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mikas.catalog import Confidence, shipped
-from mikas.language import Text
+from mikas.i18n import Text
 
 # name, code, unit, Russian unit, formula, and raw bytes (as on the wire) with their values
 LAW = [

@@ -8,7 +8,7 @@ import pytest
 from catalog_bench import Write, assert_refused
 
 from mikas.catalog import Confidence, Lamp, Meaning, load, shipped
-from mikas.language import Text
+from mikas.i18n import Text
 
 FLAG = '[parameter.F]\ncode = 0x33\nsize = 1\nmask = 1\ntext = "f"\n'
 NUMBER = '[parameter.N]\ncode = 0x34\nsize = 1\ntext = "n"\n'

@@ -15,7 +15,7 @@ from cli_bench import is_russian
 from mikas.catalog import shipped
 from mikas.cli.main import cli
 from mikas.client import METHODS
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
 
 
 def commands(group: click.Group = cli, path: tuple[str, ...] = ()):

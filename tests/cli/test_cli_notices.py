@@ -10,7 +10,7 @@ from mikas.cli import words
 from mikas.cli.notices import Notices
 from mikas.cli.session import Asked
 from mikas.errors import DamagedResponse, EchoOnly, EngineStands, NotSupported
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.sampling.events import Gap, LineState, Sampled, StateChanged
 
 CUT = DamagedResponse(damage=Text("cut", "обрыв"))

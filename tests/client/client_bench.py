@@ -15,10 +15,10 @@ from mikas.client.journal import Journal
 from mikas.client.limits import LimitsStore
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
-from mikas.virtual.assumptions import Assumptions
 from mikas.virtual.bus import Bus
-from mikas.virtual.disturbance import Disturbance, Trouble
 from mikas.virtual.ecu import Happening, VirtualEcu
+from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.quirks import Assumptions
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
 from virtual_bench import DATA, FAULTS, IDENTITY

@@ -19,7 +19,7 @@ from mikas.errors import (
     ValueDoesNotFit,
     WriteRefused,
 )
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
 from mikas.virtual.table_car import TableCar
 from virtual_bench import DATA, FAULTS
 

@@ -12,8 +12,8 @@ from client_bench import bench, ecu_on
 from mikas.client import Limits
 from mikas.client.limits import STARTING_LIST, LimitsStore, Pace
 from mikas.errors import NoResponse, NotSupported
-from mikas.virtual.assumptions import Assumptions
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.quirks import Assumptions
 from mikas.virtual.responder import Identity
 from virtual_bench import DATA
 

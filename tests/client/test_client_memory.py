@@ -16,7 +16,7 @@ from mikas.errors import (
     ValueDoesNotFit,
     WriteRefused,
 )
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
 from mikas.virtual.memory import pattern
 
 SPACES = {"ram": 0xFF, "xram": 0xFFFF, "code": 0xFFFF, "sfr": 0xFF}

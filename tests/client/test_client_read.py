@@ -19,7 +19,7 @@ from mikas.errors import (
     UsageError,
     WrongLength,
 )
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
 from virtual_bench import DATA
 
 NAMES = [p.name for p in shipped().parameters]

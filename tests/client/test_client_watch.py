@@ -9,7 +9,7 @@ from client_bench import ASKED, STROKES, bench, ecu_on
 
 from mikas.client import METHODS
 from mikas.errors import EchoOnly, LinkLost, UnknownParameter, UsageError
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
 from mikas.virtual.table_car import TableCar
 from virtual_bench import DATA
 

@@ -20,7 +20,7 @@ from mikas.errors import (
     WriteRefused,
     WrongLength,
 )
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
 from virtual_bench import DATA
 
 

@@ -10,8 +10,8 @@ from client_bench import bench, ecu_on
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.client.dump import Difference, Dump, compare, differences
-from mikas.client.dump_manifest import manifest_path, read_manifest
+from mikas.client.memory.dump import Difference, Dump, compare, differences
+from mikas.client.memory.manifest import manifest_path, read_manifest
 from mikas.errors import AddressOutOfRange, LineError, NoConnection, UsageError
 
 
@@ -138,7 +138,7 @@ def test_a_spoilt_line_keeps_only_sound_bytes(tmp_path):
     it = bench()
     with ecu_on(it) as ecu:
         whole = ecu.memory.ram.read_block(0, 256)
-    from mikas.virtual.disturbance import Disturbance, Trouble
+    from mikas.virtual.fault_injector import Disturbance, Trouble
 
     for seed in range(5):
         it.bus.disturbance = Disturbance()

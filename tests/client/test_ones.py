@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mikas.client import Limits
 from mikas.client.asking import COMMON
 from mikas.errors import LineError, NoConnection, NotSupported
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
 from virtual_bench import DATA
 
 TWAT, TWICE = b"\x61\x1a", b"\x61\x1a\x1a"

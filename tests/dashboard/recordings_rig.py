@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import mikas
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording import CaptureWriter, write_session_header
 from mikas.recording.notes import gap_note, marker_note
 

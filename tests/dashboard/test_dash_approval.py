@@ -11,7 +11,7 @@ from mikas.commands import Safety
 from mikas.dashboard.approval import Approval
 from mikas.dashboard.refusals import NonceStale
 from mikas.errors import NotConfirmed
-from mikas.language import Text
+from mikas.i18n import Text
 
 WRITE = Change(Text("a write", "запись"), Safety.DANGEROUS, "31", before="0A", after="0B")
 

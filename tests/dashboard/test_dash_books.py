@@ -9,7 +9,7 @@ from mikas.dashboard.fault_book import FaultBook
 from mikas.dashboard.nonces import LIFETIME, Nonces, Prepared
 from mikas.dashboard.refusals import NonceUnknown
 from mikas.dashboard.seat import Client
-from mikas.language import Text
+from mikas.i18n import Text
 
 ME = Client("me", "Me", True)
 

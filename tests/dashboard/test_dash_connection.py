@@ -9,7 +9,7 @@ import pytest
 from dashboard.rig import ADAPTER, ME, OTHER, rig
 from mikas.client.doctor import Step
 from mikas.errors import LinkLost
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 def test_nothing_is_connected_until_somebody_says_so(off):

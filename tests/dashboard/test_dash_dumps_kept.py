@@ -10,7 +10,7 @@ import pytest
 
 from dashboard.dumps_rig import XRAM, begun, ended, hold, when
 from dashboard.rig import rig
-from mikas.client.dump_manifest import Manifest, manifest_path
+from mikas.client.memory.manifest import Manifest, manifest_path
 from mikas.dashboard import dumping, dumps
 from mikas.dashboard.dumping import Dumping
 

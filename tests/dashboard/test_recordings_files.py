@@ -17,7 +17,7 @@ from dashboard.recordings_rig import record
 from dashboard.rig import ME, OTHER, rig
 from mikas.dashboard import recordings_desk, recordings_files
 from mikas.errors import ExportError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.report.page import policy
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from mikas.errors import PortNotFound
 from mikas.link import CaptureTee, Chunk, Link
-from mikas.link.plug import Plug
 from mikas.link.ports import Port
+from mikas.link.reconnecting import Plug
 
 
 class QuietLink(Link):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mikas.errors import LinkLost
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link import CaptureTee, Chunk, Direction, Link
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from mikas import commands as c
 from mikas import tester as tester_module
 from mikas.framing import encode
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.tee import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
 from mikas.recording.capture import CaptureReader, CaptureWriter, Packet, Problem, Source

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from mikas.catalog import shipped
 from mikas.client import Limits
 from mikas.errors import CaptureError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording import CaptureReader, CaptureWriter, Kind, Note, pcapng, write_session_header
 from mikas.recording import note_blocks as blocks

@@ -14,8 +14,8 @@ from mikas.catalog import shipped
 from mikas.client import Limits
 from mikas.client.connecting import maker
 from mikas.errors import CaptureError, CatalogError, MissingExtra, UnknownParameter, UsageError
-from mikas.language import Text
-from mikas.link.plug import Plug
+from mikas.i18n import Text
+from mikas.link.reconnecting import Plug
 from mikas.recording import CaptureWriter, write_session_header
 from mikas.recording.deriving import FRESH, Deriver
 from mikas.recording.notebook import Table, arrow_table, pandas_frame, polars_frame

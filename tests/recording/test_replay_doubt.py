@@ -15,7 +15,7 @@ from test_replay_bulk import FEW, same
 from mikas.catalog import shipped
 from mikas.errors import CaptureError, MikasError
 from mikas.framing import encode
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording import CaptureWriter, replay_habits
 from mikas.recording.bulk import TableReader
 from mikas.recording.notes import Kind, Note, gap_note, state_note

@@ -13,7 +13,7 @@ from mikas.cli.main import run
 from mikas.client.connecting import maker
 from mikas.errors import EchoOnly, RecordingOver
 from mikas.link import open_link
-from mikas.link.plug import Plug
+from mikas.link.reconnecting import Plug
 from mikas.link.virtual import VirtualLink
 from mikas.recording import CaptureReader
 from mikas.recording.opening import Recording

@@ -11,7 +11,7 @@ from mikas.errors import EchoOnly, MikasError, RecordingOver
 from mikas.framing import encode
 from mikas.recording import CaptureWriter, write_session_header
 from mikas.recording.replay import load, playing
-from mikas.virtual.assumptions import LongList, Unknown
+from mikas.virtual.quirks import LongList, Unknown
 
 # Who it was, and what it could do
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import mikas
 from mikas.catalog import shipped
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording import CaptureWriter, Coalescer, Note, write_session_header
 from mikas.recording import summary as summaries
 from mikas.recording.about import write_about

@@ -16,7 +16,7 @@ from report_bench import START, found, rows
 
 from mikas.catalog import load, shipped
 from mikas.errors import EchoOnly
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.report import page
 from mikas.report.findings import find
 from mikas.report.subject import Pause, Unit

@@ -10,7 +10,7 @@ import pytest
 import mikas
 from mikas.catalog import load, shipped
 from mikas.errors import CaptureError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording import CaptureWriter, write_session_header
 from mikas.recording.notes import gap_note, marker_note, text_note
 from mikas.report.findings import Mark, Outcome

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mikas.catalog import Confidence, shipped
-from mikas.language import Text, counted
+from mikas.i18n import Text, counted
 from mikas.report.labels import NAMES, Labels
 from mikas.report.words import (
     SURE,

@@ -23,8 +23,8 @@ from mikas.sampling.events import (
 )
 from mikas.sampling.plan import Plan
 from mikas.sampling.selecting import select
-from mikas.virtual.assumptions import Assumptions
-from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.quirks import Assumptions
 from mikas.virtual.responder import Identity
 from virtual_bench import DATA, PASSPORTS, make_bus
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from mikas.catalog import AlarmLimits, Level, load, shipped
 from mikas.client.reading import decode
 from mikas.errors import UnknownParameter, UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.sampling.alarms import AlarmEvent, Alarms, AlarmState, Side
 from mikas.sampling.derived import DerivedChannels
 

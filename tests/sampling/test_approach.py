@@ -22,7 +22,7 @@ from sampling_bench import (
 
 from mikas.errors import EchoOnly, LineError, NoEcho, NotAKLineAdapter, PortBusy, PortNotFound
 from mikas.link import Link
-from mikas.link.plug import Plug, _AheadLink
+from mikas.link.reconnecting import Plug, _AheadLink
 from mikas.sampling.events import (
     Chosen,
     Gap,
@@ -34,8 +34,8 @@ from mikas.sampling.events import (
 )
 from mikas.sampling.sampler import Sampler
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.assumptions import Assumptions
-from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.quirks import Assumptions
 from mikas.virtual.responder import Identity
 from virtual_bench import IDENTITY, PASSPORTS, make_bus
 

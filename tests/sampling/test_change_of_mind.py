@@ -28,9 +28,9 @@ from mikas.sampling.events import (
     Sampled,
     StateChanged,
 )
-from mikas.virtual.assumptions import GROUPS, Assumptions, LongList, Unknown
 from mikas.virtual.bus import Bus
-from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.quirks import GROUPS, Assumptions, LongList, Unknown
 from virtual_bench import make_bus
 
 

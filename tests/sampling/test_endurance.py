@@ -15,7 +15,7 @@ from sampling_bench import SimulatedPlug, assert_values_are_the_units, maker
 from mikas.catalog import shipped
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Gap, Sampled
-from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.fault_injector import Disturbance, Trouble
 from virtual_bench import make_bus
 
 TROUBLES = {

@@ -19,7 +19,7 @@ from sampling_bench import (
 )
 
 from mikas.sampling.events import Chosen, Dropped, Sampled
-from mikas.virtual.assumptions import GROUPS, Assumptions, LongList, Unknown
+from mikas.virtual.quirks import GROUPS, Assumptions, LongList, Unknown
 from virtual_bench import make_bus
 
 

@@ -37,9 +37,9 @@ from mikas.sampling.choosing import (
 from mikas.sampling.events import Chosen, Sampled
 from mikas.sampling.plan import Plan, Wanted
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.assumptions import GROUPS, Assumptions, Unknown
 from mikas.virtual.bus import Bus
-from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.quirks import GROUPS, Assumptions, Unknown
 from virtual_bench import IDENTITY, make_bus
 
 LUMPS = AdapterKind(latency=0.016)

@@ -9,7 +9,7 @@ from sampling_bench import SimulatedPlug, make_sampler, of, settled, take
 
 from mikas.sampling.events import Chosen, Gap, PlanChanged
 from mikas.sampling.sampler import Sampler
-from mikas.virtual.assumptions import Assumptions
+from mikas.virtual.quirks import Assumptions
 from virtual_bench import make_bus
 
 CYCLE = 0.6  # s, and a little more: one of batch takes 0.46 s, one of list 0.43

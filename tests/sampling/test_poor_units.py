@@ -18,7 +18,7 @@ from sampling_bench import (
 
 from mikas.sampling.events import Chosen, Dropped, Gap, PlanChanged, Sampled
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.assumptions import GROUPS, Assumptions, Unknown
+from mikas.virtual.quirks import GROUPS, Assumptions, Unknown
 from virtual_bench import make_bus
 
 MANY = ("FREQ", "FREQX", "TWAT", "UACC", "TAIR", "INJ", "JAIR", "UGB", "VALF", "SSM")

@@ -8,7 +8,6 @@ import pytest
 from sampling_bench import SimulatedPlug, enough, make_sampler, of, settled, take
 
 from mikas.client import Passport
-from mikas.sampling.approach import same
 from mikas.sampling.events import (
     Event,
     Gap,
@@ -18,10 +17,11 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.virtual.assumptions import Assumptions
+from mikas.sampling.supervisor import same
 from mikas.virtual.bus import Bus
-from mikas.virtual.disturbance import Disturbance, Trouble
 from mikas.virtual.ecu import VirtualEcu
+from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.quirks import Assumptions
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
 from virtual_bench import DATA, FAULTS, IDENTITY, PASSPORTS, make_bus

@@ -29,8 +29,8 @@ from mikas.sampling.events import (
     UnitFound,
 )
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.assumptions import GROUPS, Assumptions, LongList, Unknown
-from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.quirks import GROUPS, Assumptions, LongList, Unknown
 from mikas.virtual.responder import Identity
 from virtual_bench import IDENTITY, make_bus
 

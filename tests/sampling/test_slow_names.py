@@ -24,7 +24,7 @@ from sampling_bench import (
 from mikas.sampling.cycles import Asked
 from mikas.sampling.events import Chosen, Gap, Sampled
 from mikas.sampling.plan import Plan
-from mikas.virtual.assumptions import GROUPS, Assumptions
+from mikas.virtual.quirks import GROUPS, Assumptions
 from virtual_bench import make_bus
 
 

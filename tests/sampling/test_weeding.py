@@ -8,7 +8,7 @@ import pytest
 from sampling_bench import SimulatedPlug, make_sampler, of, take, wishes
 
 from mikas.sampling.events import Dropped, PlanChanged, Sampled
-from mikas.virtual.assumptions import GROUPS, Assumptions
+from mikas.virtual.quirks import GROUPS, Assumptions
 from virtual_bench import make_bus
 
 

@@ -6,7 +6,7 @@ import pytest
 from tester_rig import DATA, ECHOING, SILENT_ADAPTER, SLOW, adapter_name
 
 from mikas import commands as c
-from mikas.virtual.assumptions import StreamEnd
+from mikas.virtual.quirks import StreamEnd
 
 ONE = (c.Datum(16, 1),)  # 0A, the very version code
 SEVERAL = (c.Datum(22, 1), c.Datum(67, 2), c.Datum(20, 1))

@@ -32,8 +32,8 @@ from mikas.errors import (
 )
 from mikas.framing import encode
 from mikas.tester import Echo
-from mikas.virtual.assumptions import StreamEnd
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.quirks import StreamEnd
 
 each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
 

@@ -28,7 +28,7 @@ from mikas.link import Chunk, Link
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Timing
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
 
 PLAIN = {code: data for code, data in DATA.items() if not {0x0D, 0x40} & set(data)}
 LIST = tuple(c.Datum(code, len(data)) for code, data in DATA.items())

@@ -11,8 +11,8 @@ from tester_rig import DATA, Fate, StrikingLink, Watched, read, right
 
 from mikas import commands as c
 from mikas.errors import LinkLost, MikasError
-from mikas.virtual.assumptions import StreamEnd
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.quirks import StreamEnd
 
 STREAMS = [
     c.StreamCyclic((c.Datum(22, 1), c.Datum(67, 2))),

@@ -32,8 +32,8 @@ from mikas.errors import (
     WrongLength,
 )
 from mikas.framing import encode
-from mikas.virtual.assumptions import GROUPS, Unknown
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.quirks import GROUPS, Unknown
 
 WRITES = [
     c.WriteRamByte(0x20, 1),

@@ -25,7 +25,7 @@ from tester_rig import (
 from mikas import commands as c
 from mikas.errors import EchoOnly, MikasError, NoEcho, OutOfStep
 from mikas.link import CaptureTee
-from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.fault_injector import Disturbance, Trouble
 
 EARLIEST, LATEST = 0.05, 0.95  # s behind its time that a late response comes
 

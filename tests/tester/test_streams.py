@@ -10,8 +10,8 @@ from tester_rig import ECHOING, SILENT_ADAPTER, Fate, Watched, adapter_name, rea
 
 from mikas import commands as c
 from mikas.errors import MikasError, UsageError
-from mikas.virtual.assumptions import StreamEnd
-from mikas.virtual.disturbance import Trouble
+from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.quirks import StreamEnd
 
 
 def at_once(unit, stream):

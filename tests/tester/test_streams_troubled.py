@@ -44,8 +44,8 @@ from mikas.errors import (
 )
 from mikas.framing import encode
 from mikas.tester import Failure
-from mikas.virtual.assumptions import StreamEnd, Unknown
-from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.quirks import StreamEnd, Unknown
 
 
 @each_adapter

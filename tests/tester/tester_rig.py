@@ -8,15 +8,15 @@ from heapq import heappop, heappush
 from mikas import commands as c
 from mikas.errors import LinkLost
 from mikas.framing import encode
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link import Chunk, Link
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.assumptions import Assumptions
 from mikas.virtual.bus import Bus
-from mikas.virtual.disturbance import Disturbance, Sent, Trouble
 from mikas.virtual.ecu import Happening, VirtualEcu
+from mikas.virtual.fault_injector import Disturbance, Sent, Trouble
+from mikas.virtual.quirks import Assumptions
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
 

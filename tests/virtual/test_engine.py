@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mikas.catalog import shipped
-from mikas.catalog.source import parse_source
+from mikas.catalog.loading.source import parse_source
 from mikas.virtual.engine import FIELDS, Engine
 from mikas.virtual.scenario import SCENARIOS, from_source
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mikas.catalog.source import parse_source
+from mikas.catalog.loading.source import parse_source
 from mikas.errors import CatalogError, UsageError
 from mikas.virtual.engine import Engine
 from mikas.virtual.scenario import DEFAULT, SCENARIOS, Scenario, find, from_source, load

@@ -7,7 +7,7 @@ import pytest
 from mikas.commands import COMMANDS_BY_CODE
 from mikas.errors import UsageError
 from mikas.framing import encode
-from mikas.virtual.assumptions import (
+from mikas.virtual.quirks import (
     GROUPS,
     Assumptions,
     LongList,

@@ -8,10 +8,10 @@ import mikas
 from mikas.errors import BadPortUrl, CatalogError, NotAKLineAdapter, UsageError
 from mikas.link import open_link
 from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
-from mikas.virtual.assumptions import Assumptions
 from mikas.virtual.build import MODELS, SETTINGS, build_bus
-from mikas.virtual.disturbance import LATE_BY, Trouble
 from mikas.virtual.elm327 import LONGEST_LINE, Elm327
+from mikas.virtual.fault_injector import LATE_BY, Trouble
+from mikas.virtual.quirks import Assumptions
 from mikas.virtual.scenario import SCENARIOS
 
 from .raw_tester import BYTE, RawTester

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from mikas.framing import encode
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.assumptions import Assumptions, StreamEnd
+from mikas.virtual.quirks import Assumptions, StreamEnd
 from virtual_bench import DATA, make_bus
 
 from .raw_tester import BYTE, TURN, RawTester

@@ -6,7 +6,7 @@ import pytest
 
 from mikas.framing import encode
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.assumptions import Assumptions
+from mikas.virtual.quirks import Assumptions
 from virtual_bench import EXCHANGES, make_bus
 
 from .raw_tester import RawTester

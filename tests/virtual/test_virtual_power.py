@@ -10,13 +10,13 @@ from mikas.errors import EchoOnly, UnknownParameter, UsageError, ValueDoesNotFit
 from mikas.framing import encode
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester as Client
-from mikas.virtual.assumptions import Assumptions
 from mikas.virtual.build import build_bus
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.engine import Engine
 from mikas.virtual.engine_car import EngineCar, pinned
 from mikas.virtual.memory import SIZES, Memory, pattern
+from mikas.virtual.quirks import Assumptions
 from mikas.virtual.responder import Responder
 from mikas.virtual.scenario import SCENARIOS
 from virtual_bench import DATA, FAULTS, connected, make_bus

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from mikas.framing import encode
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.assumptions import Assumptions, LongList, StreamEnd, Unknown
 from mikas.virtual.build import build_bus
 from mikas.virtual.bus import Bus
-from mikas.virtual.disturbance import Disturbance, Trouble
+from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.quirks import Assumptions, LongList, StreamEnd, Unknown
 from virtual_bench import EXCHANGES, make_bus
 
 from .raw_tester import RawTester

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from mikas import commands as c
 from mikas.framing import encode
-from mikas.virtual.assumptions import Assumptions, StreamEnd
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import PARTIAL_REQUEST_LIFE, VirtualEcu
+from mikas.virtual.quirks import Assumptions, StreamEnd
 from mikas.virtual.responder import Responder
 from mikas.virtual.table_car import TableCar
 from virtual_bench import DATA, IDENTITY, connected, make_bus

@@ -12,7 +12,7 @@ from mikas.catalog.confidence import Confidence
 from mikas.catalog.conversion import Conversion
 from mikas.catalog.derived import Derived
 from mikas.catalog.limits import AlarmLimits, Level
-from mikas.catalog.loader import load, shipped
+from mikas.catalog.loading.loader import load, shipped
 from mikas.catalog.lookup import Catalog
 from mikas.catalog.model import (
     READINGS,

@@ -16,7 +16,7 @@ from fractions import Fraction
 from math import isfinite, lcm
 
 from mikas.errors import UsageError, ValueDoesNotFit
-from mikas.language import Text
+from mikas.i18n import Text
 
 EXACT = 2**52
 """Below it integers are exact as 64-bit floats, and rounding a quotient shifts it by less than half

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from mikas.catalog.calculation import Calculation
 from mikas.catalog.confidence import Confidence
 from mikas.catalog.conversion import NO_TEXT
-from mikas.catalog.formula import parse
+from mikas.catalog.formulas.calculation import Calculation
+from mikas.catalog.formulas.syntax import parse
 from mikas.catalog.limits import AlarmLimits
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from math import isfinite
 
 from mikas.catalog.confidence import Confidence
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 class Level(StrEnum):

@@ -14,7 +14,7 @@ from mikas.catalog.derived import Derived
 from mikas.catalog.model import Erratum, Fault, Model, Parameter
 from mikas.catalog.spelling import in_latin, nearest
 from mikas.errors import UnknownParameter
-from mikas.language import Text
+from mikas.i18n import Text
 
 _RAW_CODE = re.compile(r"0x([0-9a-f]{1,2})(?::([0-9]{1,3}))?", re.IGNORECASE)
 _RAW_SIZES = (1, 2, 3, 4)

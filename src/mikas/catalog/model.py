@@ -13,7 +13,7 @@ from mikas.catalog.confidence import Confidence
 from mikas.catalog.conversion import NO_TEXT, Conversion
 from mikas.catalog.limits import AlarmLimits
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 
 READINGS = ("corrected", "literal", "alternative")
 """corrected: the letter, save where it is impossible (the default). literal: the letter of the

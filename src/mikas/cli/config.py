@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from mikas.errors import UsageError, reason_of
-from mikas.language import Text
+from mikas.i18n import Text
 
 _WORDS = {
     "echo": ("auto", "on", "off"),

@@ -14,7 +14,7 @@ import click
 
 from mikas.cli.options import YES, CommonOption, Option, common_options, option
 from mikas.cli.words import say, shown
-from mikas.language import Text
+from mikas.i18n import Text
 
 __all__ = ["YES", "Command", "Group", "Option", "command", "common_options", "option"]
 

@@ -19,7 +19,7 @@ from mikas.cli.output import Output, stdout_console
 from mikas.cli.readings import reference, shown_unit, shown_value
 from mikas.cli.silence import Arrivals, Silence
 from mikas.cli.words import decimal, language, say, shown
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link import WallClock
 from mikas.sampling.alarms import AlarmEvent, Side
 from mikas.sampling.events import Gap, LineState, Sampled, StateChanged

@@ -17,7 +17,7 @@ import click
 from mikas.cli import words
 from mikas.cli.grammar import Group, Option, common_options
 from mikas.cli.words import say, shown
-from mikas.language import Text
+from mikas.i18n import Text
 
 DONE, BUG, USAGE, NO_CONNECTION, LINE, REFUSED, NOT_CONFIRMED = range(7)
 INTERRUPTED = 130

@@ -10,7 +10,7 @@ import click
 
 from mikas.cli.arguments import File, Number, OneOf, Whole
 from mikas.cli.words import shown
-from mikas.language import Text
+from mikas.i18n import Text
 
 F = TypeVar("F", bound=Callable[..., Any])
 

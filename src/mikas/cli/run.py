@@ -18,7 +18,7 @@ from mikas.cli import config
 from mikas.cli.output import Output
 from mikas.cli.words import say, shown
 from mikas.errors import MikasError, NotConfirmed, NotSupported
-from mikas.language import Text
+from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.catalog import Catalog

@@ -19,7 +19,7 @@ from mikas.cli.run import Run
 from mikas.cli.words import say
 from mikas.errors import EngineStands, RecordingOver
 from mikas.link import choose_port
-from mikas.link.plug import Plug
+from mikas.link.reconnecting import Plug
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Gap, LineState, Sampled, StateChanged, UnitFound

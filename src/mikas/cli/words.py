@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 
-from mikas.language import Language, Text
+from mikas.i18n import Language, Text
 
 _chosen: Language = "en"
 _wished = False

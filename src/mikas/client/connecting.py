@@ -14,7 +14,7 @@ from mikas.client.gate import Confirm
 from mikas.client.journal import Journal
 from mikas.client.limits import LimitsStore
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link import CaptureTee, Link, Sink, choose_port, open_link
 from mikas.tester import Echo, Tester, Timing
 

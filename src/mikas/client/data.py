@@ -9,7 +9,7 @@ from mikas.client.asking import Asking, Got
 from mikas.client.limits import Limits
 from mikas.commands import Datum
 from mikas.errors import LineError, NoResponse, NotSupported, WrongLength
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.tester import Tester
 
 __all__ = ["DataReader", "Got", "refused"]

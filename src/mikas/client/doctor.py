@@ -23,7 +23,7 @@ from mikas.errors import (
     NoEcho,
     NotAKLineAdapter,
 )
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link import Link
 from mikas.link.descriptions import described
 from mikas.tester import Tester

@@ -25,15 +25,15 @@ from mikas.client.identity import (
     try_commands,
 )
 from mikas.client.journal import Journal
-from mikas.client.learnt import Learnt
 from mikas.client.limits import Limits, LimitsStore, Pace
-from mikas.client.memory import Memory
+from mikas.client.limits_cache import Learnt
+from mikas.client.memory.spaces import Memory
 from mikas.client.methods import Method
 from mikas.client.parameters import Parameters, WrittenParameter
 from mikas.client.reading import Reading, Sample
 from mikas.client.watching import Watcher
 from mikas.errors import NoResponse, NotSupported, UsageError
-from mikas.language import Text, counted
+from mikas.i18n import Text, counted
 from mikas.tester import Tester
 
 

@@ -16,7 +16,7 @@ from typing import TypeVar
 from mikas.client.journal import Journal
 from mikas.commands import Safety
 from mikas.errors import JournalError, MikasError, NotConfirmed
-from mikas.language import Text
+from mikas.i18n import Text
 
 T = TypeVar("T")
 

@@ -24,7 +24,7 @@ from mikas.errors import (
     WrongLength,
     in_hex,
 )
-from mikas.language import Text, byte_count, counted
+from mikas.i18n import Text, byte_count, counted
 from mikas.tester import StreamItem, Tester
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from mikas.errors import (
     NoResponse,
     NotSupported,
 )
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.tester import Stream, StreamItem, Tester
 
 

@@ -12,7 +12,7 @@ from mikas.client.parameters import Parameters
 from mikas.client.reading import Sample
 from mikas.client.streaming import ReadingStream
 from mikas.errors import LineError, LinkLost, NoConnection, NotSupported, UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.tester import Tester
 
 Samples = Generator[Sample, None, None]

@@ -26,7 +26,7 @@ from mikas.errors import (
     WrongContent,
     WrongLength,
 )
-from mikas.language import Text
+from mikas.i18n import Text
 
 T = TypeVar("T")
 SizeOf = Callable[[int], int | None]  # a parameter's code → bytes of its datum, None: unknown

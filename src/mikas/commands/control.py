@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from mikas.commands.base import Command, MalformedRequest, Safety, SizeOf, check_range, low_high
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 
 from mikas.commands.base import ERROR, Command, MalformedRequest, SizeOf
 from mikas.errors import NotSupported, WrongContent
-from mikas.language import Text
+from mikas.i18n import Text
 
 SEPARATOR = 0xE0
 _MOST = 0xFF

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from mikas.commands.base import Command, MalformedRequest, ReadNumber, SizeOf
-from mikas.language import Text
+from mikas.i18n import Text
 
 PASSPORT_LENGTH = 16
 PASSPORT_ENCODING = "cp866"

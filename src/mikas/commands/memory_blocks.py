@@ -15,7 +15,7 @@ from mikas.commands.base import (
     check_range,
 )
 from mikas.errors import WrongAddress, WrongContent
-from mikas.language import Text
+from mikas.i18n import Text
 
 LARGEST_BLOCK = 0xFF  # the count is one byte
 

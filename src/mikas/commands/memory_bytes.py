@@ -19,7 +19,7 @@ from mikas.commands.base import (
     check_range,
 )
 from mikas.errors import WrongAddress
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 @dataclass(frozen=True, slots=True)

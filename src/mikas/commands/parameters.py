@@ -19,7 +19,7 @@ from mikas.commands.base import (
     Write,
     check_byte,
 )
-from mikas.language import Text
+from mikas.i18n import Text
 
 Data = tuple[bytes, ...]  # one datum a parameter, in the order asked
 

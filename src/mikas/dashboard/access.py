@@ -21,7 +21,7 @@ from typing import Any, Literal
 from urllib.parse import parse_qs
 
 from mikas.dashboard.refusals import Forbidden, TokenWanted
-from mikas.language import Text
+from mikas.i18n import Text
 
 Rights = Literal["control", "view"]
 _LOCAL = ("127.0.0.1", "localhost", "[::1]")

@@ -25,7 +25,7 @@ from mikas.errors import (
     NotConfirmed,
     UsageError,
 )
-from mikas.language import Text
+from mikas.i18n import Text
 
 _log = logging.getLogger("mikas.dashboard")
 

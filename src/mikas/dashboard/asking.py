@@ -22,7 +22,7 @@ from mikas.dashboard.hub import Hub
 from mikas.dashboard.refusals import BadRequest, NotAllowed
 from mikas.dashboard.seat import Client
 from mikas.errors import MikasError
-from mikas.language import Text
+from mikas.i18n import Text
 
 ID = re.compile(r"[A-Za-z0-9-]{8,64}")
 _LONGEST_NAME = 40

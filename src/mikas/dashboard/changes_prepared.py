@@ -11,7 +11,7 @@ from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
 from mikas.client.ecu import erasing
 from mikas.client.gate import hexed
-from mikas.client.memory import last_of, writing
+from mikas.client.memory.spaces import last_of, writing
 from mikas.client.reading import decode
 from mikas.commands.base import check_range
 from mikas.dashboard.answers import in_hex
@@ -20,7 +20,7 @@ from mikas.dashboard.hub import Hub
 from mikas.dashboard.nonces import Prepared
 from mikas.dashboard.refusals import BadRequest
 from mikas.errors import NotSupported, ValueDoesNotFit
-from mikas.language import Text, byte_count
+from mikas.i18n import Text, byte_count
 
 
 async def erase(hub: Hub) -> Prepared:

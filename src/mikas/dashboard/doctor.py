@@ -24,7 +24,7 @@ from mikas.dashboard.shown import state_of
 from mikas.dashboard.state import State
 from mikas.dashboard.switch import CHANGING
 from mikas.errors import MikasError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.urls import parse
 
 router = APIRouter(tags=["connection"])

@@ -17,7 +17,7 @@ from mikas.dashboard.access import Access
 from mikas.dashboard.answers import answer_to
 from mikas.dashboard.plain_page import refusal
 from mikas.dashboard.refusals import ApiRefusal, TokenWanted, TooLarge
-from mikas.language import Text
+from mikas.i18n import Text
 
 LARGEST_BODY = 1 << 20
 POLICY = (

@@ -2,8 +2,8 @@
 
 A piece is half a second of the wire, then the sampling has its turn. A lost line, a reload, even
 the end of the program cost nothing that was read: what a dump is stands in its file and manifest
-(`mikas.client.dump`), and it goes on behind that. A second pass (verify) is done alike, and what
-it found is kept there too.
+(`mikas.client.memory.dump`), and it goes on behind that. A second pass (verify) is done alike,
+and what it found is kept there too.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from mikas.client import Ecu
-from mikas.client.dump import Dump
-from mikas.client.dump_manifest import Manifest, read_manifest
+from mikas.client.memory.dump import Dump
+from mikas.client.memory.manifest import Manifest, read_manifest
 from mikas.dashboard.refusals import Bug, Busy, NotConnected
 from mikas.dashboard.settings import made
 from mikas.errors import LineError, MikasError, NoConnection, UsageError, reason_at
-from mikas.language import Text
+from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.dashboard.hub import Hub

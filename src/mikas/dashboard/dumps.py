@@ -15,9 +15,9 @@ from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
 from mikas.client import Ecu
-from mikas.client.dump import Difference, differences
-from mikas.client.dump_manifest import Manifest
-from mikas.client.memory import last_of
+from mikas.client.memory.dump import Difference, differences
+from mikas.client.memory.manifest import Manifest
+from mikas.client.memory.spaces import last_of
 from mikas.commands.base import check_range
 from mikas.dashboard.answers import ErrorBody, body_of, errors
 from mikas.dashboard.asking import Controller, TheHub

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from mikas.client.dump_manifest import manifest_path
+from mikas.client.memory.manifest import manifest_path
 from mikas.dashboard.nonces import FOR_GOOD, Prepared
 from mikas.dashboard.refusals import Busy, NonceStale, NotFound
 from mikas.errors import UsageError, reason_at
-from mikas.language import Text
+from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.dashboard.dumping import Job

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from mikas.dashboard import happenings
 from mikas.dashboard.happenings import Happening
-from mikas.language import Text
+from mikas.i18n import Text
 
 BY_HAND = Text("The connection was ended by hand.", "Соединение закрыто вручную.")
 AGAIN = Text("The connection was made anew.", "Соединение установлено заново.")

@@ -8,7 +8,7 @@ from typing import Any
 
 from mikas.dashboard.answers import body_of, in_hex
 from mikas.errors import MikasError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.sampling.alarms import AlarmEvent
 from mikas.sampling.events import Chosen, Dropped, StateChanged, UnitFound
 from mikas.tester.statistics import Failure

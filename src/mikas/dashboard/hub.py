@@ -34,9 +34,9 @@ from mikas.dashboard.switch import Switch
 from mikas.dashboard.turns import turn
 from mikas.dashboard.wishes import Way, Wish
 from mikas.errors import MikasError
-from mikas.language import Text
-from mikas.sampling.approach import Unit, same
+from mikas.i18n import Text
 from mikas.sampling.events import LineState, StateChanged, UnitFound
+from mikas.sampling.supervisor import Unit, same
 
 if TYPE_CHECKING:
     from mikas.client import Ecu, Info, Support

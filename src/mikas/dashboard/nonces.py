@@ -14,7 +14,7 @@ from typing import Any
 
 from mikas.dashboard.refusals import NonceUnknown
 from mikas.dashboard.seat import Client
-from mikas.language import Text
+from mikas.i18n import Text
 
 LIFETIME = 120.0
 _MOST = 100

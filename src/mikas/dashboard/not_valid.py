@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from mikas.language import Text
+from mikas.i18n import Text
 
 _WHAT = {
     "missing": Text("is missing", "не указано"),

@@ -14,7 +14,7 @@ from fastapi.responses import FileResponse, HTMLResponse, Response
 
 from mikas.dashboard.plain_page import refusal
 from mikas.dashboard.refusals import NotFound
-from mikas.language import Language
+from mikas.i18n import Language
 
 FOLDER = Path(__file__).parent / "page"
 _FOREVER = "public, max-age=31536000, immutable"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from mikas.client.connecting import maker
 from mikas.dashboard.refusals import NotConnected
 from mikas.dashboard.wishes import Wish
-from mikas.link.plug import Plug
+from mikas.link.reconnecting import Plug
 from mikas.sampling.acquisition import Acquisition
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from mikas.dashboard import happenings
 from mikas.dashboard.refusals import Busy, NotConnected
 from mikas.dashboard.settings import made
 from mikas.errors import MikasError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.notes import faults_note
 from mikas.recording.recorder import Recorder, RecordingStatus, begin_anew
 from mikas.sampling.events import Gap, UnitFound

@@ -9,7 +9,7 @@ from mikas.dashboard.nonces import FOR_GOOD, Prepared
 from mikas.dashboard.recordings_shelf import Shelf, Shelved
 from mikas.dashboard.refusals import Busy, NonceStale, NotFound
 from mikas.errors import CaptureError, reason_of
-from mikas.language import Text
+from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.dashboard.hub import Hub

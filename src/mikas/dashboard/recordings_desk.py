@@ -18,7 +18,7 @@ from mikas.dashboard.recordings_delete import is_in_progress
 from mikas.dashboard.recordings_opened import Opened
 from mikas.dashboard.recordings_shelf import Remembered, Shelf, Shelved
 from mikas.dashboard.refusals import Busy
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.summary import summarise
 
 T = TypeVar("T")

@@ -22,7 +22,7 @@ from starlette.types import Receive, Scope, Send
 from mikas.dashboard.answers import errors
 from mikas.dashboard.recordings_desk import Desk, TheDesk
 from mikas.dashboard.recordings_shelf import Shelved
-from mikas.language import Language
+from mikas.i18n import Language
 
 if TYPE_CHECKING:
     from mikas.report.findings import Findings

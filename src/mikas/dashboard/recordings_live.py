@@ -15,7 +15,7 @@ from mikas.dashboard.history import Rows
 from mikas.dashboard.recordings_desk import TheDesk
 from mikas.dashboard.recordings_files import HTML, page_answer
 from mikas.dashboard.refusals import NotConnected
-from mikas.language import Language, Text
+from mikas.i18n import Language, Text
 
 if TYPE_CHECKING:
     from mikas.catalog import Catalog

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from mikas.errors import MikasError
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 class ApiRefusal(MikasError):

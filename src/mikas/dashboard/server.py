@@ -22,7 +22,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from mikas.errors import UsageError, reason_of
-from mikas.language import Text
+from mikas.i18n import Text
 
 FIRST_PORT = 8071
 _TRIED = 20

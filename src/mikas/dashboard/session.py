@@ -20,7 +20,7 @@ from mikas.dashboard.refusals import Bug
 from mikas.dashboard.settings import Settings
 from mikas.errors import MikasError
 from mikas.link import Link
-from mikas.link.plug import Plug
+from mikas.link.reconnecting import Plug
 from mikas.link.tee import Sink
 from mikas.sampling.acquisition import Acquisition
 

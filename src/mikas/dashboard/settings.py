@@ -11,7 +11,7 @@ from pathlib import Path
 from mikas.catalog import Catalog, load
 from mikas.client import journal as journals
 from mikas.errors import UsageError, reason_of
-from mikas.language import Language, Text
+from mikas.i18n import Language, Text
 from mikas.link import Link, Port, find_ports, open_link
 
 _ELSEWHERE = Text(

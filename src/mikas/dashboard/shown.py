@@ -16,7 +16,7 @@ from mikas.dashboard.state import (
     State,
     WantedOne,
 )
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.sampling.alarms import AlarmEvent
 
 _NO_LINE: Line = "off"

@@ -19,7 +19,7 @@ from mikas.dashboard.happenings import Happening, Kept
 from mikas.dashboard.history import History, row_of
 from mikas.dashboard.meters import Meters
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.sampling.alarms import AlarmEvent
 from mikas.sampling.events import (
     Chosen,

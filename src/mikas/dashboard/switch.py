@@ -16,7 +16,7 @@ from mikas.dashboard.session import Session
 from mikas.dashboard.settings import Settings
 from mikas.dashboard.wishes import Way
 from mikas.errors import NoPortGiven, UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.ports import listed
 from mikas.link.urls import parse
 

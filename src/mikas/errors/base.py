@@ -6,7 +6,7 @@ import errno
 from pathlib import Path
 from typing import ClassVar
 
-from mikas.language import Language, Text
+from mikas.i18n import Language, Text
 
 
 class MikasError(Exception):

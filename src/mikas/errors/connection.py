@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mikas.errors.base import MikasError
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 class NoConnection(MikasError, ConnectionError):

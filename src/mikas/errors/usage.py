@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mikas.errors.base import MikasError
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 class UsageError(MikasError, ValueError):

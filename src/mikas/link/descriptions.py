@@ -4,7 +4,7 @@ is not. Links and recordings keep the description as one string, in English.
 
 from __future__ import annotations
 
-from mikas.language import Text
+from mikas.i18n import Text
 
 VIRTUAL = Text("virtual ECU", "виртуальный блок")
 

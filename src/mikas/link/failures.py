@@ -16,7 +16,7 @@ import sys
 from serial import SerialTimeoutException
 
 from mikas.errors import NoConnection, PortBusy, PortDenied, PortFailed, PortNotFound
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.ports import find_ports, listed
 from mikas.link.urls import parse
 

@@ -18,7 +18,7 @@ from serial import SerialException, SerialTimeoutException, rfc2217
 from serial.urlhandler import protocol_socket
 
 from mikas.errors import BadPortUrl
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.urls import parse
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Protocol
 
 from mikas.errors import NoPortGiven
-from mikas.language import Text
+from mikas.i18n import Text
 
 _SYSFS = Path("/sys/bus/usb-serial/devices")  # Linux
 

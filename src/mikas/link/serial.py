@@ -26,7 +26,7 @@ from typing import Protocol
 import serial
 
 from mikas.errors import LinkLost
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.base import BITS_PER_BYTE, Chunk, Link, WallClock
 from mikas.link.failures import SYSTEM_ERRORS, is_unable, opening_failed, why_lost
 from mikas.link.network import Rfc2217Port, SocketPort, host_and_port

@@ -18,7 +18,7 @@ from typing import cast
 from urllib.parse import parse_qsl, urlencode
 
 from mikas.errors import BadPortUrl
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.base import Link
 
 Opener = Callable[[str, dict[str, str]], Link]

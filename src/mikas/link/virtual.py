@@ -13,7 +13,7 @@ import threading
 from math import inf
 
 from mikas.errors import BadPortUrl, LinkLost, UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.base import Chunk, Link, WallClock
 from mikas.link.descriptions import VIRTUAL
 from mikas.link.urls import take_clock

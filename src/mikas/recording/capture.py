@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, Self
 
 from mikas.errors import CaptureError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording import pcapng
 from mikas.recording.note_blocks import block_of
 from mikas.recording.notes import Note

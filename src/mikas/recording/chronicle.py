@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mikas.errors import MikasError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.notes import (
     Note,
     alarm_note,

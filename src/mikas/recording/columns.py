@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from mikas.catalog import Catalog, Derived
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.table import Channel
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 from mikas.commands import COMMANDS_BY_CODE
 from mikas.framing import Damage, DamageReason, Decoder, Frame
-from mikas.language import Language, Text
+from mikas.i18n import Language, Text
 from mikas.link.tee import Direction
 from mikas.recording.matching import SILENCE, SILENCE_AFTER_SENDING, Matching
 from mikas.recording.reader import Packet, Problem, Source

@@ -14,7 +14,7 @@ from mikas import commands as c
 from mikas.catalog import Catalog
 from mikas.commands.base import ERROR
 from mikas.errors import MikasError
-from mikas.language import Language, Text
+from mikas.i18n import Language, Text
 
 _BOTH: tuple[Language, Language] = ("en", "ru")
 _DOUBTFUL = Text("a value of 01, or a refusal", "значение 01 или отказ")

@@ -12,7 +12,7 @@ from math import isfinite
 from typing import Any, ClassVar
 
 from mikas.catalog import Catalog
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.notes import Kind, Note
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from mikas.errors import MissingExtra
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.table import Channel
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 if TYPE_CHECKING:
     from mikas.client import Limits
-    from mikas.language import Text
+    from mikas.i18n import Text
     from mikas.sampling.alarms import AlarmEvent
     from mikas.sampling.events import LineState
     from mikas.sampling.plan import Plan

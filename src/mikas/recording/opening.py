@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from mikas.catalog import Catalog, load
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.capture import CaptureReader
 from mikas.recording.columns import all_channels, is_recorded, named
 from mikas.recording.happened import Happened, MethodChosen, Unit, events_of, unit_of

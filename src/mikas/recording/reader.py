@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final
 
 from mikas.errors import CaptureError
 from mikas.errors import reason_of as system_reason_of
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording import pcapng
 from mikas.recording.note_blocks import find

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from mikas.catalog import Catalog, shipped
 from mikas.errors import BadPortUrl, CaptureError, MissingExtra, UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.base import Link
 from mikas.link.tee import CaptureTee
 from mikas.link.urls import take_clock
@@ -26,8 +26,8 @@ from mikas.recording.replay_index import index
 from mikas.recording.replay_link import RealTimeReplayLink, ReplayLink
 from mikas.recording.replay_recorded import Recorded
 from mikas.recording.replay_unit import ReplayResponder
-from mikas.virtual.assumptions import SWITCH
 from mikas.virtual.build import WIRE_SETTINGS, check_names, wired
+from mikas.virtual.quirks import SWITCH
 
 if TYPE_CHECKING:
     from mikas.virtual.bus import Bus

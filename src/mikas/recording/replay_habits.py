@@ -14,7 +14,7 @@ from typing import Final
 
 from mikas import commands as c
 from mikas.commands.base import ERROR
-from mikas.virtual.assumptions import Assumptions, LongList, Unknown
+from mikas.virtual.quirks import Assumptions, LongList, Unknown
 
 ENOUGH: Final = 2  # a unit that does not take a request fails it each time
 _MOST_DELAYS: Final = 1000

@@ -14,7 +14,7 @@ from math import inf
 from typing import Any, Generic, TypeVar
 
 from mikas import commands as c
-from mikas.virtual.assumptions import Assumptions
+from mikas.virtual.quirks import Assumptions
 
 T = TypeVar("T")
 

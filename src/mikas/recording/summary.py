@@ -21,7 +21,7 @@ from typing import BinaryIO, Final
 from mikas import commands as c
 from mikas.catalog import Catalog, shipped
 from mikas.errors import CaptureError, MikasError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording import pcapng
 from mikas.recording.about import about_of

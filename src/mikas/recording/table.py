@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Final
 
-from mikas.language import Text
+from mikas.i18n import Text
 
 if TYPE_CHECKING:
     import numpy as np

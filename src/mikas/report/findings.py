@@ -13,7 +13,7 @@ from typing import Final
 
 from mikas.catalog import Derived, Fault, Parameter
 from mikas.catalog.conversion import NO_TEXT
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.report.measuring import Channel, Measured
 from mikas.report.spread import Stats, is_inside
 from mikas.report.subject import Subject

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.sampling.derived import Rows
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from mikas.language import Language, Text
+from mikas.i18n import Language, Text
 
 _LABELS: Final = {
     "title": Text("Engine report", "Отчёт о двигателе"),

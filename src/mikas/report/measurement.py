@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import Final
 
 from mikas.errors import UsageError
-from mikas.language import Language, Text
+from mikas.i18n import Language, Text
 from mikas.link.descriptions import described
 from mikas.link.urls import parse
 from mikas.report.findings import Findings

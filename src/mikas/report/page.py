@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from markupsafe import Markup
 
-from mikas.language import Language
+from mikas.i18n import Language
 from mikas.report.findings import Findings, Mark, Stored, Value
 from mikas.report.labels import Labels
 from mikas.report.measurement import rows as how_rows

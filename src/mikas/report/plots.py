@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from markupsafe import Markup
 
-from mikas.language import Language
+from mikas.i18n import Language
 from mikas.report.curve import Curve
 from mikas.report.measuring import Channel
 from mikas.report.words import clock, number

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 
 from mikas.catalog import Catalog, Fault, Model
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.report.told import Gone
 
 

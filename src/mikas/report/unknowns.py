@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mikas.catalog import Confidence, Parameter
-from mikas.language import Text, counted
+from mikas.i18n import Text, counted
 from mikas.report.findings import Findings
 from mikas.report.idle import COOLANT
 from mikas.report.words import within

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import isfinite
 
 from mikas.catalog import Catalog
-from mikas.language import Language, Text, counted
+from mikas.i18n import Language, Text, counted
 from mikas.report.findings import Findings, Mark, Outcome, is_open
 from mikas.report.idle import ENOUGH, SETTLING, Idle, Seen
 from mikas.report.told import Gone

@@ -6,7 +6,7 @@ from datetime import datetime
 from math import isfinite
 
 from mikas.catalog import Confidence, Derived, Parameter
-from mikas.language import Language, Text
+from mikas.i18n import Language, Text
 from mikas.recording.table import PLAINLY_UNIX
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from mikas.errors import ExportError, reason_of
-from mikas.language import Text
+from mikas.i18n import Text
 
 SUFFIXES: Final = (".html", ".htm")
 

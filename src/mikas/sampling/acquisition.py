@@ -18,9 +18,9 @@ from mikas.catalog import AlarmLimits, Catalog, Derived, Parameter
 from mikas.client import Ecu
 from mikas.client.methods import METHODS, FixedMethod
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link import Link
-from mikas.link.plug import Plug
+from mikas.link.reconnecting import Plug
 from mikas.sampling.alarms import AlarmEvent, Alarms, AlarmState, Value
 from mikas.sampling.derived import DerivedChannels, number_of
 from mikas.sampling.events import Event, Gap, LineState, PlanChanged, Sampled, UnitFound

@@ -19,7 +19,7 @@ from typing import TypeAlias
 from mikas.catalog import AlarmLimits, Catalog, Derived, Level, Parameter
 from mikas.client.reading import Reading
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.sampling.derived import DerivedValue, number_of
 
 Value: TypeAlias = Reading | DerivedValue | float | None

@@ -22,7 +22,7 @@ from mikas.client.methods import STREAMS, FixedMethod
 from mikas.commands import Availability
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, OutOfStep
 from mikas.sampling.cycles import Cycles, cycles_of
-from mikas.sampling.doubt import Doubt
+from mikas.sampling.identity_check import Doubt
 from mikas.sampling.plan import Plan
 
 CANDIDATES: tuple[FixedMethod, ...] = ("stream", "list", "batch")

@@ -14,7 +14,7 @@ from mikas.client.methods import STREAMS, stroke_of
 from mikas.client.streaming import ReadingStream
 from mikas.commands import Datum
 from mikas.errors import EcuRefused, MikasError, NoResponse, WrongLength
-from mikas.sampling.doubt import Doubt
+from mikas.sampling.identity_check import Doubt
 from mikas.sampling.plan import Plan
 
 _SLICE = 0.1  # s that a silent stream is waited for before others get a look in

@@ -21,11 +21,11 @@ from math import isfinite, nan
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from mikas.catalog import Catalog, Derived
-from mikas.catalog.calculation import Calculation
 from mikas.catalog.derived import in_order
+from mikas.catalog.formulas.calculation import Calculation
 from mikas.client.reading import Reading
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 
 if TYPE_CHECKING:
     import numpy as np

@@ -12,7 +12,7 @@ from enum import Enum
 
 from mikas.client import Passport, Reading
 from mikas.errors import MikasError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.sampling.alarms import AlarmEvent
 from mikas.sampling.derived import DerivedValue
 from mikas.sampling.plan import Plan

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from mikas.client import Ecu
 from mikas.errors import LinkLost, NoConnection
-from mikas.language import Text
+from mikas.i18n import Text
 
 T = TypeVar("T")
 _ENDED = Text("sampling has ended", "опрос закончен")

@@ -15,8 +15,8 @@ from mikas.client import Ecu, Reading
 from mikas.errors import MikasError, NoConnection, OutOfStep
 from mikas.sampling.choosing import OF_THEIR_OWN, Measured, measure
 from mikas.sampling.cycles import cycles_of
-from mikas.sampling.doubt import Doubt
 from mikas.sampling.events import Event, Gap
+from mikas.sampling.identity_check import Doubt
 from mikas.sampling.plan import Plan
 from mikas.sampling.session import Session, Wish, datum_of
 

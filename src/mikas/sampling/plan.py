@@ -23,7 +23,7 @@ from mikas.client.parameters import distinct
 from mikas.commands import Datum
 from mikas.errors import UsageError
 from mikas.framing import encode
-from mikas.language import Text
+from mikas.i18n import Text
 
 _STUFFED = 2 / 256  # of random bytes: 0D and 40 take two on the wire
 _LARGEST_EVERY = 1000

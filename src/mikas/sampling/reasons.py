@@ -12,7 +12,7 @@ from mikas.client.methods import STREAMS
 from mikas.commands import ReadParameters
 from mikas.errors import MikasError, NotSupported
 from mikas.framing import Decoder, Frame
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.sampling.plan import Plan
 
 

@@ -11,12 +11,12 @@ from mikas.client import Ecu, Reading
 from mikas.client.methods import STREAMS
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, OutOfStep
 from mikas.sampling.cycles import Asked, Cycles, cycles_of
-from mikas.sampling.doubt import Doubt
 from mikas.sampling.events import Event, Gap
+from mikas.sampling.identity_check import Doubt
 from mikas.sampling.plan import Plan
 from mikas.sampling.reasons import reason
-from mikas.sampling.refusals import Refusals
 from mikas.sampling.session import Session, Wish
+from mikas.sampling.unsupported import Refusals
 
 _BAD_LINE = 6  # failed cycles in a row after which another method may do better
 _DOUBTS = 2  # of the unit's refusals in a row after which the method is given up

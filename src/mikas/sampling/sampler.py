@@ -18,16 +18,16 @@ from mikas.client import Ecu
 from mikas.client.methods import FixedMethod
 from mikas.errors import LinkLost, MikasError, NoConnection, OutOfStep, RecordingOver
 from mikas.link import Link
-from mikas.link.plug import Plug
-from mikas.sampling.approach import Approach, Unit, same
+from mikas.link.reconnecting import Plug
 from mikas.sampling.choosing import CANDIDATES, LAST, best
 from mikas.sampling.events import Chosen, Event, LineState, PlanChanged
 from mikas.sampling.jobs import Jobs
 from mikas.sampling.measuring import Measuring
 from mikas.sampling.plan import Plan, Price, Wanted
-from mikas.sampling.refusals import Refusals
 from mikas.sampling.running import Running
 from mikas.sampling.session import Session, Wish
+from mikas.sampling.supervisor import Approach, Unit, same
+from mikas.sampling.unsupported import Refusals
 
 T = TypeVar("T")
 

@@ -13,7 +13,7 @@ from math import gcd
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client.parameters import distinct
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.sampling.derived import DerivedChannels
 from mikas.sampling.plan import Wanted
 

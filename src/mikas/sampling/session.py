@@ -10,10 +10,10 @@ from mikas.client import Ecu, Reading
 from mikas.client.methods import FixedMethod
 from mikas.commands import Datum
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.sampling.events import Sampled
 from mikas.sampling.jobs import Jobs
-from mikas.sampling.learning import Learning
+from mikas.sampling.method_knowledge import Learning
 from mikas.sampling.plan import Plan, Wanted
 
 _SLICE = 0.1  # s that a wait for the next cycle lasts before others get a look in

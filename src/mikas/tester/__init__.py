@@ -1,6 +1,6 @@
 """Requests and responses that can be trusted, on one wire (D1, D2, D11–D14)."""
 
-from mikas.tester.connecting import Echo
+from mikas.tester.handshake import Echo
 from mikas.tester.statistics import Failure, Statistics
 from mikas.tester.stream import Stream, StreamItem
 from mikas.tester.tester import Tester

@@ -12,7 +12,7 @@ from math import inf
 
 from mikas.errors import DamagedResponse, EchoDiffers, LineNotQuiet, NoEcho, NoResponse
 from mikas.framing import Damage, DamageReason, Decoder, Frame, encode
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link import Chunk, Link
 from mikas.tester.timed_decoder import TimedDecoder
 from mikas.tester.timing import Reply, Timing

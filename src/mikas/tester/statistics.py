@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from mikas.errors import LineError
-from mikas.language import Text
+from mikas.i18n import Text
 
 _FAILURES_KEPT = 20
 

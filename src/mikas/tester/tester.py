@@ -23,12 +23,12 @@ from mikas.errors import (
     UsageError,
 )
 from mikas.framing import encode
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link import Link
-from mikas.tester.connecting import Echo, introduce, refuse_elm
+from mikas.tester.handshake import Echo, introduce, refuse_elm
 from mikas.tester.line import Line
+from mikas.tester.line_sync import Step
 from mikas.tester.statistics import Statistics
-from mikas.tester.step import Step
 from mikas.tester.stream import Stream
 from mikas.tester.timing import Reply, Timing
 

@@ -12,16 +12,16 @@ from typing import TypeVar
 
 from mikas.catalog import shipped
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.assumptions import ASSUMPTION_NAMES, SWITCH, words
 from mikas.virtual.bus import Bus
-from mikas.virtual.disturbance import LATE_BY, Disturbance, Trouble, parse_rates
 from mikas.virtual.ecu import Happening, VirtualEcu
 from mikas.virtual.elm327 import Elm327
 from mikas.virtual.engine import Engine
 from mikas.virtual.engine_car import EngineCar
+from mikas.virtual.fault_injector import LATE_BY, Disturbance, Trouble, parse_rates
 from mikas.virtual.memory import Memory
+from mikas.virtual.quirks import ASSUMPTION_NAMES, SWITCH, words
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.scenario import DEFAULT, find
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from math import inf
 
 from mikas.virtual.adapter import Adapter, AdapterKind
-from mikas.virtual.disturbance import Disturbance
 from mikas.virtual.ecu import VirtualEcu
+from mikas.virtual.fault_injector import Disturbance
 
 
 @dataclass(slots=True)

@@ -16,7 +16,7 @@ from math import inf, nextafter
 
 from mikas import commands as c
 from mikas.framing import Decoder, Frame, encode
-from mikas.virtual.assumptions import StreamEnd
+from mikas.virtual.quirks import StreamEnd
 from mikas.virtual.responder import Responder, Stream
 
 PARTIAL_REQUEST_LIFE = 0.1  # s; a unit does not wait for the rest of a request for ever

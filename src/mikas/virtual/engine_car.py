@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from mikas.catalog import Catalog, Conversion, Parameter
 from mikas.errors import ValueDoesNotFit
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.virtual.engine import FIELDS, Engine, EngineState
 
 MINERR = "MINERR"

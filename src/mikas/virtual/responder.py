@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from mikas import commands as c
-from mikas.virtual.assumptions import Assumptions, LongList, Unknown
 from mikas.virtual.memory import Memory
+from mikas.virtual.quirks import Assumptions, LongList, Unknown
 
 ERASE_CELL = 0x0E
 

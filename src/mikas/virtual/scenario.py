@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mikas.catalog.source import Source, read_source
+from mikas.catalog.loading.source import Source, read_source
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.virtual.scenario_form import read_form
 from mikas.virtual.timeline import Inputs, Timeline, Track
 

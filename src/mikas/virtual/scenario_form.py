@@ -12,11 +12,11 @@ from decimal import Decimal
 from itertools import pairwise
 from typing import Any, TypeGuard
 
-from mikas.catalog.fields import TEXT, Reader, Schema, Unfit, boolean, choice, string
-from mikas.catalog.source import KeyPath, Source
+from mikas.catalog.loading.fields import TEXT, Reader, Schema, Unfit, boolean, choice, string
+from mikas.catalog.loading.source import KeyPath, Source
 from mikas.catalog.spelling import nearest
 from mikas.errors import CatalogError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.virtual.memory import SIZES
 from mikas.virtual.timeline import Track
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.framing import encode
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording.bulk.match import Matcher
 from mikas.recording.bulk.packets import Packets

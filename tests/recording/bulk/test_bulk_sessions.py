@@ -26,8 +26,8 @@ from mikas.recording.capture import CaptureReader, CaptureWriter, Problem
 from mikas.tester.timed_decoder import TimedDecoder
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
-from mikas.virtual.disturbance import Disturbance, Trouble
 from mikas.virtual.ecu import VirtualEcu
+from mikas.virtual.fault_injector import Disturbance, Trouble
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from hypothesis import strategies as st
 
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.export import export
 from mikas.recording.happened import AlarmSeen, GapSeen, MarkerSet, NoteTaken, StateSeen
 from mikas.recording.table import Channel, Rows

@@ -23,7 +23,7 @@ from export_tables import (
 from hypothesis import given
 
 from mikas.errors import ExportError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.export import export
 from mikas.recording.export import sheet as sheets
 from mikas.recording.happened import MarkerSet

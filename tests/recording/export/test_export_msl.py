@@ -9,7 +9,7 @@ import pytest
 from export_tables import CHANNELS, FIXED, MODERATE, NAN, TWAT, exported, from_start, rows, tables
 from hypothesis import given
 
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.export import export
 from mikas.recording.table import Channel
 

@@ -21,7 +21,7 @@ from export_tables import (
 )
 from hypothesis import given, settings
 
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.export import export
 from mikas.recording.export import parquet as writer
 from mikas.recording.export import sheet as sheets

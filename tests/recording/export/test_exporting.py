@@ -10,7 +10,7 @@ import pytest
 from export_tables import CHANNELS, FIXED, NAN, START, TWAT, UACC, rows
 
 from mikas.errors import CaptureError, ExportError, MissingExtra, UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.export import SUFFIXES, Result, export
 from mikas.recording.export import sheet as sheets
 from mikas.recording.table import Channel, Rows

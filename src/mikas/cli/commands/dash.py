@@ -15,7 +15,7 @@ from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
 from mikas.cli.words import say, wished
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.dashboard.access import Access

@@ -10,7 +10,7 @@ from mikas.cli.arguments import File
 from mikas.cli.grammar import command
 from mikas.cli.run import Run
 from mikas.cli.words import language
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording import CaptureReader
 from mikas.recording.decode import decode as decode_frames
 from mikas.recording.decode import to_json, to_text

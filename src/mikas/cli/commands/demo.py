@@ -9,7 +9,7 @@ from mikas.cli.commands.dash import Wishes, dashboard_options, show_dashboard
 from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
 from mikas.cli.words import say
-from mikas.language import Text
+from mikas.i18n import Text
 
 _FAULTS = "17"  # the air's temperature: something to find and to erase, and the engine runs well
 

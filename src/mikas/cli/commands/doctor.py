@@ -10,7 +10,7 @@ from mikas.cli.main import NO_CONNECTION
 from mikas.cli.run import Run
 from mikas.cli.words import say, shown
 from mikas.client.doctor import STEPS, Step, examine
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link import CaptureTee, Link, choose_port, open_link
 from mikas.tester import Echo, Tester, Timing
 

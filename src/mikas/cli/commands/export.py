@@ -15,7 +15,7 @@ from mikas.cli.options import OUT, OVERWRITE
 from mikas.cli.run import Run
 from mikas.cli.words import language, say, shown
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.export import DIALECTS
 
 if TYPE_CHECKING:

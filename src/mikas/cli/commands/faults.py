@@ -12,7 +12,7 @@ from mikas.cli.arguments import OneOf
 from mikas.cli.grammar import YES, command
 from mikas.cli.run import Run
 from mikas.cli.words import say, shown
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 @command(

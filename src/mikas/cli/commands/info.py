@@ -10,7 +10,7 @@ from mikas.client import Ecu, Info, Support
 from mikas.client.limits import STARTING_LIST
 from mikas.client.methods import FixedMethod
 from mikas.commands import ALL_COMMANDS
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link.urls import parse
 from mikas.sampling.choosing import rates_of
 from mikas.sampling.plan import Plan, Wanted

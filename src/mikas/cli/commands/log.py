@@ -19,7 +19,7 @@ from mikas.cli.session import Asked, Session, session
 from mikas.cli.words import decimal, say, shown
 from mikas.client import Ecu
 from mikas.errors import MikasError, UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.export import SUFFIXES
 from mikas.recording.recorder import RecordingStatus, begin_anew
 from mikas.sampling.events import Event, LineState, StateChanged

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mikas.cli.grammar import Group, common_options
-from mikas.language import Text
+from mikas.i18n import Text
 
 _HERE = "mikas.cli.commands"
 

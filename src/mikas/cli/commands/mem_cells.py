@@ -10,7 +10,7 @@ from mikas.cli.hexdump import hexdump
 from mikas.cli.run import Run
 from mikas.cli.words import say
 from mikas.errors import NotConfirmed
-from mikas.language import Text
+from mikas.i18n import Text
 
 SPACE = OneOf(("ram", "xram", "code", "sfr"))
 

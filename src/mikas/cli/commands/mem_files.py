@@ -15,10 +15,10 @@ from mikas.cli.grammar import command, option
 from mikas.cli.output import stderr_console
 from mikas.cli.run import Run
 from mikas.cli.words import say
-from mikas.client.dump import Difference, Dump, compare, differences
-from mikas.client.dump_manifest import read_manifest
+from mikas.client.memory.dump import Difference, Dump, compare, differences
+from mikas.client.memory.manifest import read_manifest
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 
 FILE = File(there=True)
 BLOCK = option(

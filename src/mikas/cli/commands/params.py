@@ -9,7 +9,7 @@ from mikas.cli.grammar import command
 from mikas.cli.readings import reference
 from mikas.cli.run import Run
 from mikas.cli.words import say, shown
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 @command(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mikas.cli.grammar import command
 from mikas.cli.run import Run
 from mikas.cli.words import say, shown
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link import find_ports
 
 

@@ -8,7 +8,7 @@ from mikas.cli.arguments import HexBytes
 from mikas.cli.grammar import YES, command
 from mikas.cli.run import Run
 from mikas.cli.words import say
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 @command(

@@ -9,7 +9,7 @@ from mikas.cli.readings import as_json, shown_unit, shown_value, verdict
 from mikas.cli.run import Run
 from mikas.cli.words import say, shown
 from mikas.client import Reading
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 @command(

@@ -18,7 +18,7 @@ from mikas.cli.run import Run
 from mikas.cli.session import Asked, Session, session
 from mikas.cli.words import decimal, language, say, shown
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.report import writing
 from mikas.sampling.events import UnitFound
 

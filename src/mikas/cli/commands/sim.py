@@ -13,13 +13,13 @@ from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
 from mikas.cli.words import say
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.link import WallClock
 from mikas.virtual import serve
 from mikas.virtual.build import CAR_SETTINGS, MODELS, SETTINGS, build_bus
 from mikas.virtual.bus import Bus
-from mikas.virtual.disturbance import Trouble
 from mikas.virtual.ecu import Happening
+from mikas.virtual.fault_injector import Trouble
 
 if TYPE_CHECKING:
     from mikas.recording.replay import ReplayCar

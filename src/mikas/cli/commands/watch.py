@@ -18,7 +18,7 @@ from mikas.cli.notices import Notices
 from mikas.cli.run import Run
 from mikas.cli.session import Asked, Session, session
 from mikas.client import METHODS
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 def sampling_options(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -15,7 +15,7 @@ from mikas.cli.words import say
 from mikas.client import Reading
 from mikas.client.reading import decode
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 @command(

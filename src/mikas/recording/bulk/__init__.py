@@ -10,7 +10,7 @@ it is used.
 from __future__ import annotations
 
 from mikas.errors import MissingExtra
-from mikas.language import Text
+from mikas.i18n import Text
 
 try:
     import numpy as np  # noqa: F401  (only whether it is there)

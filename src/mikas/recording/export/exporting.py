@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from mikas.errors import ExportError, MikasError, MissingExtra, reason_of
-from mikas.language import Language, Text
+from mikas.i18n import Language, Text
 from mikas.recording.export.dialect import PLAIN, Dialect
 from mikas.recording.table import Channel, Rows
 

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mikas.errors import ExportError
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.export.heading import heading
 from mikas.recording.export.marks import Mark, marked
 from mikas.recording.export.sheet import Column, Sheet

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.happened import AlarmSeen, GapSeen, Happened, MarkerSet, NoteTaken
 
 _MARKER = Text("marker", "отметка")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mikas.language import Text
+from mikas.i18n import Text
 from mikas.recording.export.cells import lines, spelled, without
 from mikas.recording.export.heading import heading
 from mikas.recording.export.marks import Mark, marked

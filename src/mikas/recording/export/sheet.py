@@ -14,7 +14,7 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from mikas.language import Language
+from mikas.i18n import Language
 from mikas.recording.export.dialect import Dialect
 from mikas.recording.export.moments import Moment, began, moments_of
 from mikas.recording.gap_rows import with_gaps

@@ -23,9 +23,9 @@ from mikas.errors import (
     OutOfStep,
 )
 from mikas.link import Link
-from mikas.link.plug import Plug
-from mikas.sampling.doubt import Doubt
+from mikas.link.reconnecting import Plug
 from mikas.sampling.events import Event, Gap, LineState, StateChanged, UnitFound
+from mikas.sampling.identity_check import Doubt
 from mikas.sampling.session import Session
 
 Unit = tuple[int, Passport]

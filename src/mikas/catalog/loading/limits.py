@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import PurePath
 from typing import Any
 
-from mikas.catalog.entries import Entry
 from mikas.catalog.limits import LIMITS, AlarmLimits
+from mikas.catalog.loading.entries import Entry
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 
 _OF_NUMBERS = (*LIMITS, "hysteresis")
 _OF_FLAGS = ("when_true",)

@@ -21,10 +21,10 @@ from functools import cache
 from pathlib import Path
 from zlib import crc32
 
-from mikas.catalog import build, build_derived
-from mikas.catalog.entries import merged
+from mikas.catalog.loading import build, derived
+from mikas.catalog.loading.entries import merged
+from mikas.catalog.loading.source import Source, parse_source, read_source
 from mikas.catalog.lookup import Catalog
-from mikas.catalog.source import Source, parse_source, read_source
 
 _SHIPPED = (
     "units.toml",
@@ -49,13 +49,13 @@ def load(*user_files: Path) -> Catalog:
 
 @cache
 def shipped() -> Catalog:
-    """The catalog as it comes with this version, always the same object."""
+    """The catalog of this version, always the same object."""
     return _catalog(_shipped_sources())
 
 
 @cache
 def _shipped_sources() -> tuple[Source, ...]:
-    folder = Path(__file__).parent
+    folder = Path(__file__).parents[1]  # the package `mikas.catalog`
     return tuple(parse_source(name, (folder / name).read_bytes()) for name in _SHIPPED)
 
 
@@ -64,7 +64,7 @@ def _catalog(sources: Sequence[Source]) -> Catalog:
     units = build.units(entries)
     return Catalog(
         parameters=build.parameters(entries, units),
-        derived=build_derived.derived(entries, units),
+        derived=derived.derived(entries, units),
         faults=build.faults(entries),
         models=build.models(entries),
         errata=build.errata(entries),

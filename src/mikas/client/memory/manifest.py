@@ -7,10 +7,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from mikas.client.memory import last_of
+from mikas.client.memory.spaces import last_of
 from mikas.commands.base import check_range
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 
 SCHEMA = 1
 

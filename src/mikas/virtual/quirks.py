@@ -13,7 +13,7 @@ from enum import Enum
 
 from mikas.commands import COMMANDS_BY_CODE
 from mikas.errors import UsageError
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 class Unknown(Enum):

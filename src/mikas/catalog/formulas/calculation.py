@@ -11,8 +11,8 @@ from functools import cached_property
 from math import isfinite
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from mikas.catalog.arithmetic import NO_VALUE, Arithmetic, of_columns, of_numbers
-from mikas.catalog.formula import Parsed
+from mikas.catalog.formulas.arithmetic import NO_VALUE, Arithmetic, of_columns, of_numbers
+from mikas.catalog.formulas.syntax import Parsed
 
 if TYPE_CHECKING:
     import numpy as np

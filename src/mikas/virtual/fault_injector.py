@@ -14,7 +14,7 @@ from random import Random
 
 from mikas.errors import UsageError
 from mikas.framing import encode
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 class Trouble(Enum):

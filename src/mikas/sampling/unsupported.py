@@ -22,8 +22,8 @@ from mikas.errors import (
     OutOfStep,
     WrongLength,
 )
-from mikas.sampling.doubt import Doubt
 from mikas.sampling.events import Dropped, Event, Gap
+from mikas.sampling.identity_check import Doubt
 from mikas.sampling.plan import Plan
 from mikas.sampling.session import Session, Wish, datum_of
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import PurePath
 from typing import Any
 
-from mikas.catalog.build_limits import NOT_FOR_FLAGS, ONLY_FOR_FLAGS
 from mikas.catalog.conversion import NO_TEXT
-from mikas.catalog.entries import Entry
+from mikas.catalog.loading.entries import Entry
+from mikas.catalog.loading.limits import NOT_FOR_FLAGS, ONLY_FOR_FLAGS
 from mikas.catalog.model import Lamp, Meaning
-from mikas.language import Text
+from mikas.i18n import Text
 
 
 def optional(entry: Entry, *path: str) -> Text:

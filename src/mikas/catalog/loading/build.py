@@ -6,15 +6,15 @@ from collections.abc import Iterable, Mapping
 from pathlib import PurePath
 from typing import Any
 
-from mikas.catalog.build_limits import NOT_FOR_FLAGS, alarm_limits
-from mikas.catalog.build_words import lamp, meaning, optional
 from mikas.catalog.confidence import Confidence
 from mikas.catalog.conversion import Conversion
-from mikas.catalog.entries import Entries, Entry
+from mikas.catalog.loading.entries import Entries, Entry
+from mikas.catalog.loading.limits import NOT_FOR_FLAGS, alarm_limits
+from mikas.catalog.loading.source import KeyPath
+from mikas.catalog.loading.texts import lamp, meaning, optional
 from mikas.catalog.model import Erratum, Fault, Model, Parameter
-from mikas.catalog.source import KeyPath
 from mikas.catalog.spelling import nearest
-from mikas.language import Text
+from mikas.i18n import Text
 
 _NUMERIC = ("signed", "scale", "bias", "offset", "unit")
 

@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mikas.client.dump_manifest import Manifest, manifest_path, read_manifest, wrong
 from mikas.client.ecu import Ecu
-from mikas.client.memory import MemorySpace
+from mikas.client.memory.manifest import Manifest, manifest_path, read_manifest, wrong
+from mikas.client.memory.spaces import MemorySpace
 from mikas.commands.base import check_range
 from mikas.errors import UsageError, reason_at
 

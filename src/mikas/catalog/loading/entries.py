@@ -10,11 +10,20 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from mikas.catalog.fields import ANY, FAMILIES, TEXT, Reader, Schema, Unfit, constant, string
-from mikas.catalog.source import KeyPath, Source
+from mikas.catalog.loading.fields import (
+    ANY,
+    FAMILIES,
+    TEXT,
+    Reader,
+    Schema,
+    Unfit,
+    constant,
+    string,
+)
+from mikas.catalog.loading.source import KeyPath, Source
 from mikas.catalog.spelling import nearest
 from mikas.errors import CatalogError
-from mikas.language import Text
+from mikas.i18n import Text
 
 Entries: TypeAlias = "dict[str, dict[Any, Entry]]"
 """By family, then by name (upper case) or number, in the order of the files' tables."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from graphlib import CycleError
 
-from mikas.catalog.build import does_not_exist, source_of
-from mikas.catalog.build_limits import alarm_limits
 from mikas.catalog.confidence import Confidence
 from mikas.catalog.derived import Derived, in_order
-from mikas.catalog.entries import Entries, Entry
-from mikas.catalog.formula import FormulaError, parse
-from mikas.language import Text
+from mikas.catalog.formulas.syntax import FormulaError, parse
+from mikas.catalog.loading.build import does_not_exist, source_of
+from mikas.catalog.loading.entries import Entries, Entry
+from mikas.catalog.loading.limits import alarm_limits
+from mikas.i18n import Text
 
 
 def derived(entries: Entries, unit_texts: Mapping[str, Text]) -> dict[str, Derived]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from mikas.client.ecu import erasing
-from mikas.client.memory import writing
-from mikas.language import byte_count
+from mikas.client.memory.spaces import writing
+from mikas.i18n import byte_count
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from mikas.errors import (
 )
 from mikas.framing import TERMINATOR, encode
 from mikas.tester.line import Line
-from mikas.tester.step import AVAILABILITY, Step, nobody
+from mikas.tester.line_sync import AVAILABILITY, Step, nobody
 
 _ELM_TEXT = frozenset(b"?>\r\n .0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ")
 

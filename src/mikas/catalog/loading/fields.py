@@ -16,7 +16,7 @@ from typing import TypeAlias
 from mikas.catalog.confidence import Confidence
 from mikas.catalog.limits import LIMITS, Level
 from mikas.catalog.model import READINGS
-from mikas.language import Text
+from mikas.i18n import Text
 
 Reader: TypeAlias = Callable[[object], object]
 Schema: TypeAlias = "Mapping[str, Reader | Schema]"

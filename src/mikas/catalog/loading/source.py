@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from mikas.errors import CatalogError, reason_of
-from mikas.language import Text
+from mikas.i18n import Text
 
 KeyPath: TypeAlias = tuple[str, ...]
 
@@ -33,7 +33,7 @@ class Source:
 
     def wrong(self, path: KeyPath, problem: Text) -> CatalogError:
         """The error to raise for the key or table at `path`."""
-        from mikas.catalog.toml_lines import lines_of
+        from mikas.catalog.loading.toml_lines import lines_of
 
         lines = lines_of(self.text)
         known = (lines[path[:end]] for end in range(len(path), 0, -1) if path[:end] in lines)

@@ -27,7 +27,7 @@ from mikas.errors import (
     WrongLength,
     in_hex,
 )
-from mikas.language import Text, byte_count
+from mikas.i18n import Text, byte_count
 from mikas.tester import Tester
 
 

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from mikas.catalog.spelling import nearest
-from mikas.language import Text
+from mikas.i18n import Text
 
 LONGEST = 1000
 """Characters."""

@@ -1,0 +1,1 @@
+"""Formulas of derived channels: their syntax, their arithmetic, and their calculation."""
