@@ -21,7 +21,7 @@ from bench.rows import Row, Scope, Theme
 from mikas.catalog import shipped
 from mikas.client import Ecu
 from mikas.link.base import Link
-from mikas.link.reconnecting import Plug
+from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Gap, Sampled
@@ -68,7 +68,7 @@ def drive(hours: int) -> Iterator[dict[str, float]]:
         path = Path(folder) / "drive.pcapng"
         recorder = Recorder(ecu=lambda: acquisition.ecu)
         acquisition = Acquisition(
-            Plug(url, sink=recorder), _make_ecu, shipped(), method="list", rate=RATE
+            ReconnectingPort(url, sink=recorder), _make_ecu, shipped(), method="list", rate=RATE
         )
         recorder.start(path, url=url)
         sets = gaps = done = 0

@@ -19,7 +19,7 @@ from mikas.client import Ecu
 from mikas.client.methods import FixedMethod
 from mikas.link import Chunk, open_link
 from mikas.link.base import Link
-from mikas.link.reconnecting import Plug
+from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.events import Chosen, Gap, Sampled
 from mikas.sampling.plan import Wanted
 from mikas.sampling.sampler import Sampler
@@ -29,7 +29,7 @@ TURN_ROUND = 0.002
 _WARM = 3  # cycles before the first one that counts: lists are set, limits learnt
 
 Port = Callable[..., Any]
-"""`simulated` or `paced`: gives a context in which there is a `Plug`."""
+"""`simulated` or `paced`: gives a context in which there is a `ReconnectingPort`."""
 
 
 class Meter(Link):
@@ -63,17 +63,17 @@ class Meter(Link):
 
 
 @contextmanager
-def simulated(*, latency_ms: int = 0, settings: str = "") -> Iterator[Plug]:
+def simulated(*, latency_ms: int = 0, settings: str = "") -> Iterator[ReconnectingPort]:
     """A virtual unit on simulated time."""
     url = f"sim:?clock=simulated&latency_ms={latency_ms}{settings}"
-    yield Plug(url, open_port=lambda url: Meter(open_link(url)))
+    yield ReconnectingPort(url, open_port=lambda url: Meter(open_link(url)))
 
 
 @contextmanager
-def paced(*, latency_ms: int = 0) -> Iterator[Plug]:
+def paced(*, latency_ms: int = 0) -> Iterator[ReconnectingPort]:
     """A virtual unit in another process, in real time, on a pty."""
     with serving(f"--latency-ms={latency_ms}") as url:
-        yield Plug(url, open_port=lambda url: Meter(open_link(url)))
+        yield ReconnectingPort(url, open_port=lambda url: Meter(open_link(url)))
 
 
 @contextmanager
@@ -163,7 +163,12 @@ class Session:
 
 
 def sample(
-    plug: Plug, wanted: Sequence[Wanted], method: FixedMethod | None, *, sets: int, runs: int
+    plug: ReconnectingPort,
+    wanted: Sequence[Wanted],
+    method: FixedMethod | None,
+    *,
+    sets: int,
+    runs: int,
 ) -> Session:
     """Runs the sampler for `runs` stretches of `sets` cycles. `method` None: the fastest."""
     ecus: list[Ecu] = []

@@ -30,22 +30,22 @@ def test_the_terminal_keeps_its_words() -> None:
 
 def test_both_paragraphs_tell_the_same_failure() -> None:
     error = NoPortGiven(found=Text("nothing", "ничего"), request=b"\x02", received=b"")
-    assert error.text_on_screen.en.startswith(error.reason.en + " (sent 02, received nothing). ")
-    assert "Cable screen" in error.text_on_screen.en
-    assert "«Связь»" in error.text_on_screen.ru
+    assert error.gui_text.en.startswith(error.reason.en + " (sent 02, received nothing). ")
+    assert "Cable screen" in error.gui_text.en
+    assert "«Связь»" in error.gui_text.ru
 
 
 def test_other_advice_is_shown_everywhere() -> None:
     other = Text("Do that.", "Сделайте это.")
-    assert PortNotFound(url="x", found="", advice=other).to_try_on_screen == other
+    assert PortNotFound(url="x", found="", advice=other).gui_advice == other
     error = PortNotFound(url="x", found="")
-    error.to_try = other
-    assert error.text_on_screen.en.endswith("Do that.")
-    assert LineNotQuiet().to_try_on_screen == LineNotQuiet.advice
+    error.advice = other
+    assert error.gui_text.en.endswith("Do that.")
+    assert LineNotQuiet().gui_advice == LineNotQuiet.advice
 
 
 def test_the_nearest_names_are_told_on_both() -> None:
     error = UnknownParameter("TWTA", ["TWAT"])
     assert "Did you mean TWAT?" in error.text.en
-    assert "Did you mean TWAT?" in error.text_on_screen.en
-    assert "Может быть" not in UnknownParameter("X").text_on_screen.ru
+    assert "Did you mean TWAT?" in error.gui_text.en
+    assert "Может быть" not in UnknownParameter("X").gui_text.ru

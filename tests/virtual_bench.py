@@ -10,8 +10,8 @@ from mikas.tester import Tester
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import VirtualEcu
-from mikas.virtual.fault_injector import Disturbance
-from mikas.virtual.quirks import Assumptions
+from mikas.virtual.fault_injector import FaultInjector
+from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
 
@@ -35,13 +35,13 @@ IDENTITY = Identity(0x0A, PASSPORTS)
 
 def make_bus(
     *,
-    assumptions: Assumptions | None = None,
+    assumptions: EcuQuirks | None = None,
     adapter: AdapterKind | None = None,
-    disturbance: Disturbance | None = None,
+    disturbance: FaultInjector | None = None,
     rpm: float = 850.0,
 ) -> Bus:
     car = TableCar(DATA, faults=FAULTS, rpm=rpm)
-    ecu = VirtualEcu(Responder(car, IDENTITY, assumptions or Assumptions()))
+    ecu = VirtualEcu(Responder(car, IDENTITY, assumptions or EcuQuirks()))
     return Bus(ecu, adapter=adapter, disturbance=disturbance)
 
 

@@ -11,14 +11,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.catalog import READINGS, Conversion, Parameter, shipped
+from mikas.catalog import INTERPRETATIONS, Conversion, Parameter, shipped
 from mikas.errors import UsageError, ValueDoesNotFit
 
 NUMERIC = [each for each in shipped().parameters if not each.is_flag]
 READINGS_THAT_DIFFER = [
     pytest.param(parameter, name, id=f"{parameter.name}-{name}")
     for parameter in NUMERIC
-    for name, conversion in parameter.readings.items()
+    for name, conversion in parameter.interpretations.items()
     if name == "corrected" or conversion != parameter.conversion
 ]
 FLAGS = [each for each in shipped().parameters if each.is_flag]
@@ -35,7 +35,7 @@ def test_every_raw_value_comes_back(parameter: Parameter, reading: str) -> None:
 def test_every_value_is_the_float_nearest_to_the_exact_one(
     parameter: Parameter, reading: str
 ) -> None:
-    conversion = parameter.reading(reading)
+    conversion = parameter.interpretation(reading)
     low, high = conversion.raw_limits
     assert high - low + 1 == 1 << (8 * parameter.size)
     for number in range(low, high + 1):
@@ -69,10 +69,12 @@ def test_the_finest_that_is_allowed_comes_back(offset: Fraction) -> None:
 
 
 def test_readings_are_the_three_that_have_names() -> None:
-    assert READINGS == ("corrected", "literal", "alternative")
+    assert INTERPRETATIONS == ("corrected", "literal", "alternative")
     for parameter in shipped().parameters:
-        for name in READINGS:
-            assert parameter.reading(name) == parameter.readings.get(name, parameter.conversion)
+        for name in INTERPRETATIONS:
+            assert parameter.interpretation(name) == parameter.interpretations.get(
+                name, parameter.conversion
+            )
 
 
 ratios = st.fractions(-1000, 1000, max_denominator=10_000)
@@ -203,5 +205,5 @@ def test_parameters_are_values() -> None:
 
 
 def test_an_unknown_reading_is_an_error_and_not_the_default() -> None:
-    with pytest.raises(UsageError, match="There is no reading “litteral”"):
+    with pytest.raises(UsageError, match="There is no interpretation “litteral”"):
         shipped().parameter("UACC").decode(b"\x8e", "litteral")

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from mikas.catalog import READINGS, Confidence, Fault, shipped
+from mikas.catalog import INTERPRETATIONS, Confidence, Fault, shipped
 from mikas.i18n import Text
 
 CONFIRMED = {12, 17, 18, 21, 22}
@@ -113,7 +113,7 @@ def test_errata() -> None:
     for name, erratum in errata.items():
         assert erratum.name == name
         assert erratum.source == f"§4, {name}"
-        assert {erratum.selected_by} <= {*READINGS, ""}
+        assert {erratum.selected_by} <= {*INTERPRETATIONS, ""}
         for text in (erratum.title, erratum.reason, erratum.default):
             assert in_both_languages(text)
         assert erratum.alternative.en
@@ -123,5 +123,5 @@ def test_errata() -> None:
 def test_parameters_and_units_speak_both_languages() -> None:
     for parameter in shipped().parameters:
         assert in_both_languages(parameter.text)
-        for conversion in parameter.readings.values():
+        for conversion in parameter.interpretations.values():
             assert conversion.unit == "" or conversion.unit in shipped().units

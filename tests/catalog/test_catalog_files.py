@@ -165,7 +165,8 @@ def test_shipped_is_made_once() -> None:
 
 def test_public_names() -> None:
     assert mikas.catalog.__all__ == [
-        "READINGS", "AlarmLimits", "Catalog", "Confidence", "Conversion", "Derived", "Erratum",
+        "INTERPRETATIONS", "AlarmLimits", "Catalog", "Confidence", "Conversion", "Derived",
+        "Erratum",
         "Fault", "Lamp", "Level", "Meaning", "Model", "Parameter", "load", "shipped",
     ]  # fmt: skip
 

@@ -95,9 +95,9 @@ def test_other_readings(name: str, reading: str, formula: str, values: dict[str,
 @pytest.mark.parametrize("name", ["FREQ", "FREQX"])
 def test_e1_changes_the_unit_and_not_the_number(name: str) -> None:
     parameter = shipped().parameter(name)
-    assert parameter.reading("corrected").unit == "rpm"
-    assert parameter.reading("literal").unit == "1/s"
-    assert parameter.reading("literal").unit_text == Text("1/s", "1/с")
+    assert parameter.interpretation("corrected").unit == "rpm"
+    assert parameter.interpretation("literal").unit == "1/s"
+    assert parameter.interpretation("literal").unit_text == Text("1/s", "1/с")
 
 
 def test_which_errata_concern_which_parameter() -> None:
@@ -114,7 +114,7 @@ def test_which_errata_concern_which_parameter() -> None:
 
 def test_only_errata_make_readings_differ() -> None:
     for parameter in shipped().parameters:
-        readings = parameter.readings
+        readings = parameter.interpretations
         assert (readings["literal"] != readings["corrected"]) == bool(
             {"E1", "E2"} & set(parameter.errata)
         )

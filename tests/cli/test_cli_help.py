@@ -15,7 +15,7 @@ from cli_bench import is_russian
 from mikas.catalog import shipped
 from mikas.cli.main import cli
 from mikas.client import METHODS
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 
 
 def commands(group: click.Group = cli, path: tuple[str, ...] = ()):
@@ -59,7 +59,7 @@ def names(command: click.Command):
         "stderr",
         "pty",
         *METHODS,
-        *(trouble.value for trouble in Trouble),
+        *(trouble.value for trouble in LineFault),
         "missing",
         "stroke",
     )

@@ -9,7 +9,7 @@ import pytest
 from mikas.cli import words
 from mikas.cli.notices import Notices
 from mikas.cli.session import Asked
-from mikas.errors import DamagedResponse, EchoOnly, EngineStands, NotSupported
+from mikas.errors import DamagedResponse, EchoOnly, EngineStopped, NotSupported
 from mikas.i18n import Text
 from mikas.sampling.events import Gap, LineState, Sampled, StateChanged
 
@@ -61,7 +61,7 @@ def test_from_the_beginning_too():
 
 def test_a_standing_engine_is_said_at_once_with_what_to_do():
     words.choose("ru")
-    (only,) = told(well(0), Gap(2, EngineStands(seconds=2)), Gap(5, EngineStands(seconds=2)))
+    (only,) = told(well(0), Gap(2, EngineStopped(seconds=2)), Gap(5, EngineStopped(seconds=2)))
     assert only == (
         "Тактов нет 2 с: двигатель не вращается. Поток по тактам идёт, только пока двигатель "
         "вращается: запустите его или возьмите другой способ. Ждём; опрос продолжится сам."
@@ -76,7 +76,7 @@ def test_what_the_state_says_is_not_said_twice():
 
 def test_ignition_on_again_but_no_engine():
     off = StateChanged(3, LineState.ECHO_ONLY, SILENT)
-    stands = Gap(12, EngineStands(seconds=2))
+    stands = Gap(12, EngineStopped(seconds=2))
     said = told(well(0), sample(1), off, well(10), stands, off, well(20), stands, sample(31))
     assert [" ".join(sentence.split()[:3]) for sentence in said] == [
         "Echo, but the", "No stroke for", "Echo, but the", "No stroke for", "Back after 30",
@@ -85,7 +85,7 @@ def test_ignition_on_again_but_no_engine():
 
 def test_no_advice_leaves_no_hole():
     refused = NotSupported(command=Text("it", "это"), advice=Text("", ""))
-    refused.to_try = Text("", "")
+    refused.advice = Text("", "")
     (only,) = told(well(0), sample(1), Gap(9, refused))
     assert "  " not in only
     assert only.endswith(". Waiting; it goes on by itself.")

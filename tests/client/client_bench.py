@@ -17,8 +17,8 @@ from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import Happening, VirtualEcu
-from mikas.virtual.fault_injector import Disturbance, Trouble
-from mikas.virtual.quirks import Assumptions
+from mikas.virtual.fault_injector import FaultInjector, LineFault
+from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
 from virtual_bench import DATA, FAULTS, IDENTITY
@@ -46,7 +46,7 @@ class Bench:
     def forget(self) -> None:
         self.happenings.clear()
 
-    def trouble(self, *troubles: Trouble | None) -> None:
+    def trouble(self, *troubles: LineFault | None) -> None:
         self.bus.disturbance.next(*troubles)
 
     def power_cycle(self, ecu: Ecu) -> None:
@@ -68,9 +68,9 @@ def bench(
 ) -> Bench:
     """A unit with `data`, and with the assumptions given by name as in a URL."""
     car = car or TableCar(DATA if data is None else data, faults=faults, rpm=rpm)
-    told = Assumptions().with_options({name: str(it) for name, it in assumptions.items()})
+    told = EcuQuirks().with_options({name: str(it) for name, it in assumptions.items()})
     ecu = VirtualEcu(Responder(car, identity, told))
-    made = Bench(car, Bus(ecu, disturbance=Disturbance()))
+    made = Bench(car, Bus(ecu, disturbance=FaultInjector()))
     ecu.watcher = made.happenings.append
     return made
 
@@ -81,7 +81,7 @@ def ecu_on(
     journal: Path | None = None,
     state: Path | None = None,
     confirm: object = None,
-    reading: str = "corrected",
+    interpretation: str = "corrected",
     **settings: object,
 ) -> Ecu:
     """A connected `Ecu`; what was asked to connect is forgotten."""
@@ -93,7 +93,7 @@ def ecu_on(
     ecu = Ecu(
         tester,
         shipped(),
-        reading=reading,
+        interpretation=interpretation,
         confirm=confirm,
         journal=Journal(journal) if journal else None,
         store=LimitsStore(state) if state else None,

@@ -40,9 +40,9 @@ def test_nothing_is_copied():
 
 def test_connect_takes_the_same_settings_and_raises_the_same():
     async def scene():
-        async with await AsyncEcu.connect(SIM, reading="literal", retries=1) as ecu:
+        async with await AsyncEcu.connect(SIM, interpretation="literal", retries=1) as ecu:
             assert ecu.ecu.tester.retries == 1
-            assert (await ecu.read("UACC"))["UACC"].reading == "literal"
+            assert (await ecu.read("UACC"))["UACC"].interpretation == "literal"
         with pytest.raises(errors.UsageError, match="maybe"):
             await AsyncEcu.connect(SIM, echo="maybe")
         with pytest.raises(errors.EchoOnly):

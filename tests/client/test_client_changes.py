@@ -19,7 +19,7 @@ from mikas.errors import (
     ValueDoesNotFit,
     WriteRefused,
 )
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.table_car import TableCar
 from virtual_bench import DATA, FAULTS
 
@@ -80,7 +80,7 @@ class TestFaults:
         assert [f.code for f in erased.before] == [13, 53]
         assert [f.code for f in erased.after] == [53]
 
-    @pytest.mark.parametrize("lost", [(Trouble.LOST,), (None, Trouble.LOST)])
+    @pytest.mark.parametrize("lost", [(LineFault.LOST,), (None, LineFault.LOST)])
     def test_a_lost_answer_does_not_leave_it_half_done(self, lost):
         it = bench()
         ecu = ecu_on(it)
@@ -118,7 +118,7 @@ class TestWritingAParameter:
 
     def test_in_the_sessions_reading(self):
         it = bench()
-        ecu_on(it, reading="alternative").write_parameter("RCOK", 0.0)
+        ecu_on(it, interpretation="alternative").write_parameter("RCOK", 0.0)
         assert it.requests(0x62) == [b"\x62\x42\x80"]
 
     @pytest.mark.parametrize(
@@ -182,14 +182,14 @@ class TestWritingAParameter:
         ecu = ecu_on(it)
         if known:
             ecu.write_parameter("SSM", 29)
-        it.trouble(None, Trouble.LOST)  # the value before, then the answer to the write
+        it.trouble(None, LineFault.LOST)  # the value before, then the answer to the write
         assert ecu.write_parameter("SSM", 30).after.value == 30
         assert len(it.requests(0x62)) == 1 + known  # never sent twice
 
     def test_a_lost_answer_that_nothing_settles_is_an_error(self):
         it = bench(DATA | {0x5B: b"\x1e"})
         ecu = ecu_on(it)
-        it.trouble(None, Trouble.LOST)
+        it.trouble(None, LineFault.LOST)
         with pytest.raises((NoResponse, NotSupported)):
             ecu.write_parameter("SSM", 30)  # it was 30 before: no telling
         assert len(it.requests(0x62)) == 1
@@ -197,7 +197,7 @@ class TestWritingAParameter:
     def test_a_damaged_answer_is_never_a_reason_to_write_twice(self):
         it = bench()
         ecu = ecu_on(it)
-        it.trouble(None, Trouble.DAMAGED)
+        it.trouble(None, LineFault.DAMAGED)
         with pytest.raises(DamagedResponse):
             ecu.write_parameter("SSM", 30)
         assert len(it.requests(0x62)) == 1
@@ -315,7 +315,7 @@ class TestRaw:
     def test_damage_is_told(self):
         it = bench()
         ecu = ecu_on(it)
-        it.trouble(Trouble.DAMAGED)
+        it.trouble(LineFault.DAMAGED)
         with pytest.raises(DamagedResponse):
             ecu.raw(b"\x61\x1a")
         assert ecu.read("TWAT")

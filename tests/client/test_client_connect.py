@@ -8,7 +8,7 @@ from client_bench import bench
 from mikas import errors
 from mikas.catalog import shipped
 from mikas.client import connect
-from mikas.client.connecting import maker
+from mikas.client.connecting import ecu_factory
 from mikas.link import Direction, open_link, urls
 from mikas.link.virtual import VirtualLink
 
@@ -57,14 +57,14 @@ def test_the_unit_is_found_and_ready():
     [
         ("echo", "maybe", "auto, on, off"),
         ("echo", True, "auto, on, off"),
-        ("reading", "both", "corrected, literal, alternative"),
+        ("interpretation", "both", "corrected, literal, alternative"),
         ("timeout", -1, "from 0.001"),
         ("timeout", 0, "from 0.001"),
         ("timeout", float("nan"), "from 0.001"),
         ("timeout", float("inf"), "from 0.001"),
         ("timeout", "0.5", "from 0.001"),
         ("timeout", None, "from 0.001"),
-        ("between_bytes", 0.0, "from 0.001"),
+        ("inter_byte_timeout", 0.0, "from 0.001"),
         ("retries", -1, "from 0"),
         ("retries", 1.5, "whole"),
         ("retries", True, "from 0"),
@@ -135,9 +135,9 @@ def test_bad_urls_are_usage_errors():
 
 
 def test_timing_settings_reach_the_tester():
-    with connect(SIM, timeout=0.25, between_bytes=0.05, retries=5) as ecu:
-        assert ecu.tester.timing.first_byte == 0.25
-        assert ecu.tester.timing.between_bytes == 0.05
+    with connect(SIM, timeout=0.25, inter_byte_timeout=0.05, retries=5) as ecu:
+        assert ecu.tester.timing.response_timeout == 0.25
+        assert ecu.tester.timing.inter_byte_timeout == 0.05
         assert ecu.tester.retries == 5
 
 
@@ -180,22 +180,24 @@ class TestMaker:
     """What makes an `Ecu` of any link, for links that come and go."""
 
     def test_it_makes_one_that_is_not_yet_connected(self, tmp_path):
-        make_ecu = maker(state=tmp_path / "units", journal=tmp_path / "journal", reading="literal")
+        make_ecu = ecu_factory(
+            state=tmp_path / "units", journal=tmp_path / "journal", interpretation="literal"
+        )
         for _ in range(2):
             link = open_link(SIM)
             with make_ecu(link) as ecu:
                 assert ecu.tester.link is link
                 assert ecu.tester.version_code is None
                 ecu.tester.connect()
-                assert ecu.read("FREQ")["FREQ"].reading == "literal"
+                assert ecu.read("FREQ")["FREQ"].interpretation == "literal"
 
     def test_definitions_that_are_loaded_already(self):
         catalog = shipped()
-        assert maker(catalog=catalog)(open_link(SIM)).catalog is catalog
+        assert ecu_factory(catalog=catalog)(open_link(SIM)).catalog is catalog
 
     @pytest.mark.parametrize(
-        "settings", [{"echo": "loud"}, {"reading": "wrong"}, {"timeout": 0}, {"retries": 1.5}]
+        "settings", [{"echo": "loud"}, {"interpretation": "wrong"}, {"timeout": 0}, {"retries": 1.5}]
     )
     def test_settings_are_checked_before_there_is_a_link(self, settings):
         with pytest.raises(errors.UsageError):
-            maker(**settings)
+            ecu_factory(**settings)

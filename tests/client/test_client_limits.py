@@ -10,10 +10,10 @@ import pytest
 from client_bench import bench, ecu_on
 
 from mikas.client import Limits
-from mikas.client.limits import STARTING_LIST, LimitsStore, Pace
+from mikas.client.limits import STARTING_LIST, LimitsStore, MethodTiming
 from mikas.errors import NoResponse, NotSupported
-from mikas.virtual.fault_injector import Trouble
-from mikas.virtual.quirks import Assumptions
+from mikas.virtual.fault_injector import LineFault
+from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity
 from virtual_bench import DATA
 
@@ -64,7 +64,7 @@ def test_lost_responses_are_no_limit(losses, unknown):
     it = bench(unknown=unknown)
     ecu = ecu_on(it)
     # Every second answer is the one that finds the step again.
-    it.trouble(*[Trouble.LOST, None] * losses)
+    it.trouble(*[LineFault.LOST, None] * losses)
     assert len(ecu.read()) == 23
     assert ecu.info().limits == Limits()
 
@@ -72,7 +72,7 @@ def test_lost_responses_are_no_limit(losses, unknown):
 def test_a_lost_response_is_no_refusal():
     it = bench()
     ecu = ecu_on(it, retries=0)
-    it.trouble(Trouble.LOST)
+    it.trouble(LineFault.LOST)
     assert ecu.read("TWAT")["TWAT"].raw == DATA[0x1A]
     assert ecu.info().limits == Limits()
 
@@ -81,7 +81,7 @@ def test_a_code_that_answered_once_is_never_refused_by_silence():
     it = bench()
     ecu = ecu_on(it)
     ecu.read()
-    it.trouble(*[Trouble.LOST, None] * 40)
+    it.trouble(*[LineFault.LOST, None] * 40)
     for sample in ecu.watch("TWAT", method="single", count=3):
         assert sample.gap
     assert ecu.info().limits == Limits()
@@ -89,7 +89,7 @@ def test_a_code_that_answered_once_is_never_refused_by_silence():
 
 def test_bad_line_for_long_leaves_the_limits_alone():
     it = bench()
-    it.bus.disturbance.rates = {Trouble.LOST: 0.02, Trouble.DAMAGED: 0.02}
+    it.bus.disturbance.rates = {LineFault.LOST: 0.02, LineFault.DAMAGED: 0.02}
     ecu = ecu_on(it)
     came = list(ecu.watch(count=500))
     assert sum(not sample.gap for sample in came) > 490
@@ -130,13 +130,13 @@ class TestKeptForTheUnit:
         it = bench(poor, max_list=10, missing=passports, unknown=unknown)
         ecu = ecu_on(it, state=tmp_path)
         ecu.read()
-        paces = {"batch": Pace(21, 0.002), "stream": Pace(21, None)}
+        paces = {"batch": MethodTiming(21, 0.002), "stream": MethodTiming(21, None)}
         ecu.learn_paces("cable, 2 ms", paces)
         assert ecu.limits().refused
         assert ecu.limits().methods == {"cable, 2 ms": paces}
         ecu.close()
         other = ecu_on(bench(missing=passports, unknown=unknown), state=tmp_path)
-        assert other.limits() == Limits(methods={"cable, 2 ms": {"batch": Pace(21, 0.002)}})
+        assert other.limits() == Limits(methods={"cable, 2 ms": {"batch": MethodTiming(21, 0.002)}})
         assert len(other.read()) == 23
 
     def test_the_passport_is_asked_only_if_there_is_anything_to_know(self, tmp_path):
@@ -246,7 +246,7 @@ def test_a_unit_that_takes_less_than_it_did(long_list, unknown):
     it = bench(unknown=unknown)
     ecu = ecu_on(it)
     ecu.read()
-    it.bus.ecu.responder.assumptions = Assumptions().with_options(
+    it.bus.ecu.responder.assumptions = EcuQuirks().with_options(
         {"max_list": "6", "long_list": long_list, "unknown": unknown}
     )
     for _ in range(4):

@@ -16,7 +16,7 @@ from mikas.errors import (
     ValueDoesNotFit,
     WriteRefused,
 )
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.memory import pattern
 
 SPACES = {"ram": 0xFF, "xram": 0xFFFF, "code": 0xFFFF, "sfr": 0xFF}
@@ -209,7 +209,7 @@ def test_an_upper_bound_that_is_none(largest):
 def test_lost_responses_are_no_limit(space, losses):
     it = bench()
     ecu = ecu_on(it)
-    it.trouble(*[Trouble.LOST, None] * losses)
+    it.trouble(*[LineFault.LOST, None] * losses)
     assert ecu.memory[space].read_block(0, 256) == pattern(space)[:256]
     assert ecu.info().limits.max_block == {}
 
@@ -250,7 +250,7 @@ def test_a_damaged_block_is_read_again():
     it = bench()
     ecu = ecu_on(it)
     ecu.memory.code.read_block(0, 255)
-    it.trouble(Trouble.DAMAGED, None, Trouble.CUT, None, None, Trouble.MISSING_BYTE)
+    it.trouble(LineFault.DAMAGED, None, LineFault.CUT, None, None, LineFault.MISSING_BYTE)
     assert ecu.memory.code.read_block(0, 600) == pattern("code")[:600]
     assert not ecu.info().limits.learnt
 

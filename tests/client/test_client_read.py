@@ -19,7 +19,7 @@ from mikas.errors import (
     UsageError,
     WrongLength,
 )
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 from virtual_bench import DATA
 
 NAMES = [p.name for p in shipped().parameters]
@@ -71,7 +71,7 @@ def test_a_reading_says_all_of_itself():
     before = ecu.tester.link.now()
     reading = ecu.read("TWAT")["TWAT"]
     assert (reading.value, reading.unit, reading.raw) == (90, "°C", b"\x82")
-    assert reading.reading == "corrected"
+    assert reading.interpretation == "corrected"
     assert str(reading) == "TWAT 90 °C"
     # 61 1A 85 0D takes 4 bytes, the unit turns round in 2 ms, then the response begins.
     assert reading.time == pytest.approx(before + 4 / 960 + 0.002, abs=1e-6)
@@ -93,16 +93,18 @@ def test_a_flag_is_shown_as_yes_or_no():
     ],
 )
 def test_the_sense_of_an_erratum(reading, uacc, rcok, taken):
-    ecu = ecu_on(bench({0x1E: b"\x8e", 0x42: b"\x80"}), reading=reading)
+    ecu = ecu_on(bench({0x1E: b"\x8e", 0x42: b"\x80"}), interpretation=reading)
     readings = ecu.read("UACC", "RCOK")
     assert readings["UACC"].value == pytest.approx(uacc)
     assert readings["RCOK"].value == rcok
-    assert tuple(r.reading for r in readings.values()) == taken  # what was done, not what was asked
+    assert (
+        tuple(r.interpretation for r in readings.values()) == taken
+    )  # what was done, not what was asked
 
 
 def test_an_unknown_reading_is_refused_with_those_there_are():
     with pytest.raises(UsageError, match="corrected, literal, alternative"):
-        ecu_on(bench(), reading="both")
+        ecu_on(bench(), interpretation="both")
 
 
 def test_a_misspelt_name_is_answered_with_the_nearest_and_nothing_is_sent():
@@ -232,7 +234,9 @@ def test_another_size_than_asked_is_no_refusal():
     assert not ecu.info().limits.learnt
 
 
-@pytest.mark.parametrize("trouble", [Trouble.LOST, Trouble.DAMAGED, Trouble.CUT, Trouble.LATE])
+@pytest.mark.parametrize(
+    "trouble", [LineFault.LOST, LineFault.DAMAGED, LineFault.CUT, LineFault.LATE]
+)
 def test_a_spoilt_response_is_asked_for_again(trouble):
     it = bench()
     ecu = ecu_on(it)
@@ -245,7 +249,7 @@ def test_a_spoilt_response_is_asked_for_again(trouble):
 def test_damage_that_goes_on_is_told():
     it = bench()
     ecu = ecu_on(it, retries=1)
-    it.trouble(Trouble.DAMAGED, None, Trouble.DAMAGED)  # between them the step is found again
+    it.trouble(LineFault.DAMAGED, None, LineFault.DAMAGED)  # between them the step is found again
     with pytest.raises(DamagedResponse) as told:
         ecu.read("TWAT")
     assert told.value.request == bytes.fromhex("611a850d")
@@ -253,7 +257,7 @@ def test_damage_that_goes_on_is_told():
 
 
 @given(
-    st.lists(st.sampled_from([None, *Trouble]), min_size=1, max_size=30),
+    st.lists(st.sampled_from([None, *LineFault]), min_size=1, max_size=30),
     st.sampled_from(["silent", "01"]),
 )
 def test_whatever_happens_on_the_line_no_wrong_value_comes_out(troubles, unknown):

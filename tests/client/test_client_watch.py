@@ -9,7 +9,7 @@ from client_bench import ASKED, STROKES, bench, ecu_on
 
 from mikas.client import METHODS
 from mikas.errors import EchoOnly, LinkLost, UnknownParameter, UsageError
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.table_car import TableCar
 from virtual_bench import DATA
 
@@ -49,11 +49,11 @@ class TestEveryMethod:
         seen = []
         for n, sample in enumerate(ecu.watch("INJ", "JAIR", method=method, count=60)):
             if n % 7 == 3:
-                it.trouble(Trouble.DAMAGED)
+                it.trouble(LineFault.DAMAGED)
             if n % 11 == 5 and method in ASKED:  # a stream's responses come without a request
-                it.trouble(Trouble.DOUBLED)
+                it.trouble(LineFault.DOUBLED)
             if n % 13 == 6:
-                it.trouble(Trouble.LATE)
+                it.trouble(LineFault.LATE)
             seen += [r.raw for r in sample.readings.values()]
         assert len(seen) > 80
         assert len(set(seen)) == len(seen)

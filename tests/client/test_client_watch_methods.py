@@ -11,7 +11,7 @@ from client_bench import STREAMS, STROKES, bench, ecu_on
 from mikas.errors import (
     DamagedResponse,
     EcuRefused,
-    EngineStands,
+    EngineStopped,
     LinkLost,
     NoResponse,
     NotConfirmed,
@@ -20,7 +20,7 @@ from mikas.errors import (
     WriteRefused,
     WrongLength,
 )
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 from virtual_bench import DATA
 
 
@@ -145,7 +145,7 @@ class TestTheList:
     def test_a_lost_answer_to_setting_it_is_no_refusal(self):
         it = bench()
         ecu = ecu_on(it)
-        it.trouble(Trouble.LOST)
+        it.trouble(LineFault.LOST)
         assert next(ecu.watch("TWAT", method="list", count=1)).readings
 
 
@@ -153,7 +153,7 @@ class TestTheList:
 def test_a_standing_engine_gives_gaps_that_say_so(method):
     ecu = ecu_on(bench(DATA | {0x29: b"\x00"}, rpm=0.0))
     samples = list(ecu.watch("TWAT", method=method, count=3))
-    assert all(isinstance(s.reason, EngineStands) for s in samples)
+    assert all(isinstance(s.reason, EngineStopped) for s in samples)
     assert samples[0].reason.reason.en == "No stroke for 2 s: the engine stands"
     assert "двигатель не вращается" in samples[0].reason.text.ru
     assert samples[2].time - samples[0].time > 4  # it waits for the engine, 2 s each
@@ -214,7 +214,7 @@ def test_a_damaged_response_of_a_stream_is_a_gap_and_the_stream_goes_on():
     it = bench()
     with closing(ecu_on(it).watch("FREQ", "TWAT", method="stream")) as samples:
         next(samples)
-        it.trouble(None, Trouble.DAMAGED, None, Trouble.FOREIGN)
+        it.trouble(None, LineFault.DAMAGED, None, LineFault.FOREIGN)
         came = list(islice(samples, 12))
     assert [type(s.reason) for s in came if s.gap] == [DamagedResponse, WrongLength]
     assert all(s.reason.received for s in came if s.gap)

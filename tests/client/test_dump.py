@@ -138,12 +138,12 @@ def test_a_spoilt_line_keeps_only_sound_bytes(tmp_path):
     it = bench()
     with ecu_on(it) as ecu:
         whole = ecu.memory.ram.read_block(0, 256)
-    from mikas.virtual.fault_injector import Disturbance, Trouble
+    from mikas.virtual.fault_injector import FaultInjector, LineFault
 
     for seed in range(5):
-        it.bus.disturbance = Disturbance()
+        it.bus.disturbance = FaultInjector()
         with ecu_on(it, retries=3) as ecu:
-            it.bus.disturbance = Disturbance({Trouble.DAMAGED: 0.3}, seed=seed)
+            it.bus.disturbance = FaultInjector({LineFault.DAMAGED: 0.3}, seed=seed)
             file = tmp_path / f"{seed}"
             with suppress(LineError):
                 dump(ecu, file).advance(block=16, progress=nothing)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mikas.client import Limits
 from mikas.client.asking import COMMON
 from mikas.errors import LineError, NoConnection, NotSupported
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 from virtual_bench import DATA
 
 TWAT, TWICE = b"\x61\x1a", b"\x61\x1a\x1a"
@@ -77,7 +77,7 @@ def test_a_bad_line_at_that_moment_is_no_limit():
     ecu = ecu_on(it, retries=0)
     single(ecu, "THR")
     del it.car._data[0x1A]
-    it.trouble(None, None, Trouble.DAMAGED)  # 01, 01 again, and now: does it take two at all?
+    it.trouble(None, None, LineFault.DAMAGED)  # 01, 01 again, and now: does it take two at all?
     with pytest.raises(LineError):
         single(ecu, "TWAT")
     assert not ecu.limits().learnt
@@ -114,7 +114,7 @@ class TestAUnitWithoutWhatIsCommon:
 
 
 @given(
-    st.lists(st.sampled_from([None, None, *Trouble]), max_size=30),
+    st.lists(st.sampled_from([None, None, *LineFault]), max_size=30),
     st.sampled_from([1, 2, 64]),
     st.sampled_from(["silent", "short"]),
     st.sampled_from([b"\x7d", b"\x01"]),

@@ -11,7 +11,7 @@ from websockets.exceptions import InvalidStatus
 from dashboard.rig import ME, rig
 from mikas.dashboard.access import Access
 from mikas.dashboard.doorkeeper import LARGEST_BODY
-from mikas.dashboard.refusals import Forbidden, TokenWanted
+from mikas.dashboard.refusals import Forbidden, TokenRequired
 
 LAN = {"lan": True, "hosts": ("10.1.2.3", "garage"), "token": "a-token-of-the-test"}
 TOKEN = {"Authorization": f"Bearer {LAN['token']}"}
@@ -76,11 +76,11 @@ def test_a_foreign_page_that_hides_its_origin_is_refused():
 def test_from_the_network_the_token_is_wanted(client):
     access = Access(8071, **LAN)
     far = scope("10.1.2.3:8071", client=client)
-    with pytest.raises(TokenWanted):
+    with pytest.raises(TokenRequired):
         access.judge(far)
-    with pytest.raises(TokenWanted):  # a Host can be made up
+    with pytest.raises(TokenRequired):  # a Host can be made up
         access.judge(scope("127.0.0.1:8071", client=client))
-    with pytest.raises(TokenWanted):
+    with pytest.raises(TokenRequired):
         access.judge(scope("10.1.2.3:8071", client=client, authorization="Bearer wrong"))
     told = scope("10.1.2.3:8071", client=client, authorization=TOKEN["Authorization"])
     assert access.judge(told) == "view"
@@ -90,11 +90,11 @@ def test_from_the_network_the_token_is_wanted(client):
 def test_the_token_may_come_as_a_cookie_and_to_a_socket_in_its_address():
     access = Access(8071, **LAN)
     assert access.judge(scope("garage:8071", cookie=f"a=b; mikas_8071={access.token}")) == "view"
-    with pytest.raises(TokenWanted):
+    with pytest.raises(TokenRequired):
         access.judge(scope("garage:8071", cookie=f"mikas_8072={access.token}"))
     query = f"client=x&token={access.token}".encode()
     assert access.judge(scope("garage:8071", kind="websocket", query=query)) == "view"
-    with pytest.raises(TokenWanted):  # in the address of a page it would be left lying about
+    with pytest.raises(TokenRequired):  # in the address of a page it would be left lying about
         access.judge(scope("garage:8071", path="/api/state", query=query))
 
 

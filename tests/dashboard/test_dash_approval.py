@@ -9,7 +9,7 @@ import pytest
 from mikas.client import Change
 from mikas.commands import Safety
 from mikas.dashboard.approval import Approval
-from mikas.dashboard.refusals import NonceStale
+from mikas.dashboard.refusals import ConfirmationOutdated
 from mikas.errors import NotConfirmed
 from mikas.i18n import Text
 
@@ -34,7 +34,7 @@ def test_what_was_confirmed_passes_and_nothing_after_it():
 def test_what_is_no_longer_as_it_was_shown_does_not_pass():
     it = Approval()
     for shown in ("0B", None):
-        with it.given(shown), pytest.raises(NonceStale):
+        with it.given(shown), pytest.raises(ConfirmationOutdated):
             it.confirm(WRITE)
 
 

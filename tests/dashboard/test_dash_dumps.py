@@ -166,10 +166,10 @@ def test_a_dump_that_is_no_longer_as_it_was_shown_is_not_deleted(held, idle):
     nonces = [delete(idle, name)["nonce"] for _ in range(2)]
     let_go(held, idle, name)
     ended(idle, name, "done")
-    assert idle.post(f"/changes/{nonces[0]}", status=409)["code"] == "NonceStale"
+    assert idle.post(f"/changes/{nonces[0]}", status=409)["code"] == "ConfirmationOutdated"
     assert idle.client.get(f"/api/dumps/{name}/file").content == memory(idle, 0x100, 2048)
     idle.post(f"/changes/{delete(idle, name)['nonce']}")
-    assert idle.post(f"/changes/{nonces[1]}", status=409)["code"] == "NonceStale"
+    assert idle.post(f"/changes/{nonces[1]}", status=409)["code"] == "ConfirmationOutdated"
 
 
 def test_a_dump_whose_file_can_not_be_removed_is_still_there(idle):

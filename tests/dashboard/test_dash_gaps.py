@@ -44,13 +44,13 @@ def test_a_gap_that_is_open_when_the_session_ends_ends_with_it():
     sample(told, 1.0)
     told.take(Gap(2.0, EchoOnly()))
     told.over(5.0, None, BY_HAND)
-    assert gaps(told) == [(1.0, 5.0, EchoOnly().text_on_screen.en)]
+    assert gaps(told) == [(1.0, 5.0, EchoOnly().gui_text.en)]
     told.begin((), 6.0)
     told.take(Gap(7.0, NoResponse(seconds=0.5)))  # a cycle that failed before the first sample
     sample(told, 8.0)
     assert gaps(told)[1:] == [
         (5.0, 7.0, BY_HAND.en),
-        (7.0, 8.0, NoResponse(seconds=0.5).text_on_screen.en),
+        (7.0, 8.0, NoResponse(seconds=0.5).gui_text.en),
     ]
 
 
@@ -61,7 +61,7 @@ def test_a_session_that_ended_by_itself_says_why():
     told.over(9.0, None, BY_HAND)
     told.begin((), 10.0)
     sample(told, 11.0)
-    assert gaps(told) == [(1.0, 11.0, EchoOnly().text_on_screen.en)]
+    assert gaps(told) == [(1.0, 11.0, EchoOnly().gui_text.en)]
 
 
 def test_a_plan_that_pauses_for_long_is_told_and_a_quick_one_not():
@@ -87,7 +87,7 @@ def test_a_gap_that_begins_vaguely_ends_with_what_it_was():
     told.take(Gap(2.0, NoResponse(seconds=0.5)))
     told.take(StateChanged(3.0, LineState.ECHO_ONLY, EchoOnly()))
     sample(told, 9.0)
-    assert gaps(told) == [(1.0, 9.0, EchoOnly().text_on_screen.en)]
+    assert gaps(told) == [(1.0, 9.0, EchoOnly().gui_text.en)]
 
 
 def test_silence_is_told_before_it_is_known_what_it_is():
@@ -98,7 +98,7 @@ def test_silence_is_told_before_it_is_known_what_it_is():
     told.busy()
     assert told.silent(3.7) == JOB
     told.take(Gap(4.0, NoResponse(seconds=0.5)))
-    assert told.silent(4.1) == NoResponse(seconds=0.5).text_on_screen
+    assert told.silent(4.1) == NoResponse(seconds=0.5).gui_text
     sample(told, 4.2)
     assert told.silent(4.3) is None
     sample(told, 14.2)  # a slow plan

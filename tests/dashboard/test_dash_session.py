@@ -64,7 +64,7 @@ def test_a_port_that_opens_when_nobody_samples_any_more_is_closed_at_once(tmp_pa
         echo="auto",
         method=None,
         rate=None,
-        sink=Recorder(ecu=lambda: None, reading="corrected"),
+        sink=Recorder(ecu=lambda: None, interpretation="corrected"),
         confirm=lambda _: False,
         tell=lambda *_: None,
         ended=lambda *_: None,

@@ -92,7 +92,7 @@ def test_what_is_no_longer_as_shown_is_not_changed(faulty):
     asked = change(faulty, kind="erase_faults")
     faulty.cars.car(faulty.hub.way.url).faults.append(15)
     error = confirm(faulty, asked, 409)
-    assert error["code"] == "NonceStale"
+    assert error["code"] == "ConfirmationOutdated"
     assert [fault["code"] for fault in faulty.get("/faults")["faults"]] == [13, 14, 15]
 
 
@@ -192,7 +192,7 @@ def test_a_cell_that_moved_meanwhile_is_left_alone(shared_idle):
     wish = {"kind": "write_memory", "space": "xram", "address": 0x200}
     asked = change(shared_idle, **wish, data="11")
     confirm(shared_idle, change(shared_idle, **wish, data="22"))
-    assert confirm(shared_idle, asked, 409)["code"] == "NonceStale"
+    assert confirm(shared_idle, asked, 409)["code"] == "ConfirmationOutdated"
     assert shared_idle.get("/memory/xram", address="0x200", count=1)["data"] == "22"
 
 

@@ -280,11 +280,11 @@ def test_what_was_confirmed_must_still_be_so(desk, folder) -> None:
     asked = ask_to_delete(desk)
     with (folder / "drive.pcapng").open("ab") as file:
         file.write(b"\0\0\0\0")
-    assert desk.post(f"/changes/{asked['nonce']}", status=409)["code"] == "NonceStale"
+    assert desk.post(f"/changes/{asked['nonce']}", status=409)["code"] == "ConfirmationOutdated"
     assert (folder / "drive.pcapng").exists()
     asked = ask_to_delete(desk)
     (folder / "drive.pcapng").unlink()
-    assert desk.post(f"/changes/{asked['nonce']}", status=409)["code"] == "NonceStale"
+    assert desk.post(f"/changes/{asked['nonce']}", status=409)["code"] == "ConfirmationOutdated"
 
 
 def test_only_its_own_client_may_confirm(desk, folder) -> None:

@@ -330,7 +330,7 @@ def test_a_recording_that_was_confirmed_and_then_goes_on_is_not_deleted(idle) ->
     nonce = idle.post("/changes", {"kind": "delete_recording", "id": "a.pcapng"})["nonce"]
     (folder / "a.pcapng").unlink()
     idle.post("/recording/start", {"name": "a"})
-    assert idle.post(f"/changes/{nonce}", status=409)["code"] in ("Busy", "NonceStale")
+    assert idle.post(f"/changes/{nonce}", status=409)["code"] in ("Busy", "ConfirmationOutdated")
     assert (folder / "a.pcapng").exists()
 
 

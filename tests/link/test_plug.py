@@ -9,7 +9,7 @@ import pytest
 from mikas.errors import PortNotFound
 from mikas.link import CaptureTee, Chunk, Link
 from mikas.link.ports import Port
-from mikas.link.reconnecting import Plug
+from mikas.link.reconnecting import ReconnectingPort
 
 
 class QuietLink(Link):
@@ -63,8 +63,8 @@ class Desk:
     def nap(self, seconds: float) -> None:
         self.slept += seconds
 
-    def plug(self, url: str, **settings: object) -> Plug:
-        return Plug(
+    def plug(self, url: str, **settings: object) -> ReconnectingPort:
+        return ReconnectingPort(
             url,
             find=lambda: self.ports,
             open_port=self.open,
@@ -178,7 +178,7 @@ def test_a_link_whose_clock_was_put_ahead_is_the_link_in_all_else():
 
 def test_a_simulated_links_clock_is_followed():
     times = iter([100.0, 150.0])
-    plug = Plug(
+    plug = ReconnectingPort(
         "sim:", open_port=lambda url: QuietLink(url, 0.0, lambda: 7.0), clock=times.__next__
     )
     plug.open()

@@ -12,10 +12,10 @@ import pytest
 import mikas
 from mikas.catalog import shipped
 from mikas.client import Limits
-from mikas.client.connecting import maker
+from mikas.client.connecting import ecu_factory
 from mikas.errors import CaptureError, CatalogError, MissingExtra, UnknownParameter, UsageError
 from mikas.i18n import Text
-from mikas.link.reconnecting import Plug
+from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording import CaptureWriter, write_session_header
 from mikas.recording.deriving import FRESH, Deriver
 from mikas.recording.notebook import Table, arrow_table, pandas_frame, polars_frame
@@ -144,7 +144,7 @@ def test_what_is_refused(drive, tmp_path):
     with pytest.raises(UsageError, match="0x1A"):
         mikas.open(drive, names=["0x1A"])
     with pytest.raises(UsageError, match="sideways"):
-        mikas.open(drive, reading="sideways")
+        mikas.open(drive, interpretation="sideways")
     with pytest.raises(CaptureError, match="nowhere"):
         mikas.open(tmp_path / "nowhere.pcapng")
     with pytest.raises(CatalogError, match=r"none\.toml"):
@@ -168,7 +168,7 @@ def test_formulas_take_the_corrected_reading_whatever_is_shown(drive, tmp_path):
         "utf-8",
     )
     corrected = mikas.open(drive, catalogs=[own]).to_pandas()
-    literal = mikas.open(drive, catalogs=[str(own)], reading="literal").to_pandas()
+    literal = mikas.open(drive, catalogs=[str(own)], interpretation="literal").to_pandas()
     assert (corrected.UACC > 10).all()
     assert (literal.UACC < 0).all()  # E2: a signed byte
     np.testing.assert_array_equal(literal.HALF, corrected.UACC / 2)
@@ -246,7 +246,13 @@ def test_what_adds_up_is_the_same_as_it_was_live_though_responses_were_spoilt(tm
     """A row without values is a response that was asked for again, and no gap."""
     path, port = tmp_path / "spoilt.pcapng", PORT + "&seed=3&damaged=0.01&cut=0.01&foreign=0.02"
     with CaptureWriter(path, url=port) as sink:
-        made = Acquisition(Plug(port, sink=sink), maker(), shipped(), ["FUEL_USED"], method="list")
+        made = Acquisition(
+            ReconnectingPort(port, sink=sink),
+            ecu_factory(),
+            shipped(),
+            ["FUEL_USED"],
+            method="list",
+        )
         with closing(made.run()) as events:
             samples = (event for event in events if isinstance(event, Sampled))
             live = [next(samples).derived["FUEL_USED"] for _ in range(400)]

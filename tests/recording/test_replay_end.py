@@ -10,10 +10,10 @@ from replay_bench import again, do, session, sim
 from mikas.catalog import shipped
 from mikas.cli import words
 from mikas.cli.main import run
-from mikas.client.connecting import maker
+from mikas.client.connecting import ecu_factory
 from mikas.errors import EchoOnly, RecordingOver
 from mikas.link import open_link
-from mikas.link.reconnecting import Plug
+from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.virtual import VirtualLink
 from mikas.recording import CaptureReader
 from mikas.recording.opening import Recording
@@ -95,13 +95,17 @@ def test_on_a_wire_it_is_silence_and_nothing_else(drive):
 
 
 def session_on(link):
-    return maker()(link)
+    return ecu_factory()(link)
 
 
 @pytest.mark.parametrize("method", ["batch", "list", "stream", "auto"])
 def test_sampling_ends_with_it(drive, tmp_path, method):
     made = Acquisition(
-        Plug(again(drive)), maker(state=tmp_path), shipped(), ["TWAT", "FREQ"], method=method
+        ReconnectingPort(again(drive)),
+        ecu_factory(state=tmp_path),
+        shipped(),
+        ["TWAT", "FREQ"],
+        method=method,
     )
     told = []
     with closing(made.run()) as events, pytest.raises(RecordingOver):

@@ -16,7 +16,7 @@ from mikas.recording.window import Windows
 
 NAN = np.nan
 PORT = "sim:?clock=simulated&scenario=city"
-CONVERSIONS = {p.name: p.reading("corrected") for p in shipped().parameters}
+CONVERSIONS = {p.name: p.interpretation("corrected") for p in shipped().parameters}
 
 
 @pytest.fixture(scope="module")

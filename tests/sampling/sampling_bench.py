@@ -93,7 +93,7 @@ def wishes(*words: str) -> list[Wanted]:
     return wanted or [Wanted(parameter) for parameter in shipped().parameters]
 
 
-def maker(
+def ecu_factory(
     state: Path | None = None, confirm: Confirm | None = None, **settings: object
 ) -> Callable[[Link], Ecu]:
     """What makes units; with `state`, of which something is kept."""
@@ -108,7 +108,7 @@ def make_sampler(
     confirm: Confirm | None = None,
     **settings: object,
 ) -> Sampler:
-    return Sampler(plug, maker(state, confirm), wishes(*words), **settings)
+    return Sampler(plug, ecu_factory(state, confirm), wishes(*words), **settings)
 
 
 def take(

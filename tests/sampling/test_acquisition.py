@@ -6,7 +6,7 @@ import threading
 from contextlib import closing
 
 import pytest
-from sampling_bench import SimulatedPlug, assert_values_are_the_units, enough, maker, of, take
+from sampling_bench import SimulatedPlug, assert_values_are_the_units, ecu_factory, enough, of, take
 
 from mikas.catalog import AlarmLimits, shipped
 from mikas.errors import NotSupported, UnknownParameter, UsageError
@@ -23,15 +23,15 @@ from mikas.sampling.events import (
 )
 from mikas.sampling.plan import Plan
 from mikas.sampling.selecting import select
-from mikas.virtual.fault_injector import Disturbance, Trouble
-from mikas.virtual.quirks import Assumptions
+from mikas.virtual.fault_injector import FaultInjector, LineFault
+from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity
 from virtual_bench import DATA, PASSPORTS, make_bus
 
 
 def acquisition(plug: SimulatedPlug, *names: str, **settings: object) -> Acquisition:
     settings.setdefault("method", "batch")
-    return Acquisition(plug, maker(), shipped(), names, **settings)
+    return Acquisition(plug, ecu_factory(), shipped(), names, **settings)
 
 
 def test_the_plan_is_told_before_the_first_sample_and_once():
@@ -114,7 +114,7 @@ def test_a_gap_is_counted_where_something_is_added_up():
 
 @pytest.mark.parametrize("method", ["batch", "stream"])
 def test_a_spoilt_response_does_not_interrupt_what_adds_up(method):
-    disturbance = Disturbance({Trouble.DAMAGED: 0.05}, seed=4)
+    disturbance = FaultInjector({LineFault.DAMAGED: 0.05}, seed=4)
     made = acquisition(SimulatedPlug(make_bus(disturbance=disturbance)), "FUEL_USED", method=method)
     with closing(made.run()) as events:
         told = take(events, lambda e: len(of(Sampled, e)) == 600)
@@ -130,7 +130,7 @@ def test_what_came_in_a_cycle_is_fresh_however_long_it_lasts():
     """One request a parameter and a slow unit: the last response is seconds after the first."""
     limits = {"TAIR": AlarmLimits(warning_high=-30), "DUTY": AlarmLimits(warning_high=0.1)}
     made = acquisition(
-        SimulatedPlug(make_bus(assumptions=Assumptions(turn_round=0.3))),
+        SimulatedPlug(make_bus(assumptions=EcuQuirks(turn_round=0.3))),
         *(each.name for each in shipped().parameters),
         "DUTY",
         method="single",

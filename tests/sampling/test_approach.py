@@ -11,9 +11,9 @@ from sampling_bench import (
     SAMPLES,
     SimulatedPlug,
     assert_values_are_the_units,
+    ecu_factory,
     enough,
     make_sampler,
-    maker,
     of,
     settled,
     take,
@@ -22,7 +22,7 @@ from sampling_bench import (
 
 from mikas.errors import EchoOnly, LineError, NoEcho, NotAKLineAdapter, PortBusy, PortNotFound
 from mikas.link import Link
-from mikas.link.reconnecting import Plug, _AheadLink
+from mikas.link.reconnecting import ReconnectingPort, _AheadLink
 from mikas.sampling.events import (
     Chosen,
     Gap,
@@ -34,8 +34,8 @@ from mikas.sampling.events import (
 )
 from mikas.sampling.sampler import Sampler
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.fault_injector import Disturbance, Trouble
-from mikas.virtual.quirks import Assumptions
+from mikas.virtual.fault_injector import FaultInjector, LineFault
+from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity
 from virtual_bench import IDENTITY, PASSPORTS, make_bus
 
@@ -59,7 +59,7 @@ class TestStrict:
             list(make_sampler(SimulatedPlug(bus), strict=True).run())
 
     def test_a_bad_line(self):
-        bus = make_bus(disturbance=Disturbance({Trouble.DAMAGED: 1.0}))
+        bus = make_bus(disturbance=FaultInjector({LineFault.DAMAGED: 1.0}))
         with pytest.raises(LineError):
             list(make_sampler(SimulatedPlug(bus), strict=True).run())
 
@@ -124,9 +124,9 @@ def test_the_same_state_for_another_reason_is_told():
 def test_an_elm327_ends_it():
     from mikas.link.urls import open_link
 
-    plug = Plug("sim:?adapter=elm327&clock=simulated", open_port=open_link)
+    plug = ReconnectingPort("sim:?adapter=elm327&clock=simulated", open_port=open_link)
     with pytest.raises(NotAKLineAdapter):
-        list(Sampler(plug, maker(), wishes("FREQ")).run())
+        list(Sampler(plug, ecu_factory(), wishes("FREQ")).run())
 
 
 def test_a_lost_adapter_is_a_gap_with_its_reason():
@@ -173,7 +173,7 @@ class TestAnotherCar:
                 plug.bus.ecu.responder.car.on = False
                 take(events, lambda e: bool(of(StateChanged, e)))
                 plug.bus.ecu.responder.car.on = True
-                plug.bus.disturbance.rates = {Trouble.LOST: 0.15, Trouble.DAMAGED: 0.1}
+                plug.bus.disturbance.rates = {LineFault.LOST: 0.15, LineFault.DAMAGED: 0.1}
                 told = take(events, lambda e: bool(of(UnitFound, e)))
                 plug.bus.disturbance.rates = {}
                 told += take(events, enough)
@@ -204,9 +204,11 @@ def test_the_date_is_set_while_the_adapter_is_out(method, hours):
     def open_link(url: str) -> Link:
         return _AheadLink(socket.open(), shift[0])
 
-    plug = Plug("sim:", open_port=open_link, clock=socket.now, nap=socket.wait)
+    plug = ReconnectingPort("sim:", open_port=open_link, clock=socket.now, nap=socket.wait)
     told = []
-    with closing(Sampler(plug, maker(), wishes("FREQ", "INJ"), method=method).run()) as events:
+    with closing(
+        Sampler(plug, ecu_factory(), wishes("FREQ", "INJ"), method=method).run()
+    ) as events:
         for _ in range(3):
             told += take(events, enough)
             socket.pull()
@@ -228,7 +230,7 @@ def test_it_can_be_stopped_while_it_waits():
     (told,) = list(sampler.run())  # it ends by itself
     assert told.state is LineState.NO_PORT
     assert plug.now() < 33
-    silent = SimulatedPlug(make_bus(assumptions=Assumptions()))
+    silent = SimulatedPlug(make_bus(assumptions=EcuQuirks()))
     silent.bus.ecu.responder.car.on = False
     sampler = make_sampler(silent)
     silent.at(30, sampler.stop)
@@ -279,5 +281,5 @@ def test_an_answer_to_01_that_is_lost_after_an_outage_ends_nothing():
         take(events, lambda e: bool(of(StateChanged, e)))
         plug.bus.ecu.responder.car.on = True
         # The step is found again, and then 01 is asked for: lost each time.
-        plug.bus.disturbance.next(None, Trouble.LOST, None, Trouble.LOST, None)
+        plug.bus.disturbance.next(None, LineFault.LOST, None, LineFault.LOST, None)
         assert of(Sampled, take(events, enough))

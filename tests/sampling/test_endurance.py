@@ -10,30 +10,30 @@ import tracemalloc
 from contextlib import closing
 
 import pytest
-from sampling_bench import SimulatedPlug, assert_values_are_the_units, maker
+from sampling_bench import SimulatedPlug, assert_values_are_the_units, ecu_factory
 
 from mikas.catalog import shipped
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Gap, Sampled
-from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.fault_injector import FaultInjector, LineFault
 from virtual_bench import make_bus
 
 TROUBLES = {
-    Trouble.LOST: 0.004,
-    Trouble.DAMAGED: 0.01,
-    Trouble.LATE: 0.002,
-    Trouble.CUT: 0.003,
-    Trouble.DOUBLED: 0.001,
-    Trouble.NOISE: 0.002,
-    Trouble.ECHO: 0.002,
+    LineFault.LOST: 0.004,
+    LineFault.DAMAGED: 0.01,
+    LineFault.LATE: 0.002,
+    LineFault.CUT: 0.003,
+    LineFault.DOUBLED: 0.001,
+    LineFault.NOISE: 0.002,
+    LineFault.ECHO: 0.002,
 }
 
 
 @pytest.mark.parametrize("method", ["batch", "stream"])
 def test_minutes_of_a_bad_line_leave_nothing_behind(method, tmp_path):
-    plug = SimulatedPlug(make_bus(disturbance=Disturbance(TROUBLES, seed=1)))
+    plug = SimulatedPlug(make_bus(disturbance=FaultInjector(TROUBLES, seed=1)))
     names = ["FREQ", "TWAT/10", "INJ", "FUEL_USED"]
-    made = Acquisition(plug, maker(tmp_path), shipped(), names, method=method)
+    made = Acquisition(plug, ecu_factory(tmp_path), shipped(), names, method=method)
     sizes, times, gaps = [], [], 0
     tracemalloc.start()
     try:
@@ -68,13 +68,13 @@ def test_a_rate_does_not_drift(method):
 
 
 def test_nor_is_it_lost_on_a_bad_line():
-    times = sample_times("batch", {Trouble.DAMAGED: 0.01}, 1800)
+    times = sample_times("batch", {LineFault.DAMAGED: 0.01}, 1800)
     assert (times[-1] - times[0]) / 1799 == pytest.approx(0.1, rel=0.05)
 
 
-def sample_times(method: str, rates: dict[Trouble, float], count: int) -> list[float]:
-    plug = SimulatedPlug(make_bus(disturbance=Disturbance(rates, seed=2)))
-    made = Acquisition(plug, maker(), shipped(), ["FREQ"], method=method, rate=10.0)
+def sample_times(method: str, rates: dict[LineFault, float], count: int) -> list[float]:
+    plug = SimulatedPlug(make_bus(disturbance=FaultInjector(rates, seed=2)))
+    made = Acquisition(plug, ecu_factory(), shipped(), ["FREQ"], method=method, rate=10.0)
     times: list[float] = []
     with closing(made.run()) as events:
         while len(times) < count:

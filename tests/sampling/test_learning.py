@@ -13,16 +13,16 @@ from hypothesis import strategies as st
 from sampling_bench import (
     SimulatedPlug,
     assert_values_are_the_units,
+    ecu_factory,
     enough,
     make_sampler,
-    maker,
     of,
     settled,
     take,
 )
 
 from mikas.catalog import shipped
-from mikas.client.limits import LimitsStore, Pace
+from mikas.client.limits import LimitsStore, MethodTiming
 from mikas.client.methods import STREAMS
 from mikas.link.virtual import VirtualLink
 from mikas.sampling.choosing import (
@@ -38,8 +38,8 @@ from mikas.sampling.events import Chosen, Sampled
 from mikas.sampling.plan import Plan, Wanted
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
-from mikas.virtual.fault_injector import Disturbance, Trouble
-from mikas.virtual.quirks import GROUPS, Assumptions, Unknown
+from mikas.virtual.fault_injector import FaultInjector, LineFault
+from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
 from virtual_bench import IDENTITY, make_bus
 
 LUMPS = AdapterKind(latency=0.016)
@@ -69,7 +69,7 @@ class TestKept:
 
     def test_it_shows_in_info(self, tmp_path):
         session(make_bus(), state=tmp_path, until=settled)
-        ecu = maker(tmp_path)(VirtualLink(make_bus()))
+        ecu = ecu_factory(tmp_path)(VirtualLink(make_bus()))
         ecu.tester.connect()
         (paces,) = ecu.info().limits.methods.values()
         assert list(paces) == ["stream", "list", "batch"]
@@ -77,7 +77,7 @@ class TestKept:
         assert ecu.info().limits.learnt
 
     def test_a_refused_method_is_not_tried_again(self, tmp_path):
-        lacking = Assumptions(missing=GROUPS["stream"])
+        lacking = EcuQuirks(missing=GROUPS["stream"])
         session(make_bus(assumptions=lacking), state=tmp_path, until=settled)
         bus = make_bus(assumptions=lacking)
         heard = []
@@ -88,7 +88,7 @@ class TestKept:
         assert not [h for h in heard if h.kind == "request" and h.data[0] == 0x71]
 
     def test_but_a_shorter_list_may_be_taken(self, tmp_path):
-        short = Assumptions(max_list=8)
+        short = EcuQuirks(max_list=8)
         session(make_bus(assumptions=short), state=tmp_path, until=settled)
         told = session(make_bus(assumptions=short), "FREQ", "INJ", state=tmp_path, until=settled)
         assert of(Chosen, told)[-1].method == "stream"
@@ -107,7 +107,7 @@ class TestKept:
         with closing(sampler.run()) as events:
             take(events, settled)
             before = kept(tmp_path)
-            plug.bus.ecu.responder.assumptions = Assumptions(
+            plug.bus.ecu.responder.assumptions = EcuQuirks(
                 missing=GROUPS["stream"], unknown=Unknown.ERROR
             )
             sampler.relearn()
@@ -198,21 +198,21 @@ class TestAdapters:
         paces["list"]["delay"], paces["stream"]["delay"] = -0.0, 0.05
         file.write_text(json.dumps(stored), "utf-8")
         paces_before = LimitsStore(tmp_path).load(0x0A, IDENTITY.passports).methods
-        bus = make_bus(assumptions=Assumptions(turn_round=0.0028, stream_gap=0.0004))
+        bus = make_bus(assumptions=EcuQuirks(turn_round=0.0028, stream_gap=0.0004))
         told = session(bus, state=tmp_path, until=lambda e: len(of(Sampled, e)) > 300)
         assert [c.method for c in of(Chosen, told)] in (["list"], ["list", "stream"])
         assert paces_before
-        bus = make_bus(assumptions=Assumptions(turn_round=0.0027))
+        bus = make_bus(assumptions=EcuQuirks(turn_round=0.0027))
         paces["list"]["delay"], paces["stream"]["delay"] = 0.002, 0.0
         file.write_text(json.dumps(stored), "utf-8")
-        slow = make_bus(assumptions=Assumptions(stream_gap=0.03))
+        slow = make_bus(assumptions=EcuQuirks(stream_gap=0.03))
         told = session(slow, state=tmp_path, until=lambda e: len(of(Sampled, e)) > 300)
         assert [c.method for c in of(Chosen, told)] == ["stream", "list"]
 
     def test_the_kind_is_told_by_the_answers(self):
         def kind(**settings):
             bus = make_bus(**settings)
-            ecu = maker()(VirtualLink(bus))
+            ecu = ecu_factory()(VirtualLink(bus))
             ecu.tester.connect()
             return kind_of_adapter(ecu)
 
@@ -222,17 +222,17 @@ class TestAdapters:
 
     def test_no_more_kinds_are_kept_than_anybody_has(self, tmp_path):
         bus = make_bus()
-        ecu = maker(tmp_path)(VirtualLink(bus))
+        ecu = ecu_factory(tmp_path)(VirtualLink(bus))
         ecu.tester.connect()
         for number in range(20):
-            ecu.learn_paces(f"adapter {number}", {"batch": Pace(21, 0.002)})
+            ecu.learn_paces(f"adapter {number}", {"batch": MethodTiming(21, 0.002)})
         assert list(ecu.limits().methods) == [f"adapter {n}" for n in range(12, 20)]
 
 
 def test_on_a_bad_line_something_is_chosen_and_nothing_wrong_comes():
-    rates = {Trouble.LOST: 0.03, Trouble.DAMAGED: 0.15, Trouble.LATE: 0.02}
+    rates = {LineFault.LOST: 0.03, LineFault.DAMAGED: 0.15, LineFault.LATE: 0.02}
     for seed in range(3):
-        bus = make_bus(disturbance=Disturbance(rates, seed=seed))
+        bus = make_bus(disturbance=FaultInjector(rates, seed=seed))
         told = session(bus, until=settled)
         assert of(Chosen, told)
         assert_values_are_the_units(told)
@@ -242,7 +242,7 @@ def test_a_line_that_is_dead_for_a_while_makes_nothing_refused(tmp_path):
     plug = SimulatedPlug(make_bus())
     with closing(make_sampler(plug, state=tmp_path).run()) as events:
         take(events, settled)
-        plug.bus.disturbance.rates = {Trouble.DAMAGED: 1.0}
+        plug.bus.disturbance.rates = {LineFault.DAMAGED: 1.0}
         plug.at(plug.now() + 30, lambda: setattr(plug.bus.disturbance, "rates", {}))
         told = take(events, lambda e: plug.now() > 60 and enough(e))
     assert_values_are_the_units(told)
@@ -255,7 +255,7 @@ def test_a_line_that_is_dead_for_a_while_makes_nothing_refused(tmp_path):
 def test_one_lost_response_says_nothing_of_a_method(method):
     def measured(*troubles):
         bus = make_bus()
-        ecu = maker()(VirtualLink(bus))
+        ecu = ecu_factory()(VirtualLink(bus))
         ecu.tester.connect()
         ecu.read()
         found = measure(ecu, Plan(ALL, method))
@@ -268,7 +268,7 @@ def test_one_lost_response_says_nothing_of_a_method(method):
             except StopIteration as end:
                 return end.value.rate
 
-    assert measured(Trouble.LOST) == pytest.approx(measured(), rel=0.05)
+    assert measured(LineFault.LOST) == pytest.approx(measured(), rel=0.05)
 
 
 class TestEnough:

@@ -20,8 +20,8 @@ from mikas.sampling.events import (
 from mikas.sampling.supervisor import same
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import VirtualEcu
-from mikas.virtual.fault_injector import Disturbance, Trouble
-from mikas.virtual.quirks import Assumptions
+from mikas.virtual.fault_injector import FaultInjector, LineFault
+from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
 from virtual_bench import DATA, FAULTS, IDENTITY, PASSPORTS, make_bus
@@ -37,7 +37,7 @@ def after_an_outage(method: str, seconds: float, identity: Identity) -> list[Eve
 
     def carried() -> None:
         car = TableCar(OTHER_DATA, faults=FAULTS, rpm=850)
-        unit.responder = Responder(car, identity, Assumptions())
+        unit.responder = Responder(car, identity, EcuQuirks())
 
     with closing(make_sampler(plug, "FREQ", "TWAT/7", "INJ", method=method).run()) as events:
         take(events, enough)
@@ -98,14 +98,14 @@ class Asked(Responder):
 
 @pytest.mark.parametrize("method", ["batch", "stream"])
 def test_damaged_and_single_lost_responses_are_no_reason_to_compare(method: str) -> None:
-    rates = {Trouble.DAMAGED: 0.05}
-    unit = Asked(TableCar(DATA, faults=FAULTS, rpm=850), IDENTITY, Assumptions())
-    plug = SimulatedPlug(Bus(VirtualEcu(unit), disturbance=Disturbance(rates, seed=3)))
+    rates = {LineFault.DAMAGED: 0.05}
+    unit = Asked(TableCar(DATA, faults=FAULTS, rpm=850), IDENTITY, EcuQuirks())
+    plug = SimulatedPlug(Bus(VirtualEcu(unit), disturbance=FaultInjector(rates, seed=3)))
     with closing(make_sampler(plug, method=method).run()) as events:
         take(events, enough)
         unit.asked.clear()
         if method == "batch":
-            plug.bus.disturbance.rates = rates | {Trouble.LOST: 0.02}
+            plug.bus.disturbance.rates = rates | {LineFault.LOST: 0.02}
         told = take(events, lambda e: len(of(Sampled, e)) > 400)
     if method == "stream":
         assert of(Gap, told)
@@ -117,7 +117,7 @@ class Forgetful(Responder):
     """Loses the first two answers to `code`, as a bad line does."""
 
     def __init__(self, code: int) -> None:
-        super().__init__(TableCar(DATA, faults=FAULTS, rpm=850), IDENTITY, Assumptions())
+        super().__init__(TableCar(DATA, faults=FAULTS, rpm=850), IDENTITY, EcuQuirks())
         self.code = code
         self.lost = 0
 

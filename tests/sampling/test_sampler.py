@@ -29,8 +29,8 @@ from mikas.sampling.events import (
     UnitFound,
 )
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.fault_injector import Disturbance, Trouble
-from mikas.virtual.quirks import GROUPS, Assumptions, LongList, Unknown
+from mikas.virtual.fault_injector import FaultInjector, LineFault
+from mikas.virtual.quirks import GROUPS, EcuQuirks, LongList, Unknown
 from mikas.virtual.responder import Identity
 from virtual_bench import IDENTITY, make_bus
 
@@ -71,14 +71,14 @@ def test_the_fastest_is_chosen_where_everything_works():
 @pytest.mark.parametrize("unknown", Unknown)
 def test_it_falls_back_step_by_step(missing, method, unknown):
     lacks = frozenset().union(*(GROUPS[group] for group in missing))
-    events = run(make_bus(assumptions=Assumptions(missing=lacks, unknown=unknown)))
+    events = run(make_bus(assumptions=EcuQuirks(missing=lacks, unknown=unknown)))
     assert of(Chosen, events)[0].method == method
     assert_values_are_the_units(events)
 
 
 @pytest.mark.parametrize("long_list", LongList)
 def test_a_unit_with_short_lists_gets_smaller_batches(long_list):
-    assumptions = Assumptions(
+    assumptions = EcuQuirks(
         max_list=4, long_list=long_list, missing=GROUPS["stream"] | GROUPS["list"]
     )
     events = run(make_bus(assumptions=assumptions))
@@ -130,8 +130,8 @@ def test_an_unknown_name_is_refused_before_anything():
 
 
 def test_line_faults_make_gaps_and_no_wrong_value():
-    disturbance = Disturbance(
-        {Trouble.DAMAGED: 0.1, Trouble.LATE: 0.02, Trouble.LOST: 0.02}, seed=3
+    disturbance = FaultInjector(
+        {LineFault.DAMAGED: 0.1, LineFault.LATE: 0.02, LineFault.LOST: 0.02}, seed=3
     )
     events = run(make_bus(disturbance=disturbance))
     assert_values_are_the_units(events)
@@ -186,7 +186,7 @@ def test_another_car_is_noticed_and_its_method_found_out_anew():
         take(events, settled)
         plug.pull()
         take(events, lambda e: bool(of(StateChanged, e)))
-        plug.bus = make_bus(assumptions=Assumptions(missing=GROUPS["stream"]))
+        plug.bus = make_bus(assumptions=EcuQuirks(missing=GROUPS["stream"]))
         plug.bus.ecu.responder.identity = Identity(0x09, IDENTITY.passports)
         plug.bus.advance(plug.now())
         plug.plugged_in = True

@@ -27,12 +27,12 @@ from mikas.errors import (
     NoEcho,
     NoResponse,
     NotAKLineAdapter,
-    OutOfStep,
+    SyncLost,
     UsageError,
 )
 from mikas.framing import encode
 from mikas.tester import Echo
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.quirks import StreamEnd
 
 each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
@@ -127,12 +127,12 @@ def test_an_echo_that_always_differs_is_told():
 
 
 def test_a_single_spoilt_echo_is_not_the_end():
-    unit = Watched(disturbance=Fate([(Trouble.ECHO, 0), (None, 0)]))
+    unit = Watched(disturbance=Fate([(LineFault.ECHO, 0), (None, 0)]))
     right(unit.connected())
 
 
 @each_adapter
-@pytest.mark.parametrize("trouble", list(Trouble))
+@pytest.mark.parametrize("trouble", list(LineFault))
 @pytest.mark.parametrize("healthy", [0, 1, 2])
 def test_one_trouble_while_connecting_is_not_the_end(trouble, healthy, adapter):
     fates = [(None, 0.0)] * healthy + [(trouble, 0.7)]
@@ -184,7 +184,7 @@ def test_a_late_answer_to_an_earlier_program_is_nobodys_version(after, datum, ad
 @pytest.mark.parametrize("after", [0.1 + 0.01 * i for i in range(60)])
 def test_not_even_if_the_first_request_then_is_lost(after):
     """The late one comes up to D14's limit after connecting began."""
-    unit = Watched(disturbance=Fate([(None, 0)] * 3 + [(Trouble.LOST, 0)]))
+    unit = Watched(disturbance=Fate([(None, 0)] * 3 + [(LineFault.LOST, 0)]))
     unit.bus._unit.say(encode(b"\x55"), min(after, 0.5))
     right(unit.connected())
 
@@ -230,12 +230,12 @@ def test_a_line_that_never_becomes_quiet_is_told():
 def test_two_units_that_answer_differently_are_not_trusted():
     codes = iter([0x0A, 0x09] * 20)
     link = ScriptedLink(lambda sent: [(0.005, encode(bytes([next(codes)])))])
-    with pytest.raises(OutOfStep):
+    with pytest.raises(SyncLost):
         make(link).connect()
 
 
 def test_an_answer_of_two_bytes_to_01_is_not_a_version():
-    with pytest.raises(OutOfStep):
+    with pytest.raises(SyncLost):
         make(answering({b"\x01": encode(b"\x0a\x0a")})).connect()
 
 

@@ -28,7 +28,7 @@ from mikas.link import Chunk, Link
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Timing
 from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 
 PLAIN = {code: data for code, data in DATA.items() if not {0x0D, 0x40} & set(data)}
 LIST = tuple(c.Datum(code, len(data)) for code, data in DATA.items())
@@ -139,16 +139,16 @@ def test_a_response_that_breaks_off_is_given_up_in_time(adapter):
     given_up = []
     for late in (None, 0.0):
         unit, _, tester = connected(late, adapter, disturbance=Fate([]))
-        unit.disturbance.next(Trouble.CUT)
+        unit.disturbance.next(LineFault.CUT)
         with pytest.raises(DamagedResponse) as caught:
             tester.exchange(EVERYTHING, retries=0)
         given_up.append(caught.value.time)
     without, with_it = given_up
-    assert without <= with_it <= without + TIMING.between_bytes / 2 + 1e-9
+    assert without <= with_it <= without + TIMING.inter_byte_timeout / 2 + 1e-9
 
 
 @given(
-    pauses=st.lists(st.floats(0, 0.99 * TIMING.between_bytes), min_size=26, max_size=26),
+    pauses=st.lists(st.floats(0, 0.99 * TIMING.inter_byte_timeout), min_size=26, max_size=26),
     echo=st.booleans(),
 )
 def test_pauses_that_are_allowed_are_allowed_wherever_they_are(pauses, echo):

@@ -11,7 +11,7 @@ from tester_rig import DATA, Fate, StrikingLink, Watched, read, right
 
 from mikas import commands as c
 from mikas.errors import LinkLost, MikasError
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.quirks import StreamEnd
 
 STREAMS = [
@@ -35,7 +35,7 @@ def test_eight_threads_each_get_their_own():
 def test_eight_threads_in_bad_weather():
     unit = Watched()
     tester = unit.connected()
-    troubles = [*Trouble, None, None, None] * 30
+    troubles = [*LineFault, None, None, None] * 30
     unit.bus.disturbance = Fate((trouble, 0.6) for trouble in troubles)
 
     def ask(code: int) -> set[tuple[bytes, ...]]:
@@ -82,7 +82,7 @@ def session(unit, link, command):
 def play(unit, tester, command):
     tester.connect()
     right(tester, 16)
-    unit.disturbance.next(Trouble.LOST)
+    unit.disturbance.next(LineFault.LOST)
     right(tester, 17)
     with tester.stream(command) as stream:
         for _ in range(3):
@@ -135,7 +135,7 @@ def test_ctrl_c_at_any_point_leaves_it_usable(end, command):
             raise AssertionError("nobody was interrupted")
         if tester.version_code is None:
             tester.connect()
-        unit.bus.disturbance = Fate([(Trouble.LOST, 0)])
+        unit.bus.disturbance = Fate([(LineFault.LOST, 0)])
         right(tester)
         with tester.stream(STREAMS[0]) as stream:
             next(stream)
@@ -148,7 +148,7 @@ def test_ctrl_c_while_a_late_answer_is_under_way():
         unit = Watched()
         link = StrikingLink(unit.bus, 0, lambda _: None)
         tester = unit.connected(link)
-        unit.bus.disturbance = Fate([(Trouble.LATE, late), (None, 0), (Trouble.LOST, 0)])
+        unit.bus.disturbance = Fate([(LineFault.LATE, late), (None, 0), (LineFault.LOST, 0)])
 
         def strike(_link):
             raise KeyboardInterrupt

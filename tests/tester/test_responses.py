@@ -32,7 +32,7 @@ from mikas.errors import (
     WrongLength,
 )
 from mikas.framing import encode
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.quirks import GROUPS, Unknown
 
 WRITES = [
@@ -48,19 +48,19 @@ WRITES = [
     *c.ERASE_FAULTS,
 ]
 TOLD = {
-    Trouble.LOST: (NoResponse, EchoOnly, NoEcho),
-    Trouble.LATE: (NoResponse, EchoOnly, NoEcho),
-    Trouble.DAMAGED: LineError,
-    Trouble.CUT: (DamagedResponse, NoResponse),
-    Trouble.MISSING_BYTE: (DamagedResponse, WrongLength, NoResponse),
-    Trouble.FOREIGN: (WrongLength, WrongAddress, WrongContent, DamagedResponse),
+    LineFault.LOST: (NoResponse, EchoOnly, NoEcho),
+    LineFault.LATE: (NoResponse, EchoOnly, NoEcho),
+    LineFault.DAMAGED: LineError,
+    LineFault.CUT: (DamagedResponse, NoResponse),
+    LineFault.MISSING_BYTE: (DamagedResponse, WrongLength, NoResponse),
+    LineFault.FOREIGN: (WrongLength, WrongAddress, WrongContent, DamagedResponse),
 }
 by_name = {"ids": lambda command: command.name}
 each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
 
 
 @each_adapter
-@pytest.mark.parametrize("trouble", list(Trouble))
+@pytest.mark.parametrize("trouble", list(LineFault))
 @pytest.mark.parametrize("command", READS, **by_name)
 def test_a_read_is_repeated(command, trouble, adapter):
     unit = Watched(adapter=adapter)
@@ -122,7 +122,7 @@ def test_as_often_as_it_was_told(retries):
     right(tester, 22)
     before, heard = tester.statistics.requests, unit.heard(b"\x61\x16")
     # Every second response: the confirmation in between is left alone.
-    unit.bus.disturbance = Fate([(Trouble.LOST, 0), (None, 0)] * 20)
+    unit.bus.disturbance = Fate([(LineFault.LOST, 0), (None, 0)] * 20)
     with pytest.raises(NoResponse):
         tester.request(read(22))
     assert unit.heard(b"\x61\x16") - heard == retries + 1
@@ -144,7 +144,7 @@ def test_silence_to_what_a_unit_does_not_know_is_no_failure():
 def test_a_response_that_was_lost_is_one_though_its_command_was_new():
     unit = Watched()
     tester = unit.connected()
-    unit.bus.disturbance = Fate([(Trouble.LOST, 0)])
+    unit.bus.disturbance = Fate([(LineFault.LOST, 0)])
     right(tester, 22)
     assert [failure.code for failure in tester.statistics.failures] == ["NoResponse"]
 
@@ -164,7 +164,7 @@ def test_the_count_of_retries_can_be_given_for_one_exchange():
     unit = Watched()
     tester = unit.connected()
     right(tester, 22)
-    unit.bus.disturbance = Fate([(Trouble.LOST, 0)])
+    unit.bus.disturbance = Fate([(LineFault.LOST, 0)])
     with pytest.raises(NoResponse):
         tester.exchange(read(22), retries=0)
     value, reply = tester.exchange(read(22), retries=0)
@@ -344,7 +344,7 @@ def test_once_known_silence_is_no_refusal():
     unit = Watched()
     tester = unit.connected()
     right(tester, 22)
-    unit.bus.disturbance = Fate([(Trouble.LOST, 0), (None, 0)] * 9)
+    unit.bus.disturbance = Fate([(LineFault.LOST, 0), (None, 0)] * 9)
     with pytest.raises(NoResponse):
         tester.request(read(22))
     assert tester.has_answered(0x61)
@@ -376,7 +376,7 @@ def test_anything_may_be_sent_raw_and_the_next_value_is_right(body, adapter):
     right(tester)
 
 
-@pytest.mark.parametrize("trouble", [Trouble.DAMAGED, Trouble.CUT, Trouble.MISSING_BYTE])
+@pytest.mark.parametrize("trouble", [LineFault.DAMAGED, LineFault.CUT, LineFault.MISSING_BYTE])
 def test_a_raw_exchange_that_is_spoilt_is_told_and_not_repeated(trouble):
     unit = Watched()
     tester = unit.connected()

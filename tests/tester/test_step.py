@@ -23,15 +23,15 @@ from tester_rig import (
 )
 
 from mikas import commands as c
-from mikas.errors import EchoOnly, MikasError, NoEcho, OutOfStep
+from mikas.errors import EchoOnly, MikasError, NoEcho, SyncLost
 from mikas.link import CaptureTee
-from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.fault_injector import FaultInjector, LineFault
 
 EARLIEST, LATEST = 0.05, 0.95  # s behind its time that a late response comes
 
-troubles = st.sampled_from([*Trouble, Trouble.LATE, Trouble.LATE, Trouble.LOST, None])
+troubles = st.sampled_from([*LineFault, LineFault.LATE, LineFault.LATE, LineFault.LOST, None])
 fates = st.lists(st.tuples(troubles, st.floats(EARLIEST, LATEST)), max_size=30)
-LATE, LOST, OK = Trouble.LATE, Trouble.LOST, None
+LATE, LOST, OK = LineFault.LATE, LineFault.LOST, None
 
 
 def some_of(codes):
@@ -62,12 +62,12 @@ each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
 @example([17, 17, 17, 17], [(LOST, 0), (LATE, 0.7), (LATE, 0.45), (LOST, 0)], 0, 0)
 @example([17, 17, 17, 17], [(LOST, 0), (LATE, 0.95), (LATE, 0.95), (LOST, 0)], 0, 0)
 # The step is sought after damage, which says that nothing is under way; then 01's answer is late.
-@example([17, 17, 17, 17], [(Trouble.DAMAGED, 0), (LATE, 0.7), (LATE, 0.55), (LOST, 0)], 0, 0)
+@example([17, 17, 17, 17], [(LineFault.DAMAGED, 0), (LATE, 0.7), (LATE, 0.55), (LOST, 0)], 0, 0)
 # A late datum that looks like the unit's own answer to 01.
 @example([16, 22, 22], [(LATE, 0.6), (LOST, 0), (LOST, 0)], 0, 0)
 @example([16, 22, 22], [(LATE, 0.95), (LATE, 0.95), (LOST, 0)], 0, 0)
 # The second copy meets the next request, and no echo tells.
-@example([16, 16, 17, 18, 18], [(Trouble.DOUBLED, 0)] * 5, 0, 0)
+@example([16, 16, 17, 18, 18], [(LineFault.DOUBLED, 0)] * 5, 0, 0)
 def test_never_another_parameters_value(adapter, codes, fates, seed, retries):
     never_anothers(codes, fates, adapter, seed, retries=retries)
 
@@ -92,7 +92,7 @@ def test_nor_after_the_application_pauses(codes, fates, seed):
 
 
 @each_adapter
-@pytest.mark.parametrize("trouble", [t for t in Trouble if t is not Trouble.FOREIGN])
+@pytest.mark.parametrize("trouble", [t for t in LineFault if t is not LineFault.FOREIGN])
 @pytest.mark.parametrize("late", [0.05, 0.3, 0.49, 0.495, 0.498, 0.5, 0.505, 0.51, 0.6, 0.95])
 def test_one_trouble_is_outlived_by_a_retry(adapter, trouble, late):
     assert never_anothers([16, 17, 22, 67] * 2, [(trouble, late)], adapter) == 8
@@ -103,7 +103,7 @@ def test_heavy_weather(adapter):
     """Thousands of reads, every second response in trouble; some get through, none is wrong."""
     random = Random(1)
     codes = random.choices(sorted(DATA), k=500)
-    kinds = [*Trouble, *[None] * len(Trouble)]
+    kinds = [*LineFault, *[None] * len(LineFault)]
     fates = [(random.choice(kinds), random.uniform(EARLIEST, LATEST)) for _ in range(3000)]
     assert never_anothers(codes, fates, adapter) > 250
 
@@ -119,7 +119,7 @@ class Wire:
 
 
 def drive(seed: int, reads: int, rate: float, pause: float = 0.0):
-    disturbance = Disturbance(dict.fromkeys(Trouble, rate), seed=seed, late_by=0.7)
+    disturbance = FaultInjector(dict.fromkeys(LineFault, rate), seed=seed, late_by=0.7)
     unit = Watched(disturbance=disturbance)
     wire = Wire()
     tester = unit.tester(CaptureTee(unit.link, wire))
@@ -184,7 +184,7 @@ def test_after_silence_the_confirmation_comes_when_nothing_can_be_under_way_any_
 
 
 def test_after_plain_damage_it_goes_on_at_once():
-    unit = Watched(disturbance=Fate([(OK, 0)] * 3 + [(Trouble.MISSING_BYTE, 0)], seed=1))
+    unit = Watched(disturbance=Fate([(OK, 0)] * 3 + [(LineFault.MISSING_BYTE, 0)], seed=1))
     tester = unit.connected()
     began = unit.link.now()
     right(tester, 22)
@@ -227,7 +227,7 @@ def test_a_unit_swapped_for_another_model_is_out_of_step():
     unit.disturbance.next(LOST)
     with pytest.raises(MikasError):
         tester.request(read(16))
-    with pytest.raises(OutOfStep):
+    with pytest.raises(SyncLost):
         tester.request(read(16))
     assert tester.connect() == 0x09
     right(tester)
@@ -240,7 +240,7 @@ def test_other_commands_keep_to_their_own_responses_too():
     tester = unit.connected()
     truth = {command: tester.request(command) for command in wanted}
     random = Random(3)
-    kinds = [*Trouble, *[None] * len(Trouble)]
+    kinds = [*LineFault, *[None] * len(LineFault)]
     unit.bus.disturbance = Fate(
         (random.choice(kinds), random.uniform(EARLIEST, LATEST)) for _ in range(5000)
     )

@@ -10,7 +10,7 @@ from tester_rig import ECHOING, SILENT_ADAPTER, Fate, Watched, adapter_name, rea
 
 from mikas import commands as c
 from mikas.errors import MikasError, UsageError
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.quirks import StreamEnd
 
 
@@ -32,7 +32,9 @@ def mid_response(unit, stream):
 
 
 def after_damage(unit, stream):
-    unit.disturbance.next(Trouble.DAMAGED, Trouble.CUT, Trouble.FOREIGN, Trouble.MISSING_BYTE)
+    unit.disturbance.next(
+        LineFault.DAMAGED, LineFault.CUT, LineFault.FOREIGN, LineFault.MISSING_BYTE
+    )
     for _ in range(3):
         next(stream)
 
@@ -102,13 +104,13 @@ def test_ending_a_cyclic_stream_of_several_bytes_takes_no_time(adapter):
 def test_troubles_while_it_is_ended_give_no_wrong_value(command, end, late, position):
     unit = Watched(stream_end=end)
     tester = unit.connected()
-    for fate in (Trouble.LATE, Trouble.LOST, Trouble.DAMAGED, Trouble.DOUBLED):
+    for fate in (LineFault.LATE, LineFault.LOST, LineFault.DAMAGED, LineFault.DOUBLED):
         try:
             with tester.stream(command) as stream:
                 next(stream)
                 healthy = [(None, 0.0)] * position
                 unit.bus.disturbance = Fate([*healthy, (fate, late), (fate, late)])
-            unit.bus.disturbance = Fate([(Trouble.LOST, 0)])
+            unit.bus.disturbance = Fate([(LineFault.LOST, 0)])
             right(tester)
         except MikasError:
             pass  # told; but never a wrong value
@@ -121,7 +123,7 @@ def test_damaged_and_foreign_responses_are_counted_and_left_out():
     tester = unit.connected()
     with tester.stream(c.StreamCyclic(SEVERAL)) as stream:
         next(stream)
-        unit.disturbance.next(None, Trouble.DAMAGED, None, Trouble.FOREIGN)
+        unit.disturbance.next(None, LineFault.DAMAGED, None, LineFault.FOREIGN)
         for _ in range(8):
             assert next(stream).data == expected(stream.command)
     assert (stream.damaged, stream.foreign) == (1, 1)

@@ -44,7 +44,7 @@ from mikas.errors import (
 )
 from mikas.framing import encode
 from mikas.tester import Failure
-from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import StreamEnd, Unknown
 
 
@@ -163,7 +163,7 @@ def test_a_request_lost_on_the_way_in_does_not_leave_it_running(end):
     assert unit.told("stream-end") == unit.told("stream") == len(CYCLIC + BY_STROKES)
 
 
-class HeavyWeather(Disturbance):
+class HeavyWeather(FaultInjector):
     """Half of all responses are in trouble, each late one by another time."""
 
     def __init__(self, random: Random) -> None:
@@ -172,7 +172,7 @@ class HeavyWeather(Disturbance):
 
     def respond(self, wire):
         self.late_by = self.random.uniform(0.05, 0.95)
-        self.next(self.random.choice([*Trouble, *[None] * len(Trouble)]))
+        self.next(self.random.choice([*LineFault, *[None] * len(LineFault)]))
         return super().respond(wire)
 
 
@@ -202,7 +202,7 @@ def test_a_response_that_is_left_out_is_told_to_who_asks_for_it():
     tester = unit.connected()
     with tester.stream(c.StreamCyclic(SEVERAL)) as stream:
         next(stream)
-        unit.disturbance.next(None, Trouble.DAMAGED, None, Trouble.FOREIGN)
+        unit.disturbance.next(None, LineFault.DAMAGED, None, LineFault.FOREIGN)
         told = []
         for _ in range(8):
             try:

@@ -40,7 +40,7 @@ def talking(request: bytes, coming: list[tuple[float, bytes]]):
     def answer(sent: bytes) -> list[tuple[float, bytes]]:
         return coming if sent == request else [(0.005, encode(bytes([VERSION])))]
 
-    tester = make(ScriptedLink(answer), timing=Timing(between_bytes=0.1))
+    tester = make(ScriptedLink(answer), timing=Timing(inter_byte_timeout=0.1))
     tester.connect()
     return tester
 

@@ -15,8 +15,8 @@ from mikas.tester import Tester
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import Happening, VirtualEcu
-from mikas.virtual.fault_injector import Disturbance, Sent, Trouble
-from mikas.virtual.quirks import Assumptions
+from mikas.virtual.fault_injector import FaultInjector, LineFault, Sent
+from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
 
@@ -49,7 +49,7 @@ class Watched:
         self,
         *,
         adapter: AdapterKind = ECHOING,
-        disturbance: Disturbance | None = None,
+        disturbance: FaultInjector | None = None,
         rpm: float = 850.0,
         version: int = VERSION,
         data: dict[int, bytes] = DATA,
@@ -57,9 +57,9 @@ class Watched:
     ) -> None:
         self.car = TableCar(data, faults=[13, 53], rpm=rpm)
         self.happenings: list[Happening] = []
-        responder = Responder(self.car, Identity(version), Assumptions(**assumptions))
+        responder = Responder(self.car, Identity(version), EcuQuirks(**assumptions))
         self.ecu = VirtualEcu(responder, watcher=self.happenings.append)
-        self.disturbance = disturbance or Disturbance()
+        self.disturbance = disturbance or FaultInjector()
         self.bus = Bus(self.ecu, adapter=adapter, disturbance=self.disturbance)
         self.link = VirtualLink(self.bus)
 
@@ -109,10 +109,10 @@ def right(tester: Tester, *codes: int) -> None:
         assert tester.request(read(code)) == (DATA[code],)
 
 
-class Fate(Disturbance):
+class Fate(FaultInjector):
     """Each response's trouble and lateness in turn, echoes included; then nothing more happens."""
 
-    def __init__(self, fates: Iterable[tuple[Trouble | None, float]], seed: int = 0) -> None:
+    def __init__(self, fates: Iterable[tuple[LineFault | None, float]], seed: int = 0) -> None:
         super().__init__(seed=seed)
         self.fates = iter(fates)
 

@@ -9,7 +9,7 @@ from mikas.errors import UsageError
 from mikas.framing import encode
 from mikas.virtual.quirks import (
     GROUPS,
-    Assumptions,
+    EcuQuirks,
     LongList,
     StreamEnd,
     Unknown,
@@ -23,13 +23,13 @@ YES = encode(b"\x00")
 
 
 def a_tester(**options: str) -> RawTester:
-    return RawTester(make_bus(assumptions=Assumptions().with_options(options)))
+    return RawTester(make_bus(assumptions=EcuQuirks().with_options(options)))
 
 
 def test_the_defaults_are_the_letter():
-    assert Assumptions() == Assumptions().with_options({})
-    assert Assumptions().turn_round == 0.002
-    assert Assumptions().max_list == Assumptions().max_block == 255
+    assert EcuQuirks() == EcuQuirks().with_options({})
+    assert EcuQuirks().turn_round == 0.002
+    assert EcuQuirks().max_list == EcuQuirks().max_block == 255
 
 
 # D10
@@ -106,8 +106,8 @@ def test_goto_can_be_missing_too():
 def test_missing_names_groups_and_codes_in_any_mixture():
     expected = GROUPS["list"] | {0x61, 0x71}
     for text in ("list,61,71", "list+0x61+71", "list 61 0x71", " list , 61,71,"):
-        assert Assumptions().with_options({"missing": text}).missing == expected
-    assert Assumptions().with_options({"missing": ""}).missing == frozenset()
+        assert EcuQuirks().with_options({"missing": text}).missing == expected
+    assert EcuQuirks().with_options({"missing": ""}).missing == frozenset()
 
 
 # D11
@@ -288,7 +288,7 @@ def test_one_stream_takes_the_place_of_another(stream_end):
     ],
 )
 def test_options_as_text(name, text, value):
-    assert getattr(Assumptions().with_options({name: text}), name) == value
+    assert getattr(EcuQuirks().with_options({name: text}), name) == value
 
 
 @pytest.mark.parametrize(
@@ -313,7 +313,7 @@ def test_options_as_text(name, text, value):
 )
 def test_a_value_that_makes_no_sense_is_told_with_those_that_do(name, text, allowed):
     with pytest.raises(UsageError) as caught:
-        Assumptions().with_options({name: text})
+        EcuQuirks().with_options({name: text})
     for language in (caught.value.text.en, caught.value.text.ru):
         assert name in language
         assert allowed in language
@@ -321,6 +321,6 @@ def test_a_value_that_makes_no_sense_is_told_with_those_that_do(name, text, allo
 
 def test_an_unknown_switch_names_the_nearest():
     with pytest.raises(UsageError, match="max_list"):
-        Assumptions().with_options({"maxlist": "3"})
+        EcuQuirks().with_options({"maxlist": "3"})
     with pytest.raises(UsageError, match="stream_end"):
-        Assumptions().with_options({"zzz": "3"})
+        EcuQuirks().with_options({"zzz": "3"})

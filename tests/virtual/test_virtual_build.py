@@ -10,8 +10,8 @@ from mikas.link import open_link
 from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
 from mikas.virtual.build import MODELS, SETTINGS, build_bus
 from mikas.virtual.elm327 import LONGEST_LINE, Elm327
-from mikas.virtual.fault_injector import LATE_BY, Trouble
-from mikas.virtual.quirks import Assumptions
+from mikas.virtual.fault_injector import LATE_BY, LineFault
+from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.scenario import SCENARIOS
 
 from .raw_tester import BYTE, RawTester
@@ -26,7 +26,7 @@ def test_with_no_settings_it_is_a_warm_71_on_a_plain_adapter():
     responder = bus.ecu.responder
     assert responder.identity.version_code == 0x0A
     assert responder.car.engine.scenario.name == "warm-idle"
-    assert responder.assumptions == Assumptions()
+    assert responder.assumptions == EcuQuirks()
     assert (bus.ecu.baud, bus.byte_time) == (9600, BYTE)
     assert (bus.adapter.kind.echo, bus.adapter.kind.latency, bus.adapter.kind.supplied) == (
         True,
@@ -63,7 +63,7 @@ def test_every_setting_arrives():
     assert responder.car.faults == [13, 53]
     assert bus.ecu.baud == 10400
     assert (kind.echo, kind.latency, kind.supplied) == (False, 0.016, False)
-    assert bus.disturbance.rates == {Trouble.DAMAGED: 0.25, Trouble.ECHO: 0.5}
+    assert bus.disturbance.rates == {LineFault.DAMAGED: 0.25, LineFault.ECHO: 0.5}
     assert bus.disturbance.late_by == 1.5
     assert responder.assumptions.turn_round == 0.01
     assert responder.assumptions.missing == {0x63, 0x64, 0x71}

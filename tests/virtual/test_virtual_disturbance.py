@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from mikas.errors import UsageError
 from mikas.framing import Damage, Decoder, Frame, encode
-from mikas.virtual.fault_injector import LATE_BY, Disturbance, Trouble, parse_rates
+from mikas.virtual.fault_injector import LATE_BY, FaultInjector, LineFault, parse_rates
 from virtual_bench import DATA, make_bus
 
 from .raw_tester import BYTE, TURN, RawTester
@@ -17,19 +17,19 @@ GOOD = encode(DATA[0x3F])
 ASK = b"\x61\x3f"
 
 
-def struck(trouble: Trouble, seed: int = 0) -> RawTester:
-    disturbance = Disturbance(seed=seed)
+def struck(trouble: LineFault, seed: int = 0) -> RawTester:
+    disturbance = FaultInjector(seed=seed)
     disturbance.next(trouble, None)
     return RawTester(make_bus(disturbance=disturbance))
 
 
-@pytest.mark.parametrize("trouble", Trouble)
+@pytest.mark.parametrize("trouble", LineFault)
 def test_one_response_is_struck_and_the_next_one_is_not(trouble):
     tester = struck(trouble)
     first = tester.ask(ASK)
-    assert first != GOOD or trouble is Trouble.ECHO
+    assert first != GOOD or trouble is LineFault.ECHO
     tester.listen(2.0)
-    if trouble is Trouble.ECHO:
+    if trouble is LineFault.ECHO:
         tester.say(encode(ASK))
         spoilt = bytes([0x61 ^ 0x10]) + encode(ASK)[1:]
         assert tester.listen(tester.now + 0.5) == spoilt + GOOD
@@ -38,11 +38,11 @@ def test_one_response_is_struck_and_the_next_one_is_not(trouble):
 
 
 def test_lost():
-    assert struck(Trouble.LOST).ask(ASK) == b""
+    assert struck(LineFault.LOST).ask(ASK) == b""
 
 
 def test_late():
-    tester = struck(Trouble.LATE)
+    tester = struck(LineFault.LATE)
     tester.say(encode(ASK))
     tester.listen(3.0)
     assert tester.data == encode(ASK) + GOOD
@@ -52,7 +52,7 @@ def test_late():
 
 @given(seed=st.integers(0, 10_000))
 def test_damaged_is_one_bit(seed):
-    came = struck(Trouble.DAMAGED, seed).ask(ASK)
+    came = struck(LineFault.DAMAGED, seed).ask(ASK)
     assert len(came) == len(GOOD)
     assert sum((a ^ b).bit_count() for a, b in zip(came, GOOD, strict=True)) == 1
     assert not any(isinstance(event, Frame) for event in Decoder().feed(came))
@@ -60,7 +60,7 @@ def test_damaged_is_one_bit(seed):
 
 @given(seed=st.integers(0, 10_000))
 def test_cut_has_a_begin_and_no_end(seed):
-    came = struck(Trouble.CUT, seed).ask(ASK)
+    came = struck(LineFault.CUT, seed).ask(ASK)
     assert came
     assert GOOD.startswith(came)
     assert came != GOOD
@@ -68,36 +68,36 @@ def test_cut_has_a_begin_and_no_end(seed):
 
 @given(seed=st.integers(0, 10_000))
 def test_a_missing_byte(seed):
-    came = struck(Trouble.MISSING_BYTE, seed).ask(ASK)
+    came = struck(LineFault.MISSING_BYTE, seed).ask(ASK)
     assert came in [GOOD[:n] + GOOD[n + 1 :] for n in range(len(GOOD))]
 
 
 def test_doubled():
-    assert struck(Trouble.DOUBLED).ask(ASK) == GOOD * 2
+    assert struck(LineFault.DOUBLED).ask(ASK) == GOOD * 2
 
 
 def test_foreign_is_sound_and_of_a_length_that_was_not_asked_for():
-    (event,) = Decoder().feed(struck(Trouble.FOREIGN).ask(ASK))
+    (event,) = Decoder().feed(struck(LineFault.FOREIGN).ask(ASK))
     assert isinstance(event, Frame)
     assert len(event.body) > len(DATA[0x3F])
 
 
 @given(seed=st.integers(0, 10_000))
 def test_noise_comes_before(seed):
-    came = struck(Trouble.NOISE, seed).ask(ASK)
+    came = struck(LineFault.NOISE, seed).ask(ASK)
     assert came.endswith(GOOD)
     assert 1 <= len(came) - len(GOOD) <= 4
 
 
 def test_the_queued_ones_come_in_order_before_any_chance():
-    disturbance = Disturbance({Trouble.LOST: 1.0})
-    disturbance.next(None, Trouble.DOUBLED)
+    disturbance = FaultInjector({LineFault.LOST: 1.0})
+    disturbance.next(None, LineFault.DOUBLED)
     tester = RawTester(make_bus(disturbance=disturbance))
     assert [tester.ask(ASK) for _ in range(3)] == [GOOD, GOOD * 2, b""]
 
 
-def outcome(rates: dict[Trouble, float], seed: int, asks: int = 200) -> bytes:
-    tester = RawTester(make_bus(disturbance=Disturbance(rates, seed=seed)))
+def outcome(rates: dict[LineFault, float], seed: int, asks: int = 200) -> bytes:
+    tester = RawTester(make_bus(disturbance=FaultInjector(rates, seed=seed)))
     for number in range(asks):
         tester.say(encode(ASK), at=number * 1.5)
     tester.listen(asks * 1.5)
@@ -105,23 +105,23 @@ def outcome(rates: dict[Trouble, float], seed: int, asks: int = 200) -> bytes:
 
 
 def test_the_same_seed_strikes_the_same():
-    rates = dict.fromkeys(Trouble, 0.05)
+    rates = dict.fromkeys(LineFault, 0.05)
     assert outcome(rates, 1) == outcome(rates, 1)
     assert outcome(rates, 1) != outcome(rates, 2)
 
 
 @pytest.mark.parametrize("rate", [0.0, 0.1, 0.5, 1.0])
 def test_a_rate_is_the_share_that_is_struck(rate):
-    disturbance = Disturbance({Trouble.LOST: rate}, seed=3)
+    disturbance = FaultInjector({LineFault.LOST: rate}, seed=3)
     for _ in range(2000):
         disturbance.respond(GOOD)
     assert disturbance.count == pytest.approx(2000 * rate, abs=100 if 0 < rate < 1 else 0)
 
 
-@pytest.mark.parametrize("trouble", [Trouble.DOUBLED, Trouble.LATE])
+@pytest.mark.parametrize("trouble", [LineFault.DOUBLED, LineFault.LATE])
 def test_a_stream_with_trouble_leaves_no_backlog_on_the_wire(trouble):
     """What is made late or doubled holds the next response back; it does not pile up."""
-    tester = RawTester(make_bus(disturbance=Disturbance({trouble: 1.0})))
+    tester = RawTester(make_bus(disturbance=FaultInjector({trouble: 1.0})))
     tester.say(encode(b"\x71\x1a\x29"))
     tester.listen(20.0)
     assert len(tester.heard) > 20
@@ -131,8 +131,8 @@ def test_a_stream_with_trouble_leaves_no_backlog_on_the_wire(trouble):
 
 
 def test_a_late_response_and_the_next_one_do_not_mix():
-    disturbance = Disturbance()
-    disturbance.next(Trouble.LATE)
+    disturbance = FaultInjector()
+    disturbance.next(LineFault.LATE)
     tester = RawTester(make_bus(disturbance=disturbance))
     tester.say(encode(ASK))
     tester.say(b"\x01\xff\x0d", at=LATE_BY)  # its response is due while the late one comes
@@ -147,9 +147,9 @@ def test_a_late_response_and_the_next_one_do_not_mix():
 
 def test_rates_as_text():
     assert parse_rates({"damaged": "0.01", "missing-byte": "1", "lost": "0"}) == {
-        Trouble.DAMAGED: 0.01,
-        Trouble.MISSING_BYTE: 1.0,
-        Trouble.LOST: 0.0,
+        LineFault.DAMAGED: 0.01,
+        LineFault.MISSING_BYTE: 1.0,
+        LineFault.LOST: 0.0,
     }
 
 

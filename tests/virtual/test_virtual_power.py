@@ -16,7 +16,7 @@ from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.engine import Engine
 from mikas.virtual.engine_car import EngineCar, pinned
 from mikas.virtual.memory import SIZES, Memory, pattern
-from mikas.virtual.quirks import Assumptions
+from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Responder
 from mikas.virtual.scenario import SCENARIOS
 from virtual_bench import DATA, FAULTS, connected, make_bus
@@ -148,7 +148,7 @@ def test_the_watcher_is_told_what_happens():
     ],
 )
 def test_faults_are_erased_by_08_and_then_00_in_a_row(bodies, erased):
-    tester = RawTester(make_bus(assumptions=Assumptions().with_options({"missing": "passports"})))
+    tester = RawTester(make_bus(assumptions=EcuQuirks().with_options({"missing": "passports"})))
     for body in bodies:
         tester.ask(bytes.fromhex(body))
     assert tester.ask(b"\x02") == encode(

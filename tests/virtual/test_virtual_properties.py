@@ -12,8 +12,8 @@ from mikas.framing import encode
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.build import build_bus
 from mikas.virtual.bus import Bus
-from mikas.virtual.fault_injector import Disturbance, Trouble
-from mikas.virtual.quirks import Assumptions, LongList, StreamEnd, Unknown
+from mikas.virtual.fault_injector import FaultInjector, LineFault
+from mikas.virtual.quirks import EcuQuirks, LongList, StreamEnd, Unknown
 from virtual_bench import EXCHANGES, make_bus
 
 from .raw_tester import RawTester
@@ -32,7 +32,7 @@ scripts = st.lists(st.tuples(moments, sayings | breaks), max_size=12).map(
     lambda script: sorted(script, key=lambda act: act[0])
 )
 assumptions = st.builds(
-    Assumptions,
+    EcuQuirks,
     turn_round=st.sampled_from([0.0, 0.002, 0.3]),
     max_list=st.sampled_from([1, 2, 255]),
     long_list=st.sampled_from(LongList),
@@ -63,7 +63,7 @@ def play(bus: Bus, script, chunks=()) -> RawTester:
 
 
 def a_bus(kind, adapter, seed) -> Bus:
-    disturbance = Disturbance(dict.fromkeys(Trouble, 0.03), seed=seed)
+    disturbance = FaultInjector(dict.fromkeys(LineFault, 0.03), seed=seed)
     return make_bus(assumptions=kind, adapter=adapter, disturbance=disturbance)
 
 

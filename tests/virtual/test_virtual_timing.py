@@ -12,7 +12,7 @@ from mikas import commands as c
 from mikas.framing import encode
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import PARTIAL_REQUEST_LIFE, VirtualEcu
-from mikas.virtual.quirks import Assumptions, StreamEnd
+from mikas.virtual.quirks import EcuQuirks, StreamEnd
 from mikas.virtual.responder import Responder
 from mikas.virtual.table_car import TableCar
 from virtual_bench import DATA, IDENTITY, connected, make_bus
@@ -20,7 +20,7 @@ from virtual_bench import DATA, IDENTITY, connected, make_bus
 from .raw_tester import BYTE, TURN, RawTester
 
 EXACT = 1e-9
-GAP = Assumptions().stream_gap
+GAP = EcuQuirks().stream_gap
 DATUMS = tuple(c.Datum(code, len(raw)) for code, raw in DATA.items())
 
 
@@ -210,7 +210,7 @@ def test_half_a_request_does_not_spoil_the_next_one():
 
 
 def test_half_a_request_in_a_gap_stops_a_stream_only_for_a_moment():
-    tester = RawTester(make_bus(assumptions=Assumptions(stream_end=StreamEnd.REQUEST)))
+    tester = RawTester(make_bus(assumptions=EcuQuirks(stream_end=StreamEnd.REQUEST)))
     tester.say(encode(b"\x71\x1a"))
     frame = encode(DATA[0x1A])
     tester.listen(0.1)

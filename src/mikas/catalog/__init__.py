@@ -15,7 +15,7 @@ from mikas.catalog.limits import AlarmLimits, Level
 from mikas.catalog.loading.loader import load, shipped
 from mikas.catalog.lookup import Catalog
 from mikas.catalog.model import (
-    READINGS,
+    INTERPRETATIONS,
     Erratum,
     Fault,
     Lamp,
@@ -25,7 +25,7 @@ from mikas.catalog.model import (
 )
 
 __all__ = [
-    "READINGS",
+    "INTERPRETATIONS",
     "AlarmLimits",
     "Catalog",
     "Confidence",

@@ -132,7 +132,7 @@ class Conversion:
 
     def _allowed(self) -> Text:
         low, high = sorted(self.value(number) for number in self.raw_limits)
-        step = shown(abs(self.scale))
+        step = decimal_text(abs(self.scale))
         return Text(
             f"{low:.10g} to {high:.10g} {self.unit_text.en}".rstrip() + f", in steps of {step}",
             f"от {low:.10g} до {high:.10g} {self.unit_text.ru}".rstrip() + f", шаг {step}",
@@ -156,13 +156,13 @@ class Conversion:
         if self.scale.denominator != 1:
             raw += f"{over}{self.scale.denominator}"
         if self.scale < 0:
-            return f"{shown(self.offset)} − {raw}" if self.offset else f"−{raw}"
+            return f"{decimal_text(self.offset)} − {raw}" if self.offset else f"−{raw}"
         if self.offset > 0 and self.scale != 1:
-            return f"{shown(self.offset)} + {raw}"
+            return f"{decimal_text(self.offset)} + {raw}"
         return _sum(raw, self.offset) if self.offset else raw
 
 
-def shown(number: Fraction) -> str:
+def decimal_text(number: Fraction) -> str:
     """A rational number for a person: `−0.5`, `40`, or `1/3` where no short decimal is exact."""
     sign = "−" if number < 0 else ""
     size = abs(number)
@@ -171,4 +171,4 @@ def shown(number: Fraction) -> str:
 
 
 def _sum(left: str, right: Fraction) -> str:
-    return f"{left} {'−' if right < 0 else '+'} {shown(abs(right))}"
+    return f"{left} {'−' if right < 0 else '+'} {decimal_text(abs(right))}"

@@ -15,7 +15,7 @@ from mikas.catalog.limits import AlarmLimits
 from mikas.errors import UsageError
 from mikas.i18n import Text
 
-READINGS = ("corrected", "literal", "alternative")
+INTERPRETATIONS = ("corrected", "literal", "alternative")
 """corrected: the letter, save where it is impossible (the default). literal: the letter of the
 source. alternative: another sense of a letter that is odd, but possible (E3)."""
 
@@ -72,12 +72,12 @@ class Parameter:
 
     @property
     def unit(self) -> str:
-        """The corrected reading's unit."""
+        """The corrected interpretation's unit."""
         return self.conversion.unit
 
     @property
     def unit_text(self) -> Text:
-        """The corrected reading's unit, for a person."""
+        """The corrected interpretation's unit, for a person."""
         return self.conversion.unit_text
 
     @property
@@ -86,46 +86,46 @@ class Parameter:
         return self.conversion.is_flag
 
     @property
-    def readings(self) -> dict[str, Conversion]:
+    def interpretations(self) -> dict[str, Conversion]:
         """By name: always `corrected` and `literal`; `alternative` where there is one."""
         named = {"corrected": self.conversion, "literal": self.literal or self.conversion}
         if self.alternative is not None:
             named["alternative"] = self.alternative
         return named
 
-    def reading(self, name: str) -> Conversion:
-        """The reading of that name; the corrected one where this parameter has no such.
+    def interpretation(self, name: str) -> Conversion:
+        """Return the interpretation `name`; the corrected one where this parameter lacks it.
 
-        So one name can be set for a whole session. UsageError: a name outside READINGS.
+        So one name can be set for a whole session. UsageError: a name outside `INTERPRETATIONS`.
         """
-        if name not in READINGS:
-            known = ", ".join(READINGS)
+        if name not in INTERPRETATIONS:
+            known = ", ".join(INTERPRETATIONS)
             raise UsageError(
                 problem=Text(
-                    f"There is no reading “{name}”; there are: {known}",
+                    f"There is no interpretation “{name}”; there are: {known}",
                     f"Толкования «{name}» нет; есть: {known}",
                 )
             )
-        return self.readings.get(name, self.conversion)
+        return self.interpretations.get(name, self.conversion)
 
-    def decode(self, raw: bytes, reading: str = "corrected") -> float | int | bool:
+    def decode(self, raw: bytes, interpretation: str = "corrected") -> float | int | bool:
         """The value: int where it is whole by construction, bool for a flag, else float.
 
-        UsageError: not `size` bytes, or no such reading.
+        UsageError: not `size` bytes, or no such interpretation.
         """
-        return self.reading(reading).decode(raw)
+        return self.interpretation(interpretation).decode(raw)
 
-    def encode(self, value: float | Fraction, reading: str = "corrected") -> bytes:
+    def encode(self, value: float | Fraction, interpretation: str = "corrected") -> bytes:
         """The raw bytes nearest to `value`. ValueDoesNotFit: a flag, no number, out of range."""
-        return self.reading(reading).encode(value, self.name)
+        return self.interpretation(interpretation).encode(value, self.name)
 
-    def formula(self, reading: str = "corrected") -> str:
+    def formula(self, interpretation: str = "corrected") -> str:
         """How the value is made of the raw number, as §4 prints it."""
-        return self.reading(reading).formula
+        return self.interpretation(interpretation).formula
 
-    def limits(self, reading: str = "corrected") -> tuple[float, float] | None:
+    def limits(self, interpretation: str = "corrected") -> tuple[float, float] | None:
         """What the raw bytes can hold; None for a flag."""
-        return self.reading(reading).limits
+        return self.interpretation(interpretation).limits
 
     @property
     def range(self) -> tuple[float, float] | None:

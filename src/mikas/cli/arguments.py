@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import click
 
-from mikas.cli.words import say
+from mikas.cli.words import tr
 
 if TYPE_CHECKING:
     from click import ParamType
@@ -45,7 +45,7 @@ class HexBytes(ParamType[bytes]):
             data = b""
         if not data:
             self.fail(
-                say(
+                tr(
                     f"“{text}” is not bytes in hex; write them like 611A, two digits a byte.",
                     f"«{text}» — не байты в шестнадцатеричном виде; пишите так: 611A, две цифры "
                     "на байт.",
@@ -70,7 +70,7 @@ class Address(ParamType[int]):
         digits = text.lower().removeprefix("0x").removesuffix("h")
         if not re.fullmatch("[0-9a-f]{1,16}", digits):
             self.fail(
-                say(
+                tr(
                     f"“{text}” is not an address; write it in hex, like 8000 or 0x8000.",
                     f"«{text}» — не адрес; пишите его в шестнадцатеричном виде: 8000 или 0x8000.",
                 ),
@@ -96,7 +96,7 @@ class Count(ParamType[int]):
         count = int(text, 16) if hexadecimal else int(text) if decimal else 0
         if count < 1:
             self.fail(
-                say(
+                tr(
                     f"“{value}” is not a number of bytes; write 16, or 0x10.",
                     f"«{value}» — не число байтов; пишите 16 или 0x10.",
                 ),
@@ -130,11 +130,11 @@ class Number(ParamType[float]):
     def _refuse(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> NoReturn:
-        most = say(f", {self._most:g} at most", f", не больше {self._most:g}")
-        limits = say(f"more than {self._above:g}", f"больше {self._above:g}")
+        most = tr(f", {self._most:g} at most", f", не больше {self._most:g}")
+        limits = tr(f"more than {self._above:g}", f"больше {self._above:g}")
         limits += most if isfinite(self._most) else ""
         self.fail(
-            say(
+            tr(
                 f"“{value}” does not fit; a number is needed, {limits}.",
                 f"«{value}» не подходит; нужно число {limits}.",
             ),
@@ -157,9 +157,9 @@ class Whole(ParamType[int]):
         text = str(value).strip()
         number = int(text) if re.fullmatch("[+-]?[0-9]{1,12}", text) else self._low - 1
         if number < self._low or (self._high is not None and number > self._high):
-            high = "" if self._high is None else say(f" to {self._high}", f" до {self._high}")
+            high = "" if self._high is None else tr(f" to {self._high}", f" до {self._high}")
             self.fail(
-                say(
+                tr(
                     f"“{value}” does not fit; a whole number from {self._low}{high} is needed.",
                     f"«{value}» не подходит; нужно целое число от {self._low}{high}.",
                 ),
@@ -200,7 +200,7 @@ class PortionType(ParamType[Portion]):
         number = int(said[1]) if said else 0
         if unit is None or number < 1:
             self.fail(
-                say(
+                tr(
                     f"“{value}” does not fit; write how much with its unit: 100MB, 30min, 2h.",
                     f"«{value}» не подходит; пишите, сколько и чего: 100MB, 30min, 2h.",
                 ),
@@ -228,12 +228,12 @@ class OneOf(ParamType[str]):
         if text not in self.words:
             listed = ", ".join(self.words)
             if len(self.words) == 1:
-                said = say(
+                said = tr(
                     f"“{value}” is not known; only {listed} is.",
                     f"«{value}» не подходит; можно только {listed}.",
                 )
             else:
-                said = say(
+                said = tr(
                     f"“{value}” is none of {listed}.",
                     f"«{value}» не подходит; можно: {listed}.",
                 )
@@ -265,7 +265,7 @@ class File(ParamType[Path]):
             folder, found = False, False
         if folder:
             self.fail(
-                say(
+                tr(
                     f"“{value}” is a folder; a file is needed.",
                     f"«{value}» — папка, а нужен файл.",
                 ),
@@ -274,7 +274,7 @@ class File(ParamType[Path]):
             )
         if self._there and not found:
             self.fail(
-                say(f"there is no file “{value}”.", f"файла «{value}» нет."),
+                tr(f"there is no file “{value}”.", f"файла «{value}» нет."),
                 param,
                 ctx,
             )

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mikas.cli.run import Run
-from mikas.cli.words import say, shown
+from mikas.cli.words import localized, tr
 from mikas.errors import UsageError
 
 if TYPE_CHECKING:
@@ -21,13 +21,13 @@ def tell_kept(run: Run, hub: Hub) -> None:
         return
     if kept.failure is None:
         run.output.note(
-            say(
+            tr(
                 f"The recording was ended and is kept: {kept.path}",
                 f"Запись закончена и сохранена: {kept.path}",
             )
         )
     else:
-        run.output.note(shown(kept.failure.text))
+        run.output.note(localized(kept.failure.text))
 
 
 def tell_if_nothing_can_be_kept(run: Run, settings: Settings) -> None:
@@ -37,7 +37,7 @@ def tell_if_nothing_can_be_kept(run: Run, settings: Settings) -> None:
     try:
         check_folder(settings.recordings)
     except UsageError as error:
-        run.output.note(shown(error.text))
+        run.output.note(localized(error.text))
 
 
 def tell_if_missing(run: Run, url: str) -> None:
@@ -54,7 +54,7 @@ def tell_if_missing(run: Run, url: str) -> None:
         return  # on Windows a port is no path
     found = listed(ports)
     run.output.note(
-        say(
+        tr(
             f"There is no port {named.address} yet; the page connects as soon as it is there. "
             f"Found: {found.en}.",
             f"Порта {named.address} пока нет; страница соединится, как только он появится. "

@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from mikas.cli.options import YES, CommonOption, Option, common_options, option
-from mikas.cli.words import say, shown
+from mikas.cli.words import localized, tr
 from mikas.i18n import Text
 
 __all__ = ["YES", "Command", "Group", "Option", "command", "common_options", "option"]
@@ -34,7 +34,7 @@ class Command(click.Command):
         self.examples = examples
 
     def get_short_help_str(self, limit: int = 45) -> str:
-        return shown(self.text).split(". ")[0].rstrip(".")
+        return localized(self.text).split(". ")[0].rstrip(".")
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         takes_more = ctx.allow_extra_args
@@ -47,14 +47,14 @@ class Command(click.Command):
         if rest and not takes_more and not ctx.resilient_parsing:
             said = " ".join(rest)
             raise click.UsageError(
-                say(f"There is no place for “{said}” here.", f"«{said}» здесь лишнее."), ctx
+                tr(f"There is no place for “{said}” here.", f"«{said}» здесь лишнее."), ctx
             )
         return rest
 
     def get_help_option(self, ctx: click.Context) -> click.Option | None:
         option = super().get_help_option(ctx)
         if option:
-            option.help = say("this text", "этот текст")
+            option.help = tr("this text", "этот текст")
         return option
 
     def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
@@ -64,23 +64,23 @@ class Command(click.Command):
             if isinstance(parameter, click.Argument)
             for piece in parameter.get_usage_pieces(ctx)
         ]
-        return [say("[OPTIONS]", "[КЛЮЧИ]"), *arguments]
+        return [tr("[OPTIONS]", "[КЛЮЧИ]"), *arguments]
 
     def format_usage(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         pieces = " ".join(self.collect_usage_pieces(ctx))
-        formatter.write_usage(ctx.command_path, pieces, prefix=say("Usage: ", "Вызов: "))
+        formatter.write_usage(ctx.command_path, pieces, prefix=tr("Usage: ", "Вызов: "))
 
     def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         formatter.write_paragraph()
-        formatter.write_text(shown(self.text))
+        formatter.write_text(localized(self.text))
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         options = [p for p in self.get_params(ctx) if isinstance(p, click.Option)]
         own = [p for p in options if not isinstance(p, CommonOption)]
         common = [p for p in options if isinstance(p, CommonOption)]
         for title, parameters in (
-            (say("Options", "Ключи"), own),
-            (say("Common options", "Общие ключи"), common),
+            (tr("Options", "Ключи"), own),
+            (tr("Common options", "Общие ключи"), common),
         ):
             records = [r for p in parameters if (r := p.get_help_record(ctx))]
             if records:
@@ -89,7 +89,7 @@ class Command(click.Command):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         if self.examples:
-            with formatter.section(say("Examples", "Примеры")):
+            with formatter.section(tr("Examples", "Примеры")):
                 for example in self.examples:
                     formatter.write(f"  {example}\n")
 
@@ -139,17 +139,17 @@ class Group(Command, click.Group):
 
         nearest = get_close_matches(name.lower(), self.homes, n=2)
         known = ", ".join(nearest or self.homes)
-        said = say(f"There is no command “{name}”.", f"Команды «{name}» нет.")
+        said = tr(f"There is no command “{name}”.", f"Команды «{name}» нет.")
         if nearest:
-            return f"{said} {say(f'Did you mean {known}?', f'Может быть, {known}?')}"
-        return f"{said} {say(f'There are {known}.', f'Есть {known}.')}"
+            return f"{said} {tr(f'Did you mean {known}?', f'Может быть, {known}?')}"
+        return f"{said} {tr(f'There are {known}.', f'Есть {known}.')}"
 
     def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401  (as the command)
         # click changed the attribute's name in 8.2, and warns of the old one.
         first = "_protected_args" if hasattr(ctx, "_protected_args") else "protected_args"
         if not getattr(ctx, first) and not ctx.args:
             raise click.UsageError(
-                say("Say what to do: a command is missing.", "Что делать? Не хватает команды."),
+                tr("Say what to do: a command is missing.", "Что делать? Не хватает команды."),
                 ctx,
             )
         return super().invoke(ctx)
@@ -157,13 +157,13 @@ class Group(Command, click.Group):
     def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
         return [
             *Command.collect_usage_pieces(self, ctx),
-            say("COMMAND [ARGUMENTS]...", "КОМАНДА [АРГУМЕНТЫ]..."),
+            tr("COMMAND [ARGUMENTS]...", "КОМАНДА [АРГУМЕНТЫ]..."),
         ]
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         Command.format_options(self, ctx, formatter)
-        with formatter.section(say("Commands", "Команды")):
-            formatter.write_dl([(name, shown(text)) for name, (_, text) in self.homes.items()])
+        with formatter.section(tr("Commands", "Команды")):
+            formatter.write_dl([(name, localized(text)) for name, (_, text) in self.homes.items()])
 
 
 def command(

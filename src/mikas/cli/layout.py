@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mikas.cli.words import say
+from mikas.cli.words import tr
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -54,21 +54,21 @@ class _Column:
     cell: Callable[[Row], str]
     narrowest: int = 0
     right: bool = False
-    least: int = 0  # lest the table jumps with every digit
+    min_length: int = 0  # lest the table jumps with every digit
     spare: bool = False  # left out if it would be empty
 
 
 def _columns() -> list[_Column]:
     """All, the most important first; the first three are never left out."""
     return [
-        _Column(say("name", "имя"), lambda row: row.name),
-        _Column(say("value", "значение"), lambda row: row.value, right=True, least=6),
-        _Column(say("unit", "ед."), lambda row: row.unit),
-        _Column(say("warm idle", "на хх"), lambda row: row.reference, spare=True),
-        _Column(say("meaning", "что это"), lambda row: row.meaning, narrowest=20),
-        _Column(say("min", "мин"), lambda row: row.lowest, right=True, least=6),
-        _Column(say("max", "макс"), lambda row: row.highest, right=True, least=6),
-        _Column(say("lately", "недавно"), lambda row: row.curve, least=20),
+        _Column(tr("name", "имя"), lambda row: row.name),
+        _Column(tr("value", "значение"), lambda row: row.value, right=True, min_length=6),
+        _Column(tr("unit", "ед."), lambda row: row.unit),
+        _Column(tr("warm idle", "на хх"), lambda row: row.reference, spare=True),
+        _Column(tr("meaning", "что это"), lambda row: row.meaning, narrowest=20),
+        _Column(tr("min", "мин"), lambda row: row.lowest, right=True, min_length=6),
+        _Column(tr("max", "макс"), lambda row: row.highest, right=True, min_length=6),
+        _Column(tr("lately", "недавно"), lambda row: row.curve, min_length=20),
     ]
 
 
@@ -92,9 +92,9 @@ def draw(head: Head, rows: Sequence[Row], width: int, height: int) -> Renderable
     if parts:
         grid.add_row(*(_table(part, rows, inner) for part in parts))
     names = " ".join(row.name for row in left_out)
-    end = say("Ctrl-C ends it", "Выход: Ctrl-C")
+    end = tr("Ctrl-C ends it", "Выход: Ctrl-C")
     if names:
-        end = say(f"No room for {names}", f"Не поместились: {names}")
+        end = tr(f"No room for {names}", f"Не поместились: {names}")
     elif head.notice:
         end = f"{head.notice} {end}"
     above = [_line(head.state, head.style)]
@@ -118,7 +118,7 @@ def _tables(rows: Sequence[Row], width: int, room: int) -> int:
 
 def _width(column: _Column, rows: Sequence[Row]) -> int:
     longest = max((len(column.cell(row)) for row in rows), default=0)
-    return max(longest, len(column.title), column.least)
+    return max(longest, len(column.title), column.min_length)
 
 
 def _table(part: Sequence[Row], rows: Sequence[Row], width: int) -> Table:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol, Self
 
 from mikas.cli.output import Output
 from mikas.cli.readings import shown_value
-from mikas.cli.words import decimal, say
+from mikas.cli.words import decimal, tr
 from mikas.sampling.events import Gap, Sampled
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class PlainLines(_Lines):
         if not self._begun:  # not before there is something: an error needs no heading
             self._begun = True
             names = (channel.name for channel in self._channels)
-            self._output.line("\t".join([say("time", "время"), *names]))
+            self._output.line("\t".join([tr("time", "время"), *names]))
         fresh = fresh_in(event)
         cells = (
             shown_value(fresh[channel.name]) if channel.name in fresh else "–"

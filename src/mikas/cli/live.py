@@ -18,7 +18,7 @@ from mikas.cli.lines import fresh_in
 from mikas.cli.output import Output, stdout_console
 from mikas.cli.readings import reference, shown_unit, shown_value
 from mikas.cli.silence import Arrivals, Silence
-from mikas.cli.words import decimal, language, say, shown
+from mikas.cli.words import decimal, language, localized, tr
 from mikas.i18n import Text
 from mikas.link import WallClock
 from mikas.sampling.alarms import AlarmEvent, Side
@@ -161,7 +161,7 @@ class LiveTable:
             reference=reference(channel),
             lowest=shown_value(ranged) if ranged else "",
             highest=shown_value(self._highest[name]) if ranged else "",
-            meaning=shown(channel.text),
+            meaning=localized(channel.text),
             curve=sparkline(self._past[name]),
         )
 
@@ -179,7 +179,7 @@ class LiveTable:
         age = silence.seconds + (0.0 if fresh else max(0.0, self._now.time - latest.time))
         if age < _OLD:
             return shown_value(latest), "dim"
-        return say(
+        return tr(
             f"{shown_value(latest)} ({age:.0f} s)", f"{shown_value(latest)} ({age:.0f} с)"
         ), "dim"
 
@@ -188,29 +188,29 @@ class LiveTable:
         order = sorted(self._alarms.values(), key=lambda alarm: alarm.level is not Level.DANGER)
         arrows = {Side.HIGH: "▲", Side.LOW: "▼"}
         return " · ".join(
-            f"{arrows[alarm.side]} {alarm.channel.name}: {shown(_LEVELS[alarm.level])}"
+            f"{arrows[alarm.side]} {alarm.channel.name}: {localized(_LEVELS[alarm.level])}"
             for alarm in order
         )
 
     def _state(self, silence: Silence) -> str:
-        model = shown(self._session.model.text) if self._session.model else "…"
-        failed = say(f"errors {self._session.errors}", f"ошибок {self._session.errors}")
+        model = localized(self._session.model.text) if self._session.model else "…"
+        failed = tr(f"errors {self._session.errors}", f"ошибок {self._session.errors}")
         if self._broken is not None:
-            waits = say("waiting, it goes on by itself", "ждём, опрос продолжится сам")
-            return f"○ {shown(self._broken.state.text)} · {waits} · {model}"
+            waits = tr("waiting, it goes on by itself", "ждём, опрос продолжится сам")
+            return f"○ {localized(self._broken.state.text)} · {waits} · {model}"
         if self._now is None:
-            return f"… {say('waiting for the first answer', 'ждём первого ответа')} · {model}"
+            return f"… {tr('waiting for the first answer', 'ждём первого ответа')} · {model}"
         if isinstance(self._now, Gap):
-            return f"○ {shown(self._now.error.reason)} · {model} · {failed}"
+            return f"○ {localized(self._now.error.reason)} · {model} · {failed}"
         if silence.seconds:
             for_so_long = f"{silence.seconds:.0f}"
-            nothing = say(
+            nothing = tr(
                 f"nothing has come for {for_so_long} s", f"уже {for_so_long} с ничего не приходит"
             )
             return f"○ {nothing} · {model} · {failed}"
         sets = decimal(f"{self._rate():.1f}")
-        rate = say(f"{sets} sets/s", f"{sets} раз/с")
-        told = [shown(LineState.SAMPLING.text), model, self._session.method or "", rate, failed]
+        rate = tr(f"{sets} sets/s", f"{sets} раз/с")
+        told = [localized(LineState.SAMPLING.text), model, self._session.method or "", rate, failed]
         return "● " + " · ".join(word for word in told if word)
 
     def _rate(self) -> float:

@@ -16,7 +16,7 @@ import click
 
 from mikas.cli import words
 from mikas.cli.grammar import Group, Option, common_options
-from mikas.cli.words import say, shown
+from mikas.cli.words import localized, tr
 from mikas.i18n import Text
 
 DONE, BUG, USAGE, NO_CONNECTION, LINE, REFUSED, NOT_CONFIRMED = range(7)
@@ -188,29 +188,27 @@ def _usage(error: click.ClickException) -> str:
     path = context.command_path if context else "mikas"
     said = _in_words(error)
     said = said if said.endswith((".", "?")) else f"{said}."
-    return f"{said} {say(f'Help: {path} --help', f'Справка: {path} --help')}"
+    return f"{said} {tr(f'Help: {path} --help', f'Справка: {path} --help')}"
 
 
 def _in_words(error: click.ClickException) -> str:
     context = getattr(error, "ctx", None)
     match error:
         case click.NoSuchOption():
-            said = say(
-                f"There is no option {error.option_name}.", f"Ключа {error.option_name} нет."
-            )
+            said = tr(f"There is no option {error.option_name}.", f"Ключа {error.option_name} нет.")
             nearest = ", ".join(error.possibilities or ())
-            hint = say(f" Did you mean {nearest}?", f" Может быть, {nearest}?")
+            hint = tr(f" Did you mean {nearest}?", f" Может быть, {nearest}?")
             return said + (hint if nearest else "")
         case click.MissingParameter():
             name = _name(error.param)
-            return say(f"{name} is missing.", f"Не хватает {name}.")
+            return tr(f"{name} is missing.", f"Не хватает {name}.")
         case click.BadParameter():
             return f"{_name(error.param)}: {error.message}"
         case click.BadOptionUsage():
             name = error.option_name
             if _is_flag(name, context):
-                return say(f"{name} takes no value.", f"У {name} не бывает значения.")
-            return say(f"{name} needs a value after it.", f"После {name} нужно значение.")
+                return tr(f"{name} takes no value.", f"У {name} не бывает значения.")
+            return tr(f"{name} needs a value after it.", f"После {name} нужно значение.")
     return error.format_message()
 
 
@@ -240,7 +238,7 @@ def _failed(error: Exception, *, verbose: bool) -> int:
     if not isinstance(error, MikasError):
         kind = f"{type(error).__name__}: {error}"
         _tell(
-            say(
+            tr(
                 f"This is a bug in mikas ({kind}). Please report it with the output of the same "
                 "command with -v.",
                 f"Это ошибка в самой программе mikas ({kind}). Сообщите о ней, приложив вывод той "
@@ -252,7 +250,7 @@ def _failed(error: Exception, *, verbose: bool) -> int:
 
             traceback.print_exception(error)
         return BUG
-    said = shown(error.text)
+    said = localized(error.text)
     ours = error.what.en.startswith("{problem}") or not error.what.en.startswith("{")
     if ours and re.match(r"[^\W\d_]+[ ,]", said):  # a word, not a file's name or a value
         said = said[:1].upper() + said[1:]

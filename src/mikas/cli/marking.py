@@ -16,7 +16,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Self
 
-from mikas.cli.words import say
+from mikas.cli.words import tr
 from mikas.recording.recorder import Recorder
 
 _OVER = b"\0"  # no signal has this number
@@ -68,7 +68,7 @@ class Marking:
             self._count += 1
             name = f" “{label}”" if label else ""
             named = f" «{label}»" if label else ""
-            self._tell(say(f"Marker {self._count}{name}.", f"Метка {self._count}{named}."))
+            self._tell(tr(f"Marker {self._count}{name}.", f"Метка {self._count}{named}."))
 
     def _listen(self, descriptor: int, encoding: str) -> None:
         while self._is_there_a_line(descriptor):

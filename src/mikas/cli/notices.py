@@ -10,8 +10,8 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mikas.cli.words import decimal, say, shown
-from mikas.errors import EngineStands, MikasError, NoConnection, OutOfStep
+from mikas.cli.words import decimal, localized, tr
+from mikas.errors import EngineStopped, MikasError, NoConnection, SyncLost
 from mikas.sampling.alarms import AlarmEvent
 from mikas.sampling.events import (
     Chosen,
@@ -65,7 +65,7 @@ class Notices:
     def end(self) -> None:
         """Says why it has ended, if nobody asked for that."""
         if self._session.over is not None:
-            self._tell(f"{shown(self._session.over.reason)}.")
+            self._tell(f"{localized(self._session.over.reason)}.")
 
     def _of(self, event: Event) -> Iterator[str]:
         match event:
@@ -77,17 +77,17 @@ class Notices:
                 yield from self._state(event)
             case UnitFound(another=True):
                 self._broken = self._waiting = None  # the other one is not back
-                yield say(
+                yield tr(
                     f"Another unit answers: {self._model()}. Everything from here on is its own.",
                     f"Отвечает другой блок: {self._model()}. Всё дальнейшее относится к нему.",
                 )
             case Dropped():
-                yield say(
+                yield tr(
                     f"The unit refuses {event.name}: left out, the others go on.",
                     f"Блок не знает {event.name}: он пропущен, остальные читаются дальше.",
                 )
             case AlarmEvent():
-                yield f"{'✓' if event.better else '▲'} {capital(shown(event.text))}."
+                yield f"{'✓' if event.better else '▲'} {capital(localized(event.text))}."
             case Chosen() if self._verbose:
                 yield from self._chose(event)
             case PlanChanged() if self._verbose:
@@ -97,25 +97,25 @@ class Notices:
         self._sampled = event.time
         if self._broken is not None:
             seconds = f"{max(0.0, event.time - self._broken):.0f}"
-            yield say(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
+            yield tr(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
         self._broken = self._waiting = None
 
     def _lost(self, event: Gap) -> Iterator[str]:
         """A cycle that failed is no news, unless it is one of many: then why is."""
-        if isinstance(event.error, NoConnection | OutOfStep) or self._waiting is LineState.SAMPLING:
+        if isinstance(event.error, NoConnection | SyncLost) or self._waiting is LineState.SAMPLING:
             return  # the line's state tells it, or it was told
         since = max((it for it in (self._sampled, self._began) if it is not None), default=inf)
-        if isinstance(event.error, EngineStands) or event.time - since >= _LASTING:
+        if isinstance(event.error, EngineStopped) or event.time - since >= _LASTING:
             self._waiting = LineState.SAMPLING
             if self._broken is None:
                 self._broken = event.time if self._sampled is None else self._sampled
-            told = f"{shown(event.error.reason)}.", shown(event.error.to_try), _waits()
+            told = f"{localized(event.error.reason)}.", localized(event.error.advice), _waits()
             yield " ".join(sentence for sentence in told if sentence)
 
     def _planned(self, plan: Plan) -> Iterator[str]:
         self._plan = plan
         if self._session.asked.method == "auto" and plan.method != self._method:
-            yield say(
+            yield tr(
                 "Methods are being tried, each for about a second; which one goes on is told then.",
                 "Пробуем способы, каждый около секунды; потом скажем, какой останется.",
             )
@@ -139,31 +139,31 @@ class Notices:
                 yield waiting(event)
             self._waiting = event.state
             if self._verbose and event.error is not None:
-                yield shown(event.error.text)
+                yield localized(event.error.text)
 
     def _model(self) -> str:
         model = self._session.model
-        return shown(model.text) if model else "?"
+        return localized(model.text) if model else "?"
 
     def _new_file(self, path: Path) -> None:
-        self._tell(say(f"The recording goes on in {path}.", f"Запись продолжается в {path}."))
+        self._tell(tr(f"The recording goes on in {path}.", f"Запись продолжается в {path}."))
 
 
 def waiting(event: StateChanged) -> str:
     """The state in words, and that nobody need do anything in this window."""
-    state = capital(shown(event.state.text))
+    state = capital(localized(event.state.text))
     state += "" if state.endswith("?") else "."
     return f"{state} {_waits()}"
 
 
 def _waits() -> str:
-    return say("Waiting; it goes on by itself.", "Ждём; опрос продолжится сам.")
+    return tr("Waiting; it goes on by itself.", "Ждём; опрос продолжится сам.")
 
 
 def stopped(failure: MikasError) -> str:
     """That nothing more is recorded, and what of it is left."""
-    why = shown(failure.reason)
-    return say(
+    why = localized(failure.reason)
+    return tr(
         f"NOT RECORDING any more. {why}. Sampling goes on.",
         f"ЗАПИСЬ ПРЕКРАЩЕНА. {why}. Опрос идёт дальше.",
     )
@@ -174,7 +174,7 @@ def priced(plan: Plan) -> str:
     price = plan.price()
     size, milliseconds = f"{price.bytes:.0f}", f"{price.seconds * 1000:.0f}"
     rate = decimal(f"{price.rate:.1f}")
-    return say(
+    return tr(
         f"Plan: {plan.method}, {size} bytes and {milliseconds} ms a cycle, {rate} sets/s at best.",
         f"План: {plan.method}, байт на цикл {size}, {milliseconds} мс, не больше {rate} раз/с.",
     )
@@ -189,13 +189,13 @@ def chosen(event: Chosen, enough: float | None = None) -> str:
         f"{name} {rate:.1f}" if rate else f"{name} –" for name, rate in event.rates.items()
     )
     if not rates:
-        return say(f"Method: {event.method}.", f"Способ: {event.method}.")
+        return tr(f"Method: {event.method}.", f"Способ: {event.method}.")
     why, ru_why = ".", "."
     if enough is not None and event.rates.get(event.method, 0.0) < max(event.rates.values()):
         wanted = f"{enough:g}"
         why = f": enough for the {wanted} asked for, and it does least to the unit."
         ru_why = f": для заданных {decimal(wanted)} хватает, а блок он нагружает меньше других."
-    return say(
+    return tr(
         f"Method: {event.method} (sets/s: {rates}){why}",
         f"Способ: {event.method} (раз/с: {decimal(rates)}){ru_why}",
     )

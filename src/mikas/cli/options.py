@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import click
 
 from mikas.cli.arguments import File, Number, OneOf, Whole
-from mikas.cli.words import shown
+from mikas.cli.words import localized
 from mikas.i18n import Text
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -25,7 +25,7 @@ class Option(click.Option):
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
         record = super().get_help_record(ctx)
         # What click adds in brackets is English; limits and "needed" stand in our own text.
-        return (record[0], shown(self.text)) if record else None
+        return (record[0], localized(self.text)) if record else None
 
 
 class CommonOption(Option):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from mikas.cli.run import Run
 from mikas.cli.session import Asked
-from mikas.cli.words import decimal, say
+from mikas.cli.words import decimal, tr
 from mikas.sampling.plan import Plan, Wanted
 from mikas.sampling.selecting import select
 
@@ -31,10 +31,10 @@ def tell_prices(run: Run, asked: Asked) -> None:
         run.output.data({"names": [it.parameter.name for it in plan.wanted], "prices": prices})
         return
     headers = [
-        say("method", "способ"), say("bytes a cycle", "байт на цикл"),
-        say("requests", "запросов"), say("ms a cycle", "мс на цикл"),
-        say("sets/s at most", "раз/с, не больше"), say("one more, ms", "ещё один, мс"),
-        say("sets/s then", "тогда раз/с"),
+        tr("method", "способ"), tr("bytes a cycle", "байт на цикл"),
+        tr("requests", "запросов"), tr("ms a cycle", "мс на цикл"),
+        tr("sets/s at most", "раз/с, не больше"), tr("one more, ms", "ещё один, мс"),
+        tr("sets/s then", "тогда раз/с"),
     ]  # fmt: skip
     run.output.table(headers, [_row(price) for price in prices], right="123456")
 

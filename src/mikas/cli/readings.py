@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from mikas.catalog import Derived, Parameter
-from mikas.cli.words import decimal, language, say
+from mikas.cli.words import decimal, language, tr
 from mikas.client import Reading
 from mikas.sampling.derived import DerivedValue
 
@@ -25,7 +25,7 @@ def shown_value(reading: Reading | DerivedValue) -> str:
     if isinstance(reading, DerivedValue):
         return decimal(f"{reading.value:.{reading.channel.decimals}f}")
     if isinstance(reading.value, bool):
-        return say("yes", "да") if reading.value else say("no", "нет")
+        return tr("yes", "да") if reading.value else tr("no", "нет")
     return decimal(f"{reading.value:.{reading.parameter.decimals}f}")
 
 
@@ -33,7 +33,7 @@ def shown_unit(reading: Reading | DerivedValue) -> str:
     """The unit in the language in force."""
     if isinstance(reading, DerivedValue):
         return reading.channel.unit_text.to(language())
-    return reading.parameter.reading(reading.reading).unit_text.to(language())
+    return reading.parameter.interpretation(reading.interpretation).unit_text.to(language())
 
 
 def reference(parameter: Parameter | Derived) -> str:
@@ -46,4 +46,4 @@ def reference(parameter: Parameter | Derived) -> str:
 
 def verdict(reading: Reading) -> str:
     """The reference range; nothing under a reading in which it would not hold."""
-    return reference(reading.parameter) if reading.reading == "corrected" else ""
+    return reference(reading.parameter) if reading.interpretation == "corrected" else ""

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from mikas.cli import config
 from mikas.cli.output import Output
-from mikas.cli.words import say, shown
+from mikas.cli.words import localized, tr
 from mikas.errors import MikasError, NotConfirmed, NotSupported
 from mikas.i18n import Text
 
@@ -45,7 +45,7 @@ class Run:
     timeout: float = 0.5
     retries: int = 2
     capture: Path | None = None
-    reading: str = "corrected"
+    interpretation: str = "corrected"
     catalogs: tuple[Path, ...] = ()
     output: Output = field(default_factory=Output)
 
@@ -60,7 +60,7 @@ class Run:
         run.echo = settings.get("echo", run.echo)
         run.timeout = settings.get("timeout", run.timeout)
         run.retries = settings.get("retries", run.retries)
-        run.reading = settings.get("reading", run.reading)
+        run.interpretation = settings.get("reading", run.interpretation)
         run.catalogs = tuple(map(Path, [*stored.get("catalog", ()), *given.get("catalog", ())]))
         run.capture = Path(given["capture"]) if given.get("capture") else None
         return run
@@ -71,15 +71,15 @@ class Run:
 
         return load(*self.catalogs)
 
-    def maker(self) -> Callable[[Link], Ecu]:
+    def ecu_factory(self) -> Callable[[Link], Ecu]:
         """Makes an ECU of a link, not connected yet, by this run's settings."""
-        from mikas.client.connecting import maker
+        from mikas.client.connecting import ecu_factory
 
-        return maker(
+        return ecu_factory(
             echo=self.echo,
             timeout=self.timeout,
             retries=self.retries,
-            reading=self.reading,
+            interpretation=self.interpretation,
             catalogs=self.catalogs,
         )
 
@@ -97,21 +97,21 @@ class Run:
                 echo=self.echo,
                 timeout=self.timeout,
                 retries=self.retries,
-                reading=self.reading,
+                interpretation=self.interpretation,
                 catalogs=self.catalogs,
                 confirm=confirm,
                 sink=sink,
             ) as ecu,
         ):
             self.output.detail(
-                say("port", "порт"), port,
-                say("echo", "эхо"), say("yes", "есть") if ecu.tester.echoes else say("no", "нет"),
+                tr("port", "порт"), port,
+                tr("echo", "эхо"), tr("yes", "есть") if ecu.tester.echoes else tr("no", "нет"),
             )  # fmt: skip
             try:
                 yield ecu
             except NotSupported as error:
                 if port.startswith("replay:"):
-                    error.to_try = _NOT_RECORDED
+                    error.advice = _NOT_RECORDED
                 raise
             finally:
                 self.check_capture(ecu.tester.link)
@@ -131,8 +131,8 @@ class Run:
         """Says if the capture on `link` has broken off."""
         failure = getattr(link, "failure", None)
         if failure is not None and failure is not sys.exception():  # else it is told anyway
-            why = shown(failure.text) if isinstance(failure, MikasError) else str(failure)
-            self.output.note(say(f"The capture stopped early: {why}", f"Запись оборвалась: {why}"))
+            why = localized(failure.text) if isinstance(failure, MikasError) else str(failure)
+            self.output.note(tr(f"The capture stopped early: {why}", f"Запись оборвалась: {why}"))
 
     def confirm(
         self, *, yes: bool, meaning: Callable[[str], str] | None = None
@@ -157,7 +157,7 @@ class Run:
 
 def _says_yes() -> bool:
     """The answer at the terminal; what is neither yes nor no is no."""
-    sys.stderr.write(say("Do it? [y/N] ", "Выполнить? [д/Н] "))
+    sys.stderr.write(tr("Do it? [y/N] ", "Выполнить? [д/Н] "))
     sys.stderr.flush()
     answer = sys.stdin.readline()
     if not answer.endswith("\n"):
@@ -166,18 +166,18 @@ def _says_yes() -> bool:
 
 
 def _described(change: Change, meaning: Callable[[str], str] | None) -> str:
-    lines = [_capital(shown(change.what))]
+    lines = [_capital(localized(change.what))]
     if change.before is not None:
         told = (meaning(change.before) if meaning else change.before) or "–"
-        lines.append(say(f"  before: {told}", f"  было:  {told}"))
+        lines.append(tr(f"  before: {told}", f"  было:  {told}"))
     if change.after is not None and change.after not in change.what.en:
         told = (meaning(change.after) if meaning else change.after) or "–"
         known = change.before is not None
-        label = say("after: ", "будет:") if known else say("bytes:", "байты:")
+        label = tr("after: ", "будет:") if known else tr("bytes:", "байты:")
         lines.append(f"  {label} {told}")
     if change.safety.name == "DANGEROUS":
         lines.append(
-            say(
+            tr(
                 "  DANGER: after this the unit may no longer run the engine.",
                 "  ОПАСНО: после этого двигатель может больше не завестись.",
             )

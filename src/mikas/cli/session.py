@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mikas.cli.run import Run
-from mikas.cli.words import say
-from mikas.errors import EngineStands, RecordingOver
+from mikas.cli.words import tr
+from mikas.errors import EngineStopped, RecordingOver
 from mikas.link import choose_port
-from mikas.link.reconnecting import Plug
+from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Gap, LineState, Sampled, StateChanged, UnitFound
@@ -122,7 +122,7 @@ class Session:
 
     def _is_searching(self, gap: Gap) -> bool:
         """Whether `gap` may only be the unit's refusal of a method, which is raised next."""
-        if isinstance(gap.error, EngineStands):
+        if isinstance(gap.error, EngineStopped):
             return False
         self._searched += not self.samples
         return not self.samples and self._searched <= _SEARCH
@@ -155,10 +155,12 @@ def session(
     """A session on this run's port, with everything on the wire recorded to `out`, if named."""
     port = run.port or choose_port()
     # Two that need each other: the recorder asks the acquisition which unit is there.
-    recorder = Recorder(ecu=lambda: acquisition.ecu, reading=run.reading, joined=joined)
+    recorder = Recorder(
+        ecu=lambda: acquisition.ecu, interpretation=run.interpretation, joined=joined
+    )
     acquisition = Acquisition(
-        Plug(port, sink=recorder),
-        run.maker(),
+        ReconnectingPort(port, sink=recorder),
+        run.ecu_factory(),
         run.catalog(),
         asked.names,
         method=asked.method,
@@ -170,7 +172,7 @@ def session(
     if out is not None:
         recorder.start(out, url=port)
     current = Session(acquisition, recorder, port, asked)
-    run.output.detail(say("port", "порт"), port)
+    run.output.detail(tr("port", "порт"), port)
     try:
         yield current
     finally:

@@ -28,12 +28,12 @@ def wished() -> Language | None:
     return _chosen if _wished else None
 
 
-def say(en: str, ru: str) -> str:
+def tr(en: str, ru: str) -> str:
     """The one of the two that is in force."""
     return ru if _chosen == "ru" else en
 
 
-def shown(text: Text) -> str:
+def localized(text: Text) -> str:
     """`text` in the language in force."""
     return text.to(_chosen)
 

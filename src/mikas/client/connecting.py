@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from math import inf
 from pathlib import Path
 
-from mikas.catalog import READINGS, Catalog, load
+from mikas.catalog import INTERPRETATIONS, Catalog, load
 from mikas.client import journal as journals
 from mikas.client import limits as stores
 from mikas.client.ecu import Ecu
@@ -24,9 +24,9 @@ def connect(
     *,
     echo: str = "auto",
     timeout: float = 0.5,
-    between_bytes: float = 0.02,
+    inter_byte_timeout: float = 0.02,
     retries: int = 2,
-    reading: str = "corrected",
+    interpretation: str = "corrected",
     catalogs: Iterable[Path] = (),
     confirm: Confirm | None = None,
     journal: Path | None = None,
@@ -39,23 +39,23 @@ def connect(
 
     `url`: `/dev/ttyUSB0`, `COM3`, `socket://host:port`, `rfc2217://host:port`, `sim:`; none: the
     one likely adapter that is plugged in. `echo`: auto, on or off (D1). `timeout`: seconds to the
-    first byte of a response, `between_bytes`: to each further one (D14). `retries`: how often a
-    request that changes nothing is sent again after a spoilt exchange. `reading`: corrected,
-    literal or alternative (errata). `catalogs`: the user's own files. `confirm`: asked before every
-    change; without it every change passes but the dangerous ones. `journal`: file of changes, by
-    default in the user's state folder. `state`: folder of learnt limits, likewise. `sink`: gets
-    everything that passes on the wire. `raw_checksum`: send a checksum 0D or 40 as it is (D3).
-    `strict`: a lone escape is damage (D4).
+    first byte of a response, `inter_byte_timeout`: to each further one (D14). `retries`: how often
+    a request that changes nothing is sent again after a spoilt exchange. `interpretation`:
+    corrected, literal or alternative (errata). `catalogs`: the user's own files. `confirm`: asked
+    before every change; without it every change passes but the dangerous ones. `journal`: file of
+    changes, by default in the user's state folder. `state`: folder of learnt limits, likewise.
+    `sink`: gets everything that passes on the wire. `raw_checksum`: send a checksum 0D or 40 as it
+    is (D3). `strict`: a lone escape is damage (D4).
 
     Raises `NoConnection` or a `LineError` with what to try; before the port is opened, `UsageError`
     for settings that make no sense.
     """
-    make_ecu = maker(
+    make_ecu = ecu_factory(
         echo=echo,
         timeout=timeout,
-        between_bytes=between_bytes,
+        inter_byte_timeout=inter_byte_timeout,
         retries=retries,
-        reading=reading,
+        interpretation=interpretation,
         catalog=load(*catalogs),
         confirm=confirm,
         journal=journal,
@@ -75,13 +75,13 @@ def connect(
     return ecu
 
 
-def maker(
+def ecu_factory(
     *,
     echo: str = "auto",
     timeout: float = 0.5,
-    between_bytes: float = 0.02,
+    inter_byte_timeout: float = 0.02,
     retries: int = 2,
-    reading: str = "corrected",
+    interpretation: str = "corrected",
     catalogs: Iterable[Path] = (),
     catalog: Catalog | None = None,
     confirm: Confirm | None = None,
@@ -96,9 +96,9 @@ def maker(
     that are loaded already, instead of `catalogs`.
     """
     _check_choice("echo", echo, [it.value for it in Echo])
-    _check_choice("reading", reading, READINGS)
+    _check_choice("interpretation", interpretation, INTERPRETATIONS)
     _check_number("timeout", timeout, lowest=0.001)
-    _check_number("between_bytes", between_bytes, lowest=0.001)
+    _check_number("inter_byte_timeout", inter_byte_timeout, lowest=0.001)
     _check_number("retries", retries, lowest=0)
     if not isinstance(retries, int):
         raise _bad("retries", retries, Text("a whole number", "целое число"))
@@ -109,14 +109,19 @@ def maker(
     def make_ecu(link: Link) -> Ecu:
         tester = Tester(
             link,
-            timing=Timing(first_byte=timeout, between_bytes=between_bytes),
+            timing=Timing(response_timeout=timeout, inter_byte_timeout=inter_byte_timeout),
             echo=Echo(echo),
             retries=retries,
             raw_checksum=raw_checksum,
             strict=strict,
         )
         return Ecu(
-            tester, definitions, reading=reading, confirm=confirm, journal=changes, store=store
+            tester,
+            definitions,
+            interpretation=interpretation,
+            confirm=confirm,
+            journal=changes,
+            store=store,
         )
 
     return make_ecu

@@ -64,7 +64,7 @@ def examine(
     try:
         link = open_port()
     except NoConnection as error:
-        yield Step("port", False, error.text, error.to_try, error.to_try_on_screen)
+        yield Step("port", False, error.text, error.advice, error.gui_advice)
         return
     with link:
         yield Step("port", True, described(link.description))
@@ -107,8 +107,8 @@ _NO_ECHO = Text(
 
 
 def _failed(name: str, error: MikasError) -> Step:
-    to_try = Text(*map(_without_us, error.to_try))
-    return Step(name, False, _advice(error), to_try, error.to_try_on_screen)
+    to_try = Text(*map(_without_us, error.advice))
+    return Step(name, False, _advice(error), to_try, error.gui_advice)
 
 
 def _advice(error: MikasError) -> Text:

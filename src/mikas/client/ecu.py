@@ -13,9 +13,9 @@ from types import TracebackType
 from typing import Self
 
 from mikas import commands as c
-from mikas.catalog import READINGS, Catalog, Fault, Model
+from mikas.catalog import INTERPRETATIONS, Catalog, Fault, Model
 from mikas.client.data import DataReader
-from mikas.client.gate import Change, Confirm, Gate, hexed
+from mikas.client.gate import Change, Confirm, Gate, hex_or_none
 from mikas.client.identity import (
     Info,
     Passport,
@@ -25,8 +25,8 @@ from mikas.client.identity import (
     try_commands,
 )
 from mikas.client.journal import Journal
-from mikas.client.limits import Limits, LimitsStore, Pace
-from mikas.client.limits_cache import Learnt
+from mikas.client.limits import Limits, LimitsStore, MethodTiming
+from mikas.client.limits_cache import LimitsCache
 from mikas.client.memory.spaces import Memory
 from mikas.client.methods import Method
 from mikas.client.parameters import Parameters, WrittenParameter
@@ -59,23 +59,23 @@ class Ecu:
         tester: Tester,
         catalog: Catalog,
         *,
-        reading: str = "corrected",
+        interpretation: str = "corrected",
         confirm: Confirm | None = None,
         journal: Journal | None = None,
         store: LimitsStore | None = None,
     ) -> None:
-        if reading not in READINGS:
-            known = ", ".join(READINGS)
+        if interpretation not in INTERPRETATIONS:
+            known = ", ".join(INTERPRETATIONS)
             raise UsageError(
                 problem=Text(
-                    f"there is no reading “{reading}”; there are: {known}",
-                    f"толкования «{reading}» нет; есть: {known}",
+                    f"there is no interpretation “{interpretation}”; there are: {known}",
+                    f"толкования «{interpretation}» нет; есть: {known}",
                 )
             )
         self.tester = tester
         self.catalog = catalog
         self._passport: Passport | None = None
-        self._learnt = Learnt(store, lambda: self.version_code, self.passport)
+        self._learnt = LimitsCache(store, lambda: self.version_code, self.passport)
         self._gate = Gate(
             confirm=confirm,
             journal=journal,
@@ -84,7 +84,7 @@ class Ecu:
             ready=tester.check_free,
         )
         data = DataReader(tester, self._learnt.limits, self._learnt.keep)
-        self.parameters = Parameters(tester, catalog, self._gate, data, reading)
+        self.parameters = Parameters(tester, catalog, self._gate, data, interpretation)
         self.memory = Memory(tester, self._gate, self._learnt.limits, self._learnt.keep)
 
     @property
@@ -206,7 +206,7 @@ class Ecu:
             what=erasing(len(before)),
             safety=c.WriteParameter.SAFETY,
             command=c.WriteParameter.SOURCE_NAME,
-            before=hexed(bytes(fault.code for fault in before)),
+            before=hex_or_none(bytes(fault.code for fault in before)),
             after="",
         )
 
@@ -221,7 +221,7 @@ class Ecu:
             return Erased(before, self.faults())
 
         return self._gate.make(
-            change, act, lambda erased: hexed(bytes(fault.code for fault in erased.after))
+            change, act, lambda erased: hex_or_none(bytes(fault.code for fault in erased.after))
         )
 
     # The rest
@@ -236,9 +236,9 @@ class Ecu:
             what=Text(f"jump to {address:04X}", f"перейти на {address:04X}"),
             safety=command.SAFETY,
             command=command.SOURCE_NAME,
-            after=hexed(command.body()),
+            after=hex_or_none(command.body()),
         )
-        return self._gate.make(change, lambda: self.tester.raw(command.body()) or b"", hexed)
+        return self._gate.make(change, lambda: self.tester.raw(command.body()) or b"", hex_or_none)
 
     def raw(self, body: bytes) -> bytes | None:
         """Sends any request body; returns the response's body, None for silence.
@@ -252,10 +252,10 @@ class Ecu:
         if command and command.SAFETY is c.Safety.READ:
             return self.tester.raw(body)
         change = Change(
-            what=Text(f"send {hexed(body)}", f"послать {hexed(body)}"),
+            what=Text(f"send {hex_or_none(body)}", f"послать {hex_or_none(body)}"),
             safety=command.SAFETY if command else c.Safety.LASTING,
             command=command.SOURCE_NAME if command else "?",
-            after=hexed(body),
+            after=hex_or_none(body),
         )
 
         def act() -> bytes | None:
@@ -263,7 +263,7 @@ class Ecu:
                 self.parameters.forget_list()
             return self.tester.raw(body)
 
-        return self._gate.make(change, act, hexed)
+        return self._gate.make(change, act, hex_or_none)
 
     # What was learnt
 
@@ -274,7 +274,7 @@ class Ecu:
         """
         return self._learnt.limits().copy()
 
-    def learn_paces(self, adapter: str, paces: Mapping[str, Pace]) -> None:
+    def learn_paces(self, adapter: str, paces: Mapping[str, MethodTiming]) -> None:
         """Keeps how fast each method of sampling is with this kind of adapter."""
         self._learnt.learn_paces(adapter, paces)
 

@@ -93,7 +93,7 @@ class Gate:
             try:
                 self._note(change, "done", told(outcome))
             except JournalError as error:
-                error.to_try = _NO_OUTCOME
+                error.advice = _NO_OUTCOME
                 raise
             return outcome
 
@@ -129,6 +129,6 @@ class Gate:
         )
 
 
-def hexed(data: bytes | None) -> str | None:
+def hex_or_none(data: bytes | None) -> str | None:
     """All of `data`: what the journal keeps is what a change can be undone with."""
     return None if data is None else data.hex(" ").upper()

@@ -23,7 +23,7 @@ _NO_LIMITS = (ValueError, TypeError, LookupError, AttributeError, ArithmeticErro
 
 
 @dataclass(frozen=True, slots=True)
-class Pace:
+class MethodTiming:
     """How a method of sampling did, with lists of `codes` parameters.
 
     `delay`: the seconds that each response took beyond its bytes and its request's: the unit's
@@ -41,7 +41,7 @@ class Limits:
     max_list: int = STARTING_LIST
     max_block: dict[str, int] = field(default_factory=dict)  # by memory space; 1: byte by byte
     refused: list[int] = field(default_factory=list)  # parameter codes that it does not know
-    methods: dict[str, dict[str, Pace]] = field(default_factory=dict)
+    methods: dict[str, dict[str, MethodTiming]] = field(default_factory=dict)
     """By kind of adapter, then by method: one that lumps bytes turns their order round."""
 
     def block(self, space: str) -> int:
@@ -123,7 +123,7 @@ class LimitsStore:
         return self.folder / f"{sha256(named.encode()).hexdigest()[:16]}.json"
 
 
-def _working(methods: dict[str, dict[str, Pace]]) -> dict[str, dict[str, Pace]]:
+def _working(methods: dict[str, dict[str, MethodTiming]]) -> dict[str, dict[str, MethodTiming]]:
     """Without those that a unit does not take: another one may."""
     return {
         adapter: {method: pace for method, pace in paces.items() if pace.delay is not None}
@@ -131,13 +131,13 @@ def _working(methods: dict[str, dict[str, Pace]]) -> dict[str, dict[str, Pace]]:
     }
 
 
-def _pace(stored: dict[str, Any]) -> Pace:
+def _pace(stored: dict[str, Any]) -> MethodTiming:
     codes, delay = int(stored["codes"]), stored["delay"]
     if delay is None:
-        return Pace(codes, None)
+        return MethodTiming(codes, None)
     if not (isfinite(delay) and delay >= 0):
         raise ValueError("a delay is not negative")
-    return Pace(codes, float(delay))
+    return MethodTiming(codes, float(delay))
 
 
 def default_folder() -> Path:

@@ -7,13 +7,13 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 
 from mikas.client.identity import Passport
-from mikas.client.limits import Limits, LimitsStore, Pace
+from mikas.client.limits import Limits, LimitsStore, MethodTiming
 from mikas.errors import LineError, NoConnection
 
 _ADAPTERS = 8  # kinds of adapter whose paces are kept for a unit: the latest
 
 
-class Learnt:
+class LimitsCache:
     """The limits in force. `store`: where those of every unit are kept, by version and passport.
 
     The unit is asked for its passport only if there is anything to recall or to keep.
@@ -48,7 +48,7 @@ class Learnt:
             with self._learning, suppress(LineError, NoConnection):
                 self._store.save(self._version_code(), self._passport().pieces, self._limits)
 
-    def learn_paces(self, adapter: str, paces: Mapping[str, Pace]) -> None:
+    def learn_paces(self, adapter: str, paces: Mapping[str, MethodTiming]) -> None:
         """How fast each method is with this kind of adapter, instead of what was known of it."""
         with self._learning:
             kinds = self.limits().methods

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from mikas import commands as c
 from mikas.catalog import Catalog, Parameter
 from mikas.client.data import DataReader, Got, refused
-from mikas.client.gate import Change, Gate, hexed
+from mikas.client.gate import Change, Gate, hex_or_none
 from mikas.client.reading import Reading, decode
 from mikas.errors import (
     NoConnection,
@@ -22,7 +22,7 @@ from mikas.errors import (
     ValueDoesNotFit,
     WriteRefused,
     WrongLength,
-    in_hex,
+    hex_dump,
 )
 from mikas.i18n import Text, byte_count, counted
 from mikas.tester import StreamItem, Tester
@@ -51,13 +51,13 @@ class Parameters:
     """Names on one side, codes and bytes on the other."""
 
     def __init__(
-        self, tester: Tester, catalog: Catalog, gate: Gate, data: DataReader, reading: str
+        self, tester: Tester, catalog: Catalog, gate: Gate, data: DataReader, interpretation: str
     ) -> None:
         self._tester = tester
         self._catalog = catalog
         self._gate = gate
         self._data = data
-        self._reading = reading
+        self._interpretation = interpretation
         self._listed: tuple[Parameter, ...] = ()
         self._list_lock = threading.RLock()  # the unit has one list, whoever sets it
 
@@ -102,7 +102,7 @@ class Parameters:
     def readings(self, wanted: Sequence[Parameter], got: dict[int, Got]) -> dict[str, Reading]:
         """What `got` means for each of `wanted` that it has."""
         return {
-            p.name: decode(p, got[p.code].raw, got[p.code].time, self._reading)
+            p.name: decode(p, got[p.code].raw, got[p.code].time, self._interpretation)
             for p in wanted
             if p.code in got
         }
@@ -129,7 +129,7 @@ class Parameters:
             ),
             safety=c.WriteList.SAFETY,
             command=c.WriteList.SOURCE_NAME,
-            after=hexed(bytes(d.code for d in data)),
+            after=hex_or_none(bytes(d.code for d in data)),
         )
 
         def act() -> None:
@@ -137,7 +137,7 @@ class Parameters:
             try:
                 self._tester.request(c.WriteList(data))
             except WriteRefused as error:
-                error.to_try = _TOO_LONG
+                error.advice = _TOO_LONG
                 raise
             except (NoResponse, NotSupported) as error:
                 if error.received:
@@ -224,8 +224,8 @@ class Parameters:
             what=Text(f"write parameter {parameter.name}", f"записать параметр {parameter.name}"),
             safety=c.WriteParameter.SAFETY,
             command=c.WriteParameter.SOURCE_NAME,
-            before=hexed(before.raw) if before else None,
-            after=hexed(data),
+            before=hex_or_none(before.raw) if before else None,
+            after=hex_or_none(data),
         )
 
         def act() -> WrittenParameter:
@@ -240,11 +240,11 @@ class Parameters:
                 after = self._one(parameter)
             if after and after.raw != data:
                 raise ReadBackDiffers(
-                    name=parameter.name, wanted=in_hex(data), got=in_hex(after.raw)
+                    name=parameter.name, wanted=hex_dump(data), got=hex_dump(after.raw)
                 )
             return WrittenParameter(parameter.name, before, after)
 
-        return self._gate.make(change, act, lambda w: hexed(w.after.raw) if w.after else None)
+        return self._gate.make(change, act, lambda w: hex_or_none(w.after.raw) if w.after else None)
 
     def _datum(self, parameter: Parameter, value: float | None, raw: bytes | None) -> bytes:
         if (value is None) == (raw is None):
@@ -253,7 +253,7 @@ class Parameters:
             )
         if raw is None:
             assert value is not None
-            return parameter.encode(value, self._reading)
+            return parameter.encode(value, self._interpretation)
         if len(raw) != parameter.size:
             raise ValueDoesNotFit(
                 value=raw.hex().upper(),

@@ -25,7 +25,7 @@ class Reading:
     unit: str
     raw: bytes
     time: float
-    reading: str
+    interpretation: str
 
     @property
     def name(self) -> str:
@@ -38,10 +38,10 @@ class Reading:
         return f"{self.name} {self.value:.{self.parameter.decimals}f} {self.unit}".rstrip()
 
 
-def decode(parameter: Parameter, raw: bytes, time: float, reading: str) -> Reading:
+def decode(parameter: Parameter, raw: bytes, time: float, interpretation: str) -> Reading:
     """The reading that `raw` is."""
-    conversion = parameter.reading(reading)
-    taken = reading if reading in parameter.readings else "corrected"
+    conversion = parameter.interpretation(interpretation)
+    taken = interpretation if interpretation in parameter.interpretations else "corrected"
     return Reading(parameter, conversion.decode(raw), conversion.unit, raw, time, taken)
 
 

@@ -13,7 +13,7 @@ from mikas.client.parameters import Parameters
 from mikas.client.reading import Reading
 from mikas.commands import Availability, StreamAtStroke, StreamCyclic
 from mikas.errors import (
-    EngineStands,
+    EngineStopped,
     LineError,
     LinkLost,
     MikasError,
@@ -52,7 +52,7 @@ class ReadingStream:
         Raises `NotSupported` for a stream that the unit does not begin, `LinkLost`, and any other
         `NoConnection` or `LineError` for what the next call may get over: a response that came
         damaged is one, behind which the stream goes on. `NoResponse`: the unit is there, but it has
-        fallen silent; `EngineStands`: by strokes, and there are none.
+        fallen silent; `EngineStopped`: by strokes, and there are none.
         """
         while True:
             try:
@@ -135,7 +135,7 @@ class ReadingStream:
             self.silent += 1
             return error
         self.silent = 0
-        return EngineStands(
+        return EngineStopped(
             seconds=error.fields["seconds"],
             request=error.request,
             received=error.received,

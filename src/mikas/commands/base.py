@@ -76,7 +76,7 @@ class Command(ABC, Generic[T]):
         return f"{self.SOURCE_NAME} ({self.code:02X})"
 
     @property
-    def told_name(self) -> Text:
+    def display_name(self) -> Text:
         """`name` for people; where the source has no mnemonic, its name is English words."""
         in_russian = self.SOURCE_NAME if self.SOURCE_NAME.isupper() else f"«{self.TITLE.ru}»"
         return Text(self.name, f"{in_russian} ({self.code:02X})")
@@ -97,7 +97,7 @@ class Command(ABC, Generic[T]):
         """
         if len(body) not in self.response_lengths():
             if body == ERROR:  # D10: one usual reply to a command that a unit does not know
-                raise NotSupported(command=self.told_name, request=self.body(), received=body)
+                raise NotSupported(command=self.display_name, request=self.body(), received=body)
             raise WrongLength(
                 length=len(body),
                 expected=lengths_in_words(self.response_lengths()),

@@ -34,7 +34,7 @@ class ReadFaults(Command[tuple[int, ...]]):
 
     def _read(self, body: bytes) -> tuple[int, ...]:
         if body == ERROR:  # D10: one fault would have its number behind it
-            raise NotSupported(command=self.told_name, request=self.body(), received=body)
+            raise NotSupported(command=self.display_name, request=self.body(), received=body)
         count, numbers, separators = body[0], body[1::2], body[2::2]
         if count != len(numbers):
             raise WrongContent(

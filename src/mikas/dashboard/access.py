@@ -20,7 +20,7 @@ from http.cookies import CookieError, SimpleCookie
 from typing import Any, Literal
 from urllib.parse import parse_qs
 
-from mikas.dashboard.refusals import Forbidden, TokenWanted
+from mikas.dashboard.refusals import Forbidden, TokenRequired
 from mikas.i18n import Text
 
 Rights = Literal["control", "view"]
@@ -55,14 +55,14 @@ class Access:
         return f"mikas_{self.port}"
 
     def judge(self, scope: Mapping[str, Any]) -> Rights:
-        """The rights of whoever sent this. Raises `Forbidden`, `TokenWanted`."""
+        """The rights of whoever sent this. Raises `Forbidden`, `TokenRequired`."""
         headers = _headers(scope)
         self._check_host(headers)
         self._check_page(scope, headers)
         if self.is_here(scope):
             return "control"
         if not self._has_token(scope, headers):
-            raise TokenWanted
+            raise TokenRequired
         return "control" if self.lan_control else "view"
 
     def is_here(self, scope: Mapping[str, Any]) -> bool:

@@ -16,7 +16,7 @@ from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 
 from mikas.dashboard import not_valid
-from mikas.dashboard.refusals import ApiRefusal, BadRequest, Bug, NotFound
+from mikas.dashboard.refusals import ApiRefusal, BadRequest, InternalError, NotFound
 from mikas.errors import (
     EcuRefused,
     LineError,
@@ -101,7 +101,7 @@ def status_of(error: MikasError) -> int:
 
 def body_of(error: MikasError) -> dict[str, Any]:
     """`error` as the value of "error" in an answer, or in an event."""
-    text = error.text_on_screen
+    text = error.gui_text
     return {
         "code": type(error).__name__,
         "en": text.en,
@@ -154,4 +154,4 @@ async def _of_the_framework(request: Request, error: Exception) -> JSONResponse:
 
 async def _bug(request: Request, error: Exception) -> JSONResponse:
     _log.error("a bug in %s %s", request.method, request.url.path, exc_info=error)
-    return answer_to(Bug(kind=f"{type(error).__name__}: {error}"))
+    return answer_to(InternalError(kind=f"{type(error).__name__}: {error}"))

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 from mikas.client import Change
 from mikas.commands import Safety
-from mikas.dashboard.refusals import NonceStale
+from mikas.dashboard.refusals import ConfirmationOutdated
 
 
 class Approval:
@@ -31,9 +31,9 @@ class Approval:
             self._in_force = False
 
     def confirm(self, change: Change) -> bool:
-        """The gate's question. Raises `NonceStale`."""
+        """The gate's question. Raises `ConfirmationOutdated`."""
         if not self._in_force:
             return change.safety <= Safety.REVERSIBLE
         if change.before != self._before:
-            raise NonceStale
+            raise ConfirmationOutdated
         return True

@@ -10,7 +10,7 @@ from typing import Any
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
 from mikas.client.ecu import erasing
-from mikas.client.gate import hexed
+from mikas.client.gate import hex_or_none
 from mikas.client.memory.spaces import last_of, writing
 from mikas.client.reading import decode
 from mikas.commands.base import check_range
@@ -30,7 +30,7 @@ async def erase(hub: Hub) -> Prepared:
 
     async def make() -> dict[str, Any]:
         def erase(ecu: Ecu) -> list[int]:
-            with hub.approval.given(hexed(bytes(codes))):
+            with hub.approval.given(hex_or_none(bytes(codes))):
                 erased = ecu.erase_faults()
             hub.fault_book.keep(erased.after, ecu.tester.link.now(), erased=True)
             return [fault.code for fault in erased.after]
@@ -51,13 +51,13 @@ async def erase(hub: Hub) -> Prepared:
 async def write_parameter(hub: Hub, wish: WriteParameter) -> Prepared:
     """One parameter; raises for a value that does not fit it."""
     parameter = hub.catalog.parameter(wish.name)
-    reading = hub.settings.reading
+    reading = hub.settings.interpretation
     datum = _datum(parameter, wish, reading)
     before = await hub.ask(lambda ecu: _read(ecu, parameter))
 
     async def make() -> dict[str, Any]:
         def write(ecu: Ecu) -> Reading | None:
-            with hub.approval.given(hexed(before.raw) if before else None):
+            with hub.approval.given(hex_or_none(before.raw) if before else None):
                 return ecu.write_parameter(parameter.name, raw=datum).after
 
         return {"before": _told(before), "after": _told(await hub.ask(write))}
@@ -76,13 +76,13 @@ async def write_parameter(hub: Hub, wish: WriteParameter) -> Prepared:
     )
 
 
-def _datum(parameter: Parameter, wish: WriteParameter, reading: str) -> bytes:
+def _datum(parameter: Parameter, wish: WriteParameter, interpretation: str) -> bytes:
     if (wish.value is None) == (wish.raw is None):
         raise BadRequest(
             problem=Text("give a value or raw bytes", "нужно значение или исходные байты")
         )
     if wish.value is not None:
-        return parameter.encode(wish.value, reading)
+        return parameter.encode(wish.value, interpretation)
     raw = bytes.fromhex(wish.raw or "")
     if len(raw) != parameter.size:
         raise ValueDoesNotFit(
@@ -114,7 +114,7 @@ async def write_memory(hub: Hub, wish: WriteMemory) -> Prepared:
 
     async def make() -> dict[str, Any]:
         def write(ecu: Ecu) -> bytes:
-            with hub.approval.given(hexed(before)):
+            with hub.approval.given(hex_or_none(before)):
                 return ecu.memory[wish.space].write_block(wish.address, data).after
 
         return {"before": in_hex(before), "after": in_hex(await hub.ask(write))}

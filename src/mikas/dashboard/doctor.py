@@ -112,7 +112,7 @@ async def _examine(
         async with hub.switch.lent():
             await asyncio.to_thread(examination.run, tell)
     except MikasError as error:
-        told.put_nowait(_line(Step("port", False, error.text_on_screen)))
+        told.put_nowait(_line(Step("port", False, error.gui_text)))
     finally:
         hub.examination = None
         told.put_nowait(None)

@@ -16,7 +16,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from mikas.dashboard.access import Access
 from mikas.dashboard.answers import answer_to
 from mikas.dashboard.plain_page import refusal
-from mikas.dashboard.refusals import ApiRefusal, TokenWanted, TooLarge
+from mikas.dashboard.refusals import ApiRefusal, TokenRequired, TooLarge
 from mikas.i18n import Text
 
 LARGEST_BODY = 1 << 20
@@ -69,7 +69,7 @@ class Doorkeeper:
         self, error: ApiRefusal, scope: Scope, receive: Receive, send: Send
     ) -> None:
         if scope["type"] == "http":
-            if isinstance(error, TokenWanted) and self.access.offers_token(scope):
+            if isinstance(error, TokenRequired) and self.access.offers_token(scope):
                 await self._welcome()(scope, receive, send)
                 return
             await refusal(error, scope)(scope, receive, send)

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Literal
 from mikas.client import Ecu
 from mikas.client.memory.dump import Dump
 from mikas.client.memory.manifest import Manifest, read_manifest
-from mikas.dashboard.refusals import Bug, Busy, NotConnected
-from mikas.dashboard.settings import made
+from mikas.dashboard.refusals import Busy, InternalError, NotConnected
+from mikas.dashboard.settings import ensure_folder
 from mikas.errors import LineError, MikasError, NoConnection, UsageError, reason_at
 from mikas.i18n import Text
 
@@ -161,7 +161,7 @@ class Dumping:
             job.phase, job.error = "failed", UsageError(problem=reason_at(job.file, error))
         except Exception as bug:  # whatever it is: the dump says so and can be resumed
             _log.error("a bug in the dump %s", job.id, exc_info=bug)
-            job.phase, job.error = "failed", Bug(kind=f"{type(bug).__name__}: {bug}")
+            job.phase, job.error = "failed", InternalError(kind=f"{type(bug).__name__}: {bug}")
 
     async def _read_all(self, job: Job) -> None:
         spoilt = 0
@@ -201,7 +201,7 @@ class Dumping:
         return not job.manifest.finished
 
     def _open(self, ecu: Ecu, job: Job) -> Dump:
-        made(job.file.parent)
+        ensure_folder(job.file.parent)
         wanted = job.manifest
         dump = Dump(
             ecu,

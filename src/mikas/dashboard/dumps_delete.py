@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from mikas.client.memory.manifest import manifest_path
 from mikas.dashboard.nonces import FOR_GOOD, Prepared
-from mikas.dashboard.refusals import Busy, NonceStale, NotFound
+from mikas.dashboard.refusals import Busy, ConfirmationOutdated, NotFound
 from mikas.errors import UsageError, reason_at
 from mikas.i18n import Text
 
@@ -36,10 +36,10 @@ def prepared_delete_of_dump(hub: Hub, name: str) -> Prepared:
 
     async def make() -> dict[str, Any]:
         if hub.dumping.jobs.get(name) is not job:
-            raise NonceStale(_GONE)
+            raise ConfirmationOutdated(_GONE)
         _check_paused(job)
         if _told(job) != before:
-            raise NonceStale(_CHANGED)
+            raise ConfirmationOutdated(_CHANGED)
         _delete(job)
         del hub.dumping.jobs[name]
         return {"before": before, "after": None}

@@ -72,7 +72,7 @@ class Examination:
         settings = self._settings
         return Tester(
             link,
-            timing=Timing(first_byte=settings.timeout),
+            timing=Timing(response_timeout=settings.timeout),
             echo=Echo(settings.echo),
             retries=settings.retries,
         )

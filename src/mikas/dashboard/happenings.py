@@ -52,7 +52,7 @@ def state(event: StateChanged) -> Happening:
         "time": event.time,
         "state": event.state.value,
         "text": both(event.state.text),
-        "reason": both(event.error.text_on_screen) if event.error else None,
+        "reason": both(event.error.gui_text) if event.error else None,
         "code": type(event.error).__name__ if event.error else None,
     }
 
@@ -148,5 +148,5 @@ def recording(time: float, file: str, *, on: bool, failure: MikasError | None = 
         "time": time,
         "file": file,
         "on": on,
-        "failure": both(failure.text_on_screen) if failure else None,
+        "failure": both(failure.gui_text) if failure else None,
     }

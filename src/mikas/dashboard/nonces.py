@@ -29,7 +29,7 @@ FOR_GOOD = Text(
 class Prepared:
     """A change, ready to be confirmed. `make` does it, and returns what was there and is there now.
 
-    `make` looks once more whether `before` still stands, and raises `NonceStale` if not.
+    `make` looks once more whether `before` still stands, and raises `ConfirmationOutdated` if not.
     `lost`: what is gone afterwards, as texts or JSON; `needs_unlock`: only while writing is
     unlocked.
     """

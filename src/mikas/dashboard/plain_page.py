@@ -39,6 +39,6 @@ def refusal(error: ApiRefusal, scope: Mapping[str, Any]) -> Response:
         return answer_to(error)
     said = "".join(
         f'<p lang="{language}">{escape(text)}</p>'
-        for language, text in zip(("en", "ru"), error.text_on_screen, strict=True)
+        for language, text in zip(("en", "ru"), error.gui_text, strict=True)
     )
     return HTMLResponse(f"{_HEAD}{said}", error.status, {"Content-Security-Policy": _POLICY})

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from mikas.client.connecting import maker
+from mikas.client.connecting import ecu_factory
 from mikas.dashboard.refusals import NotConnected
 from mikas.dashboard.wishes import Wish
-from mikas.link.reconnecting import Plug
+from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.acquisition import Acquisition
 
 if TYPE_CHECKING:
@@ -58,4 +58,4 @@ class Planning:
     def _unconnected(self) -> Acquisition:
         """Never run: it knows what things cost on a unit of which nothing is known."""
         catalog = self._hub.catalog
-        return Acquisition(Plug("sim:"), maker(catalog=catalog), catalog)
+        return Acquisition(ReconnectingPort("sim:"), ecu_factory(catalog=catalog), catalog)

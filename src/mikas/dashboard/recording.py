@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from mikas.dashboard import happenings
 from mikas.dashboard.refusals import Busy, NotConnected
-from mikas.dashboard.settings import made
+from mikas.dashboard.settings import ensure_folder
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.recording.notes import faults_note
@@ -50,7 +50,9 @@ class RecordingDesk:
         """The recording that the end of the program ended."""
         self._goes_on = False  # with the first unit that answers
         self.recorder = Recorder(
-            ecu=lambda: hub.ecu, reading=hub.settings.reading, on_file=self._tell_begun
+            ecu=lambda: hub.ecu,
+            interpretation=hub.settings.interpretation,
+            on_file=self._tell_begun,
         )
 
     async def start(self, name: str | None) -> None:
@@ -144,7 +146,7 @@ class RecordingDesk:
         return _free(self._hub.settings.recordings, stem)
 
     def _begin(self, path: Path, session: Session) -> None:
-        self.recorder.start(made(path.parent) / path.name, url=session.url)
+        self.recorder.start(ensure_folder(path.parent) / path.name, url=session.url)
         self._told = None
         heard = self._hub.fault_book.heard
         if heard:  # they were asked before this file was there

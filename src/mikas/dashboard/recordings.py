@@ -112,7 +112,7 @@ def _problem(desk: Desk) -> TwoTexts | None:
     try:
         check_folder(desk.hub.settings.recordings)
     except UsageError as error:
-        return two(error.text_on_screen)
+        return two(error.gui_text)
     return None
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from mikas.dashboard.nonces import FOR_GOOD, Prepared
 from mikas.dashboard.recordings_shelf import Shelf, Shelved
-from mikas.dashboard.refusals import Busy, NonceStale, NotFound
+from mikas.dashboard.refusals import Busy, ConfirmationOutdated, NotFound
 from mikas.errors import CaptureError, reason_of
 from mikas.i18n import Text
 
@@ -60,10 +60,10 @@ def _delete(hub: Hub, shelf: Shelf, shown: Shelved) -> None:
     try:
         found = shelf.one(shown.id)
     except NotFound:
-        raise NonceStale(_GONE) from None
+        raise ConfirmationOutdated(_GONE) from None
     _check_not_in_progress(hub, found)
     if found.stamp != shown.stamp:
-        raise NonceStale(_CHANGED)
+        raise ConfirmationOutdated(_CHANGED)
     try:
         found.path.unlink()
     except OSError as error:

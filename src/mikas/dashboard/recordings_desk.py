@@ -34,9 +34,9 @@ class Desk:
 
     def __init__(self, hub: Hub) -> None:
         self.hub = hub
-        self.catalog, self.reading = hub.catalog, hub.settings.reading
+        self.catalog, self.interpretation = hub.catalog, hub.settings.interpretation
         self.shelf = Shelf(hub.settings.recordings)
-        self.opened = Opened(self.catalog, self.reading, hub.clock)
+        self.opened = Opened(self.catalog, self.interpretation, hub.clock)
         self.summaries = Remembered(lambda path: summarise(path, self.catalog))
         self._busy = asyncio.Lock()
         self._waiting = 0

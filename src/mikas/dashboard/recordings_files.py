@@ -154,7 +154,7 @@ def _export(
     from mikas.recording.export import export as write
     from mikas.recording.opening import Recording
 
-    recording = Recording(it.path, desk.catalog, desk.reading, names)
+    recording = Recording(it.path, desk.catalog, desk.interpretation, names)
     write(
         out,
         recording.channels,

@@ -50,7 +50,9 @@ def _found(hub: Hub) -> Findings:
     with story.lock:
         unit, method, errors_ = story.unit, story.method or "", story.meters.errors
         events = story.events
-    rows = _since(_judged(hub.history.rows(MINUTES * 60), catalog, hub.settings.reading), events)
+    rows = _since(
+        _judged(hub.history.rows(MINUTES * 60), catalog, hub.settings.interpretation), events
+    )
     if unit is None and not len(rows.times):
         raise NotConnected
     measuring = Measuring(catalog, rows.values)
@@ -77,9 +79,13 @@ def _found(hub: Hub) -> Findings:
     return find(subject, measured)
 
 
-def _judged(rows: Rows, catalog: Catalog, reading: str) -> Rows:
+def _judged(rows: Rows, catalog: Catalog, interpretation: str) -> Rows:
     """Without what is shown in another sense than the one that references belong to."""
-    other = {each.name for each in catalog.parameters if each.reading(reading) != each.conversion}
+    other = {
+        each.name
+        for each in catalog.parameters
+        if each.interpretation(interpretation) != each.conversion
+    }
     return Rows(rows.times, {n: column for n, column in rows.values.items() if n not in other})
 
 

@@ -30,8 +30,8 @@ class _Kept:
 class Opened:
     """Any thread may ask; one at a time is served. `clock`: seconds that never run back."""
 
-    def __init__(self, catalog: Catalog, reading: str, clock: Callable[[], float]) -> None:
-        self._catalog, self._reading, self._clock = catalog, reading, clock
+    def __init__(self, catalog: Catalog, interpretation: str, clock: Callable[[], float]) -> None:
+        self._catalog, self._interpretation, self._clock = catalog, interpretation, clock
         self._kept: OrderedDict[str, _Kept] = OrderedDict()
         self.using = threading.Lock()
         """To be held while a recording from here is used: it is made for one thread at a time."""
@@ -42,7 +42,7 @@ class Opened:
         if kept is not None and not self._is_current(kept, it, growing=growing):
             kept = None
         if kept is None:
-            recording = Recording(it.path, self._catalog, self._reading)
+            recording = Recording(it.path, self._catalog, self._interpretation)
             kept = _Kept(it.stamp, self._clock(), recording)
         self._kept[it.id] = kept
         self._kept.move_to_end(it.id)

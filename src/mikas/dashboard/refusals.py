@@ -32,7 +32,7 @@ class TooLarge(BadRequest):
     status = 413
 
 
-class TokenWanted(ApiRefusal):
+class TokenRequired(ApiRefusal):
     """From the network nobody is let in without the token."""
 
     status = 401
@@ -127,7 +127,7 @@ _NOT_AS_SHOWN = Text(
 )
 
 
-class NonceStale(ApiRefusal):
+class ConfirmationOutdated(ApiRefusal):
     """What was shown before the change is no longer so."""
 
     status = 409
@@ -167,7 +167,7 @@ class NotConnected(ApiRefusal):
     )
 
 
-class Bug(ApiRefusal):
+class InternalError(ApiRefusal):
     """Our own mistake, said as such."""
 
     status = 500

@@ -14,13 +14,13 @@ from concurrent.futures import Future
 from contextlib import closing
 from typing import TYPE_CHECKING, TypeVar
 
-from mikas.client.connecting import maker
+from mikas.client.connecting import ecu_factory
 from mikas.client.gate import Confirm
-from mikas.dashboard.refusals import Bug
+from mikas.dashboard.refusals import InternalError
 from mikas.dashboard.settings import Settings
 from mikas.errors import MikasError
 from mikas.link import Link
-from mikas.link.reconnecting import Plug
+from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.tee import Sink
 from mikas.sampling.acquisition import Acquisition
 
@@ -65,7 +65,7 @@ class Session:
         """It has ended by itself; `failure` says why."""
         self.failure: MikasError | None = None
         self._tell, self._tell_end = tell, ended
-        self.plug = Plug(
+        self.plug = ReconnectingPort(
             url,
             find=settings.find,
             open_port=self._open,
@@ -75,11 +75,11 @@ class Session:
         )
         self.acquisition = Acquisition(
             self.plug,
-            maker(
+            ecu_factory(
                 echo=echo,
                 timeout=settings.timeout,
                 retries=settings.retries,
-                reading=settings.reading,
+                interpretation=settings.interpretation,
                 catalog=settings.catalog,
                 confirm=confirm,
                 journal=settings.journal,
@@ -161,7 +161,7 @@ class Session:
             error = why
         except Exception as bug:  # whatever it is: the page says so, and the port is let go of
             _log.error("a bug in the sampling thread", exc_info=bug)
-            error = Bug(kind=f"{type(bug).__name__}: {bug}")
+            error = InternalError(kind=f"{type(bug).__name__}: {bug}")
         finally:
             with self._lock:
                 link = self._link

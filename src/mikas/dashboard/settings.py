@@ -31,7 +31,7 @@ def default_recordings() -> Path:
     return user_documents_path() / "mikas"
 
 
-def made(folder: Path) -> Path:
+def ensure_folder(folder: Path) -> Path:
     """`folder`, there to be written to. Raises `UsageError`."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -78,7 +78,7 @@ class Settings:
     echo: str = "auto"
     timeout: float = 0.5
     retries: int = 2
-    reading: str = "corrected"
+    interpretation: str = "corrected"
     find: Callable[[], list[Port]] = find_ports
     open_port: Callable[[str], Link] = open_link
     link_clock: Callable[[], float] | None = None

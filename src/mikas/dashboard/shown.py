@@ -104,7 +104,7 @@ def _recording(hub: Hub) -> RecordingOfState | None:
         bytes=status.bytes,
         samples=status.samples,
         gaps=status.gaps,
-        failure=two_or_none(status.failure.text_on_screen if status.failure else None),
+        failure=two_or_none(status.failure.gui_text if status.failure else None),
     )
 
 

@@ -24,14 +24,14 @@
     │   └── NotAKLineAdapter           an ELM327 answered instead of a wire
     ├── LineError                      the ECU is there, the exchange was spoilt
     │   ├── NoResponse (TimeoutError)  silence, D14
-    │   │   └── EngineStands           of a stream by strokes, as there are none (D15)
+    │   │   └── EngineStopped          of a stream by strokes, as there are none (D15)
     │   ├── EchoDiffers                what came back is not what was sent (D1)
     │   ├── DamagedResponse            checksum, cut or over-long frame (§2)
     │   ├── WrongLength                a good frame, but not this request's (D13)
     │   ├── WrongAddress               a good frame that echoes another address (D13)
     │   ├── WrongContent               a good frame that makes no sense in itself (§3)
     │   ├── LineNotQuiet               bytes keep coming (D2, D12)
-    │   └── OutOfStep                  resynchronisation failed (D13)
+    │   └── SyncLost                   resynchronisation failed (D13)
     ├── EcuRefused                     the ECU said no
     │   ├── WriteRefused               it answered 01 to a write (§3)
     │   ├── NotSupported               it does not know the command (D10)
@@ -39,13 +39,13 @@
     └── NotConfirmed                   a change that nobody approved
 
 Each error carries what was sent, what came back, and when, and its message ends with what to try:
-`str(error)` is that in English, `error.text` in both languages, `error.text_on_screen` without the
+`str(error)` is that in English, `error.text` in both languages, `error.gui_text` without the
 words of a terminal. Each is also the matching builtin.
 """
 
 from mikas.errors.base import (
     MikasError,
-    in_hex,
+    hex_dump,
     reason_at,
     reason_of,
 )
@@ -65,11 +65,11 @@ from mikas.errors.connection import (
 from mikas.errors.line import (
     DamagedResponse,
     EchoDiffers,
-    EngineStands,
+    EngineStopped,
     LineError,
     LineNotQuiet,
     NoResponse,
-    OutOfStep,
+    SyncLost,
     WrongAddress,
     WrongContent,
     WrongLength,
@@ -103,7 +103,7 @@ __all__ = [
     "EchoDiffers",
     "EchoOnly",
     "EcuRefused",
-    "EngineStands",
+    "EngineStopped",
     "ExportError",
     "JournalError",
     "LineError",
@@ -118,13 +118,13 @@ __all__ = [
     "NotAKLineAdapter",
     "NotConfirmed",
     "NotSupported",
-    "OutOfStep",
     "PortBusy",
     "PortDenied",
     "PortFailed",
     "PortNotFound",
     "ReadBackDiffers",
     "RecordingOver",
+    "SyncLost",
     "UnknownParameter",
     "UsageError",
     "ValueDoesNotFit",
@@ -132,7 +132,7 @@ __all__ = [
     "WrongAddress",
     "WrongContent",
     "WrongLength",
-    "in_hex",
+    "hex_dump",
     "reason_at",
     "reason_of",
 ]

@@ -18,7 +18,7 @@ class MikasError(Exception):
     """
 
     what: ClassVar[Text] = Text("Something failed", "Что-то не получилось")
-    advice: ClassVar[Text] = Text("", "")
+    advice: Text = Text("", "")
     advice_on_screen: ClassVar[Text | None] = None
 
     def __init_subclass__(cls) -> None:
@@ -40,10 +40,10 @@ class MikasError(Exception):
         self.time = time
         self.fields = fields
         self.reason = self.what.filled(**fields)
-        self.to_try = (advice or self.advice).filled(**fields)
+        self.advice = (advice or self.advice).filled(**fields)
         screen = on_screen or advice or self.advice_on_screen
-        self._first_advice = self.to_try
-        self._on_screen = screen.filled(**fields) if screen else self.to_try
+        self._first_advice = self.advice
+        self._on_screen = screen.filled(**fields) if screen else self.advice
         super().__init__(self.reason.en)
 
     def __str__(self) -> str:
@@ -54,30 +54,30 @@ class MikasError(Exception):
     def text(self) -> Text:
         """One short paragraph: what failed, what was sent and received (hex), what to try."""
         return Text(
-            _paragraph(self.reason.en, self.to_try.en, *self._wire("en")),
-            _paragraph(self.reason.ru, self.to_try.ru, *self._wire("ru")),
+            _paragraph(self.reason.en, self.advice.en, *self._wire("en")),
+            _paragraph(self.reason.ru, self.advice.ru, *self._wire("ru")),
         )
 
     @property
-    def to_try_on_screen(self) -> Text:
+    def gui_advice(self) -> Text:
         """What to try, in the dashboard's words, unless a higher layer gave other advice."""
-        return self._on_screen if self.to_try is self._first_advice else self.to_try
+        return self._on_screen if self.advice is self._first_advice else self.advice
 
     @property
-    def text_on_screen(self) -> Text:
+    def gui_text(self) -> Text:
         """The same paragraph as `text`, for whoever looks at the dashboard."""
         return Text(
-            _paragraph(self.reason.en, self.to_try_on_screen.en, *self._wire("en")),
-            _paragraph(self.reason.ru, self.to_try_on_screen.ru, *self._wire("ru")),
+            _paragraph(self.reason.en, self.gui_advice.en, *self._wire("en")),
+            _paragraph(self.reason.ru, self.gui_advice.ru, *self._wire("ru")),
         )
 
     def _wire(self, language: Language) -> list[str]:
         sent, received, nothing, unit = _WIRE[language]
         parts = []
         if self.request is not None:
-            parts.append(f"{sent} {in_hex(self.request, unit)}")
+            parts.append(f"{sent} {hex_dump(self.request, unit)}")
         if self.received is not None:
-            came = f"{received} {in_hex(self.received, unit)}"
+            came = f"{received} {hex_dump(self.received, unit)}"
             parts.append(came if self.received else nothing)
         return parts
 
@@ -89,7 +89,7 @@ _WIRE: dict[Language, tuple[str, str, str, str]] = {
 _LONGEST = 48
 
 
-def in_hex(data: bytes, unit: str = "bytes") -> str:
+def hex_dump(data: bytes, unit: str = "bytes") -> str:
     """`01 FF 0D`, cut only when it would fill the screen."""
     if len(data) <= _LONGEST:
         return data.hex(" ").upper()

@@ -39,7 +39,7 @@ class NoResponse(LineError, TimeoutError):
     )
 
 
-class EngineStands(NoResponse):
+class EngineStopped(NoResponse):
     """A stream by strokes is silent, and the unit says that there are none (D15)."""
 
     what = Text(
@@ -116,7 +116,7 @@ class LineNotQuiet(LineError):
     )
 
 
-class OutOfStep(LineError):
+class SyncLost(LineError):
     """After a failed exchange the ECU could not be brought back in step (D13)."""
 
     what = Text(

@@ -20,7 +20,7 @@ from mikas.link.tee import CaptureTee, Sink
 from mikas.link.urls import open_link, parse
 
 
-class Plug:
+class ReconnectingPort:
     """Opens the same port again and again. `sink` gets what passes on every link (a `CaptureTee`).
 
     `clock` and `nap` are for tests.

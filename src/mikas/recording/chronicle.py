@@ -58,9 +58,9 @@ class _Hole:
 class Chronicle:
     """Follows one session. `ecu`: the unit of now, if there is one, to be asked what it is."""
 
-    def __init__(self, ecu: Callable[[], Ecu | None], reading: str = "corrected") -> None:
+    def __init__(self, ecu: Callable[[], Ecu | None], interpretation: str = "corrected") -> None:
         self._ecu = ecu
-        self._reading = reading
+        self._interpretation = interpretation
         self._unit: Sequence[Note] = ()  # and the catalog's
         self._plan: Note | None = None
         self._state: Note | None = None
@@ -98,7 +98,7 @@ class Chronicle:
             case UnitFound():
                 yield from self._found(event)
             case PlanChanged():
-                self._plan = plan_note(event.time, event.plan, self._reading)
+                self._plan = plan_note(event.time, event.plan, self._interpretation)
                 yield self._plan
             case AlarmEvent():
                 yield alarm_note(event)

@@ -25,9 +25,9 @@ _DATA = (c.ReadParameters, c.ReadList, c.StreamCyclic, c.StreamAtStroke)
 class Describer:
     """Turns one capture's frames into texts; keep one for each line that was captured."""
 
-    def __init__(self, catalog: Catalog, reading: str = "corrected") -> None:
+    def __init__(self, catalog: Catalog, interpretation: str = "corrected") -> None:
         self._catalog = catalog
-        self._reading = reading
+        self._interpretation = interpretation
         self._list: tuple[c.Datum, ...] = ()
         self._started: bytes | None = None  # the stream that was asked for and has said nothing yet
 
@@ -98,7 +98,7 @@ class Describer:
     def _datum(self, datum: c.Datum, raw: bytes, language: Language) -> str:
         named = []
         for parameter in self._catalog.by_code(datum.code):
-            conversion = parameter.reading(self._reading)
+            conversion = parameter.interpretation(self._interpretation)
             value = conversion.decode(raw)
             unit = conversion.unit_text.to(language)
             if isinstance(value, bool):

@@ -30,7 +30,7 @@ class Unit:
     baud: int | None = None
     echo: bool | None = None
     catalog: str | None = None
-    reading: str | None = None
+    interpretation: str | None = None
     method: str | None = None
     names: tuple[str, ...] = ()
 
@@ -146,7 +146,7 @@ def unit_of(notes: Iterable[Note], catalog: Catalog) -> Unit | None:
         baud=_whole(unit.get("baud")),
         echo=unit["echo"] if isinstance(unit.get("echo"), bool) else None,
         catalog=_word(said.get(Kind.CATALOG, {}).get("version")),
-        reading=_word(plan.get("reading")),
+        interpretation=_word(plan.get("reading")),
         method=_word(plan.get("method")),
         names=tuple(map(str, names)) if isinstance(names, list) else (),
     )

@@ -83,14 +83,14 @@ def catalog_note(time: float, version: str) -> Note:
     return Note(Kind.CATALOG, time, {"version": version})
 
 
-def plan_note(time: float, plan: Plan, reading: str = "corrected") -> Note:
+def plan_note(time: float, plan: Plan, interpretation: str = "corrected") -> Note:
     """What is asked from here on. `every`: in which cycles, name by name."""
     data = {
         "method": plan.method,
         "names": [wanted.parameter.name for wanted in plan.wanted],
         "every": [wanted.every for wanted in plan.wanted],
         "max_list": plan.max_list,
-        "reading": reading,
+        "reading": interpretation,
     }
     return Note(Kind.PLAN, time, data)
 
@@ -183,7 +183,7 @@ def write_session_header(
     baud: int = 9600,
     echo: bool | None = None,
     plan: Plan | None = None,
-    reading: str = "corrected",
+    interpretation: str = "corrected",
 ) -> None:
     """What is needed to read a recording again, at its beginning: unit, catalog, plan.
 
@@ -201,7 +201,7 @@ def write_session_header(
     )
     sink.note(catalog_note(time, catalog_version))
     if plan is not None:
-        sink.note(plan_note(time, plan, reading))
+        sink.note(plan_note(time, plan, interpretation))
 
 
 @dataclass(frozen=True, slots=True)

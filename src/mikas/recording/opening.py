@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 def open(  # noqa: A001  (read as `mikas.open`)
     path: str | os.PathLike[str],
     *,
-    reading: str = "corrected",
+    interpretation: str = "corrected",
     catalogs: Iterable[str | os.PathLike[str]] = (),
     names: Iterable[str] = (),
 ) -> Recording:
@@ -46,7 +46,7 @@ def open(  # noqa: A001  (read as `mikas.open`)
     Raises `CaptureError` for a file that is no capture, `UsageError` for a name or a setting that
     makes no sense, `MissingExtra` without numpy. What is damaged in the file is in `problems`.
     """
-    return Recording(path, load(*map(Path, catalogs)), reading, names)
+    return Recording(path, load(*map(Path, catalogs)), interpretation, names)
 
 
 class Recording:
@@ -64,7 +64,7 @@ class Recording:
         self,
         path: str | os.PathLike[str],
         catalog: Catalog,
-        reading: str = "corrected",
+        interpretation: str = "corrected",
         names: Iterable[str] = (),
     ) -> None:
         if isinstance(names, str):
@@ -73,14 +73,14 @@ class Recording:
         capture = CaptureReader(path)
         self.path = capture.path
         self.catalog = catalog
-        self.reading = reading
-        self._reader = _reader(self.path, catalog, reading)
+        self.interpretation = interpretation
+        self._reader = _reader(self.path, catalog, interpretation)
         self._corrected = self._reader
         recorded = {channel.name: channel for channel in self._reader.channels}
         known = all_channels(self._reader.channels, catalog, recorded, wanted)
         self.channels = tuple(known[name] for name in dict.fromkeys(wanted or known))
         self._derived = [each.name for each in self.channels if each.name in catalog.derived]
-        if self._derived and reading != "corrected":
+        if self._derived and interpretation != "corrected":
             self._corrected = _reader(self.path, catalog, "corrected")
         self.absent = tuple(
             each.name for each in self.channels if not is_recorded(each.name, catalog, recorded)
@@ -90,7 +90,7 @@ class Recording:
     @cached_property
     def about(self) -> dict[str, str]:
         """What the first recording of the file says of itself, by title; the rest is left out."""
-        about = _about(self._capture, self.unit, self.catalog, self.reading)
+        about = _about(self._capture, self.unit, self.catalog, self.interpretation)
         if self.unit and (chosen := self._chosen_methods()):
             about["method"] = ", ".join(chosen)  # the first plan was made before any was measured
         return about
@@ -146,7 +146,9 @@ class Recording:
     def _windows(self) -> Windows:
         from mikas.recording.window import Windows
 
-        conversions = {each.name: each.reading(self.reading) for each in self.catalog.parameters}
+        conversions = {
+            each.name: each.interpretation(self.interpretation) for each in self.catalog.parameters
+        }
         return Windows(self.rows(), conversions)
 
     @property
@@ -255,14 +257,14 @@ class Recording:
         }
 
 
-def _reader(path: Path, catalog: Catalog, reading: str) -> TableReader:
+def _reader(path: Path, catalog: Catalog, interpretation: str) -> TableReader:
     from mikas.recording.bulk import TableReader
 
-    return TableReader(path, catalog, reading)
+    return TableReader(path, catalog, interpretation)
 
 
 def _about(
-    capture: CaptureReader, unit: Unit | None, catalog: Catalog, reading: str
+    capture: CaptureReader, unit: Unit | None, catalog: Catalog, interpretation: str
 ) -> dict[str, str]:
     source = next((it.source for it in capture if isinstance(it, Packet)), Source(0))
     facts = {
@@ -276,6 +278,6 @@ def _about(
         "method": (unit.method or "") if unit else "",
         "recorded with catalog": (unit.catalog or "") if unit else "",
         "catalog": catalog.version,
-        "reading": reading,
+        "reading": interpretation,
     }
     return {title: text for title, text in facts.items() if text}

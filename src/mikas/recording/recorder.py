@@ -78,7 +78,7 @@ class Recorder:
         self,
         *,
         ecu: Callable[[], Ecu | None] = lambda: None,
-        reading: str = "corrected",
+        interpretation: str = "corrected",
         joined: bool = True,
         on_file: Callable[[Path], None] | None = None,
     ) -> None:
@@ -87,7 +87,7 @@ class Recorder:
         self.on_file = on_file
         self._ecu = ecu
         self._joined = joined
-        self._chronicle = Chronicle(ecu, reading)
+        self._chronicle = Chronicle(ecu, interpretation)
         self._lock = threading.RLock()
         self._open: _Open | None = None
         self._time: float | None = None  # the latest that was seen on the link's clock

@@ -39,7 +39,7 @@ SETTINGS: Final = ("speed", "seek", "loop", *WIRE_SETTINGS)
 """Names of all settings, as texts: those of this module, and those of `mikas.virtual.build`.
 
 `speed`: of the car, 1 by default; `seek`: where to begin, in seconds; `loop=1`: begin again at the
-end. `echo`, `baud` and the switches of `Assumptions` are as recorded unless given.
+end. `echo`, `baud` and the switches of `EcuQuirks` are as recorded unless given.
 """
 _FASTEST: Final = 1000.0
 _BAUDS: Final = range(50, 4_000_001)

@@ -14,7 +14,7 @@ from typing import Final
 
 from mikas import commands as c
 from mikas.commands.base import ERROR
-from mikas.virtual.quirks import Assumptions, LongList, Unknown
+from mikas.virtual.quirks import EcuQuirks, LongList, Unknown
 
 ENOUGH: Final = 2  # a unit that does not take a request fails it each time
 _MOST_DELAYS: Final = 1000
@@ -72,7 +72,7 @@ class Habits:
 
     def conclude(
         self, has_supply: Callable[[float], bool], known: Collection[int]
-    ) -> tuple[Assumptions, dict[int, bytes | None]]:
+    ) -> tuple[EcuQuirks, dict[int, bytes | None]]:
         """The unit's assumptions, and what it says to each command code that it lacks.
 
         `known`: the parameter codes that it has; a list with another one in it is refused for that.
@@ -90,9 +90,9 @@ class Habits:
         refusals.pop(c.Availability.CODES[0], None)  # else there is nothing to talk to
         tried = [(request, said) for request, said in failed if request[0] in self._answered]
         max_list, short = self._limit(_LISTS, tried)
-        assumptions = Assumptions(
-            turn_round=_typical(self._delays, Assumptions().turn_round),
-            stream_gap=_typical(self._gaps, Assumptions().stream_gap),
+        assumptions = EcuQuirks(
+            turn_round=_typical(self._delays, EcuQuirks().turn_round),
+            stream_gap=_typical(self._gaps, EcuQuirks().stream_gap),
             max_list=max_list,
             long_list=LongList.SHORT if short else LongList.SILENT,
             max_block=self._limit(_BLOCKS, tried)[0],

@@ -14,7 +14,7 @@ from math import inf
 from typing import Any, Generic, TypeVar
 
 from mikas import commands as c
-from mikas.virtual.quirks import Assumptions
+from mikas.virtual.quirks import EcuQuirks
 
 T = TypeVar("T")
 
@@ -117,7 +117,7 @@ class Recorded:
     silences: list[tuple[float, float]] = field(default_factory=list)
     holes: list[tuple[float, float]] = field(default_factory=list)
     refused: dict[int, Latest[bool]] = field(default_factory=dict)
-    assumptions: Assumptions = field(default_factory=Assumptions)
+    assumptions: EcuQuirks = field(default_factory=EcuQuirks)
     refusals: dict[int, bytes | None] = field(default_factory=dict)
     answered: frozenset[int] = frozenset()
 

@@ -20,7 +20,7 @@ from mikas.client.methods import METHODS, FixedMethod
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.link import Link
-from mikas.link.reconnecting import Plug
+from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.alarms import AlarmEvent, Alarms, AlarmState, Value
 from mikas.sampling.derived import DerivedChannels, number_of
 from mikas.sampling.events import Event, Gap, LineState, PlanChanged, Sampled, UnitFound
@@ -43,7 +43,7 @@ class Acquisition:
 
     def __init__(
         self,
-        plug: Plug,
+        plug: ReconnectingPort,
         make_ecu: Callable[[Link], Ecu],
         catalog: Catalog,
         names: Iterable[str] = (),

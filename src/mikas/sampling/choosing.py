@@ -17,12 +17,12 @@ from math import log2
 from statistics import median
 
 from mikas.client import Ecu, Reading
-from mikas.client.limits import Pace
+from mikas.client.limits import MethodTiming
 from mikas.client.methods import STREAMS, FixedMethod
 from mikas.commands import Availability
-from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, OutOfStep
+from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, SyncLost
 from mikas.sampling.cycles import Cycles, cycles_of
-from mikas.sampling.identity_check import Doubt
+from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
 
 CANDIDATES: tuple[FixedMethod, ...] = ("stream", "list", "batch")
@@ -71,13 +71,13 @@ def kind_of_adapter(ecu: Ecu) -> str:
 def measure(
     ecu: Ecu,
     plan: Plan,
-    doubt: Doubt | None = None,
+    doubt: IdentityCheck | None = None,
     aside: Callable[[Callable[[], None]], bool] = lambda _: False,
 ) -> Found:
     """Runs `plan` for a second: gives what came, and what went wrong; returns how fast it was.
 
     `aside` may ask for something else between two cycles, after it has called what it is given;
-    returns whether it did. Raises a `NoConnection` if the unit goes away meanwhile, `OutOfStep` if
+    returns whether it did. Raises a `NoConnection` if the unit goes away meanwhile, `SyncLost` if
     another one comes.
     """
     cycles = cycles_of(ecu, plan, doubt)
@@ -94,7 +94,7 @@ def measure(
                 if free and aside(cycles.pause):
                     before, free = None, False
                 fresh = cycles.run(turn)
-            except (NoConnection, OutOfStep):
+            except (NoConnection, SyncLost):
                 raise
             except LineError as error:
                 free = True
@@ -134,16 +134,16 @@ def _rate(spans: list[float]) -> float:
     return len(counted) / sum(counted)
 
 
-def pace_of(measured: Measured, plan: Plan, baud: int) -> Pace | None:
+def pace_of(measured: Measured, plan: Plan, baud: int) -> MethodTiming | None:
     """What `measured` says of other plans too; None: nothing."""
     codes = len(plan.by(measured.method).fast)
     if not measured.rate:
-        return Pace(codes, None) if measured.refused else None
+        return MethodTiming(codes, None) if measured.refused else None
     wire, responses = _cost(plan.by(measured.method), baud)
-    return Pace(codes, max(0.0, (1 / measured.rate - wire) / responses))
+    return MethodTiming(codes, max(0.0, (1 / measured.rate - wire) / responses))
 
 
-def rates_of(plan: Plan, paces: Mapping[str, Pace], baud: int) -> dict[FixedMethod, float]:
+def rates_of(plan: Plan, paces: Mapping[str, MethodTiming], baud: int) -> dict[FixedMethod, float]:
     """Cycles a second by each candidate of which anything is known for such a plan."""
     rates: dict[FixedMethod, float] = {}
     for method in (*CANDIDATES, LAST):

@@ -14,7 +14,7 @@ from mikas.client.methods import STREAMS, stroke_of
 from mikas.client.streaming import ReadingStream
 from mikas.commands import Datum
 from mikas.errors import EcuRefused, MikasError, NoResponse, WrongLength
-from mikas.sampling.identity_check import Doubt
+from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
 
 _SLICE = 0.1  # s that a silent stream is waited for before others get a look in
@@ -23,7 +23,7 @@ _SLICE = 0.1  # s that a silent stream is waited for before others get a look in
 class Cycles(ABC):
     """Runs `plan` on `ecu`. `doubt`: whether that is still the unit it was."""
 
-    def __init__(self, ecu: Ecu, plan: Plan, doubt: Doubt | None = None) -> None:
+    def __init__(self, ecu: Ecu, plan: Plan, doubt: IdentityCheck | None = None) -> None:
         self.ecu = ecu
         self.plan = plan
         self.doubt = doubt
@@ -45,7 +45,7 @@ class Cycles(ABC):
         """What cycle `number` (from 0) brought, by name. May be empty if nothing had its turn.
 
         Raises a `LineError`, a `NoConnection`, or an `EcuRefused` if the unit does not take the
-        method; `OutOfStep` also if it is, or may be, another unit that answers.
+        method; `SyncLost` also if it is, or may be, another unit that answers.
         """
         fresh = self._run(number)
         if fresh and self.doubt:
@@ -80,7 +80,7 @@ class Asked(Cycles):
 class Listed(Asked):
     """64 once, then 63; what is wanted less often than that is asked by 61 in between."""
 
-    def __init__(self, ecu: Ecu, plan: Plan, doubt: Doubt | None = None) -> None:
+    def __init__(self, ecu: Ecu, plan: Plan, doubt: IdentityCheck | None = None) -> None:
         super().__init__(ecu, plan, doubt)
         ecu.parameters.forget_list()  # the unit may have lost its supply since it was set
 
@@ -97,7 +97,7 @@ class Listed(Asked):
 class Streamed(Cycles):
     """71, or 7F … 83: the unit sends by itself. A cycle may be empty while it is silent."""
 
-    def __init__(self, ecu: Ecu, plan: Plan, doubt: Doubt | None = None) -> None:
+    def __init__(self, ecu: Ecu, plan: Plan, doubt: IdentityCheck | None = None) -> None:
         super().__init__(ecu, plan, doubt)
         self._stream = ReadingStream(
             ecu.tester, ecu.parameters, self._named(plan.fast), stroke_of(plan.method)
@@ -122,7 +122,7 @@ class Streamed(Cycles):
         self._stream.close()
 
 
-def cycles_of(ecu: Ecu, plan: Plan, doubt: Doubt | None = None) -> Cycles:
+def cycles_of(ecu: Ecu, plan: Plan, doubt: IdentityCheck | None = None) -> Cycles:
     """The runner that `plan`'s method needs."""
     if plan.method in STREAMS:
         return Streamed(ecu, plan, doubt)

@@ -230,7 +230,7 @@ def _finite(number: float) -> float:
 
 def number_of(value: Reading | DerivedValue) -> float:
     """The number that formulas and limits mean: in the corrected reading."""
-    if isinstance(value, Reading) and value.reading != "corrected":
+    if isinstance(value, Reading) and value.interpretation != "corrected":
         return float(value.parameter.decode(value.raw))
     return float(value.value)
 

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from mikas.client import Ecu
 
 
-class Doubt:
+class IdentityCheck:
     """`compare` raises what is in the way, or that it is another unit."""
 
     def __init__(self, compare: Callable[[Ecu], None]) -> None:

@@ -12,11 +12,11 @@ from contextlib import closing
 from dataclasses import replace
 
 from mikas.client import Ecu, Reading
-from mikas.errors import MikasError, NoConnection, OutOfStep
+from mikas.errors import MikasError, NoConnection, SyncLost
 from mikas.sampling.choosing import OF_THEIR_OWN, Measured, measure
 from mikas.sampling.cycles import cycles_of
 from mikas.sampling.events import Event, Gap
-from mikas.sampling.identity_check import Doubt
+from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
 from mikas.sampling.session import Session, Wish, datum_of
 
@@ -26,7 +26,7 @@ _SHORTEST = 2  # data: 01 can't be taken for that
 class Measuring:
     """Measures methods and tells `session.learning`."""
 
-    def __init__(self, session: Session, doubt: Doubt) -> None:
+    def __init__(self, session: Session, doubt: IdentityCheck) -> None:
         self._session = session
         self._doubt = doubt
 
@@ -44,15 +44,15 @@ class Measuring:
     ) -> Generator[Event, None, Measured | None]:
         session, link = self._session, ecu.tester.link
 
-        def aside(pause: Callable[[], None]) -> bool:
+        def run_pending(pause: Callable[[], None]) -> bool:
             if not session.jobs:
                 return False
             pause()
             session.jobs.run(ecu)
             return True
 
-        with closing(measure(ecu, plan, self._doubt, aside)) as found:
-            while session.still(wish):
+        with closing(measure(ecu, plan, self._doubt, run_pending)) as found:
+            while session.is_current(wish):
                 try:
                     came = next(found)
                 except StopIteration as end:
@@ -81,7 +81,7 @@ class Measuring:
         session, now = self._session, ecu.tester.link.now
         try:
             fresh = cycles_of(ecu, plan.by("batch"), self._doubt).run(0)
-        except (NoConnection, OutOfStep):
+        except (NoConnection, SyncLost):
             raise
         except MikasError as error:
             yield Gap(now(), error)
@@ -99,7 +99,7 @@ class Measuring:
     def _refused(self, ecu: Ecu, short: Plan, wish: Wish) -> bool:
         """Whether the unit refuses it, as far as can be told while nothing else is wanted."""
         with closing(measure(ecu, short, self._doubt)) as found:
-            while self._session.still(wish):
+            while self._session.is_current(wish):
                 try:
                     came = next(found)
                 except StopIteration as end:

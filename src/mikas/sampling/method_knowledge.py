@@ -11,7 +11,7 @@ from collections import Counter
 from dataclasses import replace
 
 from mikas.client import Ecu
-from mikas.client.limits import STARTING_LIST, Pace
+from mikas.client.limits import STARTING_LIST, MethodTiming
 from mikas.client.methods import FixedMethod
 from mikas.errors import LineError
 from mikas.sampling.choosing import (
@@ -31,10 +31,10 @@ _SLOWER = 0.75  # of what was promised: then it is another adapter, or another s
 _CYCLES, _SECONDS = 6, 1.0  # that a promise is held against
 _OFTEN = 2
 _BAUD = 9600  # §1
-_NEVER = Pace(0, None)  # refused, however short the list is
+_NEVER = MethodTiming(0, None)  # refused, however short the list is
 
 
-class Learning:
+class MethodKnowledge:
     """Of one unit; a new one for another unit."""
 
     def __init__(self) -> None:
@@ -42,7 +42,7 @@ class Learning:
         """The choice that was told last."""
         self.max_list = STARTING_LIST
         """The longest list that the unit is asked for by 61, as far as is known (D11)."""
-        self._paces: dict[str, dict[str, Pace]] = {}
+        self._paces: dict[str, dict[str, MethodTiming]] = {}
         self._kind = ""
         self._ecu: Ecu | None = None
         self._proved: set[str] = set()  # kinds of adapter
@@ -66,7 +66,7 @@ class Learning:
         self._paces.setdefault(self._kind, lacks | kinds.get(self._kind, {}))
 
     @property
-    def _known(self) -> dict[str, Pace]:
+    def _known(self) -> dict[str, MethodTiming]:
         return self._paces.setdefault(self._kind, {})
 
     def next_to_measure(self, plan: Plan, enough: float | None, baud: int) -> FixedMethod | None:
@@ -119,39 +119,39 @@ class Learning:
             return by.price()
         return by.price(turn_round=pace.delay, pause=pace.delay)
 
-    def blame(self, method: FixedMethod) -> None:
+    def record_failure(self, method: FixedMethod) -> None:
         """It worked, or should have, and does not: what works is to be measured anew."""
         self._blamed[method] += 1
-        self.disprove()
+        self.invalidate()
 
-    def blamed(self, method: FixedMethod) -> bool:
+    def has_failed(self, method: FixedMethod) -> bool:
         """Whether it has let its user down before."""
         return self._blamed[method] > 0
 
-    def forgive(self, method: FixedMethod) -> None:
+    def reset_failures(self, method: FixedMethod) -> None:
         """It is wanted once more."""
         del self._blamed[method]
 
-    def disprove(self) -> None:
+    def invalidate(self) -> None:
         """The rates known of this kind of adapter are not so; what the unit refuses it refuses."""
         known = self._known.items()
         self._paces[self._kind] = {
             name: pace for name, pace in known if pace.delay is None and name in OF_THEIR_OWN
         }
 
-    def promise(self, plan: Plan, baud: int) -> Promise | None:
+    def rate_estimate(self, plan: Plan, baud: int) -> RateEstimate | None:
         """What the first cycles have to show, if the choice was made from memory."""
         if self._kind in self._proved:
             return None
         rate = self.rates(plan, baud).get(plan.method, 0.0)
-        return Promise(rate) if rate else None
+        return RateEstimate(rate) if rate else None
 
-    def prove(self) -> None:
+    def confirm(self) -> None:
         """The promise was kept."""
         self._proved.add(self._kind)
 
 
-class Promise:
+class RateEstimate:
     """A rate that the first cycles are held against."""
 
     def __init__(self, rate: float) -> None:

@@ -9,14 +9,14 @@ from contextlib import suppress
 
 from mikas.client import Ecu, Reading
 from mikas.client.methods import STREAMS
-from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, OutOfStep
+from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, SyncLost
 from mikas.sampling.cycles import Asked, Cycles, cycles_of
 from mikas.sampling.events import Event, Gap
-from mikas.sampling.identity_check import Doubt
+from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
 from mikas.sampling.reasons import reason
 from mikas.sampling.session import Session, Wish
-from mikas.sampling.unsupported import Refusals
+from mikas.sampling.unsupported import UnsupportedParameters
 
 _BAD_LINE = 6  # failed cycles in a row after which another method may do better
 _DOUBTS = 2  # of the unit's refusals in a row after which the method is given up
@@ -32,8 +32,8 @@ class Running:
         wish: Wish,
         *,
         session: Session,
-        refusals: Refusals,
-        doubt: Doubt,
+        refusals: UnsupportedParameters,
+        doubt: IdentityCheck,
     ) -> None:
         self._ecu = ecu
         self._plan = plan
@@ -46,7 +46,7 @@ class Running:
         # Between one-off requests a stream is not begun again: it is asked once, by 61.
         self._between = Asked(ecu, plan.by("batch"), doubt) if self._streams else self._cycles
         learning, baud = session.learning, ecu.tester.link.baud
-        self._promise = None if wish.method else learning.promise(plan, baud)
+        self._promise = None if wish.method else learning.rate_estimate(plan, baud)
         self._length = plan.price(baud=baud).seconds  # of a cycle, until one was measured
         self._failures = 0  # in a row
         self._doubts = 0  # of these, those that may be the unit's answer
@@ -54,12 +54,12 @@ class Running:
         self._over = False
 
     def events(self) -> Iterator[Event]:
-        """What happens. Raises the `NoConnection` or `OutOfStep` that ends it, and what `strict`
+        """What happens. Raises the `NoConnection` or `SyncLost` that ends it, and what `strict`
         says.
         """
         number = 0
         try:
-            while not self._over and self._session.still(self._wish):
+            while not self._over and self._session.is_current(self._wish):
                 cycles = self._cycles
                 if self._session.jobs:
                     yield from self._pause()
@@ -81,7 +81,7 @@ class Running:
             return
         try:
             fresh = cycles.run(number)
-        except (NoConnection, OutOfStep):
+        except (NoConnection, SyncLost):
             raise
         except MikasError as error:
             yield Gap(self._now(), reason(self._ecu, cycles.plan, error, worked=self._worked))
@@ -113,15 +113,15 @@ class Running:
             self._doubts = _DOUBTS  # nobody allowed it
         elif cycles.let_down(error):
             self._doubts += 1
-            weed = self._refusals.weed(self._ecu, self._plan, self._wish, going=True)
-            if (yield from weed) or not self._session.still(self._wish):
+            weed = self._refusals.drop_unsupported(self._ecu, self._plan, self._wish, going=True)
+            if (yield from weed) or not self._session.is_current(self._wish):
                 self._over = True
                 return
         if self._doubts >= _DOUBTS:
-            self._session.learning.blame(self._plan.method)
+            self._session.learning.record_failure(self._plan.method)
             self._over = True
         elif self._failures >= _BAD_LINE and self._wish.method is None:
-            self._session.learning.disprove()
+            self._session.learning.invalidate()
             self._over = True
 
     def _hold_against_promise(self, began: float, *, whole: bool) -> None:
@@ -132,9 +132,9 @@ class Running:
             return
         self._promise = None
         if kept:
-            self._session.learning.prove()
+            self._session.learning.confirm()
         else:
-            self._session.learning.disprove()
+            self._session.learning.invalidate()
             self._over = True
 
     def _is_time_for(self, cycles: Cycles) -> bool:

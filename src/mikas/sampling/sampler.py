@@ -16,9 +16,9 @@ from typing import TypeVar
 
 from mikas.client import Ecu
 from mikas.client.methods import FixedMethod
-from mikas.errors import LinkLost, MikasError, NoConnection, OutOfStep, RecordingOver
+from mikas.errors import LinkLost, MikasError, NoConnection, RecordingOver, SyncLost
 from mikas.link import Link
-from mikas.link.reconnecting import Plug
+from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.choosing import CANDIDATES, LAST, best
 from mikas.sampling.events import Chosen, Event, LineState, PlanChanged
 from mikas.sampling.jobs import Jobs
@@ -26,8 +26,8 @@ from mikas.sampling.measuring import Measuring
 from mikas.sampling.plan import Plan, Price, Wanted
 from mikas.sampling.running import Running
 from mikas.sampling.session import Session, Wish
-from mikas.sampling.supervisor import Approach, Unit, same
-from mikas.sampling.unsupported import Refusals
+from mikas.sampling.supervisor import ConnectionSupervisor, Unit, same
+from mikas.sampling.unsupported import UnsupportedParameters
 
 T = TypeVar("T")
 
@@ -46,7 +46,7 @@ class Sampler:
 
     def __init__(
         self,
-        plug: Plug,
+        plug: ReconnectingPort,
         make_ecu: Callable[[Link], Ecu],
         wanted: Sequence[Wanted],
         *,
@@ -58,8 +58,8 @@ class Sampler:
         self._jobs = Jobs(plug.url)
         wish = Wish(tuple(wanted), method, rate, again)
         self._session = Session(wish, self._jobs, strict=strict)
-        self._approach = Approach(plug, make_ecu, self._session)
-        self._refusals = Refusals(self._session, self._approach.doubt)
+        self._approach = ConnectionSupervisor(plug, make_ecu, self._session)
+        self._refusals = UnsupportedParameters(self._session, self._approach.doubt)
         self._measuring = Measuring(self._session, self._approach.doubt)
         self._unit: Unit | None = None
         self._plan: Plan | None = None
@@ -162,7 +162,7 @@ class Sampler:
                 yield from self._sample(ecu)
             except LinkLost:
                 raise
-            except (NoConnection, OutOfStep) as error:
+            except (NoConnection, SyncLost) as error:
                 there = yield from self._approach.meet_again(ecu, error)
 
     def _forget(self) -> None:
@@ -180,7 +180,7 @@ class Sampler:
             if self._told is None or self._told[0] is not wish:
                 session.begin(wish)
             plan = yield from self._refusals.accepted(ecu, wish)
-            if not session.still(wish):
+            if not session.is_current(wish):
                 continue
             if plan is None:
                 yield from self._idle(ecu, wish, _LONG)
@@ -188,7 +188,7 @@ class Sampler:
                 continue
             yield from self._approach.now_in(LineState.SAMPLING, ecu.tester.link.now())
             method = yield from self._method(ecu, plan, wish)
-            if not session.still(wish):
+            if not session.is_current(wish):
                 continue
             if method is None:
                 yield from self._idle(ecu, wish, _SHORT)
@@ -209,11 +209,13 @@ class Sampler:
     ) -> Generator[Event, None, FixedMethod | None]:
         """The one that is wanted or the best, measured if need be; None: nothing works."""
         session, learning, baud = self._session, self._session.learning, ecu.tester.link.baud
-        if wish.method is not None and not learning.blamed(wish.method):
+        if wish.method is not None and not learning.has_failed(wish.method):
             return wish.method
         learning.begin(ecu)
         measured = False
-        while session.still(wish) and (trial := learning.next_to_measure(plan, wish.rate, baud)):
+        while session.is_current(wish) and (
+            trial := learning.next_to_measure(plan, wish.rate, baud)
+        ):
             if not measured:
                 yield from self._tell(ecu, wish, plan)  # by any method, so far
             measured = True
@@ -223,7 +225,11 @@ class Sampler:
             learning.keep()
         rates = learning.rates(plan, baud)
         chosen = best(rates, wish.rate)
-        if session.still(wish) and chosen is not None and (measured or chosen != learning.method):
+        if (
+            session.is_current(wish)
+            and chosen is not None
+            and (measured or chosen != learning.method)
+        ):
             learning.method = chosen
             told = {str(each): rates[each] for each in (*CANDIDATES, LAST) if each in rates}
             yield Chosen(ecu.tester.link.now(), chosen, told)
@@ -239,5 +245,5 @@ class Sampler:
         """Nothing can be sampled: only jobs are done. It goes on when something else is wanted."""
         session, due = self._session, ecu.tester.link.now() + seconds
         yield from self._approach.now_in(LineState.ECU_ALIVE, ecu.tester.link.now())
-        while session.still(wish) and not session.waited(ecu, wish, due):
+        while session.is_current(wish) and not session.waited(ecu, wish, due):
             self._jobs.run(ecu)

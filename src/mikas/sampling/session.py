@@ -13,7 +13,7 @@ from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.sampling.events import Sampled
 from mikas.sampling.jobs import Jobs
-from mikas.sampling.method_knowledge import Learning
+from mikas.sampling.method_knowledge import MethodKnowledge
 from mikas.sampling.plan import Plan, Wanted
 
 _SLICE = 0.1  # s that a wait for the next cycle lasts before others get a look in
@@ -46,7 +46,7 @@ class Session:
         self.stopped = False
         self.relearn = False
         self.begun = False
-        self.learning = Learning()
+        self.learning = MethodKnowledge()
         self.refused: set[Datum] = set()
         self.dropped: set[str] = set()
         """Names that were told to be refused."""
@@ -56,7 +56,7 @@ class Session:
 
     def another_unit(self) -> None:
         """What was known was known of another one, or is to be forgotten."""
-        self.learning = Learning()
+        self.learning = MethodKnowledge()
         self.refused.clear()
         self.dropped.clear()
         self._last.clear()
@@ -68,9 +68,9 @@ class Session:
             self.refused.clear()
             self.dropped.clear()
         if wish.method is not None:
-            self.learning.forgive(wish.method)
+            self.learning.reset_failures(wish.method)
 
-    def still(self, wish: Wish) -> bool:
+    def is_current(self, wish: Wish) -> bool:
         """Whether `wish` is what is wanted, and anything at all."""
         return wish is self.wish and not self.relearn and not self.stopped
 
@@ -114,7 +114,7 @@ class Session:
         due = self.due if due is None else due
         now = ecu.tester.link.now
         while now() < due:
-            if self.jobs or not self.still(wish):
+            if self.jobs or not self.is_current(wish):
                 return False
             ecu.tester.wait(min(due, now() + _SLICE))
         return True

@@ -20,12 +20,12 @@ from mikas.errors import (
     NoConnection,
     NoEcho,
     NotAKLineAdapter,
-    OutOfStep,
+    SyncLost,
 )
 from mikas.link import Link
-from mikas.link.reconnecting import Plug
+from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.events import Event, Gap, LineState, StateChanged, UnitFound
-from mikas.sampling.identity_check import Doubt
+from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.session import Session
 
 Unit = tuple[int, Passport]
@@ -33,19 +33,21 @@ Unit = tuple[int, Passport]
 _PORT_LOOK = 1.0  # s between looks for an adapter that is not there
 
 
-class Approach:
+class ConnectionSupervisor:
     """Opens `plug` and finds the unit behind it, as often as needed.
 
     While the way is broken, jobs fail with what broke it; so do the methods here in a strict
     session before its first sample.
     """
 
-    def __init__(self, plug: Plug, make_ecu: Callable[[Link], Ecu], session: Session) -> None:
+    def __init__(
+        self, plug: ReconnectingPort, make_ecu: Callable[[Link], Ecu], session: Session
+    ) -> None:
         self.state: LineState | None = None
         self.unit: Unit | None = None
         self.ecu: Ecu | None = None
         """That of the open link; None until a unit has been met on it."""
-        self.doubt = Doubt(self._compare)
+        self.doubt = IdentityCheck(self._compare)
         """Whether it is still `unit`."""
         self._plug = plug
         self._make_ecu = make_ecu
@@ -78,13 +80,13 @@ class Approach:
         yield UnitFound(link.now(), *unit, another)
         return ecu
 
-    def meet_again(self, ecu: Ecu, error: NoConnection | OutOfStep) -> Generator[Event, None, bool]:
+    def meet_again(self, ecu: Ecu, error: NoConnection | SyncLost) -> Generator[Event, None, bool]:
         """After `error`, until a unit answers. False: it is not that of `ecu`, or nobody wants it
         any more.
         """
         yield from self._not_there(ecu, error)
         # A unit that can't be brought in step may be one of another version.
-        unit = yield from self._until(ecu, again=not isinstance(error, OutOfStep))
+        unit = yield from self._until(ecu, again=not isinstance(error, SyncLost))
         if unit is None or self.unit is None or not same(unit, self.unit):
             return False
         self.unit = unit
@@ -128,18 +130,18 @@ class Approach:
         if not same(unit, self.unit):
             once, unit = unit, (ecu.version_code, ecu.passport(again=True))
             if not same(once, unit):
-                raise OutOfStep(time=ecu.tester.link.now())
+                raise SyncLost(time=ecu.tester.link.now())
             return unit
         return unit[0], unit[1].filled_from(self.unit[1])
 
     def _compare(self, ecu: Ecu) -> None:
-        """Raises `OutOfStep` if it is not `unit` that answers, or not certain, `NoConnection`."""
+        """Raises `SyncLost` if it is not `unit` that answers, or not certain, `NoConnection`."""
         try:
             unit = self._who(ecu)
         except LineError as error:
-            raise OutOfStep(time=ecu.tester.link.now()) from error
+            raise SyncLost(time=ecu.tester.link.now()) from error
         if self.unit is None or not same(unit, self.unit):
-            raise OutOfStep(time=ecu.tester.link.now())
+            raise SyncLost(time=ecu.tester.link.now())
 
     def _not_there(self, ecu: Ecu, error: NoConnection | LineError) -> Iterator[Event]:
         state = LineState.ECHO_ONLY  # something talks, but it is no use yet

@@ -19,11 +19,11 @@ from mikas.errors import (
     MikasError,
     NoResponse,
     NotSupported,
-    OutOfStep,
+    SyncLost,
     WrongLength,
 )
 from mikas.sampling.events import Dropped, Event, Gap
-from mikas.sampling.identity_check import Doubt
+from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
 from mikas.sampling.session import Session, Wish, datum_of
 
@@ -32,10 +32,10 @@ _ATTEMPTS = 3
 _ASKED_AGAIN = 2  # times, before silence is taken for a refusal
 
 
-class Refusals:
+class UnsupportedParameters:
     """Makes plans without what the unit refuses."""
 
-    def __init__(self, session: Session, doubt: Doubt) -> None:
+    def __init__(self, session: Session, doubt: IdentityCheck) -> None:
         self._session = session
         self._doubt = doubt
         self._asked_again: Wish | None = None
@@ -49,7 +49,7 @@ class Refusals:
         for attempt in range(1, _ATTEMPTS + 1):
             if attempt > 1:
                 self._session.jobs.run(ecu)  # an attempt takes seconds, where the unit is silent
-            if not self._session.still(wish):
+            if not self._session.is_current(wish):
                 return None
             plan = self._left(wish)
             if plan is None:
@@ -62,8 +62,8 @@ class Refusals:
                 if attempt == _ATTEMPTS:
                     return plan  # on such a line there is no telling
             except NotSupported as error:
-                weeded = yield from self.weed(ecu, plan, wish)
-                if not weeded and self._session.still(wish):
+                weeded = yield from self.drop_unsupported(ecu, plan, wish)
+                if not weeded and self._session.is_current(wish):
                     yield from self._nothing(ecu, error)
                     return None
         plan = self._left(wish)
@@ -89,7 +89,7 @@ class Refusals:
             raise error
         yield Gap(ecu.tester.link.now(), error)
 
-    def weed(
+    def drop_unsupported(
         self, ecu: Ecu, plan: Plan, wish: Wish, *, going: bool = False
     ) -> Generator[Event, None, bool]:
         """Drops what the unit refuses now; whether that is anything.
@@ -103,7 +103,7 @@ class Refusals:
         left: dict[Datum, int] = {}  # those that did not answer; how often they are asked again
         to_ask = list(dict.fromkeys((*COMMON, *asked)))
         try:
-            while to_ask and session.still(wish):
+            while to_ask and session.is_current(wish):
                 session.jobs.run(ecu)
                 datum = to_ask.pop(0)
                 if answered and datum not in asked:
@@ -119,7 +119,7 @@ class Refusals:
                     to_ask.append(datum)
                 if going:
                     yield from self._rest(ecu, plan, answered)
-        except OutOfStep:
+        except SyncLost:
             raise
         except LineError as error:
             yield Gap(ecu.tester.link.now(), error)

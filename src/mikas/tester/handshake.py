@@ -11,11 +11,11 @@ from mikas.errors import (
     NoEcho,
     NoResponse,
     NotAKLineAdapter,
-    OutOfStep,
+    SyncLost,
 )
 from mikas.framing import TERMINATOR, encode
 from mikas.tester.line import Line
-from mikas.tester.line_sync import AVAILABILITY, Step, nobody
+from mikas.tester.line_sync import AVAILABILITY, LineSync, no_ecu_error
 
 _ELM_TEXT = frozenset(b"?>\r\n .0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ")
 
@@ -28,20 +28,20 @@ class Echo(Enum):
     OFF = "off"
 
 
-def introduce(line: Line, step: Step, echo: Echo, *, again: bool = False) -> int:
+def handshake(line: Line, step: LineSync, echo: Echo, *, again: bool = False) -> int:
     """Settles `line.echo` and returns the unit's version code, given twice and alike.
 
     `again`: it has failed before, so an earlier session's stream by strokes is looked for, which
     the pauses of a first, quick try may hide. Raises `NoEcho`, `EchoOnly`, `EchoDiffers`,
-    `NotAKLineAdapter`, `OutOfStep` or another `LineError`.
+    `NotAKLineAdapter`, `SyncLost` or another `LineError`.
     """
     came = step.silence(patient=again)
     answered = _find_echo(line, echo, came)
-    first = _ask_who(line, line.timing.quiet, answered=answered)
+    first = _ask_who(line, line.timing.idle_time, answered=answered)
     # Whatever an earlier session has left behind, a late answer or a stream by strokes, shows
-    # itself in the silence of a whole `first_byte` at the end.
-    if _ask_who(line, line.timing.first_byte, answered=True) != first:
-        raise OutOfStep(received=bytes([first]), time=line.link.now())
+    # itself in the silence of a whole `response_timeout` at the end.
+    if _ask_who(line, line.timing.response_timeout, answered=True) != first:
+        raise SyncLost(received=bytes([first]), time=line.link.now())
     return first
 
 
@@ -69,14 +69,14 @@ def _call(line: Line) -> tuple[bytes, bytes]:
     """Sends `01`; returns it and all that comes then."""
     link, timing = line.link, line.timing
     request = line.interject(AVAILABILITY)
-    deadline = line.sent_until + timing.first_byte
-    last = deadline + timing.babble
+    deadline = line.sent_until + timing.response_timeout
+    last = deadline + timing.max_busy_time
     received = bytearray()
     while (chunk := link.read(deadline)).data and chunk.time < last:
         received += chunk.data
         if not request.startswith(received):
             # More than the echo has come: that is enough to tell. The rest is waited out.
-            deadline = min(chunk.time + timing.quiet, last)
+            deadline = min(chunk.time + timing.idle_time, last)
     return request, bytes(received)
 
 
@@ -90,13 +90,13 @@ def _ask_who(line: Line, quiet: float, *, answered: bool) -> int:
     except NoResponse as error:
         if answered:
             raise
-        raise nobody(error, echoes=line.echo) from error
+        raise no_ecu_error(error, echoes=line.echo) from error
     except DamagedResponse as error:
         refuse_elm(error.received or b"")
         raise
     came = line.wait_for_quiet(quiet)
     if came or len(reply.body) != 1:
-        raise OutOfStep(request=encode(AVAILABILITY), received=reply.wire + came, time=reply.ended)
+        raise SyncLost(request=encode(AVAILABILITY), received=reply.wire + came, time=reply.ended)
     return reply.body[0]
 
 

@@ -73,7 +73,7 @@ class Line:
         if self.echo:
             if not hasty:  # all of it, and be it a little late: the response is later
                 self.link.gather(self.sent_until + self.link.byte_time / 2)
-            self.echo_heard = self._check_echo(wire, self.sent_until + self.timing.first_byte)
+            self.echo_heard = self._check_echo(wire, self.sent_until + self.timing.response_timeout)
             self.sent_until = max(self.sent_until, self.echo_heard)
         return wire, self.sent_until
 
@@ -113,7 +113,7 @@ class Line:
         """
         decoder = self.decoder()
         received = bytearray()
-        deadline = sent_at + self.timing.first_byte
+        deadline = sent_at + self.timing.response_timeout
         while True:
             chunk = self._next(deadline)
             if not chunk.data:
@@ -132,7 +132,7 @@ class Line:
                 # A pause inside (D14) must not be slept through: half of it at a time, so that one
                 # that is too long is found, at worst so much later.
                 missing = least + _AROUND - len(received)
-                self._gather(chunk.time, missing, most=self.timing.between_bytes / 2)
+                self._gather(chunk.time, missing, most=self.timing.inter_byte_timeout / 2)
                 continue
             first, began = events[0]
             if isinstance(first, Damage):
@@ -164,13 +164,13 @@ class Line:
             self.link.gather(since + min((count - 1) * self.link.byte_time, most))
 
     def _pause(self) -> float:
-        return self.timing.between_bytes + self.link.byte_time
+        return self.timing.inter_byte_timeout + self.link.byte_time
 
     def _nothing_more(self, wire: bytes, received: bytes, time: float) -> Exception:
         if received:
             return self._damaged(wire, received, time, _CUT)
         return NoResponse(
-            seconds=self.timing.first_byte, request=wire, received=received, time=time
+            seconds=self.timing.response_timeout, request=wire, received=received, time=time
         )
 
     @staticmethod
@@ -193,11 +193,13 @@ class Line:
         """Waits for the time `until`, and until nothing has come for `seconds`; returns what came.
 
         Raises `LineNotQuiet` if something still comes `patience` after the beginning (by default
-        `timing.babble` more than `seconds`) and after `until`.
+        `timing.max_busy_time` more than `seconds`) and after `until`.
         """
         came = bytearray(self.arrived())
         began = self.link.now()
-        last = max(until, began + (seconds + self.timing.babble if patience is None else patience))
+        last = max(
+            until, began + (seconds + self.timing.max_busy_time if patience is None else patience)
+        )
         quiet_at = max(until, began + seconds)
         while True:
             chunk = self.link.read(quiet_at)

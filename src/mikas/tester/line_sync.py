@@ -1,6 +1,6 @@
 """In step with the ECU: what a response has to be before it is trusted (D12, D13).
 
-A response carries neither its command nor an id. `Step` remembers that a late one may still be
+A response carries neither its command nor an id. `LineSync` remembers that a late one may still be
 under way, and until when (`Timing.late` behind its request, whichever request that was: one that
 failed, a `01` of the search itself, the last of a stream). It waits until then and for a quiet
 line; now nothing is under way, so what answers a `01` is that `01`'s answer. It counts if it is
@@ -17,7 +17,7 @@ from mikas.errors import (
     MikasError,
     NoEcho,
     NoResponse,
-    OutOfStep,
+    SyncLost,
 )
 from mikas.framing import TERMINATOR, Decoder, Frame
 from mikas.tester.line import WRONG_CHECKSUM, Line
@@ -31,7 +31,7 @@ _CLEAN_TRIES = 3  # at its clean end: the first `01` often meets a response of a
 _BREAK = 0.05  # s; far over the ten bits that a talker takes for a byte
 
 
-class Step:
+class LineSync:
     """Whether the line and the unit are where the tester thinks they are."""
 
     def __init__(self, line: Line) -> None:
@@ -44,7 +44,7 @@ class Step:
         like the unit's answer to `01`."""
         self._awaited = True  # the latest request's response may still come
 
-    def lose(self, error: BaseException | None = None) -> None:
+    def mark_lost(self, error: BaseException | None = None) -> None:
         """After `error`, or before something whose end is open, nothing that comes is trusted.
 
         A whole frame with a wrong checksum was the latest request's response, and nothing more is
@@ -57,43 +57,43 @@ class Step:
         """The exchange ended as it should."""
         self.lost = self.streaming = False
 
-    def assure(self, version_code: int) -> None:
+    def resynchronize(self, version_code: int) -> None:
         """Comes back in step if there is any doubt; what came unasked is reason enough for one.
 
-        Raises `NoEcho` or `EchoOnly` if nobody is there any more, `LineNotQuiet`, `OutOfStep`.
+        Raises `NoEcho` or `EchoOnly` if nobody is there any more, `LineNotQuiet`, `SyncLost`.
         """
         if not self.lost:
             if not self.line.arrived():
                 return
-            self.lose()
+            self.mark_lost()
         self.found_again += 1
         if self.streaming:
             self._silence_for_good()
-        failure: MikasError = OutOfStep()
+        failure: MikasError = SyncLost()
         for attempt in range(_ROUNDS):
             self.silence(patient=attempt >= _HASTY_ROUNDS)
             try:
                 if self._confirm(version_code):
                     self.keep()
                     return
-                failure = OutOfStep()
+                failure = SyncLost()
             except (NoEcho, EchoOnly) as error:
                 if type(error) is type(failure):  # twice in a row: it is no accident
                     raise
                 failure = error
             except LineError as error:
-                self.lose(error)
+                self.mark_lost(error)
                 failure = error
         raise failure
 
     def _confirm(self, version_code: int) -> bool:
         """D13: exactly one response, the unit's own, and a quiet line after it."""
-        self.lose()
+        self.mark_lost()
         try:
             reply = self.line.exchange(AVAILABILITY)
         except NoResponse as error:
-            raise nobody(error, echoes=self.line.echo) from error
-        came = self.line.wait_for_quiet(self.line.timing.quiet)
+            raise no_ecu_error(error, echoes=self.line.echo) from error
+        came = self.line.wait_for_quiet(self.line.timing.idle_time)
         return not came and reply.body == bytes([version_code])
 
     def silence(self, *, patient: bool = False) -> bytes:
@@ -103,7 +103,7 @@ class Step:
         strokes, with pauses longer than a quiet line needs. Raises `LineNotQuiet` if a stream can't
         be ended.
         """
-        seconds = self.line.timing.late if patient else self.line.timing.quiet
+        seconds = self.line.timing.late if patient else self.line.timing.idle_time
         try:
             return self.line.wait_for_quiet(seconds, until=self._late_until())
         except LineNotQuiet as error:
@@ -115,17 +115,17 @@ class Step:
         return self.line.sent_until + (self.line.timing.late if self._awaited else 0.0)
 
     def end_stream(self, version_code: int, *, by_strokes: bool, bytes_each: int) -> None:
-        """Ends a stream (D12) and comes back in step. Raises as `assure` does."""
+        """Ends a stream (D12) and comes back in step. Raises as `resynchronize` does."""
         timing, own = self.line.timing, bytes([version_code])
         tries = 0 if by_strokes or bytes_each == 1 else _CLEAN_TRIES
         for _ in range(tries):
-            if _last_frame(self.interrupt(timing.quiet)) == own:
+            if _last_frame(self.interrupt(timing.idle_time)) == own:
                 # No datum looks like that: it was the answer to `01`, and nothing comes after it.
                 self.streaming = self._awaited = False
-                self.assure(version_code)
+                self.resynchronize(version_code)
                 return
         self._silence_for_good(None if bytes_each == 1 else own, by_strokes=by_strokes)
-        self.assure(version_code)
+        self.resynchronize(version_code)
 
     def _silence_for_good(self, own: bytes | None = None, *, by_strokes: bool = True) -> None:
         """Ends what may be a stream with long pauses, or of data like the answer to `01`.
@@ -146,7 +146,7 @@ class Step:
         It has ended when nothing comes for `seconds`. Returns what came after the last attempt.
         Raises `LineNotQuiet` if the unit goes on all the same.
         """
-        self.lose()
+        self.mark_lost()
         for attempt in range(_INTERRUPTIONS + 1):
             if attempt < _INTERRUPTIONS:
                 self._wait_for_gap()
@@ -154,7 +154,7 @@ class Step:
             else:
                 self._break()
             try:
-                return self.line.wait_for_quiet(seconds, patience=2 * self.line.timing.quiet)
+                return self.line.wait_for_quiet(seconds, patience=2 * self.line.timing.idle_time)
             except LineNotQuiet:
                 if attempt == _INTERRUPTIONS:
                     raise
@@ -167,9 +167,9 @@ class Step:
     def _wait_for_gap(self) -> None:
         """Until a response has just ended, or nothing has come for a moment."""
         link, timing = self.line.link, self.line.timing
-        deadline = link.now() + timing.babble
+        deadline = link.now() + timing.max_busy_time
         while link.now() < deadline:
-            chunk = link.read(link.now() + timing.between_bytes)
+            chunk = link.read(link.now() + timing.inter_byte_timeout)
             if not chunk.data or chunk.data[-1] == TERMINATOR:
                 return
 
@@ -181,7 +181,7 @@ def _last_frame(came: bytes) -> bytes | None:
     return last.body if isinstance(last, Frame) else None
 
 
-def nobody(error: NoResponse, *, echoes: bool) -> EchoOnly | NoEcho:
+def no_ecu_error(error: NoResponse, *, echoes: bool) -> EchoOnly | NoEcho:
     """Silence after `01`: the ECU is not there, or with no echo nothing may be."""
     if echoes:
         return EchoOnly(request=error.request, received=error.request, time=error.time)

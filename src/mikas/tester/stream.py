@@ -54,7 +54,7 @@ class Stream:
         self.damaged = 0
         self.foreign = 0
         by_strokes = isinstance(command, c.StreamAtStroke)
-        self.silence = silence or (_STANDING_ENGINE if by_strokes else line.timing.first_byte)
+        self.silence = silence or (_STANDING_ENGINE if by_strokes else line.timing.response_timeout)
         self._line = line
         self._end = end
         self._spoilt = spoilt
@@ -154,7 +154,7 @@ class Stream:
         )
 
     def _unknown(self, body: bytes) -> NotSupported:
-        return NotSupported(command=self.command.told_name, request=self._request, received=body)
+        return NotSupported(command=self.command.display_name, request=self._request, received=body)
 
     def close(self) -> None:
         """Ends the stream (D12) and gives the tester free. A second call does nothing.

@@ -25,9 +25,9 @@ from mikas.errors import (
 from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.link import Link
-from mikas.tester.handshake import Echo, introduce, refuse_elm
+from mikas.tester.handshake import Echo, handshake, refuse_elm
 from mikas.tester.line import Line
-from mikas.tester.line_sync import Step
+from mikas.tester.line_sync import LineSync
 from mikas.tester.statistics import Statistics
 from mikas.tester.stream import Stream
 from mikas.tester.timing import Reply, Timing
@@ -61,7 +61,7 @@ class Tester:
         self.version_code: int | None = None
         self.statistics = Statistics()
         self._line = Line(link, timing or Timing(), raw_checksum=raw_checksum, strict=strict)
-        self._step = Step(self._line)
+        self._step = LineSync(self._line)
         self._lock = threading.Lock()
         self._stream: Stream | None = None
         self._stream_thread: int | None = None
@@ -99,9 +99,9 @@ class Tester:
         """
         with self._holding():
             for attempt in range(self.retries + 1):
-                self._step.lose()
+                self._step.mark_lost()
                 try:
-                    self.version_code = introduce(
+                    self.version_code = handshake(
                         self._line, self._step, self.echo, again=attempt > 0
                     )
                     break
@@ -188,7 +188,7 @@ class Tester:
 
     def _once(self, command: c.Command[T]) -> tuple[T, Reply]:
         self.statistics.requests += 1
-        self._step.lose()  # until it has ended well; Ctrl-C may end it too
+        self._step.mark_lost()  # until it has ended well; Ctrl-C may end it too
         try:
             least = min(command.response_lengths(), default=0)
             reply = self._line.exchange(command.body(), least=least)
@@ -199,7 +199,7 @@ class Tester:
                 error.received, error.time = reply.wire, reply.ended
                 raise
         except LineError as error:
-            self._step.lose(error)
+            self._step.mark_lost(error)
             raise
         except EcuRefused:
             self._step.keep()
@@ -213,7 +213,7 @@ class Tester:
         if isinstance(error, NoResponse) and command.code not in self._known:
             self._assure()  # raises NoEcho or EchoOnly if nobody is there any more
             return NotSupported(
-                command=command.told_name, request=error.request, received=b"", time=error.time
+                command=command.display_name, request=error.request, received=b"", time=error.time
             )
         if isinstance(error, NoResponse):
             try:
@@ -229,7 +229,7 @@ class Tester:
         """
         with self._holding():
             self._assure()
-            self._step.lose()
+            self._step.mark_lost()
             began = self.link.now()
             wire, ended = self._line.send(body, hasty=True)
             with suppress(LineError):
@@ -245,7 +245,7 @@ class Tester:
         with self._holding():
             self._assure()
             self.statistics.requests += 1
-            self._step.lose()
+            self._step.mark_lost()
             self._step.streaming = not _STREAM_CODES.isdisjoint(body[:1])
             try:
                 reply = self._line.exchange(body, of_many=self._step.streaming)
@@ -261,13 +261,13 @@ class Tester:
         """Starts `command`; its responses come from what is returned, which must be closed (D12).
 
         The stream holds this tester's lock until then. `silence`: seconds after which iterating it
-        gives up; by default `Timing.first_byte`, and 5 s for a stream by strokes.
+        gives up; by default `Timing.response_timeout`, and 5 s for a stream by strokes.
         """
         self._acquire()
         try:
             self._assure()
             self.statistics.requests += 1
-            self._step.lose()
+            self._step.mark_lost()
             self._step.streaming = True
             stream = Stream(
                 self._line,
@@ -305,12 +305,12 @@ class Tester:
         while (now := self.link.now()) < until:
             with self._holding():
                 if self.link.read(min(until, now + _TURN)).data:
-                    self._step.lose()
+                    self._step.mark_lost()
 
     def _assure(self) -> None:
         if self.version_code is None:
             raise UsageError(problem=Text("connect() comes first", "сначала нужен connect()"))
-        self._step.assure(self.version_code)
+        self._step.resynchronize(self.version_code)
 
     @contextmanager
     def _holding(self) -> Iterator[None]:

@@ -9,20 +9,20 @@ from dataclasses import dataclass
 class Timing:
     """How long to wait, in seconds (D14).
 
-    `first_byte`: from the end of a request to its response. `between_bytes`: silence inside a
-    response after which the rest does not come. `quiet`: silence that counts as a quiet line where
-    nothing can be under way any more. `babble`: how long to wait for that on a line that is not.
+    `response_timeout`: from the end of a request to its response. `inter_byte_timeout`: silence
+    inside a response after which the rest is given up. `idle_time`: silence that counts as a quiet
+    line when no response is pending. `max_busy_time`: the longest wait for a busy line to go quiet.
     """
 
-    first_byte: float = 0.5
-    between_bytes: float = 0.02
-    quiet: float = 0.06
-    babble: float = 1.0
+    response_timeout: float = 0.5
+    inter_byte_timeout: float = 0.02
+    idle_time: float = 0.06
+    max_busy_time: float = 1.0
 
     @property
     def late(self) -> float:
         """From the end of a request: when a response that has not come no longer comes (D13)."""
-        return 2 * self.first_byte
+        return 2 * self.response_timeout
 
 
 @dataclass(frozen=True, slots=True)

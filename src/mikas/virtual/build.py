@@ -19,7 +19,7 @@ from mikas.virtual.ecu import Happening, VirtualEcu
 from mikas.virtual.elm327 import Elm327
 from mikas.virtual.engine import Engine
 from mikas.virtual.engine_car import EngineCar
-from mikas.virtual.fault_injector import LATE_BY, Disturbance, Trouble, parse_rates
+from mikas.virtual.fault_injector import LATE_BY, FaultInjector, LineFault, parse_rates
 from mikas.virtual.memory import Memory
 from mikas.virtual.quirks import ASSUMPTION_NAMES, SWITCH, words
 from mikas.virtual.responder import Identity, Responder
@@ -29,7 +29,7 @@ T = TypeVar("T")
 
 MODELS = {"5.4": 0x09, "7.1": 0x0A}
 ADAPTERS = ("kkl", "elm327")
-_TROUBLES = tuple(trouble.value for trouble in Trouble)
+_TROUBLES = tuple(trouble.value for trouble in LineFault)
 _OWN = (
     "scenario",
     "seed",
@@ -47,7 +47,7 @@ SETTINGS = (*_OWN, *ASSUMPTION_NAMES, *_TROUBLES)
 
 `adapter`: kkl, or elm327, which can't carry the protocol; `latency_ms`: the adapter's latency
 timer; `supplied=0`: it has no 12 V; a line fault's name with its chance, `damaged=0.01`; the
-switches of `Assumptions`.
+switches of `EcuQuirks`.
 """
 CAR_SETTINGS = ("scenario", "model", "faults")
 WIRE_SETTINGS = tuple(name for name in SETTINGS if name not in CAR_SETTINGS)
@@ -105,7 +105,7 @@ def wired(
             latency=_seconds(own, "latency_ms", 0.0, 1000.0) / 1000,
             supplied=_switch(own, "supplied"),
         ),
-        disturbance=Disturbance(
+        disturbance=FaultInjector(
             parse_rates({name: settings[name] for name in _TROUBLES if name in settings}),
             seed=seed,
             late_by=_seconds(own, "late_by", LATE_BY, 60.0),

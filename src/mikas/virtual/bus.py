@@ -15,7 +15,7 @@ from math import inf
 
 from mikas.virtual.adapter import Adapter, AdapterKind
 from mikas.virtual.ecu import VirtualEcu
-from mikas.virtual.fault_injector import Disturbance
+from mikas.virtual.fault_injector import FaultInjector
 
 
 @dataclass(slots=True)
@@ -80,11 +80,11 @@ class Bus:
         ecu: VirtualEcu,
         *,
         adapter: AdapterKind | None = None,
-        disturbance: Disturbance | None = None,
+        disturbance: FaultInjector | None = None,
     ) -> None:
         self.ecu = ecu
         self.byte_time = 10 / ecu.baud
-        self.disturbance = disturbance or Disturbance()
+        self.disturbance = disturbance or FaultInjector()
         self.adapter = Adapter(adapter or AdapterKind())
         self.bytes_carried = 0
         self._tester = _Talker(self.byte_time)

@@ -17,7 +17,7 @@ from mikas.framing import encode
 from mikas.i18n import Text
 
 
-class Trouble(Enum):
+class LineFault(Enum):
     """What can happen to a response."""
 
     LOST = "lost"  # it never comes
@@ -42,7 +42,7 @@ class Sent:
     delay: float = 0.0
 
 
-class Disturbance:
+class FaultInjector:
     """Decides what becomes of each response.
 
     `rates`: chance of each trouble, 0 … 1. `late_by`: seconds. `next(trouble)` queues one for the
@@ -51,7 +51,7 @@ class Disturbance:
 
     def __init__(
         self,
-        rates: Mapping[Trouble, float] | None = None,
+        rates: Mapping[LineFault, float] | None = None,
         *,
         seed: int = 0,
         late_by: float = LATE_BY,
@@ -60,10 +60,10 @@ class Disturbance:
         self.late_by = late_by
         self.count = 0
         self._random = Random(seed)
-        self._queued: deque[Trouble | None] = deque()
+        self._queued: deque[LineFault | None] = deque()
         self._echo_next = False
 
-    def next(self, *troubles: Trouble | None) -> None:
+    def next(self, *troubles: LineFault | None) -> None:
         """What happens to the next responses, in order; None leaves one alone."""
         self._queued.extend(troubles)
 
@@ -75,23 +75,23 @@ class Disturbance:
         self.count += 1
         at = self._random.randrange(len(wire))
         match trouble:
-            case Trouble.LOST:
+            case LineFault.LOST:
                 return []
-            case Trouble.LATE:
+            case LineFault.LATE:
                 return [Sent(wire, self.late_by)]
-            case Trouble.DAMAGED:
+            case LineFault.DAMAGED:
                 return [Sent(_flipped(wire, at, self._random.randrange(8)))]
-            case Trouble.CUT:
+            case LineFault.CUT:
                 return [Sent(wire[: max(1, at)])]
-            case Trouble.MISSING_BYTE:
+            case LineFault.MISSING_BYTE:
                 return [Sent(wire[:at] + wire[at + 1 :])]
-            case Trouble.DOUBLED:
+            case LineFault.DOUBLED:
                 return [Sent(wire), Sent(wire, 0.003)]
-            case Trouble.FOREIGN:
+            case LineFault.FOREIGN:
                 return [Sent(encode(bytes(len(wire))))]  # longer, so never this request's
-            case Trouble.NOISE:
+            case LineFault.NOISE:
                 return [Sent(self._random.randbytes(1 + at % 4)), Sent(wire)]
-            case Trouble.ECHO:
+            case LineFault.ECHO:
                 self._echo_next = True
                 return [Sent(wire)]
 
@@ -102,7 +102,7 @@ class Disturbance:
             return value ^ 0x10
         return value
 
-    def _choose(self) -> Trouble | None:
+    def _choose(self) -> LineFault | None:
         if self._queued:
             return self._queued.popleft()
         for trouble, rate in self.rates.items():
@@ -115,17 +115,17 @@ def _flipped(wire: bytes, at: int, bit: int) -> bytes:
     return wire[:at] + bytes([wire[at] ^ (1 << bit)]) + wire[at + 1 :]
 
 
-def parse_rates(words: Mapping[str, str]) -> dict[Trouble, float]:
+def parse_rates(words: Mapping[str, str]) -> dict[LineFault, float]:
     """`{"damaged": "0.01"}` → rates. Raises `UsageError` naming what is allowed."""
     rates = {}
     for name, value in words.items():
         try:
             rate = float(value)
-            trouble = Trouble(name)
+            trouble = LineFault(name)
         except ValueError:
             rate = -1.0
         if not 0 <= rate <= 1:
-            kinds = ", ".join(t.value for t in Trouble)
+            kinds = ", ".join(t.value for t in LineFault)
             raise UsageError(
                 problem=Text(
                     f"“{name}={value}” is no line fault; write KIND=RATE, rate 0 … 1, kinds: "

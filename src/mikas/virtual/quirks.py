@@ -58,7 +58,7 @@ GROUPS: dict[str, frozenset[int]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Assumptions:
+class EcuQuirks:
     """How this unit behaves where the source does not say. The defaults follow its letter."""
 
     turn_round: float = 0.002  # s from a request's last byte to the response's first, D14
@@ -72,13 +72,13 @@ class Assumptions:
     raw_checksum: bool = False  # D3
     stream_end: StreamEnd = StreamEnd.BYTE  # D12
 
-    def with_options(self, options: Mapping[str, str]) -> Assumptions:
+    def with_options(self, options: Mapping[str, str]) -> EcuQuirks:
         """These, changed by `name=value` texts as they stand in a URL or on a command line."""
         changes = {name: _parse(name, value) for name, value in options.items()}
         return replace(self, **changes)  # type: ignore[arg-type]  # each parsed by its own name
 
 
-ASSUMPTION_NAMES = tuple(f.name for f in fields(Assumptions))
+ASSUMPTION_NAMES = tuple(f.name for f in fields(EcuQuirks))
 
 
 def _parse(name: str, value: str) -> object:

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from mikas import commands as c
 from mikas.virtual.memory import Memory
-from mikas.virtual.quirks import Assumptions, LongList, Unknown
+from mikas.virtual.quirks import EcuQuirks, LongList, Unknown
 
 ERASE_CELL = 0x0E
 
@@ -62,7 +62,7 @@ class Responder:
 
     car: Car
     identity: Identity = field(default_factory=Identity)
-    assumptions: Assumptions = field(default_factory=Assumptions)
+    assumptions: EcuQuirks = field(default_factory=EcuQuirks)
     memory: Memory = field(default_factory=Memory)
     _list: tuple[c.Datum, ...] = ()
     _erase_armed: bool = False

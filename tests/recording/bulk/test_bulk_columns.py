@@ -25,7 +25,7 @@ ALL_OF = {
 @pytest.mark.parametrize("parameter", shipped().parameters, ids=lambda p: p.name)
 def test_every_raw_number_of_the_catalog(parameter, reading):
     raw = ALL_OF[parameter.size]
-    conversion = parameter.reading(reading)
+    conversion = parameter.interpretation(reading)
     assert values(raw, conversion).tolist() == [
         float(conversion.decode(row.tobytes())) for row in raw
     ]

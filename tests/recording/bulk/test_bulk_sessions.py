@@ -27,7 +27,7 @@ from mikas.tester.timed_decoder import TimedDecoder
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import VirtualEcu
-from mikas.virtual.fault_injector import Disturbance, Trouble
+from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
 
@@ -58,7 +58,7 @@ def record(path, steps, *, adapter=None, disturbance=None, reading="corrected", 
     readings = []
     with CaptureWriter(path, url="sim:", append=append) as writer:
         tester = testers.Tester(CaptureTee(link, writer))
-        with Ecu(tester, CATALOG, reading=reading) as ecu:
+        with Ecu(tester, CATALOG, interpretation=reading) as ecu:
             try:
                 tester.connect()
                 for method, names, count in steps:
@@ -145,9 +145,9 @@ def test_a_clean_session(tmp_path_factory, plan, adapter, reading):
 @given(steps, adapters, st.integers(0, 999), st.sampled_from([0.02, 0.1, 0.3]), st.data())
 def test_a_disturbed_session(tmp_path_factory, plan, adapter, seed, rate, data):
     path = tmp_path_factory.mktemp("session") / "line.pcapng"
-    kinds = data.draw(st.lists(st.sampled_from(Trouble), min_size=1, unique=True))
+    kinds = data.draw(st.lists(st.sampled_from(LineFault), min_size=1, unique=True))
     rates = dict.fromkeys(kinds, rate / len(kinds))
-    readings = record(path, plan, adapter=adapter, disturbance=Disturbance(rates, seed=seed))
+    readings = record(path, plan, adapter=adapter, disturbance=FaultInjector(rates, seed=seed))
     shown, channels = table_of(path, size=data.draw(st.sampled_from([1, 3, 50, 65536])))
     wanted, seen = wanted_of(path)
     assert channels == seen

@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 from mikas.catalog.confidence import Confidence
 from mikas.catalog.limits import LIMITS, Level
-from mikas.catalog.model import READINGS
+from mikas.catalog.model import INTERPRETATIONS
 from mikas.i18n import Text
 
 Reader: TypeAlias = Callable[[object], object]
@@ -266,7 +266,7 @@ FAMILIES: Mapping[str, Family] = {
             "reason": TEXT,
             "default": TEXT,
             "alternative": TEXT,
-            "selected_by": choice(str, "", *READINGS[1:]),
+            "selected_by": choice(str, "", *INTERPRETATIONS[1:]),
             "source": string,
         },
     ),

@@ -13,7 +13,7 @@ from mikas.cli.arguments import Whole
 from mikas.cli.dash_notes import tell_if_missing, tell_if_nothing_can_be_kept, tell_kept
 from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
-from mikas.cli.words import say, wished
+from mikas.cli.words import tr, wished
 from mikas.errors import UsageError
 from mikas.i18n import Text
 
@@ -139,7 +139,7 @@ def show_dashboard(run: Run, wishes: Wishes) -> None:
     from mikas.dashboard.app import create_app
     from mikas.dashboard.hub import Hub
     from mikas.dashboard.server import listening, own_addresses, serve
-    from mikas.dashboard.settings import Settings, default_recordings, made
+    from mikas.dashboard.settings import Settings, default_recordings, ensure_folder
     from mikas.dashboard.virtual_cars import VirtualCars
 
     if run.capture is not None:
@@ -152,14 +152,14 @@ def show_dashboard(run: Run, wishes: Wishes) -> None:
     if run.port is not None:
         _check(run.port)
     if wishes.folder is not None:
-        made(wishes.folder)
+        ensure_folder(wishes.folder)
     settings = Settings(
         wishes.folder or default_recordings(),
         catalog=run.catalog(),
         echo=run.echo,
         timeout=run.timeout,
         retries=run.retries,
-        reading=run.reading,
+        interpretation=run.interpretation,
         open_port=VirtualCars().open,
         language=wished(),
     )
@@ -194,7 +194,7 @@ def _tell(run: Run, access: Access, wishes: Wishes, settings: Settings) -> None:
         run.output.line(access.url)
         if access.lan_url:
             run.output.line(access.lan_url)
-    run.output.note(say("Ctrl-C ends it.", "Выход: Ctrl-C."))
+    run.output.note(tr("Ctrl-C ends it.", "Выход: Ctrl-C."))
     tell_if_nothing_can_be_kept(run, settings)
     if run.port is not None:
         tell_if_missing(run, run.port)

@@ -29,7 +29,7 @@ from mikas.recording.describe import Describer
 )
 @click.argument("file", metavar="FILE", type=File(there=True))
 def decode(run: Run, file: Path) -> None:
-    describe = Describer(run.catalog(), run.reading)
+    describe = Describer(run.catalog(), run.interpretation)
     zero: float | None = None
     for item in decode_frames(CaptureReader(file), describe):
         if run.output.json:

@@ -8,7 +8,7 @@ from mikas.cli.arguments import Whole
 from mikas.cli.commands.dash import Wishes, dashboard_options, show_dashboard
 from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
-from mikas.cli.words import say
+from mikas.cli.words import tr
 from mikas.i18n import Text
 
 _FAULTS = "17"  # the air's temperature: something to find and to erase, and the engine runs well
@@ -46,5 +46,5 @@ _FAULTS = "17"  # the air's temperature: something to find and to erase, and the
 @dashboard_options
 def demo(run: Run, wishes: Wishes, *, scenario: str, seed: int, faults: str) -> None:
     run.port = f"sim:?{urlencode({'scenario': scenario, 'seed': seed, 'faults': faults})}"
-    run.output.detail(say("virtual car:", "виртуальный автомобиль:"), run.port)
+    run.output.detail(tr("virtual car:", "виртуальный автомобиль:"), run.port)
     show_dashboard(run, wishes)

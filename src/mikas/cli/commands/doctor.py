@@ -8,7 +8,7 @@ from functools import partial
 from mikas.cli.grammar import command
 from mikas.cli.main import NO_CONNECTION
 from mikas.cli.run import Run
-from mikas.cli.words import say, shown
+from mikas.cli.words import localized, tr
 from mikas.client.doctor import STEPS, Step, examine
 from mikas.i18n import Text
 from mikas.link import CaptureTee, Link, choose_port, open_link
@@ -33,7 +33,7 @@ def doctor(run: Run) -> int:
             if not run.output.json:
                 run.output.line(_line(step))
     if run.output.json:
-        listed = [{"name": s.name, "ok": s.ok, "detail": shown(s.detail)} for s in steps]
+        listed = [{"name": s.name, "ok": s.ok, "detail": localized(s.detail)} for s in steps]
         run.output.data({"steps": listed})
     failed = any(step.ok is False for step in steps)
     if not failed and not run.output.json:
@@ -43,8 +43,8 @@ def doctor(run: Run) -> int:
 
 def _end(well: bool) -> str:
     if well:
-        return say("All is well. Next: mikas read", "Всё в порядке. Дальше: mikas read")
-    return say(
+        return tr("All is well. Next: mikas read", "Всё в порядке. Дальше: mikas read")
+    return tr(
         "It works; see • above. Next: mikas read", "Связь есть; см. • выше. Дальше: mikas read"
     )
 
@@ -62,7 +62,7 @@ def _open(run: Run, stack: ExitStack) -> Link:
 
 def _tester(run: Run, link: Link) -> Tester:
     return Tester(
-        link, timing=Timing(first_byte=run.timeout), echo=Echo(run.echo), retries=run.retries
+        link, timing=Timing(response_timeout=run.timeout), echo=Echo(run.echo), retries=run.retries
     )
 
 
@@ -72,15 +72,15 @@ def _line(step: Step) -> str:
         zip(
             STEPS,
             (
-                say("port", "порт"),
-                say("echo", "эхо"),
-                say("baud", "скорость"),
-                say("latency", "задержка"),
-                say("line", "линия"),
-                say("ECU", "блок"),
-                say("commands", "команды"),
+                tr("port", "порт"),
+                tr("echo", "эхо"),
+                tr("baud", "скорость"),
+                tr("latency", "задержка"),
+                tr("line", "линия"),
+                tr("ECU", "блок"),
+                tr("commands", "команды"),
             ),
             strict=True,
         )
     )
-    return f"{mark} {names[step.name]}: {shown(step.detail)}"
+    return f"{mark} {names[step.name]}: {localized(step.detail)}"

@@ -13,7 +13,7 @@ from mikas.cli.arguments import File, OneOf
 from mikas.cli.grammar import command, option
 from mikas.cli.options import OUT, OVERWRITE
 from mikas.cli.run import Run
-from mikas.cli.words import language, say, shown
+from mikas.cli.words import language, localized, tr
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.recording.export import DIALECTS
@@ -61,11 +61,11 @@ def export(
     from mikas.recording.opening import Recording
 
     _check(file, out, dialect)
-    recording = Recording(file, run.catalog(), run.reading, names)
+    recording = Recording(file, run.catalog(), run.interpretation, names)
     _tell_problems(run, recording)
     if recording.absent:
         absent = ", ".join(recording.absent)
-        run.output.note(say(f"Not in this recording: {absent}.", f"В этой записи нет: {absent}."))
+        run.output.note(tr(f"Not in this recording: {absent}.", f"В этой записи нет: {absent}."))
     result = write(
         out,
         recording.channels,
@@ -81,7 +81,7 @@ def export(
         run.output.data({"rows": result.rows, "channels": count, "out": str(result.out)})
     else:
         run.output.note(
-            say(
+            tr(
                 f"{out}: {result.rows} rows, {count} channels",
                 f"{out}: строк {result.rows}, каналов {count}",
             )
@@ -115,14 +115,14 @@ def _tell_problems(run: Run, recording: Recording) -> None:
         return
     for problem in recording.problems[:MOST_PROBLEMS]:
         run.output.note(
-            say(
-                f"{recording.path}, offset {problem.offset}: {shown(problem.text)}",
-                f"{recording.path}, смещение {problem.offset}: {shown(problem.text)}",
+            tr(
+                f"{recording.path}, offset {problem.offset}: {localized(problem.text)}",
+                f"{recording.path}, смещение {problem.offset}: {localized(problem.text)}",
             )
         )
     count = recording.problem_count
     run.output.note(
-        say(
+        tr(
             f"{recording.path}: {count} damaged place(s); what can be read is exported.",
             f"{recording.path}: повреждённых мест {count}; всё, что читается, попадёт в таблицу.",
         )
@@ -139,7 +139,7 @@ def _watched(run: Run, stretches: Iterable[Rows]) -> Iterator[Rows]:
         yield rows
     if count:
         run.output.note(
-            say(
+            tr(
                 f"Times run back in this table (times: {count}): the recording has several "
                 "sessions or ports, one after another.",
                 f"Время в этой таблице идёт назад (раз: {count}): в записи несколько сеансов или "

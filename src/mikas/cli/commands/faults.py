@@ -11,7 +11,7 @@ from mikas.catalog import Confidence, Fault
 from mikas.cli.arguments import OneOf
 from mikas.cli.grammar import YES, command
 from mikas.cli.run import Run
-from mikas.cli.words import say, shown
+from mikas.cli.words import localized, tr
 from mikas.i18n import Text
 
 
@@ -51,35 +51,35 @@ def _erase(run: Run, *, yes: bool) -> None:
         return
     if erased.after:
         run.output.note(
-            say(
+            tr(
                 "These came back at once, so their cause is still there:",
                 "Эти появились сразу же снова, значит причина осталась:",
             )
         )
         _show(run, erased.after)
     else:
-        run.output.line(say("Erased; no faults are stored.", "Стёрто; ошибок нет."))
+        run.output.line(tr("Erased; no faults are stored.", "Стёрто; ошибок нет."))
 
 
 def _show(run: Run, stored: Sequence[Fault]) -> None:
     if not stored:
-        run.output.line(say("No faults are stored.", "Ошибок нет."))
+        run.output.line(tr("No faults are stored.", "Ошибок нет."))
         return
     run.output.table(
         [
-            say("code", "код"),
-            say("fault", "неисправность"),
-            say("how sure", "достоверность"),
-            say("check first", "сначала проверить"),
-            say("look at", "смотреть"),
+            tr("code", "код"),
+            tr("fault", "неисправность"),
+            tr("how sure", "достоверность"),
+            tr("check first", "сначала проверить"),
+            tr("look at", "смотреть"),
         ],
         [
             [
                 str(fault.code),
-                shown(fault.text)
-                or say("what this number means is not known", "что значит этот номер, неизвестно"),
+                localized(fault.text)
+                or tr("what this number means is not known", "что значит этот номер, неизвестно"),
                 _sure(fault.confidence),
-                shown(fault.check),
+                localized(fault.check),
                 " ".join(fault.parameters),
             ]
             for fault in stored
@@ -90,10 +90,10 @@ def _show(run: Run, stored: Sequence[Fault]) -> None:
 
 def _sure(confidence: Confidence) -> str:
     return {
-        Confidence.CONFIRMED: say("confirmed", "подтверждено"),
-        Confidence.REPORTED: say("one source", "один источник"),
-        Confidence.UNCONFIRMED: say("unconfirmed", "не подтверждено"),
-        Confidence.UNKNOWN: say("unknown", "неизвестно"),
+        Confidence.CONFIRMED: tr("confirmed", "подтверждено"),
+        Confidence.REPORTED: tr("one source", "один источник"),
+        Confidence.UNCONFIRMED: tr("unconfirmed", "не подтверждено"),
+        Confidence.UNKNOWN: tr("unknown", "неизвестно"),
     }[confidence]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mikas.catalog import Catalog
 from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
-from mikas.cli.words import decimal, say, shown
+from mikas.cli.words import decimal, localized, tr
 from mikas.client import Ecu, Info, Support
 from mikas.client.limits import STARTING_LIST
 from mikas.client.methods import FixedMethod
@@ -65,9 +65,9 @@ def info(run: Run, *, quick: bool) -> None:
         )
         return
     untold = (
-        say("the recording does not tell", "по записи не узнать")
+        tr("the recording does not tell", "по записи не узнать")
         if recorded
-        else say("this unit does not tell", "блок не сообщает")
+        else tr("this unit does not tell", "блок не сообщает")
     )
     rows = _rows(found, catalog, untold)
     run.output.table([], [*rows, *_support_rows(supported, untold if recorded else None)])
@@ -84,14 +84,14 @@ def _told_by_recording(ecu: Ecu) -> list[Support]:
 def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
     passport = found.passport
     rows = [
-        [say("model", "модель"), f"{shown(found.model.text)} ({found.version_code:02X})"],
-        [say("program", "программа"), _pieces(passport.program) or unknown],
-        [say("data", "данные"), _pieces(passport.data) or unknown],
+        [tr("model", "модель"), f"{localized(found.model.text)} ({found.version_code:02X})"],
+        [tr("program", "программа"), _pieces(passport.program) or unknown],
+        [tr("data", "данные"), _pieces(passport.data) or unknown],
         [
-            say("parameters", "параметров"),
+            tr("parameters", "параметров"),
             unknown if found.parameter_count is None else str(found.parameter_count),
         ],
-        [say("echo", "эхо"), say("yes", "есть") if found.echo else say("no", "нет")],
+        [tr("echo", "эхо"), tr("yes", "есть") if found.echo else tr("no", "нет")],
     ]
     limits = found.limits
     if limits.max_list != STARTING_LIST or limits.max_block or limits.refused:
@@ -99,8 +99,8 @@ def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
         refused = " ".join(f"{code:02X}" for code in limits.refused)
         rows.append(
             [
-                say("learnt", "выяснено"),
-                say(
+                tr("learnt", "выяснено"),
+                tr(
                     f"lists up to {limits.max_list}; blocks {blocks or '–'}; "
                     f"unknown parameters {refused or '–'}",
                     f"списки до {limits.max_list}; блоки {blocks or '–'}; "
@@ -113,8 +113,8 @@ def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
         told = ", ".join(f"{m} {rates[m]:.1f}" if rates[m] else f"{m} –" for m in order)
         rows.append(
             [
-                say("sampling", "опрос"),
-                say(
+                tr("sampling", "опрос"),
+                tr(
                     f"all parameters, sets/s: {told} ({adapter})",
                     f"все параметры, раз/с: {decimal(told)} ({adapter})",
                 ),
@@ -140,14 +140,14 @@ def _pieces(pieces: tuple[str | None, ...]) -> str:
 
 def _named(support: Support) -> str:
     code = f"{support.command.CODES[0]:02X}"
-    return f"{code} {shown(support.command.TITLE)}"
+    return f"{code} {localized(support.command.TITLE)}"
 
 
 def _support_rows(supported: list[Support], untold: str | None) -> list[list[str]]:
     words = {
-        True: say("knows", "знает"),
-        False: say("does not know", "не знает"),
-        None: untold or say("not tried", "не пробовалось"),
+        True: tr("knows", "знает"),
+        False: tr("does not know", "не знает"),
+        None: untold or tr("not tried", "не пробовалось"),
     }
     rows = []
     for known, word in words.items():

@@ -16,7 +16,7 @@ from mikas.cli.marking import Marking
 from mikas.cli.notices import Notices, capital
 from mikas.cli.run import Run
 from mikas.cli.session import Asked, Session, session
-from mikas.cli.words import decimal, say, shown
+from mikas.cli.words import decimal, localized, tr
 from mikas.client import Ecu
 from mikas.errors import MikasError, UsageError
 from mikas.i18n import Text
@@ -198,7 +198,7 @@ class _Progress:
         if status is None:
             return ""
         if self._broken is not None and status.failure is None:
-            return f"{capital(shown(self._broken.text))} · {self._line(status)}"
+            return f"{capital(localized(self._broken.text))} · {self._line(status)}"
         return self._line(status)
 
     def _line(self, status: RecordingStatus) -> str:
@@ -211,7 +211,7 @@ class _Progress:
             if status.failure is not None
             else ("", "")
         )
-        said = say(
+        said = tr(
             f"{status.path}: {current.samples} samples, {but}{rate} a second, {status.gaps} "
             f"gaps, {current.errors} line errors, {size:.0f} KiB, {seconds:.0f} s",
             f"{status.path}: отсчётов {current.samples}, {ru_but}{decimal(rate)} в секунду, "
@@ -219,5 +219,5 @@ class _Progress:
             f"{seconds:.0f} с",
         )
         if status.failure is not None:
-            return f"{say('NOT RECORDING', 'ЗАПИСЬ ПРЕКРАЩЕНА')} · {said}"
+            return f"{tr('NOT RECORDING', 'ЗАПИСЬ ПРЕКРАЩЕНА')} · {said}"
         return said

@@ -8,7 +8,7 @@ from mikas.cli.arguments import Address, Count, HexBytes, OneOf
 from mikas.cli.grammar import YES, command, option
 from mikas.cli.hexdump import hexdump
 from mikas.cli.run import Run
-from mikas.cli.words import say
+from mikas.cli.words import tr
 from mikas.errors import NotConfirmed
 from mikas.i18n import Text
 
@@ -98,7 +98,5 @@ def goto(run: Run, address: int, *, yes: bool, sure: bool) -> None:
         run.output.line(response.hex(" ").upper())
     else:
         run.output.note(
-            say(
-                "Sent. No response, as expected (D9).", "Послано. Ответа нет, как и ожидалось (D9)."
-            )
+            tr("Sent. No response, as expected (D9).", "Послано. Ответа нет, как и ожидалось (D9).")
         )

@@ -14,7 +14,7 @@ from mikas.cli.commands.mem_cells import SPACE
 from mikas.cli.grammar import command, option
 from mikas.cli.output import stderr_console
 from mikas.cli.run import Run
-from mikas.cli.words import say
+from mikas.cli.words import tr
 from mikas.client.memory.dump import Difference, Dump, compare, differences
 from mikas.client.memory.manifest import read_manifest
 from mikas.errors import UsageError
@@ -87,21 +87,21 @@ def dump(
         job = Dump(ecu, memory, out, first=first, last=end, resume=resume)
         manifest = job.manifest
         try:
-            with _progress(say("reading", "чтение"), manifest.size, manifest.bytes_read) as done:
+            with _progress(tr("reading", "чтение"), manifest.size, manifest.bytes_read) as done:
                 job.advance(block=block, progress=done)
         except BaseException:
             if manifest.bytes_read:
                 run.output.note(_stopped(job, out))
             raise
         if verify:
-            with _progress(say("second pass", "второй проход"), manifest.size) as done:
+            with _progress(tr("second pass", "второй проход"), manifest.size) as done:
                 found = job.verify(block=block, progress=done)
-            _tell(run, found, say("first pass differs", "проходы расходятся"))
+            _tell(run, found, tr("first pass differs", "проходы расходятся"))
     if run.output.json:
         run.output.data(manifest.as_json())
     else:
         run.output.line(
-            say(
+            tr(
                 f"{out}: {space} {first:04X}–{end:04X}, {manifest.size} bytes, "
                 f"sha256 {manifest.sha256}",
                 f"{out}: {space} {first:04X}–{end:04X}, байтов {manifest.size}, "
@@ -112,7 +112,7 @@ def dump(
 
 def _stopped(job: Dump, out: Path) -> str:
     done, size = job.manifest.bytes_read, job.manifest.size
-    return say(
+    return tr(
         f"Stopped: {done} of {size} bytes are in {out}; --resume goes on from there.",
         f"Прервано: в {out} байтов {done} из {size}; продолжить: --resume.",
     )
@@ -122,7 +122,7 @@ def _tell(run: Run, found: Sequence[Difference], what: str) -> None:
     for difference in found[:20]:
         run.output.note(f"{what}: {_line(difference)}")
     if len(found) > 20:
-        run.output.note(say(f"… {len(found)} in all", f"… всего {len(found)}"))
+        run.output.note(tr(f"… {len(found)} in all", f"… всего {len(found)}"))
 
 
 @command(
@@ -152,9 +152,9 @@ def verify(run: Run, space: str, file: Path, first: int | None, block: int | Non
             )
         )
     start = first if first is not None else manifest.first if manifest else 0
-    with run.ecu() as ecu, _progress(say("comparing", "сравнение"), len(data)) as done:
+    with run.ecu() as ecu, _progress(tr("comparing", "сравнение"), len(data)) as done:
         found = list(compare(ecu.memory[space], data, start, block, done))
-    _report(run, found, say("unit", "блок"), file.name)
+    _report(run, found, tr("unit", "блок"), file.name)
 
 
 @command(
@@ -184,7 +184,7 @@ def _report(run: Run, found: Sequence[Difference], a: str, b: str) -> None:
         for difference in found:
             run.output.line(_line(difference))
     else:
-        run.output.line(say("They are the same.", "Они одинаковы."))
+        run.output.line(tr("They are the same.", "Они одинаковы."))
 
 
 def _line(difference: Difference) -> str:
@@ -216,7 +216,7 @@ def _progress(what: str, total: int, already: int = 0) -> Iterator[Callable[[int
 
         def render(self, task: Task) -> RichText:
             speed = f"{task.finished_speed or task.speed or 0:.0f}"
-            return RichText(say(f"{speed} bytes/s", f"{speed} байт/с"))
+            return RichText(tr(f"{speed} bytes/s", f"{speed} байт/с"))
 
     with Progress(
         TextColumn("{task.description}"),

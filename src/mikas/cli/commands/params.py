@@ -8,7 +8,7 @@ from mikas.catalog import Catalog, Derived, Parameter
 from mikas.cli.grammar import command
 from mikas.cli.readings import reference
 from mikas.cli.run import Run
-from mikas.cli.words import say, shown
+from mikas.cli.words import localized, tr
 from mikas.i18n import Text
 
 
@@ -28,33 +28,35 @@ def params(run: Run) -> None:
         run.output.data(
             {
                 "catalog": catalog.version,
-                "parameters": [_as_json(catalog, p, run.reading) for p in catalog.parameters],
+                "parameters": [
+                    _as_json(catalog, p, run.interpretation) for p in catalog.parameters
+                ],
                 "derived": [_derived_as_json(channel) for channel in catalog.derived.values()],
             }
         )
         return
     headers = [
-        say("name", "имя"), say("code", "код"), say("bytes", "байт"), say("formula", "формула"),
-        say("unit", "ед."), say("warm idle", "на хх"), say("meaning", "что это"), say("see", "см."),
+        tr("name", "имя"), tr("code", "код"), tr("bytes", "байт"), tr("formula", "формула"),
+        tr("unit", "ед."), tr("warm idle", "на хх"), tr("meaning", "что это"), tr("see", "см."),
     ]  # fmt: skip
-    rows = [_row(p, run.reading) for p in catalog.parameters]
+    rows = [_row(p, run.interpretation) for p in catalog.parameters]
     rows += [_derived_row(channel) for channel in catalog.derived.values()]
     run.output.table(headers, rows, right="2")
     used = sorted({name for p in catalog.parameters for name in p.errata})
     for name in used:
         erratum = catalog.errata[name]
-        run.output.note(f"{name}: {shown(erratum.title)}. {shown(erratum.reason)}")
+        run.output.note(f"{name}: {localized(erratum.title)}. {localized(erratum.reason)}")
 
 
-def _row(parameter: Parameter, reading: str) -> list[str]:
+def _row(parameter: Parameter, interpretation: str) -> list[str]:
     return [
         parameter.name,
         f"{parameter.code:02X}",
         str(parameter.size),
-        parameter.formula(reading),
-        shown(parameter.reading(reading).unit_text),
+        parameter.formula(interpretation),
+        localized(parameter.interpretation(interpretation).unit_text),
         reference(parameter),
-        shown(parameter.text),
+        localized(parameter.text),
         " ".join(parameter.errata),
     ]
 
@@ -62,7 +64,7 @@ def _row(parameter: Parameter, reading: str) -> list[str]:
 def _derived_row(channel: Derived) -> list[str]:
     """Computed, not asked: it has no code and no bytes."""
     formula = f"∫ {channel.formula}" if channel.accumulates else channel.formula
-    unit, text = shown(channel.unit_text), shown(channel.text)
+    unit, text = localized(channel.unit_text), localized(channel.text)
     return [channel.name, "", "", formula, unit, "", text, ""]
 
 
@@ -80,15 +82,15 @@ def _derived_as_json(channel: Derived) -> dict[str, Any]:
     }
 
 
-def _as_json(catalog: Catalog, parameter: Parameter, reading: str) -> dict[str, Any]:
+def _as_json(catalog: Catalog, parameter: Parameter, interpretation: str) -> dict[str, Any]:
     errata = [catalog.errata[name] for name in parameter.errata]
     return {
         "name": parameter.name,
         "code": f"{parameter.code:02X}",
         "size": parameter.size,
-        "unit": parameter.reading(reading).unit,
-        "formula": parameter.formula(reading),
-        "limits": parameter.limits(reading),
+        "unit": parameter.interpretation(interpretation).unit,
+        "formula": parameter.formula(interpretation),
+        "limits": parameter.limits(interpretation),
         "plausible": parameter.plausible,
         "reference": parameter.reference,
         "text": {"en": parameter.text.en, "ru": parameter.text.ru},

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mikas.cli.grammar import command
 from mikas.cli.run import Run
-from mikas.cli.words import say, shown
+from mikas.cli.words import localized, tr
 from mikas.i18n import Text
 from mikas.link import find_ports
 
@@ -34,7 +34,7 @@ def ports(run: Run) -> None:
         return
     if not found:
         run.output.note(
-            say(
+            tr(
                 "No serial adapter was found. Plug in a KKL cable and try again; `mikas demo` "
                 "works with none.",
                 "Последовательных адаптеров не найдено. Воткните кабель KKL и повторите; без него "
@@ -43,9 +43,9 @@ def ports(run: Run) -> None:
         )
         return
     run.output.table(
-        [say("port", "порт"), say("chip", "микросхема"), say("what it is", "что это")],
+        [tr("port", "порт"), tr("chip", "микросхема"), tr("what it is", "что это")],
         [[port.url, port.chip or "–", port.description] for port in found],
     )
     for port in found:
         for quirk in port.quirks if port.likely else ():
-            run.output.note(f"{port.url}: {shown(quirk)}")
+            run.output.note(f"{port.url}: {localized(quirk)}")

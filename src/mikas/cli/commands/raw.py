@@ -7,7 +7,7 @@ import click
 from mikas.cli.arguments import HexBytes
 from mikas.cli.grammar import YES, command
 from mikas.cli.run import Run
-from mikas.cli.words import say
+from mikas.cli.words import tr
 from mikas.i18n import Text
 
 
@@ -30,7 +30,7 @@ def raw(run: Run, body: bytes, *, yes: bool) -> None:
         run.output.data({"request": body, "response": response})
     elif response is None:
         run.output.note(
-            say(
+            tr(
                 "Silence: this unit does not answer that, or does not know it.",
                 "Тишина: блок на это не отвечает или не знает такой команды.",
             )

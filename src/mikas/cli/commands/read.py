@@ -7,7 +7,7 @@ import click
 from mikas.cli.grammar import command
 from mikas.cli.readings import as_json, shown_unit, shown_value, verdict
 from mikas.cli.run import Run
-from mikas.cli.words import say, shown
+from mikas.cli.words import localized, tr
 from mikas.client import Reading
 from mikas.i18n import Text
 
@@ -31,18 +31,18 @@ def read(run: Run, names: tuple[str, ...]) -> None:
         run.output.data({"readings": {name: as_json(r) for name, r in readings.items()}})
     else:
         headers = [
-            say("name", "имя"), say("value", "значение"), say("unit", "ед."),
-            say("raw", "байты"), say("warm idle", "на хх"), say("meaning", "что это"),
-            say("see", "см."),
+            tr("name", "имя"), tr("value", "значение"), tr("unit", "ед."),
+            tr("raw", "байты"), tr("warm idle", "на хх"), tr("meaning", "что это"),
+            tr("see", "см."),
         ]  # fmt: skip
         run.output.table(headers, [_row(name, r) for name, r in readings.items()], right="1")
         if any(r.parameter.errata for r in readings.values()):
             run.output.note(
-                say("E1 … are explained by: mikas params", "Что значат E1 …, скажет: mikas params")
+                tr("E1 … are explained by: mikas params", "Что значат E1 …, скажет: mikas params")
             )
     if missing and not names:
         run.output.note(
-            say("This unit does not know: ", "Этот блок не знает: ") + ", ".join(missing)
+            tr("This unit does not know: ", "Этот блок не знает: ") + ", ".join(missing)
         )
 
 
@@ -53,6 +53,6 @@ def _row(name: str, reading: Reading) -> list[str]:
         shown_unit(reading),
         reading.raw.hex(" ").upper(),
         verdict(reading),
-        shown(reading.parameter.text),
+        localized(reading.parameter.text),
         " ".join(reading.parameter.errata),
     ]

@@ -16,7 +16,7 @@ from mikas.cli.notices import Notices
 from mikas.cli.options import OUT, OVERWRITE
 from mikas.cli.run import Run
 from mikas.cli.session import Asked, Session, session
-from mikas.cli.words import decimal, language, say, shown
+from mikas.cli.words import decimal, language, localized, tr
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.report import writing
@@ -93,7 +93,7 @@ def _measured_now(run: Run, seconds: float) -> Findings:
                 if not current.samples:
                     raise
                 run.output.note(
-                    say(
+                    tr(
                         "Ended early: the report is of what came.",
                         "Прервано: отчёт — по тому, что есть.",
                     )
@@ -134,7 +134,7 @@ class _Progress:
         if self._live and int(current.seconds) != self._told:
             self._told = int(current.seconds)
             rate = decimal(f"{current.rate:.1f}")
-            said = say(
+            said = tr(
                 f"measuring: {self._told} of {self._seconds:g} s, {rate} samples a second",
                 f"измерение: {self._told} из {self._seconds:g} с, отсчётов в секунду {rate}",
             )
@@ -162,7 +162,7 @@ def _tell(run: Run, out: Path, found: Findings) -> None:
 
     verdict = sentence(found)
     if not run.output.json:
-        run.output.note(f"{shown(verdict)}\n{out}")
+        run.output.note(f"{localized(verdict)}\n{out}")
         return
     faults = None if found.faults is None else [stored.fault.code for stored in found.faults]
     run.output.data(

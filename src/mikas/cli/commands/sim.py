@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from mikas.cli.arguments import File, OneOf
 from mikas.cli.grammar import command, option
 from mikas.cli.run import Run
-from mikas.cli.words import say
+from mikas.cli.words import tr
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.link import WallClock
@@ -19,12 +19,12 @@ from mikas.virtual import serve
 from mikas.virtual.build import CAR_SETTINGS, MODELS, SETTINGS, build_bus
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import Happening
-from mikas.virtual.fault_injector import Trouble
+from mikas.virtual.fault_injector import LineFault
 
 if TYPE_CHECKING:
     from mikas.recording.replay import ReplayCar
 
-_TROUBLES = ", ".join(it.value for it in Trouble if it is not Trouble.DAMAGED)
+_TROUBLES = ", ".join(it.value for it in LineFault if it is not LineFault.DAMAGED)
 
 
 @command(
@@ -135,7 +135,7 @@ def _recorded(run: Run, path: Path, wanted: Mapping[str, str]) -> Bus:
     if car is not None and car.recorded.problems:
         count = car.recorded.problems
         run.output.note(
-            say(
+            tr(
                 f"{path}: damaged parts passed over: {count}; mikas decode shows where",
                 f"{path}: пропущено повреждённых мест: {count}; где они, покажет mikas decode",
             )
@@ -157,7 +157,7 @@ def _with_its_end(run: Run, path: Path, car: ReplayCar | None) -> Callable[[Happ
         if run.output.json and watcher is not None:
             watcher(Happening(happening.time, "recording-over"))
         run.output.note(
-            say(
+            tr(
                 f"The recording {path} is over: from here on the unit is silent, as with the key "
                 "off. Begin it again with the same command; --set loop=1 plays it round and round.",
                 f"Запись {path} закончилась: дальше блок молчит, как с выключенным зажиганием. "
@@ -185,7 +185,7 @@ async def _serve(run: Run, bus: Bus, clock: WallClock, tcp: tuple[str, int] | No
             run.output.data({"url": port.url})
         else:
             run.output.line(port.url)
-        run.output.note(say("Ctrl-C ends it.", "Выход: Ctrl-C."))
+        run.output.note(tr("Ctrl-C ends it.", "Выход: Ctrl-C."))
         await asyncio.Event().wait()
     finally:
         port.close()

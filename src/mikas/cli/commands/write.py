@@ -11,7 +11,7 @@ from mikas.cli.arguments import HexBytes
 from mikas.cli.grammar import YES, command, option
 from mikas.cli.readings import shown_unit, shown_value
 from mikas.cli.run import Run
-from mikas.cli.words import say
+from mikas.cli.words import tr
 from mikas.client import Reading
 from mikas.client.reading import decode
 from mikas.errors import UsageError
@@ -46,7 +46,7 @@ def write(run: Run, name: str, value: str | None, raw: bytes | None, *, yes: boo
                 "Give either a VALUE or --raw HEX", "Нужно либо значение VALUE, либо --raw HEX"
             )
         )
-    meaning = partial(_meaning, run.catalog().parameter(name), run.reading)
+    meaning = partial(_meaning, run.catalog().parameter(name), run.interpretation)
     with run.ecu(run.confirm(yes=yes, meaning=meaning)) as ecu:
         written = ecu.write_parameter(name, number, raw=raw)
     if run.output.json:
@@ -73,13 +73,13 @@ def _number(text: str) -> float:
     return int(number) if number.is_integer() else number
 
 
-def _meaning(parameter: Parameter, reading: str, hexed: str) -> str:
+def _meaning(parameter: Parameter, interpretation: str, hexed: str) -> str:
     """`13.5 ° crank (1B)`."""
-    told = _told(decode(parameter, bytes.fromhex(hexed), 0.0, reading))
+    told = _told(decode(parameter, bytes.fromhex(hexed), 0.0, interpretation))
     return f"{told} ({hexed})"
 
 
 def _told(reading: Reading | None) -> str:
     if reading is None:
-        return say("can't be read", "не читается")
+        return tr("can't be read", "не читается")
     return f"{shown_value(reading)} {shown_unit(reading)}".rstrip()

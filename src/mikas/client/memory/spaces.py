@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from mikas import commands as c
-from mikas.client.gate import Change, Gate, hexed
+from mikas.client.gate import Change, Gate, hex_or_none
 from mikas.client.limits import Limits
 from mikas.commands.base import check_byte, check_range
 from mikas.errors import (
@@ -25,7 +25,7 @@ from mikas.errors import (
     UsageError,
     WriteRefused,
     WrongLength,
-    in_hex,
+    hex_dump,
 )
 from mikas.i18n import Text, byte_count
 from mikas.tester import Tester
@@ -206,8 +206,8 @@ class MemorySpace:
             what=what,
             safety=self._commands.write.SAFETY,
             command=self._commands.write.SOURCE_NAME,
-            before=hexed(before),
-            after=hexed(data),
+            before=hex_or_none(before),
+            after=hex_or_none(data),
         )
 
         def act() -> Written:
@@ -216,14 +216,14 @@ class MemorySpace:
             except (WriteRefused, NotSupported) as error:
                 with suppress(MikasError):
                     if self.read_block(address, len(data)) != before:
-                        error.to_try = _IN_PART
+                        error.advice = _IN_PART
                 raise
             after = self.read_block(address, len(data))
             if after != data:
-                raise ReadBackDiffers(name=where, wanted=in_hex(data), got=in_hex(after))
+                raise ReadBackDiffers(name=where, wanted=hex_dump(data), got=hex_dump(after))
             return Written(self.name, address, before, after)
 
-        return self._gate.make(change, act, lambda written: hexed(written.after))
+        return self._gate.make(change, act, lambda written: hex_or_none(written.after))
 
     def _send(self, address: int, data: bytes) -> None:
         while data:

@@ -72,9 +72,9 @@ class Part:
 class Definitions:
     """A catalog in one reading, as layouts and channels."""
 
-    def __init__(self, catalog: Catalog, reading: str) -> None:
+    def __init__(self, catalog: Catalog, interpretation: str) -> None:
         self._catalog = catalog
-        self._conversions = {p.name: p.reading(reading) for p in catalog.parameters}
+        self._conversions = {p.name: p.interpretation(interpretation) for p in catalog.parameters}
         self._layouts: dict[bytes, Layout | None] = {}
 
     def layout(self, request: bytes) -> Layout | None:

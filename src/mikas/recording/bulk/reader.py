@@ -48,14 +48,14 @@ class TableReader:
         self,
         path: str | os.PathLike[str],
         catalog: Catalog,
-        reading: str = "corrected",
+        interpretation: str = "corrected",
         *,
         names: Collection[str] | None = None,
     ) -> None:
         self.path = Path(path)
         self.problems: list[Problem] = []
         self.problem_count = 0
-        self._definitions = Definitions(catalog, reading)
+        self._definitions = Definitions(catalog, interpretation)
         self._verdicts: dict[Source, Verdicts] = {}
         found = self._look_through()
         if names is not None:
@@ -212,9 +212,9 @@ def _raise(times: Floats, last: float, byte_time: float) -> None:
 def read_table(
     path: str | os.PathLike[str],
     catalog: Catalog,
-    reading: str = "corrected",
+    interpretation: str = "corrected",
     rows: int = STRETCH,
 ) -> tuple[tuple[Channel, ...], Iterator[Rows], list[Problem]]:
     """The columns of a capture, its rows in stretches, and what could not be read of the file."""
-    table = TableReader(path, catalog, reading)
+    table = TableReader(path, catalog, interpretation)
     return table.channels, table.rows(rows), table.problems
