@@ -196,7 +196,8 @@ class TestMaker:
         assert ecu_factory(catalog=catalog)(open_link(SIM)).catalog is catalog
 
     @pytest.mark.parametrize(
-        "settings", [{"echo": "loud"}, {"interpretation": "wrong"}, {"timeout": 0}, {"retries": 1.5}]
+        "settings",
+        [{"echo": "loud"}, {"interpretation": "wrong"}, {"timeout": 0}, {"retries": 1.5}],
     )
     def test_settings_are_checked_before_there_is_a_link(self, settings):
         with pytest.raises(errors.UsageError):
