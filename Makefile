@@ -38,6 +38,7 @@ check: .venv/with-check web/node_modules/installed ## lint, format, types, impor
 	$(venv_python) -m ruff format --check .
 	$(venv_python) -m mypy
 	.venv/bin/lint-imports
+	$(venv_python) web/generate_types.py --check
 	@$(venv_python) -m towncrier build --draft --version next >/dev/null
 	@$(npm) run check
 

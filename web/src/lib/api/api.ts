@@ -16,21 +16,21 @@ export const api = {
   releaseControl: () => post<Api.State>("/control/release"),
 
   catalog: () => get<Api.Catalog>("/catalog"),
-  presets: () => get<{ presets: Api.Preset[] }>("/presets"),
-  savePresets: (presets: Api.Preset[]) => put<{ presets: Api.Preset[] }>("/presets", { presets }),
+  presets: () => get<Api.Presets>("/presets"),
+  savePresets: (presets: Api.Preset[]) => put<Api.Presets>("/presets", { presets }),
   history: (seconds: number, points: number, names?: string[]) =>
     get<Api.History>("/history", { seconds, points, names }),
 
-  ports: () => get<{ ports: Api.Port[] }>("/ports"),
+  ports: () => get<Api.Ports>("/ports"),
   connect: (port: string | null) =>
     post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null }),
   disconnect: () => post<Api.State>("/disconnect"),
   doctor: (port: string | null, onStep: (step: Api.DoctorStep) => void) =>
     lines<Api.DoctorStep>("/doctor", { body: { port } }, onStep),
   stopDoctor: () => post<Api.State>("/doctor/stop"),
-  plan: (wanted: Api.Wanted[], method = "auto", rate: number | null = null) =>
+  plan: (wanted: Api.Wanted[], method: Api.Method, rate: number | null) =>
     put<Api.State>("/plan", { wanted, method, rate }),
-  price: (wanted: Api.Wanted[], method = "auto") =>
+  price: (wanted: Api.Wanted[], method: Api.Method = "auto") =>
     post<Api.Price>("/plan/price", { wanted, method }),
   relearn: () => post<Api.State>("/relearn"),
 
@@ -40,7 +40,7 @@ export const api = {
   memory: (space: Api.Space, first: number, count: number) =>
     get<Api.MemoryRead>(`/memory/${space}`, { address: `0x${first.toString(16)}`, count }),
 
-  dumps: () => get<{ dumps: Api.Dump[] }>("/dumps"),
+  dumps: () => get<Api.Dumps>("/dumps"),
   dump: (id: string) => get<Api.Dump>(`/dumps/${part(id)}`),
   startDump: (space: Api.Space, first: number, last: number, block: number | null, verify: boolean) =>
     post<Api.Dump>("/dumps", { space, first, last, block, verify }),
@@ -54,17 +54,17 @@ export const api = {
   lock: () => post<Api.State>("/lock"),
   prepareChange: (change: Api.Change) => post<Api.ChangeProposal>("/changes", change),
   confirmChange: (nonce: string) => post<Api.ChangeResult>(`/changes/${part(nonce)}`),
-  journal: () => get<{ entries: Record<string, unknown>[] }>("/journal"),
+  journal: () => get<Api.Journal>("/journal"),
 
   startRecording: (name: string | null = null) => post<Api.State>("/recording/start", { name }),
   stopRecording: () => post<Api.State>("/recording/stop"),
-  marker: (label: string) => post<{ time: number }>("/recording/marker", { label }),
+  marker: (label: string) => post<Api.Marker>("/recording/marker", { label }),
   note: (text: string) => post<unknown>("/recording/note", { text }),
-  recordings: () => get<{ recordings: Api.Recording[]; problem: Api.Text | null }>("/recordings"),
+  recordings: () => get<Api.Recordings>("/recordings"),
   recording: (id: string) => get<Api.RecordingDetail>(`/recordings/${part(id)}`),
   rows: (
     id: string,
-    query: { from: number; to: number; points: number; names?: string[] },
+    query: { from: number | null; to: number | null; points: number; names?: string[] },
     signal?: AbortSignal,
   ) => get<Api.RecordingRows>(`/recordings/${part(id)}/rows`, query, signal),
   noteRecording: (id: string, text: string) => put<unknown>(`/recordings/${part(id)}/note`, { text }),

@@ -82,7 +82,7 @@ async function errorOf(response: Response): Promise<ApiError> {
   try {
     const { error } = (await response.json()) as { error: Api.ErrorBody };
     if (typeof error.en !== "string") throw new TypeError("no text");
-    return new ApiError(response.status, error.code, { en: error.en, ru: error.ru }, error.sent, error.received);
+    return new ApiError(response.status, error.code, { en: error.en, ru: error.ru }, error.sent ?? null, error.received ?? null);
   } catch {
     return new ApiError(response.status, "Unexplained", unexplained(response.status));
   }

@@ -31,7 +31,7 @@ describe("the plan to ask for", () => {
     const passing = planFor(["FREQ"], ["TWAT"], state(["FREQ"]))!;
     expect(passing.map(({ name }) => name)).toEqual(["FREQ", "TWAT"]);
     expect(passing[1]!.every).toBeGreaterThanOrEqual(10);
-    const asked = { plan: { wanted: passing, method: "auto", rate: null }, recording: null };
+    const asked = { plan: { wanted: passing, method: "auto" as const, rate: null }, recording: null };
     expect(planFor(["FREQ"], ["TWAT"], asked)).toBeNull();
     // Shown, it is asked as what is shown; out of sight, in passing again.
     const shown = planFor(["FREQ", "TWAT"], ["TWAT"], asked)!;

@@ -54,14 +54,15 @@ export class RecordingData {
     const reading = new AbortController();
     this.reading = reading;
     const detail = await api.recording(id);
+    const { first, last } = spanOf(detail);
     const query = { from: detail.first, to: detail.last, points: OVERVIEW_ROWS };
     const overview = await unlessAborted(reading.signal, () => api.rows(id, query, reading.signal));
     if (!overview) return false;
     const columns = columnsOf(OVERVIEW_ROWS * 2);
     columns.append(overview.names, overview.times, overview.values);
-    if (overview.decimated) columns.spacing = (4 * (detail.last - detail.first)) / Math.max(1, columns.length);
+    if (overview.decimated) columns.spacing = (4 * (last - first)) / Math.max(1, columns.length);
     this.columns = columns;
-    this.firstSample = Math.max(detail.first, overview.times[0] ?? detail.first);
+    this.firstSample = Math.max(first, overview.times[0] ?? first);
     this.detail = detail;
     this.tick += 1;
     if (overview.decimated && !this.coarse) void this.read(id, detail, reading.signal);
@@ -80,15 +81,17 @@ export class RecordingData {
   }
 
   private async read(id: string, detail: RecordingDetail, signal: AbortSignal): Promise<void> {
-    const whole = columnsOf(detail.samples);
-    const length = Math.max(1e-6, detail.last - detail.first);
-    const rate = Math.max(detail.rate, detail.samples / length);
+    const samples = detail.samples ?? 0;
+    const { first, last } = spanOf(detail);
+    const whole = columnsOf(samples);
+    const length = Math.max(1e-6, last - first);
+    const rate = Math.max(detail.rate ?? 0, samples / length);
     // Pieces by time; where samples lie closer than on average a piece would be decimated, and is asked again in halves.
     let seconds = Math.max(1, PART_ROWS / Math.max(1, rate));
-    let from = detail.first;
+    let from = first;
     try {
-      while (from <= detail.last) {
-        const to = Math.min(from + seconds, detail.last + 1);
+      while (from <= last) {
+        const to = Math.min(from + seconds, last + 1);
         const query = { from, to, points: PART_ROWS * 1.3 };
         const rows = await unlessAborted(signal, () => api.rows(id, query, signal));
         if (!rows) return;
@@ -98,7 +101,7 @@ export class RecordingData {
         }
         whole.append(rows.names, rows.times, rows.values);
         from = to + 1e-6;
-        this.loaded = Math.min(1, (from - detail.first) / length);
+        this.loaded = Math.min(1, (from - first) / length);
       }
       this.columns = whole;
       this.loaded = 1;
@@ -122,6 +125,9 @@ async function unlessAborted<T>(signal: AbortSignal, job: () => Promise<T>): Pro
     throw error;
   }
 }
+
+/** Times of the first and last byte; a recording without a packet has none. */
+const spanOf = ({ first, last }: RecordingDetail) => ({ first: first ?? 0, last: last ?? 0 });
 
 const columnsOf = (rows: number): Columns => new Columns(Math.max(16, Math.ceil(rows * 1.1) + 16));
 

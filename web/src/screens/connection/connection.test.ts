@@ -4,7 +4,7 @@ import { PINS } from "./diagnosticBlock";
 import { drawn, verdict } from "./steps";
 import { bestGuess, situationOf } from "./situation";
 
-const port = (url: string, likely: boolean): Port => ({ url, description: url, chip: "", likely });
+const port = (url: string, likely: boolean): Port => ({ url, description: url, chip: "", likely, quirks: [] });
 const state = (line: State["line"], more: Partial<State> = {}) => ({
   line,
   reason_code: null,

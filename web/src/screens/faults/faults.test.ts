@@ -8,6 +8,7 @@ const fault = (code: number, text: string): Fault => ({
   text: { en: text, ru: "" },
   confidence: text ? "confirmed" : "unknown",
   certain: Boolean(text),
+  informational: false,
   check: text ? { en: "the plug", ru: "" } : null,
   related: ["JAIR"],
   first_seen: 0,

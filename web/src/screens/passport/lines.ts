@@ -61,7 +61,7 @@ export function learntLines(passport: Passport): Line[] {
         rate > 0 ? t("rate_value", { n: number(rate, 1) }) : t("rate_none"),
       ];
     }),
-    [t("max_list"), list === null ? t("no_limit") : t("max_list_value", { n: list })],
+    [t("max_list"), t("max_list_value", { n: list })],
     ...Object.entries(blocks).map(([space, count]): Line => {
       return [t("max_block", { space: space.toUpperCase() }), t("bytes", { n: count })];
     }),

@@ -72,7 +72,6 @@ export const t = dictionary({
   },
   refused: { en: "Parameters it does not know", ru: "Параметры, которых он не знает" },
   none: { en: "none", ru: "нет" },
-  no_limit: { en: "no limit met yet", ru: "предел ещё не встретился" },
   relearn: { en: "Forget and measure again", ru: "Забыть и измерить заново" },
   relearn_more: {
     en: "Takes a few seconds; the values on the screen pause meanwhile. Worth it after changing the cable.",

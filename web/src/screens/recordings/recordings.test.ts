@@ -12,6 +12,7 @@ const recording = (id: string, more: Partial<Recording> = {}): Recording => ({
   model: null,
   passport: null,
   samples: 0,
+  samples_exact: true,
   rate: 0,
   gaps: 0,
   faults: null,
