@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from mikas.catalog import shipped
 from mikas.catalog.loading.source import parse_source
 from mikas.virtual.engine import FIELDS, Engine
+from mikas.virtual.model.plant import _settled_plant
 from mikas.virtual.scenario import SCENARIOS, from_source
 
 CITY = SCENARIOS["city"]
@@ -33,6 +34,16 @@ def at(engine: Engine, time: float):
 def test_same_seed_same_states() -> None:
     one, other = Engine(CITY, seed=7), Engine(CITY, seed=7)
     assert [at(one, t) for t in range(30)] == [at(other, t) for t in range(30)]
+
+
+def test_a_kept_start_is_the_same_as_a_new_one() -> None:
+    first = Engine(CITY, seed=7, faults=[13])
+    states = [at(first, t) for t in range(30)]
+    kept = Engine(CITY, seed=7, faults=[13])
+    _settled_plant.cache_clear()
+    new = Engine(CITY, seed=7, faults=[13])
+    assert _settled_plant.cache_info().misses == 1
+    assert [at(kept, t) for t in range(30)] == [at(new, t) for t in range(30)] == states
 
 
 def test_other_seed_other_states() -> None:

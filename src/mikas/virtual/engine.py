@@ -18,7 +18,7 @@ from math import floor, inf
 
 from mikas.virtual.engine_state import FIELDS, EngineState, state_of
 from mikas.virtual.model.physics import STEP
-from mikas.virtual.model.plant import Plant
+from mikas.virtual.model.plant import Plant, plant_at_start
 from mikas.virtual.model.substitutes import Lost
 from mikas.virtual.scenario import DEFAULT, SCENARIOS, Scenario
 
@@ -41,7 +41,8 @@ class Engine:
         self.faults = set(faults)
         self.time = 0.0
         self._applied = frozenset(self.faults)
-        self._plant = Plant(scenario, seed, Lost.by(self._applied))
+        lost = Lost.by(self._applied)
+        self._plant = plant_at_start(scenario.start, scenario.timeline, seed, lost)
         self._state: EngineState | None = None  # at `time`, once somebody has asked
         self._scout: Plant | None = None  # a copy of the plant that has gone ahead
         self._ahead: deque[tuple[float, float]] = deque()  # (cycles, rpm) of each step from now on

@@ -18,8 +18,8 @@ from mikas.virtual.model.program import Program
 from mikas.virtual.model.sensors import Signals
 from mikas.virtual.model.substitutes import NOTHING, Lost
 from mikas.virtual.model.surroundings import Board, Heat
-from mikas.virtual.scenario import Scenario
-from mikas.virtual.timeline import Inputs
+from mikas.virtual.scenario import Start
+from mikas.virtual.timeline import Inputs, Timeline
 
 NOISE = 16381  # a prime: strides through the table visit all of it, 8.5 minutes long
 SETTLING = 1920  # steps that a running engine has already run at second 0: a minute
@@ -34,22 +34,35 @@ def noise_table(seed: int) -> tuple[float, ...]:
     return tuple(max(-3.0, min(3.0, source.gauss(0.0, 1.0))) for _ in range(NOISE))
 
 
+def plant_at_start(start: Start, timeline: Timeline, seed: int, lost: Lost) -> Plant:
+    """Return a new plant at second 0.
+
+    A running engine needs 2,000 steps (0.1 s) to settle, so settled plants are kept and copied.
+    """
+    return _settled_plant(start, timeline, seed, lost).fork()
+
+
+@lru_cache(maxsize=32)
+def _settled_plant(start: Start, timeline: Timeline, seed: int, lost: Lost) -> Plant:
+    return Plant(start, timeline, seed, lost)
+
+
 class Plant:
-    """Everything that changes with time."""
+    """Everything that changes with time; `plant_at_start` makes one."""
 
     __slots__ = (
-        "_burning", "_burnt", "_fuel", "_noise", "_scenario", "_signals", "_viscosity",
+        "_burning", "_burnt", "_fuel", "_noise", "_signals", "_start", "_timeline", "_viscosity",
         "board", "car", "crank", "cycles", "fuel_used", "heat", "key", "manifold", "program",
         "step_number",
     )  # fmt: skip
 
-    def __init__(self, scenario: Scenario, seed: int, lost: Lost) -> None:
-        start = scenario.start
-        self._scenario = scenario
+    def __init__(self, start: Start, timeline: Timeline, seed: int, lost: Lost) -> None:
+        self._start = start
+        self._timeline = timeline
         self._noise = noise_table(seed)
         self.heat = Heat(start)
         self.board = Board(start)
-        self.car = Car(scenario.at(0.0), running=start.running)
+        self.car = Car(timeline.at(0.0), running=start.running)
         self.program = Program(lost, start.coolant, self.heat.intake_air)
         self._signals = Signals(start.coolant, self.heat.intake_air)
         self._viscosity = ph.VISCOSITY(start.coolant)
@@ -94,7 +107,7 @@ class Plant:
 
         With all sensors sound at first: faults come when the car is warm already.
         """
-        start, program = self._scenario.start, self.program
+        start, program = self._start, self.program
         program.sensors.lost = NOTHING
         for number in range(-SETTLING, 1):
             if number == -64:
@@ -109,7 +122,7 @@ class Plant:
     def _move(self, number: int) -> None:
         """Everything at the grid's point `number`."""
         table, program, signals = self._noise, self.program, self._signals
-        inputs = self._scenario.at(number * STEP)
+        inputs = self._timeline.at(number * STEP)
         self._turn_key(inputs.key)
         rpm = self.crank / TO_RADIANS
         self._drive(inputs, rpm, table[(number * 7 + 4001) % NOISE])
