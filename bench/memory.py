@@ -24,7 +24,7 @@ from mikas.link.base import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.events import Gap, Sampled
+from mikas.sampling.events import CycleFailed, Sampled
 from mikas.tester import Tester
 
 RATE = 6.0  # sets/s; at full rate the simulation itself would take five minutes
@@ -76,7 +76,7 @@ def drive(hours: int) -> Iterator[dict[str, float]]:
             for event in events:
                 recorder.take(event)
                 sets += isinstance(event, Sampled)
-                gaps += isinstance(event, Gap)
+                gaps += isinstance(event, CycleFailed)
                 if event.time >= (done + 1) * _HOUR:
                     done += 1
                     yield {

@@ -20,7 +20,7 @@ from mikas.client.methods import FixedMethod
 from mikas.link import Chunk, open_link
 from mikas.link.base import Link
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.sampling.events import Chosen, Gap, Sampled
+from mikas.sampling.events import CycleFailed, MethodChosen, Sampled
 from mikas.sampling.plan import Wanted
 from mikas.sampling.sampler import Sampler
 from mikas.tester import Tester
@@ -182,9 +182,9 @@ def sample(
     watch: Watch | None = None
     with closing(Sampler(plug, make, wanted, method=method).run()) as events:
         for event in events:
-            if isinstance(event, Chosen):
+            if isinstance(event, MethodChosen):
                 session.method, seen = event.method, -_WARM
-            session.gaps += isinstance(event, Gap)
+            session.gaps += isinstance(event, CycleFailed)
             if not isinstance(event, Sampled):
                 continue
             seen += 1

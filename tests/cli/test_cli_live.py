@@ -15,7 +15,7 @@ from mikas.client.reading import decode
 from mikas.errors import EchoOnly, NoResponse
 from mikas.sampling.alarms import Alarms
 from mikas.sampling.derived import DerivedChannels
-from mikas.sampling.events import Gap, LineState, Sampled, StateChanged
+from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
 
 rich_console = pytest.importorskip("rich.console")
 CATALOG = load()
@@ -111,7 +111,7 @@ def test_the_first_line_tells_the_state():
 
 
 def test_a_lost_cycle_is_dashes_never_the_last_number():
-    lines = drawn(80, 24, sample_of(), Gap(2.0, NoResponse(seconds=0.5)))
+    lines = drawn(80, 24, sample_of(), CycleFailed(2.0, NoResponse(seconds=0.5)))
     assert lines[0].startswith("○ The ECU did not answer within 0.5 s")
     assert "–" in next(line for line in lines if "TWAT " in line)
     assert "-40" not in "\n".join(line for line in lines if "TWAT " in line)

@@ -11,7 +11,7 @@ from mikas.cli.notices import Notices
 from mikas.cli.session import Asked
 from mikas.errors import DamagedResponse, EchoOnly, EngineStopped, NotSupported
 from mikas.i18n import Text
-from mikas.sampling.events import Gap, LineState, Sampled, StateChanged
+from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
 
 CUT = DamagedResponse(damage=Text("cut", "обрыв"))
 SILENT = EchoOnly(seconds=1)
@@ -43,11 +43,14 @@ def sample(time: float) -> Sampled:
 
 
 def test_a_lost_cycle_is_no_news():
-    assert told(well(0), sample(1), Gap(1.5, CUT), sample(2), Gap(2.5, CUT), sample(3)) == []
+    assert (
+        told(well(0), sample(1), CycleFailed(1.5, CUT), sample(2), CycleFailed(2.5, CUT), sample(3))
+        == []
+    )
 
 
 def test_many_in_a_row_are_said_once_and_that_it_is_over():
-    gaps = [Gap(1 + n / 2, CUT) for n in range(1, 12)]
+    gaps = [CycleFailed(1 + n / 2, CUT) for n in range(1, 12)]
     first, back = told(well(0), sample(1), *gaps, sample(7))
     assert first.startswith("The response came damaged: cut. Check ground and plug")
     assert first.endswith(" Waiting; it goes on by itself.")
@@ -55,13 +58,21 @@ def test_many_in_a_row_are_said_once_and_that_it_is_over():
 
 
 def test_from_the_beginning_too():
-    (only,) = told(well(5), Gap(6, CUT), Gap(7.9, CUT), Gap(8, CUT), Gap(9, CUT))
+    (only,) = told(
+        well(5),
+        CycleFailed(6, CUT),
+        CycleFailed(7.9, CUT),
+        CycleFailed(8, CUT),
+        CycleFailed(9, CUT),
+    )
     assert only.startswith("The response came damaged")
 
 
 def test_a_standing_engine_is_said_at_once_with_what_to_do():
     words.choose("ru")
-    (only,) = told(well(0), Gap(2, EngineStopped(seconds=2)), Gap(5, EngineStopped(seconds=2)))
+    (only,) = told(
+        well(0), CycleFailed(2, EngineStopped(seconds=2)), CycleFailed(5, EngineStopped(seconds=2))
+    )
     assert only == (
         "Тактов нет 2 с: двигатель не вращается. Поток по тактам идёт, только пока двигатель "
         "вращается: запустите его или возьмите другой способ. Ждём; опрос продолжится сам."
@@ -70,13 +81,20 @@ def test_a_standing_engine_is_said_at_once_with_what_to_do():
 
 def test_what_the_state_says_is_not_said_twice():
     off = StateChanged(6, LineState.ECHO_ONLY, SILENT)
-    said = told(well(0), sample(1), Gap(6, SILENT), off, Gap(7, SILENT), Gap(8, SILENT))
+    said = told(
+        well(0),
+        sample(1),
+        CycleFailed(6, SILENT),
+        off,
+        CycleFailed(7, SILENT),
+        CycleFailed(8, SILENT),
+    )
     assert [sentence.split(":")[0] for sentence in said] == ["Echo, but the ECU is silent"]
 
 
 def test_ignition_on_again_but_no_engine():
     off = StateChanged(3, LineState.ECHO_ONLY, SILENT)
-    stands = Gap(12, EngineStopped(seconds=2))
+    stands = CycleFailed(12, EngineStopped(seconds=2))
     said = told(well(0), sample(1), off, well(10), stands, off, well(20), stands, sample(31))
     assert [" ".join(sentence.split()[:3]) for sentence in said] == [
         "Echo, but the", "No stroke for", "Echo, but the", "No stroke for", "Back after 30",
@@ -86,6 +104,6 @@ def test_ignition_on_again_but_no_engine():
 def test_no_advice_leaves_no_hole():
     refused = NotSupported(command=Text("it", "это"), advice=Text("", ""))
     refused.advice = Text("", "")
-    (only,) = told(well(0), sample(1), Gap(9, refused))
+    (only,) = told(well(0), sample(1), CycleFailed(9, refused))
     assert "  " not in only
     assert only.endswith(". Waiting; it goes on by itself.")

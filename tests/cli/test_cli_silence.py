@@ -13,7 +13,7 @@ from mikas.cli.live import LiveTable
 from mikas.cli.output import Output
 from mikas.client.reading import decode
 from mikas.errors import NoResponse
-from mikas.sampling.events import Gap, Sampled
+from mikas.sampling.events import CycleFailed, Sampled
 
 rich_console = pytest.importorskip("rich.console")
 CATALOG = load()
@@ -109,7 +109,7 @@ def test_a_silence_adds_to_the_age_of_a_slow_name():
 def test_how_long_a_gap_lasted_is_no_pace():
     it = Drawn(0.1, "TWAT")
     it.run(5, "TWAT")
-    it.table.take(Gap(it.now, NoResponse(seconds=0.5)))
+    it.table.take(CycleFailed(it.now, NoResponse(seconds=0.5)))
     assert "The ECU did not answer" in it.after(60)[0]
     it.sample("TWAT")
     assert "○ nothing has come for 1 s" in it.after(1.2)[0]

@@ -10,7 +10,7 @@ from mikas.dashboard import happenings
 from mikas.dashboard.history import History
 from mikas.dashboard.story import Story
 from mikas.errors import LinkLost, NoResponse, NotSupported, PortNotFound
-from mikas.sampling.events import Gap, LineState, Sampled, StateChanged
+from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
 from mikas.tester import Statistics
 
 
@@ -46,7 +46,7 @@ def test_an_error_that_ended_a_cycle_too_is_told_once():
     for error in (cured, last):
         statistics.fail(error)
     told.spoilt(tuple(statistics.failures), 5.6)
-    told.take(Gap(5.6, last))
+    told.take(CycleFailed(5.6, last))
     told.spoilt(tuple(statistics.failures), 6.0)
     assert [error["time"] for error in errors(told)] == [5.0, 5.5]
     assert told.meters.errors == 2
@@ -58,7 +58,7 @@ def test_a_verdict_on_exchanges_that_were_told_is_no_more_errors():
     statistics.fail(last)
     verdict = NotSupported(command="x", request=b"\x01", received=b"", time=5.5)
     verdict.__cause__ = last
-    told.take(Gap(5.6, verdict))
+    told.take(CycleFailed(5.6, verdict))
     told.spoilt(tuple(statistics.failures), 6.0)
     assert [error["code"] for error in errors(told)] == ["NotSupported"]
 
@@ -68,7 +68,7 @@ def test_what_the_unit_does_not_know_is_told_but_is_no_error_of_the_line(receive
     told = story()
     verdict = NotSupported(command="x", request=b"\x71", received=received, time=5.5)
     verdict.__cause__ = None if received else spoilt(5.5)
-    told.take(Gap(5.6, verdict))
+    told.take(CycleFailed(5.6, verdict))
     assert [error["code"] for error in errors(told)] == ["NotSupported"]
     assert told.meters.errors == 0
 
@@ -85,10 +85,10 @@ def test_another_look_finds_only_what_is_new_though_the_tester_forgets():
 def test_a_port_that_is_waited_for_is_one_error_and_a_gap():
     told = story()
     for time in range(1, 50):
-        told.take(Gap(float(time), PortNotFound(url="x", found="none", time=float(time))))
+        told.take(CycleFailed(float(time), PortNotFound(url="x", found="none", time=float(time))))
     assert len(errors(told)) == 1
     told.take(Sampled(50.0, {}, {}))
-    told.take(Gap(51.0, PortNotFound(url="x", found="none", time=51.0)))
+    told.take(CycleFailed(51.0, PortNotFound(url="x", found="none", time=51.0)))
     assert len(errors(told)) == 2
 
 
@@ -119,8 +119,8 @@ def test_a_bad_line_shows_its_errors_with_bytes(tmp_path):
 def test_an_adapter_that_is_out_is_one_error_whatever_it_is_called_meanwhile():
     told = story()
     told.take(Sampled(0.5, {}, {}))
-    told.take(Gap(1.0, LinkLost(url="x", problem="gone", time=1.0)))
+    told.take(CycleFailed(1.0, LinkLost(url="x", problem="gone", time=1.0)))
     for time in range(2, 12):
-        told.take(Gap(float(time), PortNotFound(url="x", found="none")))
+        told.take(CycleFailed(float(time), PortNotFound(url="x", found="none")))
     assert [error["code"] for error in errors(told)] == ["LinkLost"]
     assert told.meters.errors == 1

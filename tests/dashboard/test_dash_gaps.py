@@ -8,7 +8,7 @@ from mikas.dashboard.gaps import BY_HAND, JOB, PLAN, SILENT
 from mikas.dashboard.history import History
 from mikas.dashboard.story import Story
 from mikas.errors import EchoOnly, NoResponse
-from mikas.sampling.events import Gap, LineState, PlanChanged, Sampled, StateChanged
+from mikas.sampling.events import CycleFailed, LineState, PlanChanged, Sampled, StateChanged
 
 
 def story():
@@ -42,11 +42,13 @@ def test_two_sessions_have_a_gap_between_them_and_its_reason():
 def test_a_gap_that_is_open_when_the_session_ends_ends_with_it():
     told = story()
     sample(told, 1.0)
-    told.take(Gap(2.0, EchoOnly()))
+    told.take(CycleFailed(2.0, EchoOnly()))
     told.over(5.0, None, BY_HAND)
     assert gaps(told) == [(1.0, 5.0, EchoOnly().gui_text.en)]
     told.begin((), 6.0)
-    told.take(Gap(7.0, NoResponse(seconds=0.5)))  # a cycle that failed before the first sample
+    told.take(
+        CycleFailed(7.0, NoResponse(seconds=0.5))
+    )  # a cycle that failed before the first sample
     sample(told, 8.0)
     assert gaps(told)[1:] == [
         (5.0, 7.0, BY_HAND.en),
@@ -84,7 +86,7 @@ class _Plan:
 def test_a_gap_that_begins_vaguely_ends_with_what_it_was():
     told = story()
     sample(told, 1.0)
-    told.take(Gap(2.0, NoResponse(seconds=0.5)))
+    told.take(CycleFailed(2.0, NoResponse(seconds=0.5)))
     told.take(StateChanged(3.0, LineState.ECHO_ONLY, EchoOnly()))
     sample(told, 9.0)
     assert gaps(told) == [(1.0, 9.0, EchoOnly().gui_text.en)]
@@ -97,7 +99,7 @@ def test_silence_is_told_before_it_is_known_what_it_is():
     assert told.silent(3.7) == SILENT
     told.busy()
     assert told.silent(3.7) == JOB
-    told.take(Gap(4.0, NoResponse(seconds=0.5)))
+    told.take(CycleFailed(4.0, NoResponse(seconds=0.5)))
     assert told.silent(4.1) == NoResponse(seconds=0.5).gui_text
     sample(told, 4.2)
     assert told.silent(4.3) is None

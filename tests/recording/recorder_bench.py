@@ -14,7 +14,7 @@ from mikas.recording import CaptureReader, CaptureWriter
 from mikas.recording.notes import Note
 from mikas.recording.reader import Packet, Problem
 from mikas.sampling.events import (
-    Gap,
+    CycleFailed,
     LineState,
     PlanChanged,
     Sampled,
@@ -46,8 +46,8 @@ def sampled(time: float) -> Sampled:
     return Sampled(time, {}, {})
 
 
-def gap(time: float) -> Gap:
-    return Gap(time, NoResponse(seconds=0.5))
+def gap(time: float) -> CycleFailed:
+    return CycleFailed(time, NoResponse(seconds=0.5))
 
 
 def plan(time: float) -> PlanChanged:

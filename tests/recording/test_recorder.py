@@ -28,7 +28,7 @@ from mikas.catalog import AlarmLimits
 from mikas.errors import CaptureError
 from mikas.recording.recorder import Recorder
 from mikas.sampling.alarms import Alarms
-from mikas.sampling.events import Chosen, Dropped, LineState
+from mikas.sampling.events import LineState, MethodChosen, ParameterDropped
 
 
 def test_it_writes_between_start_and_stop(recorder, tmp_path):
@@ -183,8 +183,8 @@ def test_alarms_what_was_learnt_markers_and_words(recorder, tmp_path):
     alarms = Alarms(CATALOG, {"TWAT": AlarmLimits(warning_high=100)})
     for event in alarms.update({"TWAT": 120.0}, 3.0):
         recorder.take(event)
-    recorder.take(Chosen(4.0, "stream", {"stream": 33.0, "list": 0.0}))
-    recorder.take(Dropped(4.5, "DET"))
+    recorder.take(MethodChosen(4.0, "stream", {"stream": 33.0, "list": 0.0}))
+    recorder.take(ParameterDropped(4.5, "DET"))
     assert recorder.marker(label="hill") == 4.5
     assert recorder.marker(5.0) == 5.0
     recorder.text(text="smoke")

@@ -19,7 +19,7 @@ from mikas.recording import CaptureReader
 from mikas.recording.opening import Recording
 from mikas.recording.replay import load, playing, replay_bus
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.events import Gap, Sampled, StateChanged
+from mikas.sampling.events import CycleFailed, Sampled, StateChanged
 
 
 @pytest.fixture
@@ -111,7 +111,7 @@ def test_sampling_ends_with_it(drive, tmp_path, method):
     with closing(made.run()) as events, pytest.raises(RecordingOver):
         told.extend(events)
     assert [event for event in told if isinstance(event, Sampled)]
-    assert not [event for event in told if isinstance(event, Gap)]
+    assert not [event for event in told if isinstance(event, CycleFailed)]
     assert len([event for event in told if isinstance(event, StateChanged)]) == 2
     waiting = made.call(lambda ecu: ecu.faults())
     assert isinstance(waiting.exception(0), RecordingOver)

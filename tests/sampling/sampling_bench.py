@@ -13,7 +13,7 @@ from mikas.client.limits import LimitsStore
 from mikas.errors import PortNotFound
 from mikas.link import Chunk, Link
 from mikas.link.virtual import VirtualLink
-from mikas.sampling.events import Chosen, Event, Sampled
+from mikas.sampling.events import Event, MethodChosen, Sampled
 from mikas.sampling.plan import Wanted
 from mikas.sampling.sampler import Sampler
 from mikas.tester import Tester
@@ -134,7 +134,7 @@ def enough(events: list[Event]) -> bool:
 
 def settled(events: list[Event]) -> bool:
     """Enough samples with what was chosen."""
-    chosen = [at for at, event in enumerate(events) if isinstance(event, Chosen)]
+    chosen = [at for at, event in enumerate(events) if isinstance(event, MethodChosen)]
     return bool(chosen) and enough(events[chosen[-1] :])
 
 

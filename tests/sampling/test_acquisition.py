@@ -11,11 +11,11 @@ from sampling_bench import SimulatedPlug, assert_values_are_the_units, ecu_facto
 from mikas.catalog import AlarmLimits, shipped
 from mikas.errors import NotSupported, UnknownParameter, UsageError
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.alarms import AlarmEvent
+from mikas.sampling.alarms import AlarmChanged
 from mikas.sampling.events import (
-    Dropped,
-    Gap,
+    CycleFailed,
     LineState,
+    ParameterDropped,
     PlanChanged,
     Sampled,
     StateChanged,
@@ -108,7 +108,7 @@ def test_a_gap_is_counted_where_something_is_added_up():
         plug.bus.ecu.responder.car.on = False
         plug.at(plug.now() + 5, lambda: setattr(plug.bus.ecu.responder.car, "on", True))
         told = take(events, enough)
-    assert of(Gap, told)
+    assert of(CycleFailed, told)
     assert of(Sampled, told)[-1].derived["FUEL_USED"].gaps == 1
 
 
@@ -121,7 +121,7 @@ def test_a_spoilt_response_does_not_interrupt_what_adds_up(method):
     samples = of(Sampled, told)
     used = samples[-1].derived["FUEL_USED"]
     flow = samples[-1].derived["FUEL_USED"].inputs["FUEL_FLOW"].value
-    assert bool(of(Gap, told)) == (method == "stream")
+    assert bool(of(CycleFailed, told)) == (method == "stream")
     assert used.gaps == 0
     assert used.value == pytest.approx(flow * (used.time - used.since) / 3600, rel=1e-6)
 
@@ -137,11 +137,11 @@ def test_what_came_in_a_cycle_is_fresh_however_long_it_lasts():
         limits=limits,
     )
     with closing(made.run()) as events:
-        told = take(events, lambda e: len(of(AlarmEvent, e)) >= 2, most=30)
+        told = take(events, lambda e: len(of(AlarmChanged, e)) >= 2, most=30)
     (first, *_) = of(Sampled, told)
     assert first.fresh["TAIR"].time > first.time + 2
     assert first.derived["DUTY"].value > 0
-    assert {alarm.channel.name for alarm in of(AlarmEvent, told)} >= {"TAIR", "DUTY"}
+    assert {alarm.channel.name for alarm in of(AlarmChanged, told)} >= {"TAIR", "DUTY"}
 
 
 def test_it_says_whether_a_sample_has_alarms_behind_it():
@@ -171,11 +171,11 @@ def test_alarms_come_behind_the_sample_that_shows_them():
     data = plug.bus.ecu.responder.car._data
     with closing(made.run()) as events:
         data[0x1A] = bytes([40 + 90])
-        assert not [a for a in of(AlarmEvent, take(events, enough)) if a.channel.name == "TWAT"]
+        assert not [a for a in of(AlarmChanged, take(events, enough)) if a.channel.name == "TWAT"]
         assert not made.alarms["TWAT"].stale
         data[0x1A] = bytes([40 + 112])
         told = take(events, enough)
-        (alarm,) = [a for a in of(AlarmEvent, told) if a.channel.name == "TWAT"]
+        (alarm,) = [a for a in of(AlarmChanged, told) if a.channel.name == "TWAT"]
         before = told[told.index(alarm) - 1]
         assert isinstance(before, Sampled)
         assert before.fresh["TWAT"].value == alarm.value == 112
@@ -262,7 +262,7 @@ class TestWanting:
             thread.join()
             told += take(events, enough)
         assert list(of(Sampled, told)[-1].fresh) == ["THR"]
-        assert not of(Gap, told)
+        assert not of(CycleFailed, told)
         assert_values_are_the_units(told)
 
     def test_a_name_that_was_refused_is_asked_again_when_it_is_named_again(self):
@@ -271,12 +271,12 @@ class TestWanting:
         del data[0x1A]
         made = acquisition(plug, "FREQ", "TWAT")
         with closing(made.run()) as events:
-            assert [d.name for d in of(Dropped, take(events, enough))] == ["TWAT"]
+            assert [d.name for d in of(ParameterDropped, take(events, enough))] == ["TWAT"]
             data[0x1A] = DATA[0x1A]
             made.want(["FREQ", "TWAT"], "batch")
             told = take(events, enough)
         assert set(of(Sampled, told)[-1].fresh) == {"FREQ", "TWAT"}
-        assert not of(Dropped, told)
+        assert not of(ParameterDropped, told)
 
 
 def test_prices():
@@ -298,7 +298,7 @@ def test_relearning_and_stopping_are_passed_on():
     plug.at(8, made.relearn)
     plug.at(20, made.stop)
     told = list(made.run())
-    methods = [e.method for e in told if type(e).__name__ == "Chosen"]
+    methods = [e.method for e in told if type(e).__name__ == "MethodChosen"]
     assert methods == ["stream", "stream"]
     assert plug.now() < 23
 
@@ -323,7 +323,7 @@ def test_what_is_refused_midway_takes_its_derived_channel_along():
         take(events, enough)
         made.call(lambda ecu: plug.bus.ecu.responder.car._data.pop(0x3F))
         told = take(events, enough)
-    assert [d.name for d in of(Dropped, told)] == ["INJ"]
+    assert [d.name for d in of(ParameterDropped, told)] == ["INJ"]
     assert not of(Sampled, told)[-1].derived
     assert list(of(Sampled, told)[-1].fresh) == ["FREQ"]
 

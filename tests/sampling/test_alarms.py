@@ -14,7 +14,7 @@ from mikas.catalog import AlarmLimits, Level, load, shipped
 from mikas.client.reading import decode
 from mikas.errors import UnknownParameter, UsageError
 from mikas.i18n import Text
-from mikas.sampling.alarms import AlarmEvent, Alarms, AlarmState, Side
+from mikas.sampling.alarms import AlarmChanged, Alarms, AlarmState, Side
 from mikas.sampling.derived import DerivedChannels
 
 NONE, WARNING, DANGER = Level
@@ -194,7 +194,7 @@ def test_any_course(values: list[float | None]) -> None:
     level, side = NONE, None
     for time, value in enumerate(values):
         before = alarms.current()["UACC"]
-        events: list[AlarmEvent] = alarms.update({"UACC": value}, float(time))
+        events: list[AlarmChanged] = alarms.update({"UACC": value}, float(time))
         state = alarms.current()["UACC"]
         assert state.stale == (value is None)
         if value is None:

@@ -24,9 +24,9 @@ from mikas.errors import EchoOnly, LineError, NoEcho, NotAKLineAdapter, PortBusy
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort, _AheadLink
 from mikas.sampling.events import (
-    Chosen,
-    Gap,
+    CycleFailed,
     LineState,
+    MethodChosen,
     PlanChanged,
     Sampled,
     StateChanged,
@@ -135,7 +135,7 @@ def test_a_lost_adapter_is_a_gap_with_its_reason():
         take(events, enough)
         plug.pull()
         told = take(events, lambda e: bool(of(StateChanged, e)))
-    assert of(Gap, told)[-1].error is of(StateChanged, told)[0].error
+    assert of(CycleFailed, told)[-1].error is of(StateChanged, told)[0].error
 
 
 class TestAnotherCar:
@@ -157,7 +157,7 @@ class TestAnotherCar:
         assert [u.another for u in of(UnitFound, told)] == [True]
         assert of(UnitFound, told)[0].passport.program[0] == "ANOTHER"
         assert of(PlanChanged, told)  # a new recording begins with it
-        assert of(Chosen, told)[0].method == "batch"  # found out anew
+        assert of(MethodChosen, told)[0].method == "batch"  # found out anew
         assert_values_are_the_units(told)
 
     def test_of_another_model(self):
@@ -190,8 +190,8 @@ def test_a_cranking_dip():
             car.on = False
             plug.at(plug.now() + 0.3, lambda car=car: setattr(car, "on", True))
             told = take(events, enough)
-        assert of(Gap, told)
-        assert not of(Chosen, told)
+        assert of(CycleFailed, told)
+        assert not of(MethodChosen, told)
         assert_values_are_the_units(told)
 
 
@@ -266,7 +266,7 @@ def test_who_waits_sees_time_go_by(spoil):
         getattr(plug, spoil)()
         began = plug.now()
         told = take(events, lambda e: plug.now() > began + 60)
-    times = [gap.time for gap in of(Gap, told)]
+    times = [gap.time for gap in of(CycleFailed, told)]
     assert times == sorted(times)
     assert max(later - before for before, later in pairwise([began, *times])) < 4
     assert len(of(StateChanged, told)) == (2 if spoil == "pull" else 1)  # lost, then not found

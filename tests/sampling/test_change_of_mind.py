@@ -20,10 +20,10 @@ from sampling_bench import (
 
 from mikas.errors import EcuRefused, NotSupported
 from mikas.sampling.events import (
-    Chosen,
-    Dropped,
-    Gap,
+    CycleFailed,
     LineState,
+    MethodChosen,
+    ParameterDropped,
     PlanChanged,
     Sampled,
     StateChanged,
@@ -66,7 +66,7 @@ def test_a_parameter_refused_midway_is_dropped_and_the_others_go_on(method, unkn
         take(events, enough)
         changing(sampler, bus, without(0x3F))
         after = take(events, enough)
-    assert [d.name for d in of(Dropped, after)] == ["INJ"]
+    assert [d.name for d in of(ParameterDropped, after)] == ["INJ"]
     (plan,) = of(PlanChanged, after)
     assert [w.parameter.name for w in plan.plan.wanted] == ["FREQ", "TWAT", "THR"]
     assert plan.plan.method == method  # it is not the method that is to blame
@@ -86,7 +86,7 @@ def test_a_silent_one_among_many_is_found_soon():
         take(events, enough)
         changing(sampler, plug.bus, without(0x1A))
         began = plug.now()
-        take(events, lambda e: bool(of(Gap, e)))
+        take(events, lambda e: bool(of(CycleFailed, e)))
     assert plug.now() - began < 10
 
 
@@ -98,9 +98,9 @@ def test_the_others_do_not_wait_while_it_is_found_out_who_is_silent(method):
         take(events, enough)
         changing(sampler, plug.bus, without(0x3F, 0x72))
         after = take(events, enough)
-    assert {d.name for d in of(Dropped, after)} == {"INJ", "MINERR"}
-    first = next(at for at, event in enumerate(after) if isinstance(event, Gap))
-    found = next(at for at, event in enumerate(after) if isinstance(event, Dropped))
+    assert {d.name for d in of(ParameterDropped, after)} == {"INJ", "MINERR"}
+    first = next(at for at, event in enumerate(after) if isinstance(event, CycleFailed))
+    found = next(at for at, event in enumerate(after) if isinstance(event, ParameterDropped))
     times = [after[first].time, *(s.time for s in of(Sampled, after[first:found]))]
     assert len(times) > 4
     assert max(later - before for before, later in pairwise(times)) < 2
@@ -122,7 +122,7 @@ def test_a_one_that_means_no_is_no_datum(method, wanted):
         take(events, enough)
         changing(sampler, bus, without(0x1A))
         after = take(events, enough)
-    assert [d.name for d in of(Dropped, after)] == ["TWAT"]
+    assert [d.name for d in of(ParameterDropped, after)] == ["TWAT"]
     assert_values_are_the_units(after)
 
 
@@ -136,7 +136,7 @@ def test_what_most_units_have_may_be_refused_as_well(method, unknown):
         take(events, enough)
         changing(sampler, bus, without(0x29, 0x2C, 0x1A, 0x1E))
         after = take(events, enough)
-    assert {d.name for d in of(Dropped, after)} == {"FREQ", "TWAT", "UACC"}
+    assert {d.name for d in of(ParameterDropped, after)} == {"FREQ", "TWAT", "UACC"}
     assert list(of(Sampled, after)[-1].fresh) == ["THR"]
     assert_values_are_the_units(after)
 
@@ -157,8 +157,8 @@ def test_auto_goes_down_step_by_step_as_methods_stop_working(unknown):
             told += take(events, enough)
             assert done.done()
             told += take(events, enough)
-    assert [c.method for c in of(Chosen, told)][:3] == ["stream", "list", "batch"]
-    assert not of(Dropped, told)
+    assert [c.method for c in of(MethodChosen, told)][:3] == ["stream", "list", "batch"]
+    assert not of(ParameterDropped, told)
     assert_values_are_the_units(told)
     last = of(Sampled, told)[-1]
     assert len(last.fresh) == 23
@@ -179,7 +179,7 @@ def test_lists_that_became_too_long_make_smaller_batches(long_list):
         limits = sampler.call(lambda ecu: ecu.limits())
         after += take(events, enough)
     assert limits.result(0).max_list == 6
-    assert not of(Dropped, after)
+    assert not of(ParameterDropped, after)
     assert_values_are_the_units(after)
     assert len(of(Sampled, after)[-1].fresh) == 23
 
@@ -196,8 +196,10 @@ def test_a_method_that_was_asked_for_and_stops_is_replaced_too(method):
         sampler.want(wishes(), method)  # asked for once more, it is tried once more
         again = take(events, enough)
     assert of(PlanChanged, again)[-1].plan.method == method
-    assert of(Chosen, after)[0].method == "batch"
-    assert any(isinstance(gap.error, EcuRefused) or gap.error.received for gap in of(Gap, after))
+    assert of(MethodChosen, after)[0].method == "batch"
+    assert any(
+        isinstance(gap.error, EcuRefused) or gap.error.received for gap in of(CycleFailed, after)
+    )
 
 
 @pytest.mark.parametrize("method", ["list", "stream"])
@@ -209,8 +211,8 @@ def test_a_method_that_is_refused_from_the_beginning(method, unknown):
     bus = make_bus(assumptions=EcuQuirks(missing=GROUPS[method], unknown=unknown))
     with closing(make_sampler(SimulatedPlug(bus), method=method).run()) as events:
         told = take(events, settled)
-    assert isinstance(of(Gap, told)[0].error, EcuRefused)  # said, and then got over
-    assert of(Chosen, told)[0].method == {"list": "stream", "stream": "list"}[method]
+    assert isinstance(of(CycleFailed, told)[0].error, EcuRefused)  # said, and then got over
+    assert of(MethodChosen, told)[0].method == {"list": "stream", "stream": "list"}[method]
 
 
 def test_ignition_off_is_no_refusal():
@@ -223,8 +225,8 @@ def test_ignition_off_is_no_refusal():
             told = take(events, lambda e: bool(of(StateChanged, e)))
             bus.ecu.responder.car.on = True
             told += take(events, enough)
-            assert not of(Chosen, told)
-            assert not of(Dropped, told)
+            assert not of(MethodChosen, told)
+            assert not of(ParameterDropped, told)
             assert not of(PlanChanged, told)
 
 
@@ -239,8 +241,8 @@ def test_a_bad_line_is_no_refusal():
     sampler = make_sampler(SimulatedPlug(bus), method="batch")
     with closing(sampler.run()) as events:
         told = take(events, lambda e: len(of(Sampled, e)) >= 600)
-    assert not of(Dropped, told)
-    assert not of(Chosen, told)
+    assert not of(ParameterDropped, told)
+    assert not of(MethodChosen, told)
     assert_values_are_the_units(told)
 
 
@@ -251,8 +253,8 @@ def test_when_nothing_is_left_it_says_so_and_waits_for_another_wish():
         take(events, enough)
         changing(sampler, bus, without(0x1A, 0x3F))
         told = take(events, lambda e: bool(of(StateChanged, e)))
-        assert {d.name for d in of(Dropped, told)} == {"TWAT", "INJ"}
-        assert isinstance(of(Gap, told)[-1].error, NotSupported)
+        assert {d.name for d in of(ParameterDropped, told)} == {"TWAT", "INJ"}
+        assert isinstance(of(CycleFailed, told)[-1].error, NotSupported)
         assert of(StateChanged, told)[-1].state is LineState.ECU_ALIVE
         asked = sampler.call(lambda ecu: len(ecu.faults()))
         sampler.want(wishes("FREQ"))
@@ -266,4 +268,4 @@ def test_a_gate_that_lets_no_list_through_leaves_the_other_methods():
     sampler = make_sampler(SimulatedPlug(bus), confirm=lambda change: False)
     with closing(sampler.run()) as events:
         told = take(events, settled)
-    assert of(Chosen, told)[0].method == "batch"
+    assert of(MethodChosen, told)[0].method == "batch"

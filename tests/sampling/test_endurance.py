@@ -14,7 +14,7 @@ from sampling_bench import SimulatedPlug, assert_values_are_the_units, ecu_facto
 
 from mikas.catalog import shipped
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.events import Gap, Sampled
+from mikas.sampling.events import CycleFailed, Sampled
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from virtual_bench import make_bus
 
@@ -46,7 +46,7 @@ def test_minutes_of_a_bad_line_leave_nothing_behind(method, tmp_path):
                         if len(times) % 10 == 0:
                             made.call(lambda ecu: None)
                         assert_values_are_the_units([event])
-                    gaps += isinstance(event, Gap)
+                    gaps += isinstance(event, CycleFailed)
                 count = len(times)
                 last, times = times[-1], sorted(times)
                 assert times[-1] == last

@@ -26,7 +26,7 @@ from mikas.errors import (
     PortNotFound,
     UnknownParameter,
 )
-from mikas.sampling.events import Gap, LineState, Sampled, StateChanged
+from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
 from mikas.sampling.jobs import Jobs
 from mikas.virtual.adapter import AdapterKind
 from virtual_bench import make_bus
@@ -54,7 +54,7 @@ def test_they_go_in_between(method):
     with pytest.raises(CancelledError):
         cancelled.result(0)
     assert_values_are_the_units(after)
-    assert not of(Gap, after)
+    assert not of(CycleFailed, after)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -78,7 +78,7 @@ def test_a_steady_flow_of_them_does_not_stop_the_sampling_nor_the_other_way_roun
     assert len(samples) >= 95  # one between any two of them
     assert took < 100 * 0.1  # no stream is begun and ended for each
     assert len(of(Sampled, after)) == 40
-    assert not of(Gap, told + after)
+    assert not of(CycleFailed, told + after)
 
 
 @pytest.mark.parametrize(("method", "rate"), [("stroke0", None), ("batch", 0.05), ("stream", 0.05)])

@@ -18,7 +18,7 @@ from sampling_bench import (
     wishes,
 )
 
-from mikas.sampling.events import Chosen, Dropped, Sampled
+from mikas.sampling.events import MethodChosen, ParameterDropped, Sampled
 from mikas.virtual.quirks import GROUPS, EcuQuirks, LongList, Unknown
 from virtual_bench import make_bus
 
@@ -34,7 +34,7 @@ def test_a_unit_without_what_most_have_is_sampled_by_its_best_method(lacking, un
     for code in lacking:
         del bus.ecu.responder.car._data[code]
     events = run(bus)
-    (chosen,) = of(Chosen, events)
+    (chosen,) = of(MethodChosen, events)
     assert chosen.method == "batch"
     assert len(of(Sampled, events)[-1].fresh) == 23 - len(lacking)
     assert_values_are_the_units(events)
@@ -52,7 +52,7 @@ def test_a_refusal_that_nothing_tells_from_a_datum_is_dropped_as_well(method, lo
     for code in (0x1A, 0x07):
         del bus.ecu.responder.car._data[code]
     events = run(bus, "FREQ", "TWAT", "RXX", method=method)
-    assert [d.name for d in of(Dropped, events)] == ["TWAT", "RXX"]
+    assert [d.name for d in of(ParameterDropped, events)] == ["TWAT", "RXX"]
     (first, *_, last) = of(Sampled, events)
     assert first.time < 8
     assert list(last.fresh) == ["FREQ"]
@@ -86,4 +86,6 @@ def test_a_rate_is_enough_by_what_a_cycle_really_takes(tmp_path):
     assumptions = EcuQuirks(max_list=3, missing=GROUPS["list"])
     run(make_bus(assumptions=assumptions), state=tmp_path)
     told = run(make_bus(assumptions=assumptions), "FREQ", "TWAT", state=tmp_path, rate=40.0)
-    assert of(Chosen, told)[-1].method == "batch"  # not by a stream, which does more to the unit
+    assert (
+        of(MethodChosen, told)[-1].method == "batch"
+    )  # not by a stream, which does more to the unit

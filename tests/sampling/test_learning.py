@@ -34,7 +34,7 @@ from mikas.sampling.choosing import (
     pace_of,
     rates_of,
 )
-from mikas.sampling.events import Chosen, Sampled
+from mikas.sampling.events import MethodChosen, Sampled
 from mikas.sampling.plan import Plan, Wanted
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
@@ -62,10 +62,10 @@ class TestKept:
     def test_the_next_session_begins_with_the_best_at_once(self, tmp_path):
         first = session(make_bus(), state=tmp_path, until=settled)
         then = session(make_bus(), state=tmp_path)
-        assert isinstance(then[then.index(of(Sampled, then)[0]) - 2], Chosen)
-        assert [c.method for c in of(Chosen, then)] == ["stream"]
-        rates = of(Chosen, then)[0].rates
-        assert rates == pytest.approx(dict(of(Chosen, first)[0].rates), rel=0.01)
+        assert isinstance(then[then.index(of(Sampled, then)[0]) - 2], MethodChosen)
+        assert [c.method for c in of(MethodChosen, then)] == ["stream"]
+        rates = of(MethodChosen, then)[0].rates
+        assert rates == pytest.approx(dict(of(MethodChosen, first)[0].rates), rel=0.01)
 
     def test_it_shows_in_info(self, tmp_path):
         session(make_bus(), state=tmp_path, until=settled)
@@ -83,23 +83,23 @@ class TestKept:
         heard = []
         bus.ecu.watcher = heard.append
         told = session(bus, state=tmp_path)
-        assert [c.method for c in of(Chosen, told)] == ["list"]
-        assert of(Chosen, told)[0].rates["stream"] == 0
+        assert [c.method for c in of(MethodChosen, told)] == ["list"]
+        assert of(MethodChosen, told)[0].rates["stream"] == 0
         assert not [h for h in heard if h.kind == "request" and h.data[0] == 0x71]
 
     def test_but_a_shorter_list_may_be_taken(self, tmp_path):
         short = EcuQuirks(max_list=8)
         session(make_bus(assumptions=short), state=tmp_path, until=settled)
         told = session(make_bus(assumptions=short), "FREQ", "INJ", state=tmp_path, until=settled)
-        assert of(Chosen, told)[-1].method == "stream"
+        assert of(MethodChosen, told)[-1].method == "stream"
 
     def test_another_plan_is_known_without_measuring(self, tmp_path):
         session(make_bus(), state=tmp_path, until=settled)
         # What is wanted seldom is better asked for than streamed all the time.
         slow = ["UACC/20", "TWAT/20", "TAIR/20", "INJ/20", "JAIR/20", "UGB/20", "VALF/20", "SSM/20"]
         told = session(make_bus(), "FREQ", *slow, state=tmp_path)
-        assert [c.method for c in of(Chosen, told)] == ["batch"]
-        assert told.index(of(Chosen, told)[0]) < told.index(of(Sampled, told)[0])
+        assert [c.method for c in of(MethodChosen, told)] == ["batch"]
+        assert told.index(of(MethodChosen, told)[0]) < told.index(of(Sampled, told)[0])
 
     def test_relearn_measures_anew_and_says_so(self, tmp_path):
         plug = SimulatedPlug(make_bus())
@@ -112,7 +112,7 @@ class TestKept:
             )
             sampler.relearn()
             told = take(events, settled)
-        assert of(Chosen, told)[0].method == "list"
+        assert of(MethodChosen, told)[0].method == "list"
         assert kept(tmp_path)["methods"] != before["methods"]
 
     def test_forgetting_leaves_other_units_alone(self, tmp_path):
@@ -146,7 +146,7 @@ class TestKept:
         file.write_text(json.dumps(stored), "utf-8")
         assert LimitsStore(tmp_path).load(0x0A, IDENTITY.passports).methods == {}
         told = session(make_bus(), state=tmp_path, until=settled)
-        assert of(Chosen, told)[0].method == "stream"
+        assert of(MethodChosen, told)[0].method == "stream"
         assert len(kept(tmp_path)["methods"]) == 1
 
     def test_a_file_from_before_there_was_anything_of_methods_counts(self, tmp_path):
@@ -164,19 +164,19 @@ class TestKept:
 
 class TestAdapters:
     def test_one_that_lumps_is_measured_not_assumed(self):
-        (plain,) = of(Chosen, session(make_bus(), until=settled))
-        (chosen,) = of(Chosen, session(make_bus(adapter=LUMPS), until=settled))
+        (plain,) = of(MethodChosen, session(make_bus(), until=settled))
+        (chosen,) = of(MethodChosen, session(make_bus(adapter=LUMPS), until=settled))
         assert chosen.method == max(chosen.rates, key=lambda name: chosen.rates[name])
         assert chosen.rates["list"] < 0.9 * plain.rates["list"]  # its lumps cost what they cost
         assert chosen.rates["stream"] > 0.97 * plain.rates["stream"]
 
     def test_one_inherits_nothing_from_the_other(self, tmp_path):
-        (plain,) = of(Chosen, session(make_bus(), state=tmp_path, until=settled))
-        (told,) = of(Chosen, session(make_bus(adapter=LUMPS), state=tmp_path, until=settled))
+        (plain,) = of(MethodChosen, session(make_bus(), state=tmp_path, until=settled))
+        (told,) = of(MethodChosen, session(make_bus(adapter=LUMPS), state=tmp_path, until=settled))
         assert told.rates["list"] < 0.9 * plain.rates["list"]
         assert len(kept(tmp_path)["methods"]) == 2
         back = session(make_bus(), state=tmp_path)
-        assert of(Chosen, back)[0].rates == pytest.approx(dict(plain.rates), rel=0.01)
+        assert of(MethodChosen, back)[0].rates == pytest.approx(dict(plain.rates), rel=0.01)
 
     def test_each_keeps_its_own_choice(self, tmp_path):
         """What is worth streaming by one is not by the other."""
@@ -184,7 +184,7 @@ class TestAdapters:
         by = {}
         for adapter in (AdapterKind(), LUMPS):
             told = session(make_bus(adapter=adapter), *words, state=tmp_path, until=settled)
-            (chosen,) = of(Chosen, told)
+            (chosen,) = of(MethodChosen, told)
             assert chosen.method == max(chosen.rates, key=lambda name: chosen.rates[name])
             by[adapter.latency] = chosen.rates
         assert by[0.016]["list"] < 0.7 * by[0.0]["list"]
@@ -200,14 +200,14 @@ class TestAdapters:
         paces_before = LimitsStore(tmp_path).load(0x0A, IDENTITY.passports).methods
         bus = make_bus(assumptions=EcuQuirks(turn_round=0.0028, stream_gap=0.0004))
         told = session(bus, state=tmp_path, until=lambda e: len(of(Sampled, e)) > 300)
-        assert [c.method for c in of(Chosen, told)] in (["list"], ["list", "stream"])
+        assert [c.method for c in of(MethodChosen, told)] in (["list"], ["list", "stream"])
         assert paces_before
         bus = make_bus(assumptions=EcuQuirks(turn_round=0.0027))
         paces["list"]["delay"], paces["stream"]["delay"] = 0.002, 0.0
         file.write_text(json.dumps(stored), "utf-8")
         slow = make_bus(assumptions=EcuQuirks(stream_gap=0.03))
         told = session(slow, state=tmp_path, until=lambda e: len(of(Sampled, e)) > 300)
-        assert [c.method for c in of(Chosen, told)] == ["stream", "list"]
+        assert [c.method for c in of(MethodChosen, told)] == ["stream", "list"]
 
     def test_the_kind_is_told_by_the_answers(self):
         def kind(**settings):
@@ -234,7 +234,7 @@ def test_on_a_bad_line_something_is_chosen_and_nothing_wrong_comes():
     for seed in range(3):
         bus = make_bus(disturbance=FaultInjector(rates, seed=seed))
         told = session(bus, until=settled)
-        assert of(Chosen, told)
+        assert of(MethodChosen, told)
         assert_values_are_the_units(told)
 
 
@@ -276,14 +276,14 @@ class TestEnough:
 
     def test_a_slow_rate_needs_no_stream(self):
         told = session(make_bus(), rate=2.0, until=lambda e: len(of(Sampled, e)) >= 30)
-        assert [c.method for c in of(Chosen, told)] == ["batch"]
+        assert [c.method for c in of(MethodChosen, told)] == ["batch"]
         times = [s.time for s in of(Sampled, told)]
         assert min(later - before for before, later in pairwise(times)) > 0.4
 
     def test_a_fast_one_does(self):
         told = session(make_bus(), rate=26.0, until=lambda e: len(of(Sampled, e)) >= 160)
-        assert [c.method for c in of(Chosen, told)] == ["stream"]
-        samples = of(Sampled, told[told.index(of(Chosen, told)[0]) :])[-50:]
+        assert [c.method for c in of(MethodChosen, told)] == ["stream"]
+        samples = of(Sampled, told[told.index(of(MethodChosen, told)[0]) :])[-50:]
         took = samples[-1].time - samples[0].time
         assert took / 49 == pytest.approx(1 / 26, rel=0.02)
 

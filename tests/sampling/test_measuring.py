@@ -7,7 +7,7 @@ from contextlib import closing
 import pytest
 from sampling_bench import SimulatedPlug, make_sampler, of, settled, take
 
-from mikas.sampling.events import Chosen, Gap, PlanChanged
+from mikas.sampling.events import CycleFailed, MethodChosen, PlanChanged
 from mikas.sampling.sampler import Sampler
 from mikas.virtual.quirks import EcuQuirks
 from virtual_bench import make_bus
@@ -29,7 +29,7 @@ def test_stop_does_not_wait_for_it(after):
         stop_at = plug.now() + after
         plug.at(stop_at, sampler.stop)
         told = list(events)
-    assert not of(Chosen, told)
+    assert not of(MethodChosen, told)
     assert plug.now() - stop_at < CYCLE
 
 
@@ -60,7 +60,7 @@ def test_jobs_go_in_between():
         told = take(events, lambda e: plug.now() > began + 6)
     assert len(waited) > 5
     assert max(waited) < 2 * CYCLE
-    assert not of(Gap, told)
+    assert not of(CycleFailed, told)
 
 
 def test_jobs_say_nothing_of_the_method():
@@ -77,6 +77,6 @@ def test_jobs_say_nothing_of_the_method():
             if busy:
                 take(events, lambda e: bool(of(PlanChanged, e)))
                 sampler.call(one)
-            return of(Chosen, take(events, settled))[0].rates
+            return of(MethodChosen, take(events, settled))[0].rates
 
     assert rates(busy=True) == pytest.approx(rates(busy=False), rel=0.05)

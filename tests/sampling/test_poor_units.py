@@ -16,7 +16,7 @@ from sampling_bench import (
     wishes,
 )
 
-from mikas.sampling.events import Chosen, Dropped, Gap, PlanChanged, Sampled
+from mikas.sampling.events import CycleFailed, MethodChosen, ParameterDropped, PlanChanged, Sampled
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
 from virtual_bench import make_bus
@@ -63,7 +63,7 @@ def test_other_lists_cost_nothing_whatever_their_length(unknown, max_list):
             sampler.want(wishes(*MANY[:count]))
             told = take(events, some(100))
             assert longest_pause(told) < 0.2
-            assert not of(Gap, told)
+            assert not of(CycleFailed, told)
             assert_values_are_the_units(told)
     assert not METHODS.intersection(asked)
 
@@ -77,7 +77,7 @@ def test_what_it_lacks_is_remembered_and_with_any_adapter(unknown, tmp_path):
     )
     asked = asked_of(bus)
     with closing(make_sampler(SimulatedPlug(bus), "TWAT", state=tmp_path).run()) as events:
-        (chosen,) = of(Chosen, take(events, settled))
+        (chosen,) = of(MethodChosen, take(events, settled))
     assert chosen.method == "batch"
     assert not METHODS.intersection(asked)
 
@@ -85,7 +85,7 @@ def test_what_it_lacks_is_remembered_and_with_any_adapter(unknown, tmp_path):
 def test_there_are_values_while_it_is_found_out():
     with closing(make_sampler(SimulatedPlug(poor(Unknown.SILENT)), *MANY).run()) as events:
         told = take(events, settled)
-    stream, set_list = of(Gap, told)
+    stream, set_list = of(CycleFailed, told)
     between = told[told.index(stream) : told.index(set_list)]
     assert len(of(Sampled, between)) == 2  # before the shortest stream is tried, and after it
     assert longest_pause(told) < 3
@@ -100,22 +100,22 @@ def test_finding_out_what_a_unit_lacks_is_no_trouble_of_the_line(unknown, max_li
     with closing(sampler.run()) as events:
         told = take(events, settled)
         assert sampler.ecu.tester.statistics.failed == 0
-    assert [each.name for each in of(Dropped, told)] == ["JAIR"]
+    assert [each.name for each in of(ParameterDropped, told)] == ["JAIR"]
 
 
 def test_where_only_so_long_a_list_is_refused_a_shorter_one_is_not_given_up():
     bus = make_bus(assumptions=EcuQuirks(max_list=8))
     sampler = make_sampler(SimulatedPlug(bus), *MANY)
     with closing(sampler.run()) as events:
-        assert of(Chosen, take(events, settled))[-1].method == "batch"
+        assert of(MethodChosen, take(events, settled))[-1].method == "batch"
         asked, most = asked_of(bus), sampler.plan.max_list
         assert most >= 4
         sampler.want(wishes(*MANY[: most + 1]))  # 61 has shown that these are too many
         told = take(events, some(60))
         assert not METHODS.intersection(asked)
-        assert not of(Gap, told)
+        assert not of(CycleFailed, told)
         sampler.want(wishes(*MANY[:most]))
-        assert of(Chosen, take(events, settled))[-1].method == "stream"
+        assert of(MethodChosen, take(events, settled))[-1].method == "stream"
 
 
 def refusing(bus, code: int) -> None:
@@ -147,7 +147,7 @@ class TestOneIsRefusedInTheMiddle:
             take(events, settled)
             heard = asked_of(bus)
             refusing(bus, 0x21)
-            told = take(events, lambda e: bool(of(Dropped, e)))
+            told = take(events, lambda e: bool(of(ParameterDropped, e)))
             told += take(events, some(100))
         asked += heard
         return told
@@ -155,15 +155,15 @@ class TestOneIsRefusedInTheMiddle:
     def test_what_was_learnt_of_methods_stays(self, missing, unknown, tmp_path):
         asked: list[int] = []
         told = self.told(missing, unknown, tmp_path, asked)
-        assert [each.name for each in of(Dropped, told)] == ["JAIR"]
+        assert [each.name for each in of(ParameterDropped, told)] == ["JAIR"]
         assert 0x71 not in asked
-        assert longest_pause(told[told.index(of(Dropped, told)[0]) :]) < 0.2
+        assert longest_pause(told[told.index(of(ParameterDropped, told)[0]) :]) < 0.2
         names = [wanted.parameter.name for wanted in of(PlanChanged, told)[-1].plan.wanted]
         assert names == ["FREQ", "TWAT", "UACC", "TAIR"]
         assert_values_are_the_units(told)
 
     def test_the_one_gap_tells_what_was_refused(self, missing, unknown, tmp_path):
-        (gap,) = of(Gap, self.told(missing, unknown, tmp_path, []))
+        (gap,) = of(CycleFailed, self.told(missing, unknown, tmp_path, []))
         text = gap.error.reason
         if unknown is Unknown.SILENT:
             assert text.en.startswith("The ECU did not answer")

@@ -9,8 +9,8 @@ from sampling_bench import SimulatedPlug, enough, make_sampler, of, settled, tak
 
 from mikas.client import Passport
 from mikas.sampling.events import (
+    CycleFailed,
     Event,
-    Gap,
     LineState,
     PlanChanged,
     Sampled,
@@ -79,7 +79,7 @@ def test_an_engine_that_stood_is_the_same_cars_and_no_state() -> None:
         rpm, car.rpm = car.rpm, 0.0
         plug.at(plug.now() + 12, lambda: setattr(car, "rpm", rpm))
         told = take(events, enough)
-    assert of(Gap, told)
+    assert of(CycleFailed, told)
     assert not of(StateChanged, told)
     assert not of(UnitFound, told)
 
@@ -108,7 +108,7 @@ def test_damaged_and_single_lost_responses_are_no_reason_to_compare(method: str)
             plug.bus.disturbance.rates = rates | {LineFault.LOST: 0.02}
         told = take(events, lambda e: len(of(Sampled, e)) > 400)
     if method == "stream":
-        assert of(Gap, told)
+        assert of(CycleFailed, told)
     assert unit.asked
     assert not {0x51, 0x54}.intersection(unit.asked)
 
@@ -167,6 +167,6 @@ def test_a_unit_that_can_not_be_brought_in_step_is_met_again_at_once() -> None:
         plug.bus.ecu.responder.car.on = False
         plug.at(plug.now() + 0.3, lambda: setattr(plug.bus.ecu.responder.car, "on", True))
         told = take(events, enough)
-    assert len(of(Gap, told)) <= 2
+    assert len(of(CycleFailed, told)) <= 2
     states = [event.state for event in of(StateChanged, told)]
     assert states == [LineState.ECHO_ONLY, LineState.ECU_ALIVE, LineState.SAMPLING]

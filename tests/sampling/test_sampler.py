@@ -20,10 +20,10 @@ from sampling_bench import (
 from mikas.client.methods import FIXED_METHODS
 from mikas.errors import EchoOnly, LinkLost, NotSupported, UnknownParameter
 from mikas.sampling.events import (
-    Chosen,
-    Dropped,
-    Gap,
+    CycleFailed,
     LineState,
+    MethodChosen,
+    ParameterDropped,
     Sampled,
     StateChanged,
     UnitFound,
@@ -51,11 +51,11 @@ def test_every_method_brings_the_units_values(method):
     events = run(make_bus(rpm=5200), method=method)
     assert_values_are_the_units(events)
     assert len(of(Sampled, events)[-1].fresh) == 23
-    assert not of(Gap, events)
+    assert not of(CycleFailed, events)
 
 
 def test_the_fastest_is_chosen_where_everything_works():
-    (chosen,) = of(Chosen, run(make_bus()))
+    (chosen,) = of(MethodChosen, run(make_bus()))
     assert chosen.method == "stream"
     assert list(chosen.rates) == ["stream", "list", "batch"]
     assert chosen.rates["stream"] > chosen.rates["list"] > chosen.rates["batch"]
@@ -72,7 +72,7 @@ def test_the_fastest_is_chosen_where_everything_works():
 def test_it_falls_back_step_by_step(missing, method, unknown):
     lacks = frozenset().union(*(GROUPS[group] for group in missing))
     events = run(make_bus(assumptions=EcuQuirks(missing=lacks, unknown=unknown)))
-    assert of(Chosen, events)[0].method == method
+    assert of(MethodChosen, events)[0].method == method
     assert_values_are_the_units(events)
 
 
@@ -82,13 +82,13 @@ def test_a_unit_with_short_lists_gets_smaller_batches(long_list):
         max_list=4, long_list=long_list, missing=GROUPS["stream"] | GROUPS["list"]
     )
     events = run(make_bus(assumptions=assumptions))
-    assert of(Chosen, events)[0].method == "batch"
+    assert of(MethodChosen, events)[0].method == "batch"
     assert_values_are_the_units(events)
     assert len(of(Sampled, events)[-1].fresh) == 23
 
 
 def test_an_adapter_that_lumps_is_measured_not_assumed():
-    (chosen,) = of(Chosen, run(make_bus(adapter=AdapterKind(latency=0.016))))
+    (chosen,) = of(MethodChosen, run(make_bus(adapter=AdapterKind(latency=0.016))))
     best = max(chosen.rates, key=lambda name: chosen.rates[name])
     assert chosen.method == best
 
@@ -114,7 +114,7 @@ def test_a_refused_parameter_is_dropped_with_a_notice_and_the_others_go_on():
     bus = make_bus()
     del bus.ecu.responder.car._data[0x1A]
     events = run(bus)
-    assert [d.name for d in of(Dropped, events)] == ["TWAT"]
+    assert [d.name for d in of(ParameterDropped, events)] == ["TWAT"]
     assert "TWAT" not in of(Sampled, events)[-1].fresh
     assert len(of(Sampled, events)[-1].fresh) == 22
 
@@ -156,12 +156,12 @@ def test_ignition_off_and_on_again():
         car.on = False
         lost = take(events, lambda e: bool(of(StateChanged, e)))
         assert of(StateChanged, lost)[0].state is LineState.ECHO_ONLY
-        assert isinstance(of(Gap, lost)[-1].error, EchoOnly)
+        assert isinstance(of(CycleFailed, lost)[-1].error, EchoOnly)
         car.on = True
         back = take(events, enough)
     assert [e.state for e in of(StateChanged, back)] == [LineState.ECU_ALIVE, LineState.SAMPLING]
     assert not of(UnitFound, back)[0].another
-    assert not of(Chosen, back)  # what was found out once is not found out again
+    assert not of(MethodChosen, back)  # what was found out once is not found out again
     assert_values_are_the_units(back)
 
 
@@ -192,7 +192,7 @@ def test_another_car_is_noticed_and_its_method_found_out_anew():
         plug.plugged_in = True
         back = take(events, settled)
     assert of(UnitFound, back)[0].another
-    assert of(Chosen, back)[0].method == "list"
+    assert of(MethodChosen, back)[0].method == "list"
 
 
 @pytest.mark.parametrize("method", ["batch", "list", "stream"])
@@ -208,7 +208,7 @@ def test_requests_of_others_go_in_between(method):
     assert asked.result(0) == [0x0D, 0x35, 0x40, 0x0D]
     assert isinstance(failing.exception(0), UnknownParameter)
     assert_values_are_the_units(after)
-    assert not of(Gap, after)
+    assert not of(CycleFailed, after)
 
 
 @pytest.mark.parametrize("method", ["stream", "batch", None])  # None: while it is being measured

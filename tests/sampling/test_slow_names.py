@@ -22,7 +22,7 @@ from sampling_bench import (
 )
 
 from mikas.sampling.cycles import Asked
-from mikas.sampling.events import Chosen, Gap, Sampled
+from mikas.sampling.events import CycleFailed, MethodChosen, Sampled
 from mikas.sampling.plan import Plan
 from mikas.virtual.quirks import GROUPS, EcuQuirks
 from virtual_bench import make_bus
@@ -76,8 +76,8 @@ def test_what_is_measured_are_cycles_that_ask(ran):
     """Else a second of measuring would run through a million empty ones."""
     lacks = GROUPS["stream"]
     events = run(make_bus(assumptions=EcuQuirks(missing=lacks)), "TWAT/1000", "TAIR/1000")
-    (chosen,) = of(Chosen, events)
-    alone = of(Chosen, run(make_bus(assumptions=EcuQuirks(missing=lacks)), "TWAT"))[0]
+    (chosen,) = of(MethodChosen, events)
+    alone = of(MethodChosen, run(make_bus(assumptions=EcuQuirks(missing=lacks)), "TWAT"))[0]
     assert chosen.rates["batch"] == pytest.approx(alone.rates["batch"], rel=0.1)
     assert len(ran) < 1000
     after = of(Sampled, events[events.index(chosen) :])
@@ -94,7 +94,7 @@ def test_others_requests_and_the_end_do_not_wait_for_the_next_turn():
     (future,) = asked
     assert future.result(0)[0] < 21
     assert plug.now() < 52
-    assert not of(Gap, events)
+    assert not of(CycleFailed, events)
 
 
 def test_a_failed_beginning_does_not_set_the_length_of_what_follows():
@@ -103,7 +103,7 @@ def test_a_failed_beginning_does_not_set_the_length_of_what_follows():
     with closing(make_sampler(plug, "TWAT/10", method="batch").run()) as events:
         take(events, enough)
         bus.ecu.responder.car.on = False
-        take(events, lambda e: bool(of(Gap, e)))
+        take(events, lambda e: bool(of(CycleFailed, e)))
         bus.ecu.responder.car.on = True
         back = take(events, enough)
     assert apart(back)[-1] == pytest.approx(apart(back)[3], rel=0.1)

@@ -7,7 +7,7 @@ from contextlib import closing
 import pytest
 from sampling_bench import SimulatedPlug, make_sampler, of, take, wishes
 
-from mikas.sampling.events import Dropped, PlanChanged, Sampled
+from mikas.sampling.events import ParameterDropped, PlanChanged, Sampled
 from mikas.virtual.quirks import GROUPS, EcuQuirks
 from virtual_bench import make_bus
 
@@ -44,7 +44,7 @@ def test_requests_of_others_go_in_between(weeding):
         plug.at(asked_at + 2, ask)
 
     ask()
-    told = take(events, lambda e: bool(of(Dropped, e)))
+    told = take(events, lambda e: bool(of(ParameterDropped, e)))
     assert len(waited) > 8
     assert max(waited) < 5
     assert of(Sampled, told)  # and so do the values of the others

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol, Self
 from mikas.cli.output import Output
 from mikas.cli.readings import shown_value
 from mikas.cli.words import decimal, tr
-from mikas.sampling.events import Gap, Sampled
+from mikas.sampling.events import CycleFailed, Sampled
 
 if TYPE_CHECKING:
     from mikas.cli.session import Session
@@ -57,13 +57,17 @@ class JsonLines(_Lines):
     """`{"time", "values", "gap"}`, one a cycle; in a gap one a try, with its `reason`."""
 
     def take(self, event: Event) -> None:
-        if not isinstance(event, Sampled | Gap):
+        if not isinstance(event, Sampled | CycleFailed):
             return
         fresh = fresh_in(event)
         values = {c.name: fresh[c.name].value if c.name in fresh else None for c in self._channels}
         time = round(event.time, 6)
-        line: dict[str, object] = {"time": time, "values": values, "gap": isinstance(event, Gap)}
-        if isinstance(event, Gap):
+        line: dict[str, object] = {
+            "time": time,
+            "values": values,
+            "gap": isinstance(event, CycleFailed),
+        }
+        if isinstance(event, CycleFailed):
             line["reason"] = {"en": event.error.reason.en, "ru": event.error.reason.ru}
         self._output.data(line)
 
@@ -76,7 +80,7 @@ class PlainLines(_Lines):
         self._begun = False
 
     def take(self, event: Event) -> None:
-        if not isinstance(event, Sampled | Gap):
+        if not isinstance(event, Sampled | CycleFailed):
             return
         if not self._begun:  # not before there is something: an error needs no heading
             self._begun = True
@@ -90,6 +94,6 @@ class PlainLines(_Lines):
         self._output.line("\t".join([decimal(f"{event.time:.3f}"), *cells]))
 
 
-def fresh_in(event: Sampled | Gap) -> dict[str, Reading | DerivedValue]:
+def fresh_in(event: Sampled | CycleFailed) -> dict[str, Reading | DerivedValue]:
     """What came in this cycle, by name; nothing in a gap."""
     return {**event.fresh, **event.derived} if isinstance(event, Sampled) else {}

@@ -21,8 +21,8 @@ from mikas.cli.silence import Arrivals, Silence
 from mikas.cli.words import decimal, language, localized, tr
 from mikas.i18n import Text
 from mikas.link import WallClock
-from mikas.sampling.alarms import AlarmEvent, Side
-from mikas.sampling.events import Gap, LineState, Sampled, StateChanged
+from mikas.sampling.alarms import AlarmChanged, Side
+from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -84,9 +84,9 @@ class LiveTable:
         self._highest: dict[str, Reading | DerivedValue] = {}
         self._times: deque[float] = deque(maxlen=100)
         self._arrivals = Arrivals(clock or WallClock().now)
-        self._now: Sampled | Gap | None = None
+        self._now: Sampled | CycleFailed | None = None
         self._broken: StateChanged | None = None
-        self._alarms: dict[str, AlarmEvent] = {}
+        self._alarms: dict[str, AlarmChanged] = {}
         self._notices: list[str] = []
         self._changing = threading.Lock()
         self._live = Live(
@@ -102,13 +102,13 @@ class LiveTable:
             match event:
                 case Sampled():
                     self._sampled(event)
-                case Gap():
+                case CycleFailed():
                     self._now = event
                     self._arrivals.broke()
                 case StateChanged():
                     self._broken = None if event.state in _BETTER else event
                     self._arrivals.broke()
-                case AlarmEvent():
+                case AlarmChanged():
                     self._alarms.pop(event.channel.name, None)
                     if event.level is not Level.NONE:
                         self._alarms[event.channel.name] = event
@@ -200,7 +200,7 @@ class LiveTable:
             return f"○ {localized(self._broken.state.text)} · {waits} · {model}"
         if self._now is None:
             return f"… {tr('waiting for the first answer', 'ждём первого ответа')} · {model}"
-        if isinstance(self._now, Gap):
+        if isinstance(self._now, CycleFailed):
             return f"○ {localized(self._now.error.reason)} · {model} · {failed}"
         if silence.seconds:
             for_so_long = f"{silence.seconds:.0f}"

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.words import decimal, localized, tr
 from mikas.errors import EngineStopped, MikasError, NoConnection, SyncLost
-from mikas.sampling.alarms import AlarmEvent
+from mikas.sampling.alarms import AlarmChanged
 from mikas.sampling.events import (
-    Chosen,
-    Dropped,
-    Gap,
+    CycleFailed,
     LineState,
+    MethodChosen,
+    ParameterDropped,
     PlanChanged,
     Sampled,
     StateChanged,
@@ -71,7 +71,7 @@ class Notices:
         match event:
             case Sampled():
                 yield from self._came(event)
-            case Gap():
+            case CycleFailed():
                 yield from self._lost(event)
             case StateChanged():
                 yield from self._state(event)
@@ -81,14 +81,14 @@ class Notices:
                     f"Another unit answers: {self._model()}. Everything from here on is its own.",
                     f"Отвечает другой блок: {self._model()}. Всё дальнейшее относится к нему.",
                 )
-            case Dropped():
+            case ParameterDropped():
                 yield tr(
                     f"The unit refuses {event.name}: left out, the others go on.",
                     f"Блок не знает {event.name}: он пропущен, остальные читаются дальше.",
                 )
-            case AlarmEvent():
+            case AlarmChanged():
                 yield f"{'✓' if event.better else '▲'} {capital(localized(event.text))}."
-            case Chosen() if self._verbose:
+            case MethodChosen() if self._verbose:
                 yield from self._chose(event)
             case PlanChanged() if self._verbose:
                 yield from self._planned(event.plan)
@@ -100,7 +100,7 @@ class Notices:
             yield tr(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
         self._broken = self._waiting = None
 
-    def _lost(self, event: Gap) -> Iterator[str]:
+    def _lost(self, event: CycleFailed) -> Iterator[str]:
         """A cycle that failed is no news, unless it is one of many: then why is."""
         if isinstance(event.error, NoConnection | SyncLost) or self._waiting is LineState.SAMPLING:
             return  # the line's state tells it, or it was told
@@ -122,7 +122,7 @@ class Notices:
         else:
             yield priced(plan)
 
-    def _chose(self, event: Chosen) -> Iterator[str]:
+    def _chose(self, event: MethodChosen) -> Iterator[str]:
         self._method = event.method
         yield chosen(event, self._session.asked.rate)
         if self._plan is not None and self._plan.method == event.method:
@@ -180,7 +180,7 @@ def priced(plan: Plan) -> str:
     )
 
 
-def chosen(event: Chosen, enough: float | None = None) -> str:
+def chosen(event: MethodChosen, enough: float | None = None) -> str:
     """The method, and what each gave that was measured; a dash: it does not work.
 
     `enough`: the rate that is wanted, for which a slower one may have been taken.

@@ -22,7 +22,7 @@ from mikas.link import choose_port
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.events import Gap, LineState, Sampled, StateChanged, UnitFound
+from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged, UnitFound
 
 if TYPE_CHECKING:
     from mikas.catalog import Derived, Model, Parameter
@@ -100,7 +100,7 @@ class Session:
         with closing(self._until_it_is_over()) as events:
             for event in events:
                 self.recorder.take(event)
-                if isinstance(event, Gap) and self._is_searching(event):
+                if isinstance(event, CycleFailed) and self._is_searching(event):
                     continue
                 if isinstance(event, Sampled) and period:
                     if event.time < due:  # methods are measured as fast as they go
@@ -120,7 +120,7 @@ class Session:
                     raise
                 self.over = error
 
-    def _is_searching(self, gap: Gap) -> bool:
+    def _is_searching(self, gap: CycleFailed) -> bool:
         """Whether `gap` may only be the unit's refusal of a method, which is raised next."""
         if isinstance(gap.error, EngineStopped):
             return False
@@ -138,7 +138,7 @@ class Session:
             self._began = event.time if self._began is None else self._began
         self.method = self.acquisition.method
         self.samples += isinstance(event, Sampled)
-        self.gap_cycles += isinstance(event, Gap)
+        self.gap_cycles += isinstance(event, CycleFailed)
         if self._began is not None:
             self.seconds = max(self.seconds, event.time - self._began)
 

@@ -9,8 +9,8 @@ from typing import Any
 from mikas.dashboard.answers import body_of, in_hex
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.sampling.alarms import AlarmEvent
-from mikas.sampling.events import Chosen, Dropped, StateChanged, UnitFound
+from mikas.sampling.alarms import AlarmChanged
+from mikas.sampling.events import MethodChosen, ParameterDropped, StateChanged, UnitFound
 from mikas.tester.statistics import Failure
 
 Happening = dict[str, Any]
@@ -93,7 +93,7 @@ def failure(it: Failure, now: float) -> Happening:
     }
 
 
-def alarm(event: AlarmEvent) -> Happening:
+def alarm(event: AlarmChanged) -> Happening:
     """A limit was crossed, either way."""
     return {
         "kind": "alarm",
@@ -108,13 +108,13 @@ def alarm(event: AlarmEvent) -> Happening:
     }
 
 
-def method(event: Chosen) -> Happening:
+def method(event: MethodChosen) -> Happening:
     """Another method is in use."""
     rates = {name: round(rate, 2) for name, rate in event.rates.items()}
     return {"kind": "method", "time": event.time, "method": event.method, "rates": rates}
 
 
-def dropped(event: Dropped) -> Happening:
+def dropped(event: ParameterDropped) -> Happening:
     """A parameter that the unit refuses."""
     return {"kind": "dropped", "time": event.time, "name": event.name}
 

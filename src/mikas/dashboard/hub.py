@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from mikas.client import Ecu, Info, Support
     from mikas.client.methods import FixedMethod
     from mikas.dashboard.examination import Examination
-    from mikas.sampling.alarms import AlarmEvent
+    from mikas.sampling.alarms import AlarmChanged
     from mikas.sampling.events import Event
 
 T = TypeVar("T")
@@ -167,7 +167,7 @@ class Hub:
         self.info = self.supported = None
         self.lock.close()
 
-    def _told(self, session: Session, event: Event | AlarmEvent) -> None:
+    def _told(self, session: Session, event: Event | AlarmChanged) -> None:
         """In the sampling thread."""
         if session is not self.session:
             return

@@ -18,7 +18,7 @@ from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.recording.notes import faults_note
 from mikas.recording.recorder import Recorder, RecordingStatus, begin_anew
-from mikas.sampling.events import Gap, UnitFound
+from mikas.sampling.events import CycleFailed, UnitFound
 
 if TYPE_CHECKING:
     from mikas.client import Ecu
@@ -96,7 +96,7 @@ class RecordingDesk:
 
     def pause(self, time: float, why: Text) -> None:
         """The connection is left for a while: there will be a gap."""
-        self.recorder.take(Gap(time, _Left(why=why)))
+        self.recorder.take(CycleFailed(time, _Left(why=why)))
 
     def part(self) -> None:
         """Another port was chosen: the recording ends, and goes on in a file of its own with the

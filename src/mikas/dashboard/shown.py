@@ -17,7 +17,7 @@ from mikas.dashboard.state import (
     WantedOne,
 )
 from mikas.i18n import Text
-from mikas.sampling.alarms import AlarmEvent
+from mikas.sampling.alarms import AlarmChanged
 
 _NO_LINE: Line = "off"
 _OFF = Text("not connected", "не подключено")
@@ -108,7 +108,7 @@ def _recording(hub: Hub) -> RecordingOfState | None:
     )
 
 
-def _alarm(hub: Hub, event: AlarmEvent) -> AlarmOfState:
+def _alarm(hub: Hub, event: AlarmChanged) -> AlarmOfState:
     name = event.channel.name
     return AlarmOfState(
         name=name,

@@ -20,13 +20,13 @@ from mikas.dashboard.history import History, row_of
 from mikas.dashboard.meters import Meters
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.i18n import Text
-from mikas.sampling.alarms import AlarmEvent
+from mikas.sampling.alarms import AlarmChanged
 from mikas.sampling.events import (
-    Chosen,
-    Dropped,
+    CycleFailed,
     Event,
-    Gap,
     LineState,
+    MethodChosen,
+    ParameterDropped,
     PlanChanged,
     Sampled,
     StateChanged,
@@ -76,7 +76,7 @@ class Story:
             self.method: str | None = None
             self.rates: dict[str, float] = {}
             self.dropped: list[str] = []
-            self.alarms: dict[str, AlarmEvent] = {}
+            self.alarms: dict[str, AlarmChanged] = {}
             self.alarm_count = 0
             self.latest: dict[str, float] = {}
             self.meters = Meters()
@@ -91,7 +91,7 @@ class Story:
             self._names = tuple(names)
 
     @property
-    def alarms_seen(self) -> list[AlarmEvent]:
+    def alarms_seen(self) -> list[AlarmChanged]:
         """Of the channels asked for. The others' are kept: if they still are so when they are asked
         for again, nothing changed, and no event would tell.
         """
@@ -136,23 +136,23 @@ class Story:
                 self._batch.happenings.append(happening)
                 self.stir()
 
-    def take(self, event: Event | AlarmEvent) -> None:
+    def take(self, event: Event | AlarmChanged) -> None:
         """What the sampler tells."""
         with self.lock:
             match event:
                 case Sampled():
                     self._came(event)
-                case Gap():
+                case CycleFailed():
                     self._failed(event)
                 case StateChanged():
                     self._changed(event)
-                case AlarmEvent():
+                case AlarmChanged():
                     self._alarm(event)
-                case Chosen():
+                case MethodChosen():
                     self.method = event.method
                     self.rates = {name: round(rate, 2) for name, rate in event.rates.items()}
                     self.tell(happenings.method(event))
-                case Dropped():
+                case ParameterDropped():
                     if event.name not in self.dropped:
                         self.dropped.append(event.name)
                         self.tell(happenings.dropped(event))
@@ -198,7 +198,7 @@ class Story:
                     if self._is_news(failure):
                         self._error(happenings.failure(failure, now))
 
-    def _failed(self, event: Gap) -> None:
+    def _failed(self, event: CycleFailed) -> None:
         self._gaps.lost(event.time, event.error.gui_text)
         # Each attempt to find a port or unit again fails alike: that is the gap, no more errors.
         nobody = isinstance(event.error, NoConnection)
@@ -237,7 +237,7 @@ class Story:
         self.reason = error.gui_text if error else None
         self.reason_code = type(error).__name__ if error else None
 
-    def _alarm(self, event: AlarmEvent) -> None:
+    def _alarm(self, event: AlarmChanged) -> None:
         if event.level is Level.NONE:
             self.alarms.pop(event.channel.name, None)
         else:

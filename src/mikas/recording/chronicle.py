@@ -27,13 +27,13 @@ from mikas.recording.notes import (
     state_note,
     unit_note,
 )
-from mikas.sampling.alarms import AlarmEvent
+from mikas.sampling.alarms import AlarmChanged
 from mikas.sampling.events import (
-    Chosen,
-    Dropped,
+    CycleFailed,
     Event,
-    Gap,
     LineState,
+    MethodChosen,
+    ParameterDropped,
     PlanChanged,
     Sampled,
     StateChanged,
@@ -91,7 +91,7 @@ class Chronicle:
         match event:
             case Sampled():
                 yield from self._came(event)
-            case Gap():
+            case CycleFailed():
                 self._lost(event.time, event.error.reason)
             case StateChanged():
                 yield self._changed(event)
@@ -100,13 +100,13 @@ class Chronicle:
             case PlanChanged():
                 self._plan = plan_note(event.time, event.plan, self._interpretation)
                 yield self._plan
-            case AlarmEvent():
+            case AlarmChanged():
                 yield alarm_note(event)
-            case Chosen():
+            case MethodChosen():
                 yield learnt_note(
                     event.time, self._limits(), method=event.method, rates=event.rates
                 )
-            case Dropped():
+            case ParameterDropped():
                 yield learnt_note(event.time, self._limits(), dropped=event.name)
 
     def _came(self, event: Sampled) -> Iterator[Note]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 if TYPE_CHECKING:
     from mikas.client import Limits
     from mikas.i18n import Text
-    from mikas.sampling.alarms import AlarmEvent
+    from mikas.sampling.alarms import AlarmChanged
     from mikas.sampling.events import LineState
     from mikas.sampling.plan import Plan
 
@@ -121,7 +121,7 @@ def state_note(time: float, state: LineState, reason: Text | None = None) -> Not
     return Note(Kind.STATE, time, data)
 
 
-def alarm_note(event: AlarmEvent) -> Note:
+def alarm_note(event: AlarmChanged) -> Note:
     """A limit was crossed, either way."""
     data = {
         "channel": event.channel.name,

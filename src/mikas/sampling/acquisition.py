@@ -21,9 +21,9 @@ from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.sampling.alarms import AlarmEvent, Alarms, AlarmState, Value
+from mikas.sampling.alarms import AlarmChanged, Alarms, AlarmState, Value
 from mikas.sampling.derived import DerivedChannels, number_of
-from mikas.sampling.events import Event, Gap, LineState, PlanChanged, Sampled, UnitFound
+from mikas.sampling.events import CycleFailed, Event, LineState, PlanChanged, Sampled, UnitFound
 from mikas.sampling.plan import Plan, Price
 from mikas.sampling.sampler import Sampler
 from mikas.sampling.selecting import select
@@ -59,7 +59,7 @@ class Acquisition:
         self._derived = DerivedChannels(catalog, self._selection.derived)
         self._in_force = self._selection
         self._alarms = Alarms(catalog, limits)
-        self._behind: deque[AlarmEvent] = deque()  # of the sample that was told last
+        self._behind: deque[AlarmChanged] = deque()  # of the sample that was told last
         self._sampler = Sampler(
             plug,
             make_ecu,
@@ -114,7 +114,7 @@ class Acquisition:
                 case Sampled():
                     yield from self._made_of(event)
                     continue
-                case Gap():  # what adds up goes on, if the next value is not too long after
+                case CycleFailed():  # what adds up goes on, if the next value is not too long after
                     self._alarms.update({}, event.time)
                 case PlanChanged():
                     self._take_over()

@@ -62,7 +62,7 @@ class AlarmState:
 
 
 @dataclass(frozen=True, slots=True)
-class AlarmEvent:
+class AlarmChanged:
     """A change of level, from `before`, at `time`.
 
     `side` and `limit` are of the limit that was crossed: the new level's, or, when it got `better`,
@@ -140,7 +140,7 @@ class Alarms:
         """What is known of each channel that is watched, by name."""
         return dict(self._states)
 
-    def update(self, values: Mapping[str, Value], time: float) -> list[AlarmEvent]:
+    def update(self, values: Mapping[str, Value], time: float) -> list[AlarmChanged]:
         """What changed with this sample, in the order of the catalog."""
         events = []
         for name, limits in self._limits.items():
@@ -185,14 +185,14 @@ def _judged(
     return Level.NONE, None, None
 
 
-def _event(before: AlarmState, after: AlarmState, value: float, time: float) -> AlarmEvent:
+def _event(before: AlarmState, after: AlarmState, value: float, time: float) -> AlarmChanged:
     better = after.side is None or (
         after.side is before.side and _LEVELS.index(after.level) < _LEVELS.index(before.level)
     )
     crossed = before if better else after
     assert crossed.side is not None
     assert crossed.limit is not None
-    return AlarmEvent(
+    return AlarmChanged(
         channel=after.channel,
         level=after.level,
         before=before.level,

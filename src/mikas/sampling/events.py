@@ -13,7 +13,7 @@ from enum import Enum
 from mikas.client import Passport, Reading
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.sampling.alarms import AlarmEvent
+from mikas.sampling.alarms import AlarmChanged
 from mikas.sampling.derived import DerivedValue
 from mikas.sampling.plan import Plan
 
@@ -72,7 +72,7 @@ class Sampled:
 
 
 @dataclass(frozen=True, slots=True)
-class Gap:
+class CycleFailed:
     """A cycle that brought nothing, and why. Several in a row are one hole in the recording."""
 
     time: float
@@ -80,7 +80,7 @@ class Gap:
 
 
 @dataclass(frozen=True, slots=True)
-class Chosen:
+class MethodChosen:
     """The method in use from here on. `rates`: sets a second of each, as measured now or before
     with this kind of adapter; 0: it does not work.
     """
@@ -91,7 +91,7 @@ class Chosen:
 
 
 @dataclass(frozen=True, slots=True)
-class Dropped:
+class ParameterDropped:
     """A parameter that the unit refuses; the others go on."""
 
     time: float
@@ -118,4 +118,13 @@ class PlanChanged:
     plan: Plan
 
 
-Event = StateChanged | Sampled | Gap | Chosen | Dropped | UnitFound | PlanChanged | AlarmEvent
+Event = (
+    StateChanged
+    | Sampled
+    | CycleFailed
+    | MethodChosen
+    | ParameterDropped
+    | UnitFound
+    | PlanChanged
+    | AlarmChanged
+)

@@ -15,7 +15,7 @@ from mikas.client import Ecu, Reading
 from mikas.errors import MikasError, NoConnection, SyncLost
 from mikas.sampling.choosing import OF_THEIR_OWN, Measured, measure
 from mikas.sampling.cycles import cycles_of
-from mikas.sampling.events import Event, Gap
+from mikas.sampling.events import CycleFailed, Event
 from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
 from mikas.sampling.session import Session, Wish, datum_of
@@ -59,7 +59,7 @@ class Measuring:
                     measured: Measured = end.value
                     return measured
                 if isinstance(came, MikasError):
-                    yield Gap(link.now(), came)
+                    yield CycleFailed(link.now(), came)
                 else:
                     yield from self._sampled(came)
         return None
@@ -84,7 +84,7 @@ class Measuring:
         except (NoConnection, SyncLost):
             raise
         except MikasError as error:
-            yield Gap(now(), error)
+            yield CycleFailed(now(), error)
             return None
         yield from self._sampled(fresh)
         size = min(_SHORTEST, session.learning.max_list)

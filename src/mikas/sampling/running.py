@@ -11,7 +11,7 @@ from mikas.client import Ecu, Reading
 from mikas.client.methods import STREAMS
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, SyncLost
 from mikas.sampling.cycles import Asked, Cycles, cycles_of
-from mikas.sampling.events import Event, Gap
+from mikas.sampling.events import CycleFailed, Event
 from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
 from mikas.sampling.reasons import reason
@@ -84,7 +84,9 @@ class Running:
         except (NoConnection, SyncLost):
             raise
         except MikasError as error:
-            yield Gap(self._now(), reason(self._ecu, cycles.plan, error, worked=self._worked))
+            yield CycleFailed(
+                self._now(), reason(self._ecu, cycles.plan, error, worked=self._worked)
+            )
             yield from self._after(error, cycles)
             return
         if cycles is self._cycles:
@@ -149,4 +151,4 @@ class Running:
         try:
             self._cycles.pause()
         except LineError as error:
-            yield Gap(self._now(), error)
+            yield CycleFailed(self._now(), error)

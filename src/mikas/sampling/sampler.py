@@ -20,7 +20,7 @@ from mikas.errors import LinkLost, MikasError, NoConnection, RecordingOver, Sync
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.choosing import CANDIDATES, LAST, best
-from mikas.sampling.events import Chosen, Event, LineState, PlanChanged
+from mikas.sampling.events import Event, LineState, MethodChosen, PlanChanged
 from mikas.sampling.jobs import Jobs
 from mikas.sampling.measuring import Measuring
 from mikas.sampling.plan import Plan, Price, Wanted
@@ -232,7 +232,7 @@ class Sampler:
         ):
             learning.method = chosen
             told = {str(each): rates[each] for each in (*CANDIDATES, LAST) if each in rates}
-            yield Chosen(ecu.tester.link.now(), chosen, told)
+            yield MethodChosen(ecu.tester.link.now(), chosen, told)
         return chosen
 
     def _tell(self, ecu: Ecu, wish: Wish, plan: Plan) -> Iterator[Event]:

@@ -24,7 +24,7 @@ from mikas.errors import (
 )
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.sampling.events import Event, Gap, LineState, StateChanged, UnitFound
+from mikas.sampling.events import CycleFailed, Event, LineState, StateChanged, UnitFound
 from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.session import Session
 
@@ -158,7 +158,7 @@ class ConnectionSupervisor:
         if self._session.strict and not self._session.begun:
             raise error
         if self._session.begun:  # at each attempt, about once a second: those who wait see time go
-            yield Gap(time, error)
+            yield CycleFailed(time, error)
         yield from self.now_in(state, time, error)
 
 

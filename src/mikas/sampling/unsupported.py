@@ -22,7 +22,7 @@ from mikas.errors import (
     SyncLost,
     WrongLength,
 )
-from mikas.sampling.events import Dropped, Event, Gap
+from mikas.sampling.events import CycleFailed, Event, ParameterDropped
 from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
 from mikas.sampling.session import Session, Wish, datum_of
@@ -58,7 +58,7 @@ class UnsupportedParameters:
                 yield from self._try(ecu, wish, plan)
                 break
             except LineError as error:
-                yield Gap(ecu.tester.link.now(), error)
+                yield CycleFailed(ecu.tester.link.now(), error)
                 if attempt == _ATTEMPTS:
                     return plan  # on such a line there is no telling
             except NotSupported as error:
@@ -87,7 +87,7 @@ class UnsupportedParameters:
     def _nothing(self, ecu: Ecu, error: MikasError) -> Generator[Event, None, None]:
         if not self._session.begun:
             raise error
-        yield Gap(ecu.tester.link.now(), error)
+        yield CycleFailed(ecu.tester.link.now(), error)
 
     def drop_unsupported(
         self, ecu: Ecu, plan: Plan, wish: Wish, *, going: bool = False
@@ -122,7 +122,7 @@ class UnsupportedParameters:
         except SyncLost:
             raise
         except LineError as error:
-            yield Gap(ecu.tester.link.now(), error)
+            yield CycleFailed(ecu.tester.link.now(), error)
             return False
         settled = {datum for datum, times in left.items() if not times}
         lost = settled.intersection(asked) if answered else set()
@@ -147,7 +147,7 @@ class UnsupportedParameters:
             name = wanted.parameter.name
             if datum_of(wanted.parameter) in lost and name not in self._session.dropped:
                 self._session.dropped.add(name)
-                yield Dropped(ecu.tester.link.now(), name)
+                yield ParameterDropped(ecu.tester.link.now(), name)
 
 
 class Said(Enum):
