@@ -27,7 +27,7 @@ from mikas.framing import encode
 from mikas.link.base import WallClock
 from mikas.virtual import serve
 from mikas.virtual.build import build_bus
-from mikas.virtual.ecu import Happening
+from mikas.virtual.ecu import EcuEvent
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -69,7 +69,7 @@ class CountingUnit:
         self._count += 1
         return bytes([self._count % 256])
 
-    def _watch(self, happening: Happening) -> None:
+    def _watch(self, happening: EcuEvent) -> None:
         if happening.kind == "response" and self._count > self._told:
             self._told = self._count
             wire = len(encode(happening.data)) * self._bus.byte_time

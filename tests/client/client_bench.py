@@ -16,7 +16,7 @@ from mikas.client.limits import LimitsStore
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
 from mikas.virtual.bus import Bus
-from mikas.virtual.ecu import Happening, VirtualEcu
+from mikas.virtual.ecu import EcuEvent, VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
@@ -35,7 +35,7 @@ class Bench:
 
     car: TableCar
     bus: Bus
-    happenings: list[Happening] = field(default_factory=list)
+    happenings: list[EcuEvent] = field(default_factory=list)
     link: VirtualLink | None = None  # of the last session
 
     def requests(self, first: int | None = None) -> list[bytes]:

@@ -165,7 +165,7 @@ def test_a_mikas_is_not_taken_for_an_elm327():
 @pytest.mark.parametrize("noise", [b"\x00", b"\r", b"\x40", b"?\x55\xaa", bytes(range(40))])
 def test_noise_before_connecting_is_let_pass(noise, adapter):
     unit = Watched(adapter=adapter)
-    unit.bus._unit.say(noise, 0.0)
+    unit.bus._unit.transmit(noise, 0.0)
     right(unit.connected())
 
 
@@ -174,7 +174,7 @@ def test_noise_before_connecting_is_let_pass(noise, adapter):
 @pytest.mark.parametrize("after", [0.005, 0.05, 0.07, 0.1, 0.13, 0.2, 0.27, 0.35, 0.5, 0.7])
 def test_a_late_answer_to_an_earlier_program_is_nobodys_version(after, datum, adapter):
     unit = Watched(adapter=adapter)
-    unit.bus._unit.say(encode(datum), after)
+    unit.bus._unit.transmit(encode(datum), after)
     tester = unit.tester()
     assert tester.connect() == 0x0A
     assert tester.echoes is adapter.echo
@@ -185,7 +185,7 @@ def test_a_late_answer_to_an_earlier_program_is_nobodys_version(after, datum, ad
 def test_not_even_if_the_first_request_then_is_lost(after):
     """The late one comes up to D14's limit after connecting began."""
     unit = Watched(disturbance=Fate([(None, 0)] * 3 + [(LineFault.LOST, 0)]))
-    unit.bus._unit.say(encode(b"\x55"), min(after, 0.5))
+    unit.bus._unit.transmit(encode(b"\x55"), min(after, 0.5))
     right(unit.connected())
 
 

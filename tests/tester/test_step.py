@@ -156,7 +156,7 @@ def test_the_same_seed_gives_the_same_bytes_at_the_same_times():
 def test_what_comes_unasked_puts_it_out_of_step():
     unit = Watched()
     tester = unit.connected()
-    unit.bus._unit.say(b"\x0a\xf6\x0d", unit.link.now())
+    unit.bus._unit.transmit(b"\x0a\xf6\x0d", unit.link.now())
     tester.wait(unit.link.now() + 0.1)
     asked = unit.heard(b"\x01")
     right(tester)

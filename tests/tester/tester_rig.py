@@ -14,7 +14,7 @@ from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
-from mikas.virtual.ecu import Happening, VirtualEcu
+from mikas.virtual.ecu import EcuEvent, VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault, Sent
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
@@ -56,7 +56,7 @@ class Watched:
         **assumptions: object,
     ) -> None:
         self.car = TableCar(data, faults=[13, 53], rpm=rpm)
-        self.happenings: list[Happening] = []
+        self.happenings: list[EcuEvent] = []
         responder = Responder(self.car, Identity(version), EcuQuirks(**assumptions))
         self.ecu = VirtualEcu(responder, watcher=self.happenings.append)
         self.disturbance = disturbance or FaultInjector()

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from mikas.catalog import shipped
 from mikas.catalog.loading.source import parse_source
-from mikas.virtual.engine import FIELDS, Engine
+from mikas.virtual.model.engine import FIELDS, Engine
 from mikas.virtual.model.plant import _settled_plant
-from mikas.virtual.scenario import SCENARIOS, from_source
+from mikas.virtual.scenarios.scenario import SCENARIOS, from_source
 
 CITY = SCENARIOS["city"]
 LATER = replace(CITY, start=replace(CITY.start, running=False))  # begins quickly: nothing settles

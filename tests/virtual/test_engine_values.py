@@ -10,10 +10,10 @@ from statistics import mean
 import pytest
 
 from mikas.catalog import shipped
-from mikas.virtual.engine import FIELDS, Engine, EngineState
 from mikas.virtual.model import physics as ph
+from mikas.virtual.model.engine import FIELDS, Engine, EngineState
 from mikas.virtual.model.substitutes import TABLE
-from mikas.virtual.scenario import SCENARIOS
+from mikas.virtual.scenarios.scenario import SCENARIOS
 
 NAMES = list(SCENARIOS)
 

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from mikas.catalog.loading.source import parse_source
 from mikas.errors import CatalogError, UsageError
-from mikas.virtual.engine import Engine
-from mikas.virtual.scenario import DEFAULT, SCENARIOS, Scenario, find, from_source, load
-from mikas.virtual.timeline import Timeline, Track
+from mikas.virtual.model.engine import Engine
+from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS, Scenario, find, from_source, load
+from mikas.virtual.scenarios.timeline import ScenarioTimeline, Track
 
 DOCS = Path(__file__).parents[2] / "docs" / "scenarios.md"
 KNOWN = ["warm-idle", "cold-start", "city", "highway", "full-load", "key-off", "cranking-dip"]
@@ -167,7 +167,7 @@ def test_key_changes_are_met_one_after_the_other(
     times = (0.0, *(point * unit for point in points))
     key = Track(times, tuple(float(i % 2) for i in range(len(times))), smooth=False)
     never = Track((0.0,), (0.0,))
-    line = Timeline(1000 * unit, loops, loop_from * unit, key, never, never)
+    line = ScenarioTimeline(1000 * unit, loops, loop_from * unit, key, never, never)
     now, changes = 0.0, 0
     while (change := line.next_key_change(now)) < inf and changes < 30:
         assert change > now

@@ -12,7 +12,7 @@ from mikas.virtual.build import MODELS, SETTINGS, build_bus
 from mikas.virtual.elm327 import LONGEST_LINE, Elm327
 from mikas.virtual.fault_injector import LATE_BY, LineFault
 from mikas.virtual.quirks import EcuQuirks
-from mikas.virtual.scenario import SCENARIOS
+from mikas.virtual.scenarios.scenario import SCENARIOS
 
 from .raw_tester import BYTE, RawTester
 

@@ -13,12 +13,12 @@ from mikas.tester import Tester as Client
 from mikas.virtual.build import build_bus
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import VirtualEcu
-from mikas.virtual.engine import Engine
 from mikas.virtual.engine_car import EngineCar, pinned
-from mikas.virtual.memory import SIZES, Memory, pattern
+from mikas.virtual.memory import SIZES, EcuMemory, pattern
+from mikas.virtual.model.engine import Engine
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Responder
-from mikas.virtual.scenario import SCENARIOS
+from mikas.virtual.scenarios.scenario import SCENARIOS
 from virtual_bench import DATA, FAULTS, connected, make_bus
 
 from .raw_tester import BYTE, RawTester
@@ -353,7 +353,7 @@ def test_every_space_shows_its_pattern_and_takes_what_is_written():
 
 
 def test_two_units_do_not_share_memory():
-    one, other = Memory(), Memory({"ram": {0: b"\x99"}})
+    one, other = EcuMemory(), EcuMemory({"ram": {0: b"\x99"}})
     one.write("xram", 0x1000, b"\x01\x02")
     assert one.read("xram", 0x1000, 2) == b"\x01\x02"
     assert other.read("xram", 0x1000, 2) == pattern("xram")[0x1000:0x1002]

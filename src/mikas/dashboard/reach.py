@@ -15,7 +15,7 @@ from mikas.dashboard.asking import TheHub
 from mikas.dashboard.hub import Hub
 from mikas.dashboard.refusals import NotFromNetwork
 from mikas.link.urls import parse
-from mikas.virtual.scenario import SCENARIOS
+from mikas.virtual.scenarios.scenario import SCENARIOS
 
 _OF_A_CAR = {"scenario", "seed", "model", "faults"}
 

@@ -31,7 +31,7 @@ from mikas.virtual.quirks import SWITCH
 
 if TYPE_CHECKING:
     from mikas.virtual.bus import Bus
-    from mikas.virtual.ecu import Happening
+    from mikas.virtual.ecu import EcuEvent
 
 __all__ = ["SETTINGS", "ReplayCar", "car_on", "load", "open_replay", "playing", "replay_bus"]
 
@@ -74,7 +74,7 @@ def replay_bus(
     *,
     start: float | None = None,
     catalog: Catalog | None = None,
-    watcher: Callable[[Happening], None] | None = None,
+    watcher: Callable[[EcuEvent], None] | None = None,
 ) -> Bus:
     """The wire with the recorded unit on it. The recording begins at `start` of the owner's clock;
     with None, when the first byte of a request is heard.
@@ -108,7 +108,7 @@ def _bus_of(
     seek: float,
     speed: float,
     loop: bool,
-    watcher: Callable[[Happening], None] | None,
+    watcher: Callable[[EcuEvent], None] | None,
 ) -> Bus:
     if seek >= recorded.duration:
         length = f"{recorded.duration:.1f}"

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from mikas import commands as c
 from mikas.recording.replay_car import ReplayCar
-from mikas.virtual.memory import Memory
+from mikas.virtual.memory import EcuMemory
 from mikas.virtual.responder import Answer, Responder
 
 
-class ReplayMemory(Memory):
+class ReplayMemory(EcuMemory):
     """Cells as they were read or written last; those that never were hold the usual pattern."""
 
     def __init__(self, car: ReplayCar) -> None:

@@ -16,7 +16,7 @@ from mikas.report.labels import Labels
 from mikas.report.subject import Pause
 from mikas.report.verdict import of_idle
 from mikas.report.words import clock, duration, number
-from mikas.virtual.scenario import DEFAULT, SCENARIOS
+from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS
 
 _METHODS: Final = {
     "single": Text("one request a parameter (61)", "запрос на каждый параметр (61)"),

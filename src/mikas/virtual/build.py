@@ -15,15 +15,15 @@ from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
-from mikas.virtual.ecu import Happening, VirtualEcu
+from mikas.virtual.ecu import EcuEvent, VirtualEcu
 from mikas.virtual.elm327 import Elm327
-from mikas.virtual.engine import Engine
 from mikas.virtual.engine_car import EngineCar
 from mikas.virtual.fault_injector import LATE_BY, FaultInjector, LineFault, parse_rates
-from mikas.virtual.memory import Memory
+from mikas.virtual.memory import EcuMemory
+from mikas.virtual.model.engine import Engine
 from mikas.virtual.quirks import ASSUMPTION_NAMES, SWITCH, words
 from mikas.virtual.responder import Identity, Responder
-from mikas.virtual.scenario import DEFAULT, find
+from mikas.virtual.scenarios.scenario import DEFAULT, find
 
 T = TypeVar("T")
 
@@ -58,7 +58,7 @@ def build_bus(
     settings: Mapping[str, str],
     *,
     start: float = 0.0,
-    watcher: Callable[[Happening], None] | None = None,
+    watcher: Callable[[EcuEvent], None] | None = None,
 ) -> Bus:
     """The wire with a unit on it; the engine begins to run at `start` of the owner's clock.
 
@@ -76,7 +76,7 @@ def build_bus(
         raise _bad("model", model, ", ".join(MODELS))
     passports = scenario.passports or _passports(model)
     identity = Identity(MODELS[model], passports)
-    responder = Responder(car, identity, memory=Memory(scenario.memory))
+    responder = Responder(car, identity, memory=EcuMemory(scenario.memory))
     return wired(responder, settings, watcher=watcher)
 
 
@@ -84,7 +84,7 @@ def wired(
     responder: Responder,
     settings: Mapping[str, str],
     *,
-    watcher: Callable[[Happening], None] | None = None,
+    watcher: Callable[[EcuEvent], None] | None = None,
 ) -> Bus:
     """The unit on a wire and behind an adapter, as the `WIRE_SETTINGS` among `settings` say.
 

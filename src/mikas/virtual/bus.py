@@ -34,7 +34,7 @@ class _Talker:
         self.last: _Byte | None = None
         self.free_at = -inf
 
-    def say(self, data: bytes, start: float) -> None:
+    def transmit(self, data: bytes, start: float) -> None:
         start = max(start, self.free_at)
         for value in data:
             self.queue.append(_Byte(start, start + self.byte_time, value))
@@ -96,7 +96,7 @@ class Bus:
         """The tester's adapter puts `data` on the wire, behind what it is still sending."""
         self.advance(now)
         if self.adapter.kind.supplied:
-            self._tester.say(data, now)
+            self._tester.transmit(data, now)
             self._next = self._next_on_wire()
 
     def send_break(self, seconds: float, now: float) -> None:
@@ -150,7 +150,7 @@ class Bus:
         wire = self.ecu.transmit(time)
         if wire:
             for sent in self.disturbance.respond(wire):
-                self._unit.say(sent.data, time + sent.delay)
+                self._unit.transmit(sent.data, time + sent.delay)
 
     def _through(self, talker: _Talker, other: _Talker) -> None:
         byte = talker.queue.popleft()

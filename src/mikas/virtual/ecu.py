@@ -24,7 +24,7 @@ STANDING_ENGINE_LOOK = 0.05  # s between looks whether a standing engine turns a
 
 
 @dataclass(frozen=True, slots=True)
-class Happening:
+class EcuEvent:
     """Something worth telling whoever watches the virtual unit.
 
     `kind`: request, response, silence, damaged, stream, stream-end, power-on or power-off.
@@ -49,7 +49,7 @@ class VirtualEcu:
         responder: Responder,
         *,
         baud: int = 9600,
-        watcher: Callable[[Happening], None] | None = None,
+        watcher: Callable[[EcuEvent], None] | None = None,
     ) -> None:
         self.responder = responder
         self.baud = baud
@@ -182,4 +182,4 @@ class VirtualEcu:
 
     def _tell(self, kind: str, now: float, data: bytes = b"") -> None:
         if self.watcher:
-            self.watcher(Happening(now, kind, data))
+            self.watcher(EcuEvent(now, kind, data))

@@ -60,14 +60,14 @@ class Elm327(Bus):
         if value == 0:
             return  # it takes a zero for noise
         if self._echoes:
-            self._say(bytes([value]))
+            self._transmit(bytes([value]))
         if value == _RETURN:
-            self._say(self._obey(bytes(self._line)) + _END)
+            self._transmit(self._execute(bytes(self._line)) + _END)
             self._line.clear()
         elif len(self._line) < LONGEST_LINE:
             self._line.append(value)
 
-    def _obey(self, line: bytes) -> bytes:
+    def _execute(self, line: bytes) -> bytes:
         match line.replace(b" ", b"").upper():
             case b"ATZ":
                 self._echoes = True
@@ -79,7 +79,7 @@ class Elm327(Bus):
                 return b"OK"
         return b"?"
 
-    def _say(self, text: bytes) -> None:
+    def _transmit(self, text: bytes) -> None:
         for value in text:
             self._free_at = max(self._heard_at, self._free_at) + self.byte_time
             self._out.append((self._free_at, value))

@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable, Mapping
 from mikas.catalog import Catalog, Conversion, Parameter
 from mikas.errors import ValueDoesNotFit
 from mikas.i18n import Text
-from mikas.virtual.engine import FIELDS, Engine, EngineState
+from mikas.virtual.model.engine import FIELDS, Engine, EngineState
 
 MINERR = "MINERR"
-Datum = Callable[[EngineState], bytes]
+Encoder = Callable[[EngineState], bytes]
 
 
 class EngineCar:
@@ -44,7 +44,7 @@ class EngineCar:
         self._sizes |= {code: len(datum) for code, datum in self._pinned.items()}
         self.codes = tuple(self._sizes)
 
-    def _from_engine(self, parameters: tuple[Parameter, ...]) -> Datum | None:
+    def _from_engine(self, parameters: tuple[Parameter, ...]) -> Encoder | None:
         """How the datum that `parameters` share is made of the engine's state."""
         first = parameters[0]
         if first.name == MINERR:
@@ -97,7 +97,7 @@ class EngineCar:
         self._written.clear()
 
 
-def _encoder(conversion: Conversion, name: str) -> Datum:
+def _encoder(conversion: Conversion, name: str) -> Encoder:
     """The nearest raw datum, kept within what the bytes hold: a sensor at its end stays there."""
     scale = float(conversion.scale)
     zero = float(conversion.offset - conversion.bias * conversion.scale)

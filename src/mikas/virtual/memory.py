@@ -23,7 +23,7 @@ def pattern(space: str) -> bytes:
     )
 
 
-class Memory:
+class EcuMemory:
     """RAM, XRAM, CODE and SFR. Addresses are checked by the commands that carry them.
 
     `contents`: what stands there from the start, by space and address, over the pattern.

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from mikas import commands as c
-from mikas.virtual.memory import Memory
+from mikas.virtual.memory import EcuMemory
 from mikas.virtual.quirks import EcuQuirks, LongList, Unknown
 
 ERASE_CELL = 0x0E
@@ -63,7 +63,7 @@ class Responder:
     car: Car
     identity: Identity = field(default_factory=Identity)
     assumptions: EcuQuirks = field(default_factory=EcuQuirks)
-    memory: Memory = field(default_factory=Memory)
+    memory: EcuMemory = field(default_factory=EcuMemory)
     _list: tuple[c.Datum, ...] = ()
     _erase_armed: bool = False
 

@@ -18,7 +18,7 @@ from mikas.link import WallClock
 from mikas.virtual import serve
 from mikas.virtual.build import CAR_SETTINGS, MODELS, SETTINGS, build_bus
 from mikas.virtual.bus import Bus
-from mikas.virtual.ecu import Happening
+from mikas.virtual.ecu import EcuEvent
 from mikas.virtual.fault_injector import LineFault
 
 if TYPE_CHECKING:
@@ -143,19 +143,19 @@ def _recorded(run: Run, path: Path, wanted: Mapping[str, str]) -> Bus:
     return bus
 
 
-def _with_its_end(run: Run, path: Path, car: ReplayCar | None) -> Callable[[Happening], None]:
+def _with_its_end(run: Run, path: Path, car: ReplayCar | None) -> Callable[[EcuEvent], None]:
     """Tells besides, once, that the recording is over: the wire has no word for it."""
     watcher, told = _watcher(run), False
 
-    def tell(happening: Happening) -> None:
+    def tell(event: EcuEvent) -> None:
         nonlocal told
         if watcher is not None:
-            watcher(happening)
-        if told or happening.kind != "power-off" or car is None or not car.is_over(happening.time):
+            watcher(event)
+        if told or event.kind != "power-off" or car is None or not car.is_over(event.time):
             return
         told = True
         if run.output.json and watcher is not None:
-            watcher(Happening(happening.time, "recording-over"))
+            watcher(EcuEvent(event.time, "recording-over"))
         run.output.note(
             tr(
                 f"The recording {path} is over: from here on the unit is silent, as with the key "
@@ -191,15 +191,15 @@ async def _serve(run: Run, bus: Bus, clock: WallClock, tcp: tuple[str, int] | No
         port.close()
 
 
-def _watcher(run: Run) -> Callable[[Happening], None] | None:
-    def tell(happening: Happening) -> None:
-        data = happening.data.hex().upper()
+def _watcher(run: Run) -> Callable[[EcuEvent], None] | None:
+    def tell(event: EcuEvent) -> None:
+        data = event.data.hex().upper()
         if run.output.json:
             run.output.data(
-                {"time": round(happening.time, 6), "event": happening.kind, "data": data or None}
+                {"time": round(event.time, 6), "event": event.kind, "data": data or None}
             )
         else:
-            run.output.detail(f"{happening.time:.3f}", happening.kind, data)
+            run.output.detail(f"{event.time:.3f}", event.kind, data)
 
     return tell if run.output.json or run.output.verbose else None
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from mikas.virtual.model.physics import STEP, Curve
+from mikas.virtual.model.physics import STEP, LookupTable
 from mikas.virtual.model.sensors import Sensors
 
 # Over coolant °C. The speeds are those of the facts about the car: 850 warm, 1100 to 1500 cold.
-TARGET_SPEED = Curve(
+TARGET_SPEED = LookupTable(
     {-40: 1500, -20: 1450, 0: 1330, 20: 1200, 40: 1060, 60: 930, 75: 860, 80: 850}, 5
 )
-IDLE_AIR = Curve({-40: 44, -20: 38, 0: 29, 20: 22.5, 40: 18.5, 60: 16, 80: 14.5, 100: 14.2}, 5)
-START_AIR = Curve({-40: 60, -20: 48, 0: 38, 20: 31, 60: 23, 90: 18.5}, 5)
-CRANKING_MIXTURE = Curve({-40: 0.52, -20: 0.58, 0: 0.68, 20: 0.78, 60: 0.88, 90: 0.93}, 5)
-WARM_UP_MIXTURE = Curve({-40: 0.74, -20: 0.80, 0: 0.86, 20: 0.91, 40: 0.96, 60: 1.0, 100: 1.0}, 5)
+IDLE_AIR = LookupTable(
+    {-40: 44, -20: 38, 0: 29, 20: 22.5, 40: 18.5, 60: 16, 80: 14.5, 100: 14.2}, 5
+)
+START_AIR = LookupTable({-40: 60, -20: 48, 0: 38, 20: 31, 60: 23, 90: 18.5}, 5)
+CRANKING_MIXTURE = LookupTable({-40: 0.52, -20: 0.58, 0: 0.68, 20: 0.78, 60: 0.88, 90: 0.93}, 5)
+WARM_UP_MIXTURE = LookupTable(
+    {-40: 0.74, -20: 0.80, 0: 0.86, 20: 0.91, 40: 0.96, 60: 1.0, 100: 1.0}, 5
+)
 START_SPEED = 480.0  # rpm at which starting is over
 LOOK_UP = 16  # steps between two looks into the tables
 

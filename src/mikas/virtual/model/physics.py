@@ -26,7 +26,7 @@ DISPLACEMENT_TORQUE = 2.286e-3 / (4 * pi)  # Nm per Pa of mean pressure
 TO_RADIANS = pi / 30  # rpm -> rad/s
 
 
-class Curve:
+class LookupTable:
     """A piecewise linear function, kept as an even table so that a look-up costs one index."""
 
     __slots__ = ("_last", "_low", "_per", "_table")
@@ -57,18 +57,20 @@ def _between(knots: list[tuple[float, float]], x: float) -> float:
 
 
 # Share of STROKE_AIR that a cylinder takes with the throttle wide open, over rpm.
-FILLING = Curve(
+FILLING = LookupTable(
     {0: 0.74, 600: 0.76, 1000: 0.79, 1500: 0.82, 2000: 0.85, 2500: 0.88, 3000: 0.91, 4000: 0.94,
      4500: 0.93, 5200: 0.91, 6000: 0.80, 7000: 0.62},
     100,
 )  # fmt: skip
 # Friction of a cold engine against a warm one, over coolant °C (thick oil).
-VISCOSITY = Curve({-40: 3.6, -20: 2.5, 0: 1.85, 20: 1.5, 40: 1.25, 60: 1.1, 85: 1.0, 120: 0.96}, 5)
+VISCOSITY = LookupTable(
+    {-40: 3.6, -20: 2.5, 0: 1.85, 20: 1.5, 40: 1.25, 60: 1.1, 85: 1.0, 120: 0.96}, 5
+)
 # Torque against the best mixture's, over λ.
-BURN = Curve({0.4: 0.55, 0.6: 0.8, 0.75: 0.94, 0.88: 1.0, 0.95: 0.99, 1.0: 0.96, 1.15: 0.86,
+BURN = LookupTable({0.4: 0.55, 0.6: 0.8, 0.75: 0.94, 0.88: 1.0, 0.95: 0.99, 1.0: 0.96, 1.15: 0.86,
               1.3: 0.6, 1.5: 0.1, 1.6: 0}, 0.01)  # fmt: skip
 # Advance at full load, over rpm: as early as knock allows.
-SPARK = Curve({0: 6, 600: 7, 1000: 9, 2000: 16, 3000: 22, 4000: 25, 5200: 28, 7000: 29}, 100)
+SPARK = LookupTable({0: 6, 600: 7, 1000: 9, 2000: 16, 3000: 22, 4000: 25, 5200: 28, 7000: 29}, 100)
 
 
 def air_per_stroke(air: float, rpm: float) -> float:

@@ -12,14 +12,14 @@ from copy import copy
 from functools import lru_cache
 
 from mikas.virtual.model import physics as ph
-from mikas.virtual.model.driving import Car
 from mikas.virtual.model.physics import STEP, TO_RADIANS
 from mikas.virtual.model.program import Program
 from mikas.virtual.model.sensors import Signals
 from mikas.virtual.model.substitutes import NOTHING, Lost
 from mikas.virtual.model.surroundings import Board, Heat
-from mikas.virtual.scenario import Start
-from mikas.virtual.timeline import Inputs, Timeline
+from mikas.virtual.model.vehicle import Vehicle
+from mikas.virtual.scenarios.scenario import Start
+from mikas.virtual.scenarios.timeline import Inputs, ScenarioTimeline
 
 NOISE = 16381  # a prime: strides through the table visit all of it, 8.5 minutes long
 SETTLING = 1920  # steps that a running engine has already run at second 0: a minute
@@ -34,7 +34,7 @@ def noise_table(seed: int) -> tuple[float, ...]:
     return tuple(max(-3.0, min(3.0, source.gauss(0.0, 1.0))) for _ in range(NOISE))
 
 
-def plant_at_start(start: Start, timeline: Timeline, seed: int, lost: Lost) -> Plant:
+def plant_at_start(start: Start, timeline: ScenarioTimeline, seed: int, lost: Lost) -> Plant:
     """Return a new plant at second 0.
 
     A running engine needs 2,000 steps (0.1 s) to settle, so settled plants are kept and copied.
@@ -43,7 +43,7 @@ def plant_at_start(start: Start, timeline: Timeline, seed: int, lost: Lost) -> P
 
 
 @lru_cache(maxsize=32)
-def _settled_plant(start: Start, timeline: Timeline, seed: int, lost: Lost) -> Plant:
+def _settled_plant(start: Start, timeline: ScenarioTimeline, seed: int, lost: Lost) -> Plant:
     return Plant(start, timeline, seed, lost)
 
 
@@ -52,17 +52,17 @@ class Plant:
 
     __slots__ = (
         "_burning", "_burnt", "_fuel", "_noise", "_signals", "_start", "_timeline", "_viscosity",
-        "board", "car", "crank", "cycles", "fuel_used", "heat", "key", "manifold", "program",
-        "step_number",
+        "board", "crank", "cycles", "fuel_used", "heat", "key", "manifold", "program",
+        "step_number", "vehicle",
     )  # fmt: skip
 
-    def __init__(self, start: Start, timeline: Timeline, seed: int, lost: Lost) -> None:
+    def __init__(self, start: Start, timeline: ScenarioTimeline, seed: int, lost: Lost) -> None:
         self._start = start
         self._timeline = timeline
         self._noise = noise_table(seed)
         self.heat = Heat(start)
         self.board = Board(start)
-        self.car = Car(timeline.at(0.0), running=start.running)
+        self.vehicle = Vehicle(timeline.at(0.0), running=start.running)
         self.program = Program(lost, start.coolant, self.heat.intake_air)
         self._signals = Signals(start.coolant, self.heat.intake_air)
         self._viscosity = ph.VISCOSITY(start.coolant)
@@ -81,7 +81,8 @@ class Plant:
     def fork(self) -> Plant:
         """A copy that can go ahead by itself."""
         other = copy(self)
-        other.car, other.heat, other.board = copy(self.car), copy(self.heat), copy(self.board)
+        other.vehicle, other.heat = copy(self.vehicle), copy(self.heat)
+        other.board = copy(self.board)
         other.program = self.program.fork()
         other._signals = copy(self._signals)  # noqa: SLF001  (its own class)
         return other
@@ -130,10 +131,10 @@ class Plant:
         charge, flow = self._breathe(rpm, signals.demand)
         if inputs.key:
             signals.rpm = rpm
-            signals.throttle = self.car.throttle
+            signals.throttle = self.vehicle.throttle
             signals.air = max(0.0, flow * (1 + 0.006 * table[(number * 3 + 991) % NOISE]))
             signals.coolant, signals.intake_air = self.heat.coolant, self.heat.intake_air
-            ripple = 0.02 if rpm > 500 else 0.12 if self.car.starter else 0.005
+            ripple = 0.02 if rpm > 500 else 0.12 if self.vehicle.starter else 0.005
             signals.voltage = self.board.voltage + ripple * table[(number * 5 + 2003) % NOISE]
             program.step(signals, self._burnt, self._knock_limit(rpm, charge, number))
         self._fuel = ph.injected(program.mixture.injection, self.board.voltage)
@@ -153,7 +154,7 @@ class Plant:
 
     def _drive(self, inputs: Inputs, rpm: float, road: float) -> None:
         alive = not self.program.sensors.lost.crank
-        self.car.drive(inputs, rpm, self.heat.coolant, alive=alive, road=road)
+        self.vehicle.drive(inputs, rpm, self.heat.coolant, alive=alive, road=road)
 
     def _knock_limit(self, rpm: float, charge: float, number: int) -> float:
         chance = 1.1 * self._noise[(number * 11 + 7001) % NOISE]
@@ -167,7 +168,7 @@ class Plant:
         if wanted <= 0.05:
             self.manifold += (1.0 - before) * 0.2
             return 0.0, 0.0
-        inlet = ph.throttle_air(self.car.throttle) + self.program.idle.valve * ph.VALVE_FLOW
+        inlet = ph.throttle_air(self.vehicle.throttle) + self.program.idle.valve * ph.VALVE_FLOW
         delay = EMPTYING * 120 / (rpm * ph.FILLING(rpm))
         self.manifold += (ph.manifold(inlet, wanted) - before) * STEP / (delay + STEP)
         thick = wanted * ph.density(self.heat.intake_air)
@@ -184,7 +185,7 @@ class Plant:
 
     def _turn(self, rpm: float, charge: float, chance: float) -> None:
         """Torques on the crankshaft; what they do to it and to the wheels."""
-        program, car, burning = self.program, self.car, self._burning
+        program, car, burning = self.program, self.vehicle, self._burning
         torque = -car.load if rpm > 300 else 0.0
         if burning:
             made = ph.indicated_torque(charge, rpm, self._burnt, program.spark.advance)
@@ -208,5 +209,5 @@ class Plant:
         """The slow things."""
         burnt = ph.fuel_flow(self._fuel, rpm) if self._burning else 0.0
         air = ph.air_flow(charge, rpm)
-        self.heat.step(burnt, air, self.car.speed, SLOW * STEP, fan=self.program.fan)
+        self.heat.step(burnt, air, self.vehicle.speed, SLOW * STEP, fan=self.program.fan)
         self._viscosity = ph.VISCOSITY(self.heat.coolant)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from mikas.virtual.model import physics as ph
 from mikas.virtual.model.physics import STEP
-from mikas.virtual.scenario import Start
+from mikas.virtual.scenarios.scenario import Start
 
 HEAT_CAPACITY = 60e3  # J/K
 TO_COOLANT = 0.29  # share of the petrol's heat

@@ -48,7 +48,7 @@ class Inputs(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Timeline:
+class ScenarioTimeline:
     """All inputs over `duration` seconds and, if `loops`, from `loop_from` on again and again."""
 
     duration: float

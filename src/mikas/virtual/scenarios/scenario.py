@@ -16,8 +16,8 @@ from typing import Any
 from mikas.catalog.loading.source import Source, read_source
 from mikas.errors import UsageError
 from mikas.i18n import Text
-from mikas.virtual.scenario_form import read_form
-from mikas.virtual.timeline import Inputs, Timeline, Track
+from mikas.virtual.scenarios.form import read_form
+from mikas.virtual.scenarios.timeline import Inputs, ScenarioTimeline, Track
 
 DEFAULT = "warm-idle"
 ROOM = 20.0  # °C
@@ -41,7 +41,7 @@ class Scenario:
     name: str
     text: Text
     start: Start
-    timeline: Timeline
+    timeline: ScenarioTimeline
     values: Mapping[str, float | bool] = field(default_factory=dict)  # physical, by parameter
     raw: Mapping[str, bytes] = field(default_factory=dict)  # by parameter
     faults: frozenset[int] = frozenset()
@@ -107,9 +107,9 @@ def find(name: str) -> Scenario:
     )
 
 
-def _timeline(form: dict[str, Any]) -> Timeline:
+def _timeline(form: dict[str, Any]) -> ScenarioTimeline:
     tracks = {"key": _always(1), "starter": _always(0), "load": _always(0)}
-    return Timeline(
+    return ScenarioTimeline(
         duration=form["duration"],
         loops=form.get("after_end") == "loop",
         loop_from=form.get("loop_from", 0.0),
@@ -122,7 +122,7 @@ def _always(value: float) -> Track:
 
 
 def _shipped() -> dict[str, Scenario]:
-    files = (Path(__file__).parent / "scenarios").glob("*.toml")
+    files = Path(__file__).parent.glob("*.toml")
     scenarios = {path.stem: load(path) for path in sorted(files)}
     return {DEFAULT: scenarios.pop(DEFAULT)} | scenarios
 

@@ -18,7 +18,7 @@ from mikas.catalog.spelling import nearest
 from mikas.errors import CatalogError
 from mikas.i18n import Text
 from mikas.virtual.memory import SIZES
-from mikas.virtual.timeline import Track
+from mikas.virtual.scenarios.timeline import Track
 
 PASSPORTS = 8  # three of the program, five of the data; 16 bytes each (§3)
 TRACKS = ("key", "starter", "load", "throttle", "gear", "speed")

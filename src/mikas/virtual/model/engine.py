@@ -16,11 +16,11 @@ from collections import deque
 from collections.abc import Iterable
 from math import floor, inf
 
-from mikas.virtual.engine_state import FIELDS, EngineState, state_of
+from mikas.virtual.model.engine_state import FIELDS, EngineState, state_of
 from mikas.virtual.model.physics import STEP
 from mikas.virtual.model.plant import Plant, plant_at_start
 from mikas.virtual.model.substitutes import Lost
-from mikas.virtual.scenario import DEFAULT, SCENARIOS, Scenario
+from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS, Scenario
 
 __all__ = ["FIELDS", "HORIZON", "Engine", "EngineState"]
 

@@ -109,5 +109,5 @@ def state_of(plant: Plant, time: float, *, powered: bool) -> EngineState:
         fan=program.fan,
         cycles=plant.cycles + (time - plant.step_number * STEP) * plant.rpm / 120,
         fuel_used=plant.fuel_used,
-        speed=plant.car.speed * 3.6,
+        speed=plant.vehicle.speed * 3.6,
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from mikas.virtual.model import physics as ph
 from mikas.virtual.model.physics import STEP, TO_RADIANS
-from mikas.virtual.timeline import Inputs
+from mikas.virtual.scenarios.timeline import Inputs
 
 MASS = 1600.0  # kg with a driver
 WHEEL = 0.31  # m
@@ -31,7 +31,7 @@ def resistance(speed: float) -> float:
     return (MASS * 9.81 * 0.014 + 0.5 * speed * speed) if speed > 0 else 0.0
 
 
-class Car:
+class Vehicle:
     """Body, gearbox and driver. `throttle`, `starter` and `load` are what the engine feels."""
 
     __slots__ = (

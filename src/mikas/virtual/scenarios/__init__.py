@@ -1,0 +1,1 @@
+"""Scenarios of the virtual car: the shipped files, their form, the timeline of inputs."""
