@@ -8,7 +8,7 @@ from client_bench import bench
 from mikas import errors
 from mikas.catalog import shipped
 from mikas.client import connect
-from mikas.client.connecting import ecu_factory
+from mikas.client.connecting import ConnectionOptions
 from mikas.link import Direction, open_link, urls
 from mikas.link.virtual import VirtualLink
 
@@ -176,16 +176,16 @@ def test_without_a_journal_named_the_users_own_is_taken(own_state):
     assert (own_state / "journal.jsonl").exists()
 
 
-class TestMaker:
-    """What makes an `Ecu` of any link, for links that come and go."""
+class TestConnectionOptions:
+    """`create_ecu` on any link, for links that come and go."""
 
-    def test_it_makes_one_that_is_not_yet_connected(self, tmp_path):
-        make_ecu = ecu_factory(
+    def test_an_ecu_is_created_not_yet_connected(self, tmp_path):
+        options = ConnectionOptions(
             state=tmp_path / "units", journal=tmp_path / "journal", interpretation="literal"
         )
         for _ in range(2):
             link = open_link(SIM)
-            with make_ecu(link) as ecu:
+            with options.create_ecu(link) as ecu:
                 assert ecu.tester.link is link
                 assert ecu.tester.version_code is None
                 ecu.tester.connect()
@@ -193,7 +193,7 @@ class TestMaker:
 
     def test_definitions_that_are_loaded_already(self):
         catalog = shipped()
-        assert ecu_factory(catalog=catalog)(open_link(SIM)).catalog is catalog
+        assert ConnectionOptions(catalog=catalog).create_ecu(open_link(SIM)).catalog is catalog
 
     @pytest.mark.parametrize(
         "settings",
@@ -201,4 +201,4 @@ class TestMaker:
     )
     def test_settings_are_checked_before_there_is_a_link(self, settings):
         with pytest.raises(errors.UsageError):
-            ecu_factory(**settings)
+            ConnectionOptions(**settings)

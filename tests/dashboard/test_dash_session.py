@@ -76,7 +76,7 @@ def test_a_port_that_opens_when_nobody_samples_any_more_is_closed_at_once(tmp_pa
 
 def test_a_port_that_opens_when_nobody_wants_the_doctor_any_more_is_not_used(tmp_path):
     opening, told = Opening(tmp_path), []
-    opening.wanting = Examination("sim:", opening.settings, opening.settings.catalog)
+    opening.wanting = Examination("sim:", opening.settings)
     opening.wanting.run(told.append)
     assert (told, opening.sent) == ([], [])
 

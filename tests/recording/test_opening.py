@@ -12,7 +12,7 @@ import pytest
 import mikas
 from mikas.catalog import shipped
 from mikas.client import Limits
-from mikas.client.connecting import ecu_factory
+from mikas.client.connecting import ConnectionOptions
 from mikas.errors import CaptureError, CatalogError, MissingExtra, UnknownParameter, UsageError
 from mikas.i18n import Text
 from mikas.link.reconnecting import ReconnectingPort
@@ -248,7 +248,7 @@ def test_what_adds_up_is_the_same_as_it_was_live_though_responses_were_spoilt(tm
     with CaptureWriter(path, url=port) as sink:
         made = Acquisition(
             ReconnectingPort(port, sink=sink),
-            ecu_factory(),
+            ConnectionOptions().create_ecu,
             shipped(),
             ["FUEL_USED"],
             method="list",

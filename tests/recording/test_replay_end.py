@@ -10,7 +10,7 @@ from replay_bench import again, do, session, sim
 from mikas.catalog import shipped
 from mikas.cli import words
 from mikas.cli.main import run
-from mikas.client.connecting import ecu_factory
+from mikas.client.connecting import ConnectionOptions
 from mikas.errors import EchoOnly, RecordingOver
 from mikas.link import open_link
 from mikas.link.reconnecting import ReconnectingPort
@@ -95,14 +95,14 @@ def test_on_a_wire_it_is_silence_and_nothing_else(drive):
 
 
 def session_on(link):
-    return ecu_factory()(link)
+    return ConnectionOptions().create_ecu(link)
 
 
 @pytest.mark.parametrize("method", ["batch", "list", "stream", "auto"])
 def test_sampling_ends_with_it(drive, tmp_path, method):
     made = Acquisition(
         ReconnectingPort(again(drive)),
-        ecu_factory(state=tmp_path),
+        ConnectionOptions(state=tmp_path).create_ecu,
         shipped(),
         ["TWAT", "FREQ"],
         method=method,

@@ -16,6 +16,20 @@ from mikas.errors import UsageError
 from mikas.i18n import Text
 
 INTERPRETATIONS = ("corrected", "literal", "alternative")
+
+
+def check_interpretation(name: str) -> None:
+    """Raise `UsageError` for a name outside `INTERPRETATIONS`."""
+    if name not in INTERPRETATIONS:
+        known = ", ".join(INTERPRETATIONS)
+        raise UsageError(
+            problem=Text(
+                f"There is no interpretation “{name}”; there are: {known}",
+                f"Толкования «{name}» нет; есть: {known}",
+            )
+        )
+
+
 """corrected: the letter, save where it is impossible (the default). literal: the letter of the
 source. alternative: another sense of a letter that is odd, but possible (E3)."""
 
@@ -98,14 +112,7 @@ class Parameter:
 
         So one name can be set for a whole session. UsageError: a name outside `INTERPRETATIONS`.
         """
-        if name not in INTERPRETATIONS:
-            known = ", ".join(INTERPRETATIONS)
-            raise UsageError(
-                problem=Text(
-                    f"There is no interpretation “{name}”; there are: {known}",
-                    f"Толкования «{name}» нет; есть: {known}",
-                )
-            )
+        check_interpretation(name)
         return self.interpretations.get(name, self.conversion)
 
     def decode(self, raw: bytes, interpretation: str = "corrected") -> float | int | bool:

@@ -14,13 +14,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from mikas.cli.options import ECHO, LANGUAGES, LONGEST_TIMEOUT, MOST_RETRIES, READING
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Text
 
 _WORDS = {
-    "echo": ("auto", "on", "off"),
-    "reading": ("corrected", "literal", "alternative"),
-    "lang": ("en", "ru"),
+    "echo": ECHO,
+    "reading": READING,
+    "lang": LANGUAGES,
 }
 _KNOWN = ("port", "echo", "timeout", "retries", "reading", "lang", "catalog")
 
@@ -77,11 +78,19 @@ def _wanted(name: str, value: object) -> Text | None:
         good = isinstance(value, str) and bool(value.strip())
         return None if good else Text('a port in quotes, like "COM3"', 'порт в кавычках: "COM3"')
     if name == "timeout":
-        good = number and 0 < value <= 60  # type: ignore[operator]  # a number, as tested
-        return None if good else Text("seconds, up to 60", "число секунд, до 60")
+        good = number and 0 < value <= LONGEST_TIMEOUT  # type: ignore[operator]  # a number, as tested
+        return (
+            None
+            if good
+            else Text(f"seconds, up to {LONGEST_TIMEOUT}", f"число секунд, до {LONGEST_TIMEOUT}")
+        )
     if name == "retries":
-        good = number and isinstance(value, int) and 0 <= value <= 100
-        return None if good else Text("a whole number, 0 to 100", "целое число от 0 до 100")
+        good = number and isinstance(value, int) and 0 <= value <= MOST_RETRIES
+        return (
+            None
+            if good
+            else Text(f"a whole number, 0 to {MOST_RETRIES}", f"целое число от 0 до {MOST_RETRIES}")
+        )
     good = isinstance(value, list) and all(isinstance(item, str) and item for item in value)
     return None if good else Text('a list of files, ["my.toml"]', 'список файлов: ["my.toml"]')
 

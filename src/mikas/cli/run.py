@@ -10,7 +10,8 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,7 @@ from mikas.i18n import Text
 if TYPE_CHECKING:
     from mikas.catalog import Catalog
     from mikas.client import Change, Confirm, Ecu
+    from mikas.client.connecting import ConnectionOptions
     from mikas.link import Link, Sink
 
 _HOW = Text(
@@ -36,17 +38,26 @@ _NOT_RECORDED = Text(
 )
 
 
-@dataclass(slots=True)
+_CONNECTION = {
+    "echo": "echo",
+    "timeout": "timeout",
+    "retries": "retries",
+    "reading": "interpretation",
+}
+"""Options of the command line that are a field of `ConnectionOptions`, and that field."""
+
+
+@dataclass
 class Run:
-    """Settings of this run. `port` None: the one likely adapter."""
+    """Settings of this run. `port` None: the one likely adapter.
+
+    `connection`: the fields of `ConnectionOptions` that the user has set.
+    """
 
     port: str | None = None
-    echo: str = "auto"
-    timeout: float = 0.5
-    retries: int = 2
     capture: Path | None = None
-    interpretation: str = "corrected"
     catalogs: tuple[Path, ...] = ()
+    connection: dict[str, Any] = field(default_factory=dict)
     output: Output = field(default_factory=Output)
 
     @classmethod
@@ -57,51 +68,40 @@ class Run:
         json, verbose = bool(given.get("json")), bool(given.get("verbose"))
         run = cls(output=Output(json=json, verbose=verbose))
         run.port = settings.get("port")
-        run.echo = settings.get("echo", run.echo)
-        run.timeout = settings.get("timeout", run.timeout)
-        run.retries = settings.get("retries", run.retries)
-        run.interpretation = settings.get("reading", run.interpretation)
+        run.connection = {
+            name: settings[option] for option, name in _CONNECTION.items() if option in settings
+        }
         run.catalogs = tuple(map(Path, [*stored.get("catalog", ()), *given.get("catalog", ())]))
         run.capture = Path(given["capture"]) if given.get("capture") else None
         return run
 
+    @cached_property
+    def options(self) -> ConnectionOptions:
+        """How an ECU is talked to, the catalog included."""
+        from mikas.catalog import load
+        from mikas.client.connecting import ConnectionOptions
+
+        return ConnectionOptions(catalog=load(*self.catalogs), **self.connection)
+
     def catalog(self) -> Catalog:
         """The shipped definitions with the user's over them."""
-        from mikas.catalog import load
+        return self.options.catalog
 
-        return load(*self.catalogs)
-
-    def ecu_factory(self) -> Callable[[Link], Ecu]:
-        """Makes an ECU of a link, not connected yet, by this run's settings."""
-        from mikas.client.connecting import ecu_factory
-
-        return ecu_factory(
-            echo=self.echo,
-            timeout=self.timeout,
-            retries=self.retries,
-            interpretation=self.interpretation,
-            catalogs=self.catalogs,
-        )
+    @property
+    def interpretation(self) -> str:
+        """Which reading of the source's errata decodes values."""
+        return self.options.interpretation
 
     @contextmanager
     def ecu(self, confirm: Confirm | None = None) -> Iterator[Ecu]:
         """A connected ECU, captured if that was asked for."""
-        from mikas.client import connect
+        from mikas.client.connecting import open_ecu
         from mikas.link import choose_port
 
         port = self.port or choose_port()
         with (
             self.capturing(port) as sink,
-            connect(
-                port,
-                echo=self.echo,
-                timeout=self.timeout,
-                retries=self.retries,
-                interpretation=self.interpretation,
-                catalogs=self.catalogs,
-                confirm=confirm,
-                sink=sink,
-            ) as ecu,
+            open_ecu(port, replace(self.options, confirm=confirm), sink=sink) as ecu,
         ):
             self.output.detail(
                 tr("port", "порт"), port,

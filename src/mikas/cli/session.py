@@ -160,7 +160,7 @@ def session(
     )
     acquisition = Acquisition(
         ReconnectingPort(port, sink=recorder),
-        run.ecu_factory(),
+        run.options.create_ecu,
         run.catalog(),
         asked.names,
         method=asked.method,

@@ -1,12 +1,14 @@
-"""`connect`: from a port's URL to an `Ecu`."""
+"""`connect`: from a port's URL to an `Ecu`, and the options that every connection has."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
 
-from mikas.catalog import INTERPRETATIONS, Catalog, load
+from mikas.catalog import Catalog, load, shipped
+from mikas.catalog.model import check_interpretation
 from mikas.client import journal as journals
 from mikas.client import limits as stores
 from mikas.client.ecu import Ecu
@@ -17,6 +19,83 @@ from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.link import CaptureTee, Link, Sink, choose_port, open_link
 from mikas.tester import Echo, Tester, Timing
+
+_SHORTEST = 0.001  # s; a shorter time-out would end before an adapter hands over its first byte
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConnectionOptions:
+    """How an ECU is talked to, whatever port it is on. Raises `UsageError` for an invalid value.
+
+    `create_ecu` and `create_tester` work on any open link, and as often as a link is lost and
+    opened again.
+    """
+
+    echo: str = "auto"
+    """auto, on or off: whether the adapter returns what it sends (D1)."""
+
+    timeout: float = 0.5
+    """Seconds from the end of a request to the first byte of its response (D14)."""
+
+    inter_byte_timeout: float = 0.02
+    """Seconds of silence inside a response after which it counts as cut (D14)."""
+
+    retries: int = 2
+    """How often a request that changes nothing is repeated after a spoilt exchange."""
+
+    interpretation: str = "corrected"
+    """corrected, literal or alternative: which reading of the source's errata decodes values."""
+
+    catalog: Catalog = field(default_factory=shipped)
+    """The definitions of parameters, faults and models."""
+
+    confirm: Confirm | None = None
+    """Asked before every change; None: every change passes but the dangerous ones."""
+
+    journal: Path | None = None
+    """The file of changes; None: the one in the user's state folder."""
+
+    state: Path | None = None
+    """The folder of learnt limits; None: the one in the user's state folder."""
+
+    raw_checksum: bool = False
+    """Send a checksum 0D or 40 as it is (D3)."""
+
+    strict: bool = False
+    """Treat a lone escape as damage (D4)."""
+
+    def __post_init__(self) -> None:
+        _check_choice("echo", self.echo, [echo.value for echo in Echo])
+        check_interpretation(self.interpretation)
+        _check_number("timeout", self.timeout, lowest=_SHORTEST)
+        _check_number("inter_byte_timeout", self.inter_byte_timeout, lowest=_SHORTEST)
+        _check_number("retries", self.retries, lowest=0)
+        if not isinstance(self.retries, int):
+            raise _bad("retries", self.retries, Text("a whole number", "целое число"))
+
+    def create_tester(self, link: Link) -> Tester:
+        """Create a `Tester` on `link`; it is not connected yet."""
+        return Tester(
+            link,
+            timing=Timing(
+                response_timeout=self.timeout, inter_byte_timeout=self.inter_byte_timeout
+            ),
+            echo=Echo(self.echo),
+            retries=self.retries,
+            raw_checksum=self.raw_checksum,
+            strict=self.strict,
+        )
+
+    def create_ecu(self, link: Link) -> Ecu:
+        """Create an `Ecu` on `link`; it is not connected yet: `ecu.tester.connect()` does that."""
+        return Ecu(
+            self.create_tester(link),
+            self.catalog,
+            interpretation=self.interpretation,
+            confirm=self.confirm,
+            journal=Journal(Path(self.journal or journals.default_path())),
+            store=LimitsStore(Path(self.state or stores.default_folder())),
+        )
 
 
 def connect(
@@ -35,10 +114,10 @@ def connect(
     raw_checksum: bool = False,
     strict: bool = False,
 ) -> Ecu:
-    """Opens the port, finds the ECU on it and returns it, ready to be asked.
+    """Open the port, find the ECU on it and return it, ready for requests.
 
-    `url`: `/dev/ttyUSB0`, `COM3`, `socket://host:port`, `rfc2217://host:port`, `sim:`; none: the
-    one likely adapter that is plugged in. `echo`: auto, on or off (D1). `timeout`: seconds to the
+    `url`: `/dev/ttyUSB0`, `COM3`, `socket://host:port`, `rfc2217://host:port`, `sim:`; None: the
+    only likely adapter that is plugged in. `echo`: auto, on or off (D1). `timeout`: seconds to the
     first byte of a response, `inter_byte_timeout`: to each further one (D14). `retries`: how often
     a request that changes nothing is sent again after a spoilt exchange. `interpretation`:
     corrected, literal or alternative (errata). `catalogs`: the user's own files. `confirm`: asked
@@ -48,9 +127,9 @@ def connect(
     is (D3). `strict`: a lone escape is damage (D4).
 
     Raises `NoConnection` or a `LineError` with what to try; before the port is opened, `UsageError`
-    for settings that make no sense.
+    for an invalid option.
     """
-    make_ecu = ecu_factory(
+    options = ConnectionOptions(
         echo=echo,
         timeout=timeout,
         inter_byte_timeout=inter_byte_timeout,
@@ -63,68 +142,21 @@ def connect(
         raw_checksum=raw_checksum,
         strict=strict,
     )
+    return open_ecu(url, options, sink=sink)
+
+
+def open_ecu(url: str | None, options: ConnectionOptions, *, sink: Sink | None = None) -> Ecu:
+    """As `connect`, with the options as one value."""
     link: Link = open_link(choose_port() if url is None else url)
     if sink is not None:
         link = CaptureTee(link, sink)
     try:
-        ecu = make_ecu(link)
+        ecu = options.create_ecu(link)
         ecu.tester.connect()
     except BaseException:
         link.close()
         raise
     return ecu
-
-
-def ecu_factory(
-    *,
-    echo: str = "auto",
-    timeout: float = 0.5,
-    inter_byte_timeout: float = 0.02,
-    retries: int = 2,
-    interpretation: str = "corrected",
-    catalogs: Iterable[Path] = (),
-    catalog: Catalog | None = None,
-    confirm: Confirm | None = None,
-    journal: Path | None = None,
-    state: Path | None = None,
-    raw_checksum: bool = False,
-    strict: bool = False,
-) -> Callable[[Link], Ecu]:
-    """What makes an `Ecu` of an open link, not yet connected; for links that come and go.
-
-    The settings are those of `connect`, checked here: raises `UsageError`. `catalog`: definitions
-    that are loaded already, instead of `catalogs`.
-    """
-    _check_choice("echo", echo, [it.value for it in Echo])
-    _check_choice("interpretation", interpretation, INTERPRETATIONS)
-    _check_number("timeout", timeout, lowest=0.001)
-    _check_number("inter_byte_timeout", inter_byte_timeout, lowest=0.001)
-    _check_number("retries", retries, lowest=0)
-    if not isinstance(retries, int):
-        raise _bad("retries", retries, Text("a whole number", "целое число"))
-    definitions = load(*catalogs) if catalog is None else catalog
-    changes = Journal(Path(journal or journals.default_path()))
-    store = LimitsStore(Path(state or stores.default_folder()))
-
-    def make_ecu(link: Link) -> Ecu:
-        tester = Tester(
-            link,
-            timing=Timing(response_timeout=timeout, inter_byte_timeout=inter_byte_timeout),
-            echo=Echo(echo),
-            retries=retries,
-            raw_checksum=raw_checksum,
-            strict=strict,
-        )
-        return Ecu(
-            tester,
-            definitions,
-            interpretation=interpretation,
-            confirm=confirm,
-            journal=changes,
-            store=store,
-        )
-
-    return make_ecu
 
 
 def _check_choice(name: str, value: str, allowed: Iterable[str]) -> None:

@@ -13,7 +13,8 @@ from types import TracebackType
 from typing import Self
 
 from mikas import commands as c
-from mikas.catalog import INTERPRETATIONS, Catalog, Fault, Model
+from mikas.catalog import Catalog, Fault, Model
+from mikas.catalog.model import check_interpretation
 from mikas.client.data import DataReader
 from mikas.client.gate import Change, Confirm, Gate, hex_or_none
 from mikas.client.identity import (
@@ -64,14 +65,7 @@ class Ecu:
         journal: Journal | None = None,
         store: LimitsStore | None = None,
     ) -> None:
-        if interpretation not in INTERPRETATIONS:
-            known = ", ".join(INTERPRETATIONS)
-            raise UsageError(
-                problem=Text(
-                    f"there is no interpretation “{interpretation}”; there are: {known}",
-                    f"толкования «{interpretation}» нет; есть: {known}",
-                )
-            )
+        check_interpretation(interpretation)
         self.tester = tester
         self.catalog = catalog
         self._passport: Passport | None = None

@@ -51,7 +51,7 @@ async def erase(hub: Hub) -> Prepared:
 async def write_parameter(hub: Hub, wish: WriteParameter) -> Prepared:
     """One parameter; raises for a value that does not fit it."""
     parameter = hub.catalog.parameter(wish.name)
-    reading = hub.settings.interpretation
+    reading = hub.settings.connection.interpretation
     datum = _datum(parameter, wish, reading)
     before = await hub.ask(lambda ecu: _read(ecu, parameter))
 

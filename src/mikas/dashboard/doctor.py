@@ -78,7 +78,7 @@ async def doctor(
     if hub.switch.changing or hub.examination is not None:
         raise Busy(problem=CHANGING)
     told: asyncio.Queue[DoctorStep | None] = asyncio.Queue()
-    examination = Examination(port, hub.settings, hub.catalog)
+    examination = Examination(port, hub.settings)
     hub.examination = examination
     examination.task = asyncio.create_task(_examine(hub, examination, told))
 

@@ -13,10 +13,8 @@ from typing import TYPE_CHECKING
 
 from mikas.client.doctor import Step, examine
 from mikas.link import Link
-from mikas.tester import Echo, Tester, Timing
 
 if TYPE_CHECKING:
-    from mikas.catalog import Catalog
     from mikas.dashboard.settings import Settings
 
 
@@ -27,8 +25,8 @@ class _NotWanted(Exception):
 class Examination:
     """Of what is behind `url`; run once. `task` is set by whoever runs it."""
 
-    def __init__(self, url: str, settings: Settings, catalog: Catalog) -> None:
-        self._url, self._settings, self._catalog = url, settings, catalog
+    def __init__(self, url: str, settings: Settings) -> None:
+        self._url, self._settings = url, settings
         self._stopping = threading.Event()
         self._lock = threading.Lock()
         self._link: Link | None = None
@@ -37,8 +35,9 @@ class Examination:
 
     def run(self, tell: Callable[[Step], None]) -> None:
         """The steps, each told as it ends. The port is free when this returns."""
+        options = self._settings.connection
         try:
-            for step in examine(self._open, self._tester, self._catalog):
+            for step in examine(self._open, options.create_tester, options.catalog):
                 if not self._stopping.is_set():  # else it ends by itself: its link is closed
                     tell(step)
         except _NotWanted:
@@ -67,12 +66,3 @@ class Examination:
         if self._stopping.is_set():
             link.close()
         return link
-
-    def _tester(self, link: Link) -> Tester:
-        settings = self._settings
-        return Tester(
-            link,
-            timing=Timing(response_timeout=settings.timeout),
-            echo=Echo(settings.echo),
-            retries=settings.retries,
-        )

@@ -63,7 +63,7 @@ class Hub:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.settings = settings
-        self.catalog = settings.catalog
+        self.catalog = settings.connection.catalog
         self.lan = lan
         self.clock = clock
         """Seconds for seats, nonces and locks, which are people's time and not the link's."""
@@ -85,7 +85,7 @@ class Hub:
         self.wish = Wish(dict.fromkeys(self.planning.channels, 1))
         self.switch = Switch(
             settings,
-            Way(begin, settings.echo) if begin else None,
+            Way(begin, settings.connection.echo) if begin else None,
             begin=self._begun,
             over=self._over,
         )

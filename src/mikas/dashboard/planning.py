@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from mikas.client.connecting import ecu_factory
 from mikas.dashboard.refusals import NotConnected
 from mikas.dashboard.wishes import Wish
 from mikas.link.reconnecting import ReconnectingPort
@@ -57,5 +56,5 @@ class Planning:
     @cached_property
     def _unconnected(self) -> Acquisition:
         """Never run: it knows what things cost on a unit of which nothing is known."""
-        catalog = self._hub.catalog
-        return Acquisition(ReconnectingPort("sim:"), ecu_factory(catalog=catalog), catalog)
+        options = self._hub.settings.connection
+        return Acquisition(ReconnectingPort("sim:"), options.create_ecu, options.catalog)

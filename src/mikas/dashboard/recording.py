@@ -51,7 +51,7 @@ class RecordingDesk:
         self._goes_on = False  # with the first unit that answers
         self.recorder = Recorder(
             ecu=lambda: hub.ecu,
-            interpretation=hub.settings.interpretation,
+            interpretation=hub.settings.connection.interpretation,
             on_file=self._tell_begun,
         )
 

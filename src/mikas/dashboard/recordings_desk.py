@@ -34,7 +34,7 @@ class Desk:
 
     def __init__(self, hub: Hub) -> None:
         self.hub = hub
-        self.catalog, self.interpretation = hub.catalog, hub.settings.interpretation
+        self.catalog, self.interpretation = hub.catalog, hub.settings.connection.interpretation
         self.shelf = Shelf(hub.settings.recordings)
         self.opened = Opened(self.catalog, self.interpretation, hub.clock)
         self.summaries = Remembered(lambda path: summarise(path, self.catalog))

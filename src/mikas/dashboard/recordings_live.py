@@ -51,7 +51,8 @@ def _found(hub: Hub) -> Findings:
         unit, method, errors_ = story.unit, story.method or "", story.meters.errors
         events = story.events
     rows = _since(
-        _judged(hub.history.rows(MINUTES * 60), catalog, hub.settings.interpretation), events
+        _judged(hub.history.rows(MINUTES * 60), catalog, hub.settings.connection.interpretation),
+        events,
     )
     if unit is None and not len(rows.times):
         raise NotConnected

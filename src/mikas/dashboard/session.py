@@ -12,9 +12,9 @@ import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from contextlib import closing
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
-from mikas.client.connecting import ecu_factory
 from mikas.client.gate import Confirm
 from mikas.dashboard.refusals import InternalError
 from mikas.dashboard.settings import Settings
@@ -73,19 +73,17 @@ class Session:
             nap=self._nap,
             sink=sink,
         )
+        options = replace(
+            settings.connection,
+            echo=echo,
+            confirm=confirm,
+            journal=settings.journal,
+            state=settings.units,
+        )
         self.acquisition = Acquisition(
             self.plug,
-            ecu_factory(
-                echo=echo,
-                timeout=settings.timeout,
-                retries=settings.retries,
-                interpretation=settings.interpretation,
-                catalog=settings.catalog,
-                confirm=confirm,
-                journal=settings.journal,
-                state=settings.units,
-            ),
-            settings.catalog,
+            options.create_ecu,
+            options.catalog,
             names,
             method=method or "auto",
             rate=rate,

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mikas.catalog import Catalog, load
 from mikas.client import journal as journals
+from mikas.client.connecting import ConnectionOptions
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Language, Text
 from mikas.link import Link, Port, find_ports, open_link
@@ -74,11 +74,7 @@ class Settings:
 
     recordings: Path
     state: Path = field(default_factory=_state_folder)
-    catalog: Catalog = field(default_factory=load)
-    echo: str = "auto"
-    timeout: float = 0.5
-    retries: int = 2
-    interpretation: str = "corrected"
+    connection: ConnectionOptions = field(default_factory=ConnectionOptions)
     find: Callable[[], list[Port]] = find_ports
     open_port: Callable[[str], Link] = open_link
     link_clock: Callable[[], float] | None = None

@@ -155,11 +155,7 @@ def show_dashboard(run: Run, wishes: Wishes) -> None:
         ensure_folder(wishes.folder)
     settings = Settings(
         wishes.folder or default_recordings(),
-        catalog=run.catalog(),
-        echo=run.echo,
-        timeout=run.timeout,
-        retries=run.retries,
-        interpretation=run.interpretation,
+        connection=run.options,
         open_port=VirtualCars().open,
         language=wished(),
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from functools import partial
 
 from mikas.cli.grammar import command
 from mikas.cli.main import NO_CONNECTION
@@ -12,7 +11,6 @@ from mikas.cli.words import localized, tr
 from mikas.client.doctor import STEPS, Step, examine
 from mikas.i18n import Text
 from mikas.link import CaptureTee, Link, choose_port, open_link
-from mikas.tester import Echo, Tester, Timing
 
 
 @command(
@@ -28,7 +26,7 @@ from mikas.tester import Echo, Tester, Timing
 def doctor(run: Run) -> int:
     steps = []
     with ExitStack() as stack:
-        for step in examine(lambda: _open(run, stack), partial(_tester, run), run.catalog()):
+        for step in examine(lambda: _open(run, stack), run.options.create_tester, run.catalog()):
             steps.append(step)
             if not run.output.json:
                 run.output.line(_line(step))
@@ -58,12 +56,6 @@ def _open(run: Run, stack: ExitStack) -> Link:
     tee = CaptureTee(link, sink)
     stack.callback(run.check_capture, tee)
     return tee
-
-
-def _tester(run: Run, link: Link) -> Tester:
-    return Tester(
-        link, timing=Timing(response_timeout=run.timeout), echo=Echo(run.echo), retries=run.retries
-    )
 
 
 def _line(step: Step) -> str:
