@@ -1,4 +1,4 @@
-// The screens in the order of their keys 1–8. All come with the page: a program that has gone can't bring one later.
+// The screens in the order of their keys 1–8. All are part of one bundle, so that they work when the program has ended.
 import type { Component } from "svelte";
 import type { IconName } from "../components/basic/icons";
 import Chart from "./chart/Screen.svelte";

@@ -1,4 +1,4 @@
-// The words of the state band.
+// Texts of the state band.
 import { dictionary } from "../../lib/i18n";
 
 export const t = dictionary({

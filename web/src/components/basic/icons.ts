@@ -1,4 +1,4 @@
-// The page's icons: paths on a 24 × 24 grid, stroked with the text's colour.
+// Icons as paths on a 24 × 24 grid, stroked with the colour of the text.
 export const icons = {
   live: "M4 17a8.5 8.5 0 1 1 16 0M12 16l4-6",
   chart: "M3 4v16h18M6 15l4-5 4 3 6-8",

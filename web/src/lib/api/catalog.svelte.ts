@@ -1,4 +1,4 @@
-// The catalog: what there is to measure, with names, units, limits; asked until it came, after that it does not change.
+// The catalog: every channel with its name, unit and limits. It is loaded once; it does not change while the program runs.
 import { api } from "./api";
 import { retry } from "./retry";
 import type { Catalog, Channel } from "./types";
@@ -12,7 +12,7 @@ class CatalogStore {
     new Map(this.channels.map((channel) => [channel.name, channel])),
   );
 
-  /** Until it came, or the returned function is called. Without it nothing on the page has a name. */
+  /** Load the catalog, with retries until it has come or the returned function is called. */
   load(): () => void {
     return retry(async () => (this.loaded = await api.catalog()));
   }

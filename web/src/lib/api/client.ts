@@ -1,17 +1,17 @@
-// Who this tab is for the server: a random name of its own that outlives a reload, but is not shared with a duplicate of the tab.
-// A duplicate copies sessionStorage; so the name stands there only while the page is being left.
+// The client identity of this tab: a random name that survives a reload but is not shared with a duplicate of the tab. A duplicate copies
+// sessionStorage, so the name is stored there only while the page is being left.
 
-// A tab that is closed while it holds the controls leaves its name to the next one opened in this browser, which then holds them.
+// A tab that is closed while it holds control leaves its name for the next tab opened in this browser, which then holds control.
 
 const KEY = "mikas.client";
 const LEFT = "mikas.client.left";
 const TAKEN = "mikas.client.taken";
 const INHERITED = "inherited";
-/** ms that a closed tab's name waits for the next: after that its seat is free anyway. */
+/** ms for which a closed tab's name can be inherited; after that the server releases control anyway. */
 const INHERIT_MS = 15_000;
 let inherited = false;
 
-/** Told by the live line: whether this tab holds the controls. */
+/** Set by the live connection: whether this tab holds control. */
 export const controlLease = { held: false };
 
 function first(): string {
@@ -19,7 +19,7 @@ function first(): string {
     const left = leftName();
     const [own, how] = (sessionStorage.getItem(KEY) ?? "").split(" ");
     inherited = how === INHERITED;
-    // Another tab inherited it while this one was elsewhere: it is no longer this one's.
+    // Another tab inherited the name while this one was elsewhere.
     const mine = own && (inherited || localStorage.getItem(TAKEN) !== own) ? own : null;
     const before = mine ?? left;
     sessionStorage.removeItem(KEY);
@@ -30,7 +30,7 @@ function first(): string {
     }
     if (before && /^[A-Za-z0-9-]{8,64}$/.test(before)) return before;
   } catch {
-    // No storage: a new name each time.
+    // No storage: a new name for each page load.
   }
   const bytes = crypto.getRandomValues(new Uint8Array(12));
   return `page-${[...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("")}`;
@@ -43,7 +43,7 @@ function leftName(): string | null {
 
 export const clientId = globalThis.window ? first() : "page-test";
 
-/** What the other clients read when this one holds control. */
+/** The name that other clients see while this one holds control. */
 export const clientName = (): string => {
   const agent = globalThis.navigator?.userAgent ?? "";
   const system = /Android|iPhone|iPad|Windows|Mac OS|Linux/.exec(agent)?.[0] ?? "";
@@ -51,7 +51,7 @@ export const clientName = (): string => {
   return [browser, system].filter(Boolean).join(", ") + ` (${tabLabel})`;
 };
 
-/** Tells this tab from another of the same browser; stays over a reload. */
+/** A short label that tells this tab from another of the same browser; it survives a reload. */
 export const tabLabel = clientId.slice(-3).toUpperCase();
 
 globalThis.window?.addEventListener("pagehide", () => {
@@ -59,17 +59,17 @@ globalThis.window?.addEventListener("pagehide", () => {
     sessionStorage.setItem(KEY, inherited ? `${clientId} ${INHERITED}` : clientId);
     if (controlLease.held) localStorage.setItem(LEFT, `${clientId} ${Date.now()}`);
   } catch {
-    // As above.
+    // No storage.
   }
 });
 globalThis.window?.addEventListener("pageshow", (event) => {
   try {
-    // Back from the browser's store of pages, and another tab has taken the name meanwhile: a new one.
+    // Restored from the back/forward cache after another tab inherited the name: reload to get a new one.
     const lent = event.persisted && controlLease.held && leftName() !== clientId;
     sessionStorage.removeItem(KEY);
     if (leftName() === clientId) localStorage.removeItem(LEFT);
     if (lent) location.reload();
   } catch {
-    // As above.
+    // No storage.
   }
 });

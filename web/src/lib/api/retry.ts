@@ -1,7 +1,7 @@
-// Something asked of the server that a screen can't do without: when it fails, again after 1, 2, 4, 8 s, then every 8 s; one at a time.
+// Repeat a request that a screen can't do without: after 1, 2, 4, 8 s, then every 8 s; one request at a time.
 const DELAYS = [1000, 2000, 4000, 8000];
 
-/** Asks now and until it comes. Returns what ends the asking: for an `$effect`, so that it lasts as long as the live line is open. */
+/** Run `job` now and again until it succeeds. Returns a function that ends the retries, to be returned from an `$effect`. */
 export function retry(job: () => Promise<unknown>): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let over = false;

@@ -1,10 +1,10 @@
-// The API's types under the names that the page uses. They come from schema.ts, which is generated from the server's models; what the
-// OpenAPI description does not contain (events, messages of the live socket) is written here by hand.
+// The API's types under the names that the page uses. They come from schema.ts, which is generated from the server's models. Events and
+// messages of the live socket are not in the OpenAPI description; they are written here by hand.
 import type { components } from "./schema";
 
 type Schemas = components["schemas"];
 
-/** A text for people in both languages. */
+/** A text in both languages. */
 export type Text = Schemas["TwoTexts"];
 export type ErrorBody = Schemas["ErrorBody"];
 
@@ -59,7 +59,7 @@ export type RecordingDetail = Omit<Schemas["RecordingDetail"], "events"> & { eve
 export type History = Omit<Schemas["HistoryAnswer"], "events"> & { events: LineEvent[] };
 export type Marker = Schemas["MarkerAnswer"];
 
-// By hand from here on.
+// Written by hand from here on.
 
 export type ExportFormat = "csv" | "mf4" | "parquet" | "msl" | "mlg";
 

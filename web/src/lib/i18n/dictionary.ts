@@ -1,14 +1,14 @@
-// A screen's words, both languages side by side, so that one can't be forgotten: the types ask for both.
+// The texts of a screen in both languages side by side; the types require both.
 //
-//   const t = dictionary({ title: { en: "Faults", ru: "Неисправности" },
+//   const t = dictionary({ title: { en: "Faults", ru: "Ошибки" },
 //                          count: { en: { one: "{n} fault", other: "{n} faults" },
-//                                   ru: { one: "{n} неисправность", few: "{n} неисправности", many: "{n} неисправностей" } } });
+//                                   ru: { one: "{n} ошибка", few: "{n} ошибки", many: "{n} ошибок" } } });
 //   t("title"); t("count", { n: 3 })
 import { number } from "./formats";
 import { language, type Code } from "./language.svelte";
 
 type Forms = Partial<Record<Intl.LDMLPluralRule, string>>;
-type Words = string | Forms;
+type Message = string | Forms;
 type Params = Record<string, string | number>;
 
 const rules: Record<Code, Intl.PluralRules> = {
@@ -17,11 +17,11 @@ const rules: Record<Code, Intl.PluralRules> = {
 };
 
 export function dictionary<Key extends string>(
-  words: Record<Key, Record<Code, Words>>,
+  messages: Record<Key, Record<Code, Message>>,
 ): (key: Key, params?: Params) => string {
   return (key, params) => {
-    const said = words[key][language.code];
-    const text = typeof said === "string" ? said : form(said, Number(params?.n ?? 0));
+    const message = messages[key][language.code];
+    const text = typeof message === "string" ? message : form(message, Number(params?.n ?? 0));
     return params ? fill(text, params) : text;
   };
 }

@@ -1,13 +1,13 @@
-// Numbers, times and sizes as they are written in the language on the screen.
+// Numbers, times and sizes in the format of the selected language.
 import { language, type Code } from "./language.svelte";
 
 const locales: Record<Code, string> = { en: "en-GB", ru: "ru-RU" };
 const made = new Map<string, Intl.NumberFormat>();
 
-/** No number: a dash, never a guess. */
+/** Shown when there is no number. */
 export const DASH = "–";
 
-/** With a fixed number of decimals; without them: as many as it has, at most three. */
+/** Format a number with `decimals` digits; without `decimals`, with as many as it has, at most three. */
 export function number(value: number | null | undefined, decimals?: number): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return DASH;
   const key = `${language.code}${decimals ?? ""}`;
@@ -28,7 +28,7 @@ export function percent(share: number, decimals = 0): string {
   return `${number(share * 100, decimals)} %`;
 }
 
-/** 12:41 or 1:12:41. */
+/** Format a duration: 12:41 or 1:12:41. */
 export function clock(seconds: number | null | undefined): string {
   if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return DASH;
   const whole = Math.max(0, Math.floor(seconds));
@@ -53,7 +53,7 @@ export function size(bytes: number): string {
   return `${number(left, step === 0 || left >= 100 ? 0 : 1)} ${steps[language.code][step]}`;
 }
 
-/** UNIX seconds as a date and a time of day here. */
+/** Format UNIX seconds as local date and time. */
 export function moment(time: number | null | undefined): string {
   if (time === null || time === undefined) return DASH;
   return new Date(time * 1000).toLocaleString(locales[language.code], {
@@ -62,17 +62,17 @@ export function moment(time: number | null | undefined): string {
   });
 }
 
-/** Time of day, to the second. */
+/** Format UNIX seconds as local time with seconds. */
 export function timeOfDay(time: number): string {
   return new Date(time * 1000).toLocaleTimeString(locales[language.code]);
 }
 
-/** 0x00A7: an address or a code. */
+/** Format an address or a code: 0x00A7. */
 export function hex(value: number, digits = 4): string {
   return `0x${value.toString(16).toUpperCase().padStart(digits, "0")}`;
 }
 
-/** "01F9A0" as "01 F9 A0". */
+/** Insert spaces between bytes: "01F9A0" → "01 F9 A0". */
 export function spaced(bytes: string): string {
   return bytes.replace(/(..)(?=.)/g, "$1 ");
 }

@@ -1,5 +1,5 @@
-// The language on the screen: chosen by a touch and kept; at first that of the command line (`--lang`, which the server writes into the page), else
-// the browser's.
+// The language of the page: the one selected here and stored; else that of the command line (`--lang`, which the server writes into the
+// page); else the browser's.
 import { loadSetting, saveSetting } from "../platform/storage";
 import type { Text } from "../api/types";
 
@@ -27,7 +27,7 @@ class Language {
 export const language = new Language();
 if (globalThis.document) document.documentElement.lang = language.code;
 
-/** A text of the server in the language on the screen. */
+/** Return a text of the server in the selected language. */
 export function localized(text: Text | null | undefined): string {
   return text ? text[language.code] : "";
 }

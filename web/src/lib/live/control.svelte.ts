@@ -1,4 +1,4 @@
-// Who holds the controls. `allowed`: this page may change things now, or gets the seat by itself with the first change.
+// Which client holds control. `allowed`: this page may change things now, or takes free control with its first change.
 import { live } from "./live.svelte";
 
 class Control {

@@ -1,5 +1,5 @@
-// What happened, in order of time, each once. On a bad line there are many events a second, and nearly all of them are new and the latest:
-// such a one costs its own key and a place at the end, however many are held.
+// Events ordered by time, without duplicates. A bad line produces many events a second, nearly all of them new and the latest: adding such
+// an event costs one key and one place at the end, however many are stored.
 import type { LineEvent } from "../api/types";
 
 const MOST = 2000;
@@ -13,7 +13,7 @@ export class EventLog {
     this.held = [];
   }
 
-  /** All that is held with these added. A gap is told when it begins and again when it has ended: then the later word holds. */
+  /** Add events and return all. A gap is reported when it begins and again when it has ended; the second report replaces the first. */
   add(events: readonly LineEvent[]): readonly LineEvent[] {
     const held = [...this.held];
     let back = false;

@@ -1,5 +1,5 @@
-// The live line: one WebSocket to the program, its state, the latest value of everything, the last hour as columns, what happened.
-// Comes back by itself, after ½ s, 1, 2, … at most 8 s; and at once when the page becomes visible again or the network returns.
+// The live connection: one WebSocket, the state, the latest value of each channel, the last hour as columns, and the events. Reconnects
+// after ½ s, 1, 2, … at most 8 s, and at once when the page becomes visible or the network returns.
 import { api } from "../api/api";
 import { address } from "../api/http";
 import { frameClock } from "../view/frameClock.svelte";
@@ -8,7 +8,7 @@ import { Columns } from "../series/columns";
 import { EventLog } from "./eventLog";
 import type { LineEvent, LiveMessage, Rows, State } from "../api/types";
 
-/** What is kept of the past: seconds, rows. */
+/** Seconds: kept as columns; loaded when the page opens; loaded in full detail. */
 const KEPT_SECONDS = 3600;
 const FIRST_HISTORY = 900;
 const FULL_DETAIL = 60;
@@ -20,22 +20,22 @@ export interface Latest {
 }
 
 class LiveLine {
-  /** `lost`: the program does not answer; nothing on the screen is of now. */
+  /** `lost`: the program does not answer, nothing on the screen is current. */
   link = $state<"connecting" | "open" | "lost">("connecting");
   state = $state.raw<State | null>(null);
   events = $state.raw<readonly LineEvent[]>([]);
-  /** Counts messages with data: what draws from `columns` or `latest` reads it to be drawn again. */
-  /** How often the past was added: what stands still is drawn again, too. */
+  /** Counts loads of history: a frozen view redraws, too. */
   historyLoads = $state(0);
+  /** Counts messages with data: effects that draw from `columns` or `latest` depend on it. */
   tick = $state(0);
-  /** The program's clock, as of the last message; `now()` goes on from there. */
+  /** The program's clock at the last message; `now()` continues from it. */
   clock = $state(0);
-  /** Messages the program dropped because this page was too slow, since it was opened. */
+  /** Messages that the program dropped because this page was too slow, since the page was opened. */
   dropped = $state(0);
 
   readonly columns = new Columns(1 << 18, KEPT_SECONDS);
   readonly latest = new Map<string, Latest>();
-  /** Lowest and highest since `forget`, at first of all that was found. */
+  /** Minimum and maximum of each channel since `resetExtremes`, history included. */
   readonly extremes = new Map<string, { min: number; max: number }>();
 
   private socket: WebSocket | null = null;
@@ -43,7 +43,7 @@ class LiveLine {
   private timer: ReturnType<typeof setTimeout> | undefined;
   private receivedAt = 0;
   private started = false;
-  /** Rows that came while the past is being asked for. */
+  /** Rows that arrived while the history is being loaded. */
   private pending: Rows[] | null = null;
   private readonly eventLog = new EventLog();
 
@@ -55,7 +55,7 @@ class LiveLine {
     window.addEventListener("online", () => this.reconnectNow());
   }
 
-  /** The program's time at this moment, in its seconds. */
+  /** The program's time now, in seconds. */
   now(): number {
     return this.clock + (performance.now() - this.receivedAt) / 1000;
   }
@@ -109,7 +109,7 @@ class LiveLine {
   }
 
   private add(rows: Rows): void {
-    // Another connection with a clock of its own, which began earlier: what is held is of another time.
+    // Rows far before the last one: a new connection with another clock. The data held no longer fits.
     if ((rows.times[rows.times.length - 1] ?? Infinity) < this.columns.last - FULL_DETAIL) {
       this.columns.clear();
       this.latest.clear();
@@ -131,7 +131,7 @@ class LiveLine {
     this.tick += 1;
   }
 
-  /** Lowest and highest begin anew. */
+  /** Restart minimum and maximum. */
   resetExtremes(): void {
     this.extremes.clear();
     frameClock.request();
@@ -153,8 +153,8 @@ class LiveLine {
   }
 
   /**
-   * What went by before this page was opened, or while it was away, from the program's memory: the last minute in full, before that coarse.
-   * What comes meanwhile waits, so that rows stay in order.
+   * Load what happened before the page was opened or while it was disconnected: the last minute in full detail, before that decimated.
+   * Rows that arrive meanwhile are appended afterwards, so that the order is kept.
    */
   private async loadHistory(): Promise<void> {
     if (this.pending) return;
@@ -164,7 +164,7 @@ class LiveLine {
       if (away > FULL_DETAIL) await this.loadPart(Math.min(away, KEPT_SECONDS), 4000, FULL_DETAIL);
       await this.loadPart(Math.min(away + 1, FULL_DETAIL), 20_000, 0);
     } catch {
-      // The past is a comfort; without it the chart goes on here.
+      // Without its history the chart starts here.
     }
     for (const rows of this.pending) this.columns.append(rows.names, rows.times, rows.values);
     this.pending = null;
@@ -173,7 +173,7 @@ class LiveLine {
     frameClock.request();
   }
 
-  /** All but the last `before` seconds of it. */
+  /** Load `seconds` of history except the last `before` seconds. */
   private async loadPart(seconds: number, points: number, before: number): Promise<void> {
     const { events, names, times, values } = await api.history(seconds, points);
     const until = (times[times.length - 1] ?? 0) - before;

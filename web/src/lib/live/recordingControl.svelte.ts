@@ -1,4 +1,4 @@
-// The two verbs of a recording that work on every screen: R and M.
+// Start and stop a recording and set a marker, from any screen (keys R and M).
 import { api } from "../api/api";
 import { dictionary } from "../i18n";
 import { catalog } from "../api/catalog.svelte";
@@ -20,10 +20,10 @@ const t = dictionary({
   unrecorded: { en: "Marked on the chart; nothing is being recorded", ru: "Отмечено на графике; запись не идёт" },
 });
 
-/** Of the message that a recording has begun: when it has ended, that is of the past. */
+/** Code of the toast that a recording has started; the toast is dismissed when the recording ends. */
 const STARTED = "RecordingBegun";
 
-/** It has ended, and is in the list. */
+/** Announce that a recording has ended and is stored. */
 export function announceSaved(file: string): void {
   toasts.dismiss(new Set([STARTED]));
   toasts.success(() => t("stopped", { file }));
@@ -45,7 +45,7 @@ class RecordingControl {
     }
   }
 
-  /** Only what is asked for goes into it: said, and more is one touch away. */
+  /** Only subscribed channels are recorded: say so, and offer to record all. */
   private announceStarted(state: State, file: string): void {
     const every = supportedNames(catalog.channels, state);
     const asked = state.plan.wanted.length;

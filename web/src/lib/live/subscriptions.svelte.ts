@@ -1,8 +1,8 @@
-// What the line is asked for: what the chosen preset shows, and the chart's traces once the chart was opened after it was chosen. Fewer
-// channels come faster, so choosing a preset asks for its own and no more; but what has limits is asked in passing whatever is shown, since
-// an alarm must not end by looking elsewhere. While recording nothing is taken away: a recording keeps at
-// least what it had; when it ends, what nobody looks at goes. Somebody else at the controls: nothing is asked, and what is not sampled shows a
-// dash. A free seat is taken by a choice made here, not by looking on: only a page that is alone takes it by itself.
+// The sampling plan that the page requests: the channels of the selected preset, and the chart's traces once the chart was opened after the
+// preset was selected. Fewer channels are sampled faster, so selecting a preset requests its channels only. Channels with limits are always
+// sampled at a low rate, so that alarms do not depend on the screen. While a recording runs no channel is removed; afterwards unused
+// channels are. While another client holds control the page requests nothing, and channels that are not sampled show a dash. Free control
+// is taken by a selection made here; without a selection only when no other page is connected.
 import { untrack } from "svelte";
 import { api } from "../api/api";
 import { ApiError } from "../api/http";
@@ -12,14 +12,14 @@ import { live } from "./live.svelte";
 import { attempt, toasts } from "../view/toasts.svelte";
 import type { Channel, State, Wanted } from "../api/types";
 
-/** In every how manieth set that comes which is only alarmChannels. A number that nobody chooses: by it a page knows what was asked in passing. */
+/** Divisor of channels that are sampled for their alarms only: every 11th cycle. No screen offers 11, so the number also marks them. */
 const ALARM_DIVISOR = 11;
 
 class Subscriptions {
   private preset = $state.raw<readonly string[]>([]);
   private chart = $state.raw<readonly string[]>([]);
 
-  /** A preset is on the screen. */
+  /** A preset is on the screen; `chosen`: a person has just selected it. */
   setPreset(names: readonly string[], chosen: boolean): void {
     this.preset = names;
     if (chosen) this.chart = [];
@@ -31,7 +31,7 @@ class Subscriptions {
     void this.update(chosen);
   }
 
-  /** For the frame: asks again when the line, the controls or a recording changed. */
+  /** For the frame's effect: update the plan when the connection, control or the recording changed. */
   watch(): void {
     const ready = live.link === "open" && control.allowed && catalog.loaded !== null && live.state?.line !== "off";
     void (live.state?.recording != null);
@@ -42,7 +42,7 @@ class Subscriptions {
     return [...new Set([...this.preset, ...this.chart])].filter((name) => catalog.get(name));
   }
 
-  /** Everything there is to ask, besides what is asked: while recording it stays so. False: it failed, and was said. */
+  /** Add every channel to the plan. Returns false when the request failed; a toast has shown why. */
   async subscribeAll(): Promise<boolean> {
     const state = live.state;
     if (!state) return false;
@@ -60,7 +60,7 @@ class Subscriptions {
       await api.plan(wanted, state.plan.method, state.plan.rate);
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
-      // Somebody took the controls in between: they decide.
+      // Another client has taken control meanwhile; its plan applies.
       if (error.code !== "NotController") toasts.error(() => error.advice, { code: error.code });
     }
   }
@@ -68,23 +68,23 @@ class Subscriptions {
 
 export const subscriptions = new Subscriptions();
 
-/** All channels but those that the unit refuses. */
+/** All channels except those that the ECU does not support. */
 export function supportedNames(channels: readonly { name: string }[], state: Pick<State, "dropped_parameters">): string[] {
   return channels.map(({ name }) => name).filter((name) => !state.dropped_parameters.includes(name));
 }
 
-/** What can be an alarm. */
+/** Channels that can raise an alarm. */
 export function alarmChannels(channels: readonly Pick<Channel, "name" | "limits" | "alarm_when_true">[]): string[] {
   return channels.filter(({ limits, alarm_when_true }) => limits !== null || alarm_when_true !== "none").map(({ name }) => name);
 }
 
-/** What is shown, and in passing what is only alarmChannels. */
+/** The shown channels, and the alarm channels at their low rate. */
 export function withAlarmChannels(shown: readonly Wanted[], alarmChannels: readonly string[]): Wanted[] {
   const names = new Set(shown.map(({ name }) => name));
   return [...shown, ...alarmChannels.filter((name) => !names.has(name)).map((name) => ({ name, every: ALARM_DIVISOR }))];
 }
 
-/** The plan to ask for; null: the one in force does. How often each is asked stays as it was, unless that was in passing. */
+/** The plan to request; null if the current one already does. Divisors stay as they are, except those set for alarms only. */
 export function planFor(names: readonly string[], alarmChannels: readonly string[], state: Pick<State, "plan" | "recording">): Wanted[] | null {
   const before = new Map(state.plan.wanted.map(({ name, every }) => [name, every]));
   const after = new Map<string, number>();

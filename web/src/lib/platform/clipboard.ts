@@ -1,6 +1,7 @@
-// Text to the clipboard. Over plain HTTP (a phone in the network) a page has no `navigator.clipboard`; selecting and copying works there too.
+// Copy text to the clipboard. Over plain HTTP (a phone in the network) a page has no `navigator.clipboard`; selecting and copying works
+// there.
 
-/** Copy; false if the browser refuses, so that the text can be shown instead. */
+/** Returns false if the browser refuses, so that the text can be shown instead. */
 export async function copyText(text: string): Promise<boolean> {
   try {
     await navigator.clipboard.writeText(text);

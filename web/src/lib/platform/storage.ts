@@ -1,4 +1,4 @@
-// What is kept on this computer between visits. A browser that forbids it (private window) forgets, nothing more.
+// Settings stored in this browser. Where the browser forbids it (private window) they last until the page is reloaded.
 
 export function loadSetting(name: string): string | null {
   try {
@@ -12,6 +12,6 @@ export function saveSetting(name: string, value: string): void {
   try {
     localStorage.setItem(`mikas.${name}`, value);
   } catch {
-    // Forgotten on reload; the page works.
+    // Not stored; the page works without.
   }
 }

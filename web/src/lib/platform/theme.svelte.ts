@@ -1,4 +1,4 @@
-// Day (white, for the sun) and night (near-black): the system's until chosen here, then kept.
+// Day (white, for sunlight) and night (near-black): the system's preference until one is selected here and stored.
 import { loadSetting, saveSetting } from "./storage";
 
 export type Tone = "day" | "night";
@@ -26,7 +26,7 @@ class Theme {
     if (globalThis.document) document.documentElement.dataset.theme = this.tone;
   }
 
-  /** A colour (or other token) of styles/tokens.css for what is drawn on a canvas; read it inside an effect that reads `tone`. */
+  /** The value of a token of styles/tokens.css, for drawing on a canvas. Read it inside an effect that depends on `tone`. */
   token(name: string): string {
     return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
   }

@@ -1,4 +1,4 @@
-// Whether the window is too narrow for a table with many columns: a phone's, a tablet's; and whether it is a phone's.
+// Width classes of the window: `narrow` is too narrow for wide tables (phone, tablet), `phone` is a phone.
 import { MediaQuery } from "svelte/reactivity";
 
 export const narrow = new MediaQuery("max-width: 1000px");

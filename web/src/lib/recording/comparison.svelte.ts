@@ -1,13 +1,13 @@
-// A second recording beside the one that is played, on the same clock: seconds from each one's beginning, moved by an offset. It is drawn at
-// the first one's times: its own time and the lag.
+// A second recording beside the one being played, on a common clock: seconds from the start of each, moved by an offset. It is drawn at the
+// first one's times: its own time plus `lag`.
 import { frameClock } from "../view/frameClock.svelte";
 import { RecordingData } from "./recordingData.svelte";
 
-/** A moment of the dashed line is being chosen, then the same moment of the solid one. */
+/** Aligning: first a moment on the dashed line is selected, then the same moment on the solid line. */
 export type Aligning = { step: "second" } | { step: "first"; at: number } | null;
 
 class Comparison extends RecordingData {
-  /** Seconds; later than its own beginning would have it: more. */
+  /** Seconds by which the second recording is moved to the right. */
   offset = $state(0);
   aligning = $state.raw<Aligning>(null);
   private zero = $state(0);
@@ -15,7 +15,7 @@ class Comparison extends RecordingData {
   readonly active = $derived(this.detail !== null);
   readonly lag = $derived(this.zero - this.first + this.offset);
 
-  /** Beside the recording that begins at `zero`. Throws `ApiError`. */
+  /** Load a recording to compare with the one that starts at `zero`. Throws `ApiError`. */
   async start(id: string, zero: number): Promise<boolean> {
     this.end();
     this.zero = zero;
@@ -35,17 +35,17 @@ class Comparison extends RecordingData {
   }
 
   moveTo(offset: number): void {
-    // To the millisecond: tenths added up stay tenths.
+    // Rounded to milliseconds, so that repeated steps of 0.1 do not accumulate errors.
     this.offset = Math.round(offset * 1000) / 1000;
     frameClock.request();
   }
 
-  /** Begins to align, or lets it be. */
+  /** Start or cancel aligning. */
   toggleAligning(): void {
     this.aligning = this.aligning ? null : { step: "second" };
   }
 
-  /** A moment on the screen was chosen: first where the dashed line has it, then where the solid one has the same. */
+  /** Use a selected moment: first on the dashed line, then on the solid one. */
   alignAt(time: number): void {
     if (!this.aligning) return;
     if (this.aligning.step === "second") {

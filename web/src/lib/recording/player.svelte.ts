@@ -1,20 +1,20 @@
-// A recording in the place of the live line: play, pause, step, scrub, loop. A `Source` like the live line.
+// Plays a recording in place of the live data: play, pause, step, seek, loop. It is a `Source`, like the live data.
 import { frameClock } from "../view/frameClock.svelte";
 import { comparison } from "./comparison.svelte";
 import type { Latest } from "../live/live.svelte";
 import { RecordingData } from "./recordingData.svelte";
 import { display, type Source } from "../view/source.svelte";
 
-/** A value older than this at the player's place is not shown. */
+/** Seconds: an older value is not shown at the player's position. */
 const REACH = 30;
-/** A frame that took longer (a hidden tab) does not make the place leap. */
+/** Seconds: a longer frame (hidden tab) does not move the position further than this. */
 const LEAP = 0.25;
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16] as const;
 
 class Player extends RecordingData implements Source {
   readonly kind = "recording";
-  /** Where it stands: seconds of the recording's own clock, between `first` and `last`. */
+  /** The position: seconds of the recording's own clock, between `first` and `last`. */
   position = $state(0);
   playing = $state(false);
   speed = $state<number>(1);
@@ -27,7 +27,7 @@ class Player extends RecordingData implements Source {
     return !this.playing;
   }
 
-  /** Shows it in the place of the live line. Throws `ApiError` if it can't be read at all. */
+  /** Show a recording in place of the live data. Throws `ApiError` if it can't be read. */
   async open(id: string): Promise<void> {
     this.close();
     if (!(await this.load(id))) return;
@@ -35,7 +35,7 @@ class Player extends RecordingData implements Source {
     display.play(this);
   }
 
-  /** Back to the live line. */
+  /** Return to the live data. */
   close(): void {
     comparison.end();
     this.pause();
@@ -72,7 +72,7 @@ class Player extends RecordingData implements Source {
     frameClock.request();
   }
 
-  /** To the next sample, or the one before. Stops. */
+  /** Move by samples and pause. */
   step(samples: number): void {
     this.pause();
     const { columns } = this;
@@ -101,7 +101,7 @@ class Player extends RecordingData implements Source {
   }
 }
 
-/** The place after so many seconds more: within the loop if it was in it, else to the end and no farther. */
+/** The position after `seconds` of playing: it stays within the loop if it was in it, and ends at `last`. */
 export function advance(
   position: number,
   seconds: number,

@@ -20,8 +20,8 @@ const detail = {
 } as unknown as RecordingDetail;
 
 /** As the server answers: every row, or its first and last of each stretch when there are more than points. */
-function rows(_: string, { from, to, points }: { from: number; to: number; points: number }) {
-  const inside = times.filter((time) => time >= from && time <= to);
+function rows(_: string, { from, to, points }: { from: number | null; to: number | null; points: number }) {
+  const inside = times.filter((time) => time >= from! && time <= to!);
   const decimated = inside.length > points;
   const kept = decimated ? inside.filter((_, row) => row % Math.ceil(inside.length / points) === 0) : inside;
   return Promise.resolve({ names: ["FREQ"], times: kept, values: [kept.map((time) => Math.round((time - FIRST) * RATE))], decimated });

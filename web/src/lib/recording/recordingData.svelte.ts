@@ -1,5 +1,4 @@
-// A recording as columns. It is read whole, in pieces, from its beginning; until the last has come a coarse view of all of it stands in, so that
-// the chart has something at once.
+// A recording as columns. It is loaded completely, in parts, from its start; until then a decimated overview of all of it is shown.
 import { api } from "../api/api";
 import { ApiError } from "../api/http";
 import { frameClock } from "../view/frameClock.svelte";
@@ -7,27 +6,27 @@ import { Columns } from "../series/columns";
 import type { Extremes } from "../view/source.svelte";
 import type { LineEvent, RecordingDetail } from "../api/types";
 
-/** Rows of a piece, and of the coarse view. */
+/** Rows of a part, and of the overview. */
 const PART_ROWS = 15_000;
 const OVERVIEW_ROWS = 4000;
-/** More is not held here; such a recording stays coarse: eight hours at 35 sets a second. */
+/** Longer recordings stay decimated: a million rows are eight hours at 35 readings a second. */
 const MAX_ROWS = 1_000_000;
 
 export class RecordingData {
   detail = $state.raw<RecordingDetail | null>(null);
   columns = $state.raw(new Columns());
-  /** How much has been read, 0 … 1. */
+  /** The share that has been loaded, 0 … 1. */
   loaded = $state(0);
-  /** Reading broke off; what was read stays. */
+  /** Loading failed; the parts loaded before stay. */
   error = $state.raw<ApiError | null>(null);
   /** Counts changes of the columns. */
   tick = $state(0);
 
   private firstSample = $state(0);
-  /** The first sample, not the first byte: before it there is nothing to show. */
+  /** Time of the first sample; the first byte comes earlier. */
   readonly first = $derived(this.detail ? this.firstSample : 0);
   readonly last = $derived(this.detail?.last ?? 0);
-  /** Too long to be held whole: a step is not a sample, peaks stay. */
+  /** Too long to be loaded completely: minima and maxima are exact, steps are not samples. */
   readonly coarse = $derived((this.detail?.samples ?? 0) > MAX_ROWS);
 
   private reading: AbortController | null = null;
@@ -38,7 +37,7 @@ export class RecordingData {
     return this.detail?.events ?? [];
   }
 
-  /** Lowest and highest in all of it; undefined: it has no value of that name. */
+  /** Minimum and maximum over the whole recording; undefined if it has no such channel. */
   extremes(name: string): Extremes | undefined {
     if (this.foundAt !== this.tick) {
       this.found.clear();
@@ -48,7 +47,10 @@ export class RecordingData {
     return this.found.get(name);
   }
 
-  /** In the place of what was read before. False: another was asked for meanwhile. Throws `ApiError` if it can't be read at all. */
+  /**
+   * Load a recording in place of the previous one. Returns false if another load has replaced this one. Throws `ApiError` if it can't be
+   * read.
+   */
   protected async load(id: string): Promise<boolean> {
     this.reset();
     const reading = new AbortController();
@@ -86,7 +88,7 @@ export class RecordingData {
     const whole = columnsOf(samples);
     const length = Math.max(1e-6, last - first);
     const rate = Math.max(detail.rate ?? 0, samples / length);
-    // Pieces by time; where samples lie closer than on average a piece would be decimated, and is asked again in halves.
+    // Parts by time. Where samples are denser than average the server would decimate a part: it is requested again in halves.
     let seconds = Math.max(1, PART_ROWS / Math.max(1, rate));
     let from = first;
     try {
@@ -114,7 +116,7 @@ export class RecordingData {
   }
 }
 
-/** Undefined once it has been given up, before or meanwhile. */
+/** Undefined if the signal was aborted before or during the job. */
 async function unlessAborted<T>(signal: AbortSignal, job: () => Promise<T>): Promise<T | undefined> {
   if (signal.aborted) return undefined;
   try {

@@ -1,17 +1,17 @@
-// Samples as columns of Float64Array sharing one time column: what the live line keeps, and what a recording is played from.
-// NaN: not fresh in that row. Columns grow by doubling up to `capacity` rows; then the oldest quarter goes, in one move, so that a view
-// is always one contiguous piece and a row costs the same however long it runs.
+// Samples as Float64Array columns that share a time column, for live data and recordings. NaN: the channel has no value in that row.
+// Columns grow by doubling up to `capacity` rows; then the oldest quarter is dropped in one move, so that a view is always one contiguous
+// piece and the cost of a row does not grow.
 
 export type Cell = number | boolean | null;
 
 const FIRST = 4096;
 
 export class Columns {
-  /** Rows byName now. */
+  /** Rows stored now. */
   length = 0;
-  /** Rows dropped from the front since the beginning: `start + i` names a row for good. */
+  /** Rows dropped from the front so far: `start + i` identifies a row permanently. */
   start = 0;
-  /** Seconds that may lie between two rows because they came thinned; 0: all came. */
+  /** Seconds that can lie between two rows because the rows are decimated; 0: they are not. */
   spacing = 0;
   private allocated: number;
   private time: Float64Array;
@@ -19,7 +19,7 @@ export class Columns {
 
   constructor(
     private readonly capacity = 1 << 18,
-    /** Seconds kept at most. */
+    /** Seconds stored at most. */
     private readonly span = Infinity,
   ) {
     this.allocated = Math.min(FIRST, capacity);
@@ -43,17 +43,17 @@ export class Columns {
     return this.time.subarray(from, to);
   }
 
-  /** A view as of `times`; undefined if this name was never seen. */
+  /** A view like that of `times`; undefined if the name never occurred. */
   column(name: string, from = 0, to = this.length): Float64Array | undefined {
     return this.byName.get(name)?.subarray(from, to);
   }
 
-  /** Rows not later than the last one are refused: a repeated message adds nothing twice. Gives how many were taken. */
+  /** Append rows and return how many were added. Rows not later than the last one are skipped, so that a repeated message adds nothing. */
   append(names: readonly string[], times: readonly number[], values: readonly (readonly Cell[])[]): number {
     const last = this.last;
     let skipped = 0;
     while (skipped < times.length && times[skipped]! <= last) skipped += 1;
-    // More than there is allocated for: the last of it.
+    // More rows than the capacity: only the last of them.
     const over = Math.max(0, times.length - skipped - this.capacity);
     skipped += over;
     this.start += over;
@@ -79,7 +79,7 @@ export class Columns {
     this.byName.clear();
   }
 
-  /** The row of this time: the last one not later. -1: all are later. */
+  /** The last row not later than `time`; -1 if all are later. */
   rowAt(time: number): number {
     let low = 0;
     let high = this.length;
@@ -91,7 +91,7 @@ export class Columns {
     return low - 1;
   }
 
-  /** The last value not later than the row, and its row; undefined if there is none within `reach` seconds. */
+  /** The last value at or before the row, with its row; undefined if there is none within `reach` seconds. */
   valueAt(name: string, row: number, reach = Infinity): { value: number; row: number } | undefined {
     const column = this.byName.get(name);
     if (!column || row < 0) return undefined;
@@ -122,7 +122,7 @@ export class Columns {
     }
   }
 
-  /** Rows older than `span` go, a quarter at a time. */
+  /** Drop rows older than `span`, a quarter at a time. */
   private dropOld(): void {
     if (this.span === Infinity || this.length < FIRST) return;
     const quarter = this.length >> 2;

@@ -1,15 +1,15 @@
-// What of the columns a chart of so many pixels has to draw. Up to two rows a pixel: all. More: the lowest and the highest of every
-// stretch, in the order in which they came, so that no spike is lost. Stretches lie on a fixed grid of time: when the window moves on, what
-// was drawn stays as it was and does not shimmer.
+// Reduce columns to what a chart of a given width draws. Up to two rows a pixel: all rows. More: minimum and maximum of each bucket in the
+// order of their times, so that no spike is lost. Buckets lie on a fixed grid of time, so that the drawing does not flicker while the
+// window moves.
 import type { Columns } from "./columns";
 
 export type Cells = (number | null | undefined)[];
 
 export interface Decimated {
   times: number[];
-  /** A column a name; null where there is nothing, undefined where the line between its neighbours passes anyway. */
+  /** One list for each name; null: no value; undefined: no point needed, the line passes straight. */
   values: Cells[];
-  /** Seconds a stretch; 0: all rows are here. */
+  /** Seconds of a bucket; 0: all rows are present. */
   width: number;
 }
 
@@ -20,7 +20,7 @@ export function decimate(
   to: number,
   pixels: number,
 ): Decimated {
-  // One row more at either side: the line goes on to the edge.
+  // One row more on each side, so that the line continues to the edge.
   const first = Math.max(0, columns.rowAt(from));
   const last = Math.min(columns.length, columns.rowAt(to) + 2);
   const times = columns.times(first, last);
@@ -41,10 +41,10 @@ function allRows(column: Float64Array | undefined, length: number): (number | nu
   return Array.from(column, (value) => (Number.isNaN(value) ? null : value));
 }
 
-/** So many at either end stay: some lie beyond the window, and what is in it must have a value to be scaled by. */
+/** Rows at each end that are never removed: some lie outside the window, and the scale needs values inside. */
 const EDGE_ROWS = 4;
 
-/** Of a level stretch only the ends are drawn: most channels stand still for many rows, and each point costs. */
+/** Remove inner points of flat stretches: most channels are constant for many rows, and each point costs time. */
 function dropFlatPoints(values: (number | null)[]): Cells {
   const out: Cells = values;
   let before: number | null = null;
@@ -56,7 +56,7 @@ function dropFlatPoints(values: (number | null)[]): Cells {
   return out;
 }
 
-/** Which stretches have rows: their numbers on the grid, and where in the rows each begins (and the last one ends). */
+/** Buckets that contain rows: their numbers on the grid and the first row of each (and the end of the last). */
 function bucketsOf(times: Float64Array, width: number): { numbers: number[]; edges: number[] } {
   const numbers: number[] = [];
   const edges: number[] = [];
@@ -80,7 +80,7 @@ function minMax(column: Float64Array | undefined, edges: readonly number[]): (nu
     let highAt = -1;
     for (let row = edges[stretch]!; row < edges[stretch + 1]!; row += 1) {
       const value = column[row]!;
-      // NaN is neither.
+      // NaN fails both comparisons.
       if (value < low) {
         low = value;
         lowAt = row;
@@ -98,7 +98,7 @@ function minMax(column: Float64Array | undefined, edges: readonly number[]): (nu
   return out;
 }
 
-/** Where the line is not to be drawn: longer than `apart` seconds without a value. */
+/** Find where the line is interrupted: no value for longer than `threshold` seconds. */
 export function findHoles(
   times: readonly number[],
   values: Readonly<Cells>,
@@ -115,7 +115,7 @@ export function findHoles(
   return found;
 }
 
-/** Two on one line of time, the other's `lag` seconds later; where one has no row, its cells are undefined: its line passes. */
+/** Merge two decimations on one time line, the second `lag` seconds later. Cells without a row are undefined: the line passes straight. */
 export function mergeTimelines(one: Decimated, other: Decimated, lag: number): { times: number[]; values: Cells[] } {
   const times: number[] = [];
   const rows: number[] = [];

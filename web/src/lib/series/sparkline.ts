@@ -1,4 +1,4 @@
-// Lines of values on a canvas: sparklines and strips. At most two points a pixel, its lowest and highest, so that a spike stays.
+// Draws lines on a canvas: sparklines and strips. At most two points a pixel, minimum and maximum, so that spikes stay visible.
 import { gapThreshold } from "./gapThreshold";
 import type { Columns } from "./columns";
 
@@ -9,7 +9,7 @@ export interface Frame {
   high: number;
 }
 
-/** Ready to draw on, in CSS pixels, cleared; null while it has no size. */
+/** Clear the canvas and return its context in CSS pixels; null while it has no size. */
 export function prepareCanvas(canvas: HTMLCanvasElement): { context: CanvasRenderingContext2D; width: number; height: number } | null {
   const width = canvas.clientWidth;
   const height = canvas.clientHeight;
@@ -28,7 +28,7 @@ export function prepareCanvas(canvas: HTMLCanvasElement): { context: CanvasRende
   return { context, width, height };
 }
 
-/** Lowest and highest within the time; undefined without values. */
+/** Minimum and maximum between two times; undefined without values. */
 export function extremesBetween(columns: Columns, name: string, from: number, to: number): { min: number; max: number } | undefined {
   const first = columns.rowAt(from) + 1;
   const last = columns.rowAt(to) + 1;
@@ -43,7 +43,7 @@ export function extremesBetween(columns: Columns, name: string, from: number, to
   return min <= max ? { min, max } : undefined;
 }
 
-/** Adds the path of `name` to the context; to be stroked by whoever calls. */
+/** Add the line of `name` to the context's path; the caller strokes it. */
 export function drawTrace(
   context: CanvasRenderingContext2D,
   columns: Columns,

@@ -1,4 +1,4 @@
-// A channel's value of now as it is shown: text, age, and how it stands to its limits.
+// The current value of a channel as tiles show it: text, age, extremes, and whether it is beyond a limit.
 import { frameClock } from "./frameClock.svelte";
 import { catalog } from "../api/catalog.svelte";
 import { currentValue, type DisplayValue } from "./displayValue";
@@ -33,7 +33,7 @@ export class ChannelValue {
   readonly max = $derived(this.extremes ? number(this.extremes.max, this.channel?.decimals) : "");
   readonly limitState = $derived.by<LimitState | null>(() => {
     if (this.value === null || !this.channel) return null;
-    // Live, the program's own judgement, with its hysteresis; a recording is judged here.
+    // Live, the program decides, with hysteresis; for a recording the page compares with the limits.
     if (display.source.kind === "live") {
       const alarm = live.state?.alarms.find(({ name }) => name === this.name());
       return alarm ? { level: alarm.level, side: alarm.side } : null;
@@ -45,7 +45,7 @@ export class ChannelValue {
   constructor(private readonly name: () => string) {}
 }
 
-/** Beyond which limit, if any. */
+/** Which limit the value is beyond, if any. */
 export function limitState(value: number, channel: Channel): LimitState | null {
   if (channel.flag) {
     if (channel.alarm_when_true === "none" || !value) return null;

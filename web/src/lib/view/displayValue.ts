@@ -1,5 +1,5 @@
-// How far a value can be believed. Its own period is known (the plan and the rate of now): fresh for four of them, then stale with its age; after
-// twelve, or in a gap, or when the line is broken, there is no value: a dash, never the last number. Half a second is granted to the way here.
+// Whether a value is current. Its period is known from the plan and the rate: fresh for four periods, then stale and shown with its age;
+// after twelve periods, in a gap or without a connection there is no value, and a dash is shown. Transmission may add half a second.
 import { live, type Latest } from "../live/live.svelte";
 import { display } from "./source.svelte";
 
@@ -10,13 +10,13 @@ export type DisplayValue =
 
 const NONE: DisplayValue = { kind: "none" };
 
-/** Granted in any case: what messages and the unit's own answers vary by, and until when a value is kept, faded, at least. */
+/** Seconds: lower bounds for fresh and stale, because messages and the ECU's responses vary. */
 const MIN_FRESH = 0.5;
 const MIN_STALE = 3;
-/** Of a recording, and before a rate is known, whose period is not. */
+/** Seconds, when the period is unknown: in a recording, and before a rate is known. */
 const UNKNOWN_PERIOD = { fresh: 1, stale: 10 };
 
-/** By its age and its own period; 0: not known. */
+/** Classify a value by its age and its period; period 0: unknown. */
 export function displayValueOf(latest: Latest | undefined, now: number, period: number): DisplayValue {
   if (!latest) return NONE;
   const age = now - latest.time;
@@ -27,7 +27,7 @@ export function displayValueOf(latest: Latest | undefined, now: number, period: 
   return { kind: "fresh", value: latest.value };
 }
 
-/** Seconds between two values of this name by the plan in force. */
+/** Seconds between two values of this channel in the current plan. */
 function period(name: string): number {
   const state = live.state;
   if (!state || state.rate <= 0) return 0;
@@ -35,7 +35,7 @@ function period(name: string): number {
   return every / state.rate;
 }
 
-/** Read `frameClock.fast` beside it. */
+/** Depends on time: read `frameClock.fast` as well. */
 export function currentValue(name: string): DisplayValue {
   const source = display.source;
   const latest = source.latest(name);
@@ -45,7 +45,7 @@ export function currentValue(name: string): DisplayValue {
   return displayValueOf(latest, source.now(), period(name));
 }
 
-/** Within a gap that began after this value. */
+/** Whether a gap that began after this value is still open at `now`. */
 function isInGap(latest: Latest | undefined, now: number): boolean {
   if (!latest) return true;
   const events = display.source.events;

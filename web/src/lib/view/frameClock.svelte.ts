@@ -1,6 +1,5 @@
-// When to draw. What shows values reads `frameClock.fast`, what draws small pictures reads `frameClock.slow`; both stand still while the page is hidden,
-// so that a forgotten tab costs nothing. Fast: the frame after data came, at most 30 times a second, and 4 times a second without data
-// (ages go on). Slow: 5 times a second.
+// When to draw. Effects that show values read `frameClock.fast`, those that draw small pictures read `frameClock.slow`; both stop while the
+// page is hidden. Fast: the frame after data arrived, at most 30 a second, and 4 a second without data (ages advance). Slow: 5 a second.
 
 const FAST = 1000 / 30;
 const SLOW = 200;
@@ -18,7 +17,7 @@ class FrameClock {
     document.addEventListener("visibilitychange", () => this.request());
   }
 
-  /** There is something new. */
+  /** Request a frame: there is something new. */
   request(): void {
     if (this.pending || !globalThis.document || document.hidden) return;
     this.pending = true;
@@ -27,7 +26,7 @@ class FrameClock {
 
   private frame(now: number): void {
     this.pending = false;
-    // A frame early by a hair is not worth a whole frame more.
+    // A frame that is slightly early still counts.
     if (now - this.lastFast < FAST - 4) return this.request();
     this.lastFast = now;
     this.fast += 1;

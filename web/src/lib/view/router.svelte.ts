@@ -1,4 +1,5 @@
-// Where we are: `#/recordings/NAME` is screen "recordings", rest ["NAME"]. The hash, so that the server serves one page and Back works.
+// The current screen from the URL: `#/recordings/NAME` is screen "recordings" with rest ["NAME"]. In the hash, so that the server serves
+// one page and Back works.
 
 export const SCREENS = [
   "live",

@@ -1,4 +1,4 @@
-// Keys that mean something on this screen. By the key's place, not its letter: M works with the Russian layout on.
+// Keyboard shortcuts of the frame and the current screen. They match the key's place, not its letter, so that M works with the Russian layout.
 //
 //   $effect(() => shortcuts.bind({ code: "KeyF", show: "F", text: () => t("read"), run: read }));
 
@@ -8,22 +8,22 @@ export interface Binding {
   /** KeyboardEvent.code: KeyR, Digit1, Space, ArrowLeft… */
   code: string;
   shift?: boolean;
-  /** A sign that is typed otherwise with another layout: `?` is Shift and 7 on a Russian one. By what is typed as well. */
+  /** A character whose key depends on the layout (`?` is Shift and 7 on a Russian one): it matches by `key` as well. */
   key?: string;
-  /** As it stands in the help. */
+  /** The name of the key in the help. */
   show: string;
   text: () => string;
   run: (event: KeyboardEvent) => void;
-  /** Works everywhere (the frame's keys), shown after the screen's own. */
+  /** Available on every screen; listed after the screen's own. */
   everywhere?: boolean;
 }
 
 class Shortcuts {
   bindings = $state.raw<Binding[]>([]);
 
-  /** Gives back what undoes it; the binding made last wins. */
+  /** Add bindings and return a function that removes them. The last binding of a key wins. */
   bind(...added: Binding[]): () => void {
-    // Not a dependency of the effect that binds.
+    // The calling effect must not depend on `bindings`.
     untrack(() => (this.bindings = [...this.bindings, ...added]));
     return () => {
       untrack(() => (this.bindings = this.bindings.filter((binding) => !added.includes(binding))));
@@ -45,7 +45,7 @@ export function matches(binding: Binding, event: Pick<KeyboardEvent, "code" | "k
   return binding.code === event.code && (binding.shift ?? false) === event.shiftKey;
 }
 
-/** The key belongs to what has the focus: a field, a sheet, a button under Space or Enter. */
+/** Whether the focused element handles the key: a field, a dialog, a button with Space or Enter. */
 function belongsToFocus(event: KeyboardEvent): boolean {
   if (document.querySelector("dialog[open]")) return true;
   const at = event.target;
@@ -53,7 +53,7 @@ function belongsToFocus(event: KeyboardEvent): boolean {
   if (at.isContentEditable || at.closest("input:not([type=checkbox]):not([type=radio]), select, textarea")) {
     return true;
   }
-  // The chosen tab does nothing more when pressed.
+  // The selected tab has no use for Space.
   if (event.code === "Space" && at.closest("button:not([role=tab][aria-selected=true]), summary, input")) return true;
   if (event.code === "Enter" && at.closest("button, a, summary, input")) return true;
   return event.code.startsWith("Arrow") && at.closest("[role=slider], [role=tablist], input") !== null;

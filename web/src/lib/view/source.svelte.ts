@@ -1,4 +1,4 @@
-// What Live and Chart show: the live line, or a recording being played. The same interface for both.
+// What Live and Chart display: live data or a recording, behind one interface.
 import { frameClock } from "./frameClock.svelte";
 import type { Columns } from "../series/columns";
 import { live, type Latest } from "../live/live.svelte";
@@ -11,20 +11,20 @@ export interface Extremes {
 
 export interface Source {
   readonly kind: "live" | "recording";
-  /** Counts changes of the data: what draws reads it. */
+  /** Counts changes of the data: effects that draw depend on it. */
   readonly tick: number;
   readonly columns: Columns;
   readonly events: readonly LineEvent[];
-  /** The moment shown: now, the moment the view was frozen at, or where the player stands. */
+  /** The time shown: now, the time at which the view was frozen, or the player's position. */
   now(): number;
-  /** The last value not later than that moment. */
+  /** The last value at or before that time. */
   latest(name: string): Latest | undefined;
-  /** Lowest and highest: live since `forget`, of a recording in all of it. */
+  /** Minimum and maximum: live since the last reset, of a recording over all of it. */
   extremes(name: string): Extremes | undefined;
-  /** Live: the view is frozen (sampling and recording go on). Recording: the player stands. */
+  /** Live: the view is frozen (sampling and recording continue). Recording: the player is paused. */
   readonly paused: boolean;
   toggle(): void;
-  /** Another is shown from now on: lets go of what it holds. */
+  /** Called when another source is displayed: release the data. */
   leave?(): void;
 }
 

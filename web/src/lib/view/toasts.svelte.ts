@@ -1,4 +1,5 @@
-// Short messages at the foot of the page. All go by themselves, and sooner when they are untrue by now; trouble stays in the band's list.
+// Short messages at the foot of the page. They disappear after a while, or earlier when they no longer apply; errors stay in the band's
+// list.
 import { api } from "../api/api";
 import { ApiError } from "../api/http";
 import { dictionary } from "../i18n";
@@ -10,13 +11,13 @@ const t = dictionary({
 export interface Toast {
   id: number;
   kind: "success" | "error";
-  /** Asked for at each drawing, so that it follows the language. */
+  /** Called at each drawing, so that it follows the language. */
   text: () => string;
   detail?: string;
   action?: { text: () => string; run: () => void };
-  /** The class of the error it tells. */
+  /** The class of the error that is shown. */
   code?: string;
-  /** ms that it stays. */
+  /** ms for which it is shown. */
   duration?: number;
 }
 
@@ -35,7 +36,7 @@ class Toasts {
   shown = $state.raw<Toast[]>([]);
   private last = 0;
 
-  /** Trouble that was told, the latest last. */
+  /** Errors that were shown, the latest last. */
   history = $state.raw<PastError[]>([]);
 
   success(text: () => string, more: Partial<Toast> = {}): void {
@@ -47,7 +48,7 @@ class Toasts {
     this.show({ kind: "error", text, duration: ERROR_MS, ...more });
   }
 
-  /** What was in the way no longer is: what tells of it goes. */
+  /** Remove the messages of errors that no longer apply. */
   dismiss(codes: ReadonlySet<string>): void {
     this.shown = this.shown.filter(({ code }) => code === undefined || !codes.has(code));
   }
@@ -68,8 +69,8 @@ class Toasts {
 export const toasts = new Toasts();
 
 /**
- * Do it; localized what went wrong. Undefined when it failed. Somebody else at the controls: the message has a button that takes
- * them and does it again.
+ * Run `job` and show its error as a toast. Returns undefined if it failed. If another client holds control, the toast offers to take
+ * control and repeat.
  */
 export async function attempt<T>(job: () => Promise<T>): Promise<T | undefined> {
   try {

@@ -1,5 +1,5 @@
-// Mouse, wheel, pen and fingers on the panes. Wheel: time; Shift-wheel: value; drag: along in time (with Shift in value); two fingers: both
-// together; double click: fits. Moving over it sets the cursor; a touch or a click chooses the moment.
+// Mouse, wheel, pen and touch on the panes. Wheel: zoom time; Shift-wheel: zoom values; drag: pan (with Shift: values); two fingers: zoom
+// and pan; double click: fit. Moving sets the cursor; a click or touch selects the moment.
 
 export interface Actions {
   time(x: number, width: number): number;
@@ -86,7 +86,7 @@ export function gestures(area: HTMLElement, act: Actions): () => void {
     const over = plotAt(event);
     if (!over) return;
     event.preventDefault();
-    // Shift turns the wheel sideways in some browsers.
+    // Some browsers turn the wheel sideways while Shift is held.
     const turn = Math.abs(event.deltaY) > Math.abs(event.deltaX) ? event.deltaY : event.deltaX;
     const lines = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? turn * 33 : turn;
     const factor = Math.exp(Math.max(-200, Math.min(200, lines)) * 0.002);

@@ -1,4 +1,4 @@
-// What a hand does on the chart, by keys, mouse or touch: the cursor's ways, and what fits.
+// Keyboard shortcuts of the chart: moving the cursor, zoom, fit.
 import { comparison } from "../../lib/recording/comparison.svelte";
 import { cursors } from "../../lib/view/cursors.svelte";
 import type { Binding } from "../../lib/view/shortcuts.svelte";
@@ -13,12 +13,12 @@ export function fit(): void {
   view.showAll();
 }
 
-/** The cursor goes there; while two recordings are being aligned, it is the moment asked for. */
+/** Move the cursor; while aligning, use the moment for the comparison. */
 export function choose(time: number): void {
   cursors.a = time;
   if (!comparison.aligning) return;
   comparison.alignAt(time);
-  // Where the dashed line has it stays marked until it is in its place.
+  // The moment on the dashed line stays marked until the alignment is done.
   cursors.b = comparison.aligning ? time : null;
 }
 
@@ -67,10 +67,10 @@ export const bindings: Binding[] = [
   arrow("ArrowRight", true, 10),
 ];
 
-/** On the live line; while a recording is shown L is its loop, and it has no newest. */
+/** For live data only: in a recording L is the loop. */
 export const newest: Binding = { code: "KeyL", show: "L", text: () => t("followLong"), run: () => view.follow() };
 
-/** Where a mouse would click, while two recordings are being aligned. */
+/** Selects the moment at the cursor while aligning. */
 export const chosen: Binding = {
   code: "Enter",
   show: "Enter",

@@ -1,15 +1,15 @@
-// A trace dragged from the legend to another pane, by mouse, pen or finger. A finger takes it by its sign; elsewhere it scrolls.
+// Dragging a trace from the legend to another pane, by mouse, pen or touch. A finger drags by the colour sign; elsewhere it scrolls.
 import { view } from "./view.svelte";
 
-/** Into a pane of its own. */
+/** Drop target: a new pane. */
 export const NEW = -1;
-/** Pixels before a press is a drag. */
+/** Pixels before a press becomes a drag. */
 const MOVED = 6;
 
 class TraceDrag {
-  /** What is under way, and where the hand is. */
+  /** The trace being dragged and the pointer's position. */
   now = $state.raw<{ name: string; x: number; y: number } | null>(null);
-  /** The pane below the hand; null: none. */
+  /** The pane under the pointer; null: none. */
   over = $state<number | null>(null);
   private held: { name: string; x: number; y: number } | null = null;
   private dragged = false;
@@ -42,7 +42,7 @@ class TraceDrag {
     this.held = this.now = this.over = null;
   }
 
-  /** The click that ends a drag is not one. */
+  /** Whether the click that follows belongs to a drag. */
   wasDragged(): boolean {
     const was = this.dragged;
     this.dragged = false;

@@ -1,4 +1,4 @@
-// What the chart shows: panes and their traces (kept on this computer), the window of time, zoom in value, stacking. It outlives the screen.
+// The view of the chart: panes with their traces (stored in this browser), time window, value zoom, stacking. It outlives the screen.
 import { comparison } from "../../lib/recording/comparison.svelte";
 import { cursors } from "../../lib/view/cursors.svelte";
 import { loadSetting, saveSetting } from "../../lib/platform/storage";
@@ -6,7 +6,7 @@ import { display } from "../../lib/view/source.svelte";
 
 export interface Trace {
   name: string;
-  /** 1–8 of the tokens. */
+  /** Number of the colour token, 1–8. */
   colour: number;
   hidden: boolean;
 }
@@ -37,12 +37,12 @@ function stored(): Pane[] {
     const sound = panes.every(({ traces }) => traces.every(({ name, colour }) => typeof name === "string" && colour >= 1 && colour <= 8));
     if (sound && panes.length > 0) return panes.slice(0, MOST_PANES).map((pane, id) => ({ ...pane, id }));
   } catch {
-    // Nothing kept, or something else: as at first.
+    // Nothing stored, or not valid: the defaults.
   }
   return coloured(FIRST);
 }
 
-/** Where a value range was moved to by hand: the middle and the extent, as shares of what fits by itself. */
+/** How a value range was moved: centre and extent as shares of the fitted range. */
 export interface Stretch {
   shift: number;
   scale: number;
@@ -52,7 +52,7 @@ class View {
   panes = $state.raw<Pane[]>(stored());
   /** Seconds in the window. */
   span = $state(60);
-  /** Its right edge; null: it follows. */
+  /** The right edge; null: follows. */
   end = $state<number | null>(null);
   stacked = $state(false);
   stretches = $state.raw<Record<number, Stretch>>({});
@@ -66,7 +66,7 @@ class View {
     saveSetting("chart", JSON.stringify(panes));
   }
 
-  /** From where to where, at this moment. */
+  /** The window now, as [from, to]. */
   window(): [number, number] {
     const end = this.end ?? display.source.now();
     return [end - this.span, end];
@@ -81,7 +81,7 @@ class View {
     this.end = to;
   }
 
-  /** A source is shown; unless it was shown already. */
+  /** Reset the window if another source is shown. */
   begin(of: string): void {
     if (of === this.of) return;
     const first = this.of === null;
@@ -95,14 +95,14 @@ class View {
     }
   }
 
-  /** A second recording is drawn beside it, or none any more; unless it was already. */
+  /** Show everything when a comparison begins or changes. */
   compare(id: string | null): void {
     if (id === this.beside) return;
     this.beside = id;
     if (id !== null) this.showAll();
   }
 
-  /** All there is. */
+  /** The whole recording. */
   showAll(): void {
     const { columns } = display.source;
     if (columns.length < 2) return;
@@ -119,13 +119,13 @@ class View {
     this.show(first - room, last + room);
   }
 
-  /** So that this moment is in the window, in its middle if it was not. */
+  /** Move the window so that it contains this time, centred if it was outside. */
   bring(time: number): void {
     const [from, to] = this.window();
     if (time < from || time > to) this.end = time + this.span / 2;
   }
 
-  /** Around a moment that stays where it is; when following, around the right edge. */
+  /** Zoom around a time that keeps its place; while following, around the right edge. */
   zoom(factor: number, around: number): void {
     const span = Math.min(LONGEST, Math.max(SHORTEST, this.span * factor));
     if (this.end !== null) {
@@ -147,7 +147,7 @@ class View {
     this.stretches = { ...this.stretches, [pane]: change(before) };
   }
 
-  /** Every value fits again. */
+  /** Fit all values again. */
   fit(): void {
     this.stretches = {};
   }
@@ -179,7 +179,7 @@ class View {
     this.change(tidy(this.without(name)));
   }
 
-  /** To the pane above or below; beyond the last one: into a new pane. */
+  /** Move a trace to the pane above or below; past the last one, to a new pane. */
   shift(name: string, step: number): void {
     const at = this.panes.findIndex(({ traces }) => traces.some((trace) => trace.name === name));
     const to = at + step;
@@ -192,7 +192,7 @@ class View {
     return this.panes.map((pane) => ({ ...pane, traces: pane.traces.filter((trace) => trace.name !== name) }));
   }
 
-  /** Into that pane, or into a new one. */
+  /** Add a trace to a pane, or to a new one. */
   private put(trace: Trace, to: number, panes: Pane[]): void {
     const known = panes.some(({ id }) => id === to);
     const next = known
@@ -201,7 +201,7 @@ class View {
     this.change(tidy(next));
   }
 
-  /** The second cursor stands where the first one is; again: it goes. */
+  /** Set the second cursor at the first one, or remove it. */
   toggleSecond(): void {
     if (cursors.b !== null) {
       cursors.b = null;
@@ -213,7 +213,7 @@ class View {
   }
 }
 
-/** No empty panes, and not more than there is room for. */
+/** Remove empty panes and merge those beyond the maximum into the last. */
 function tidy(panes: Pane[]): Pane[] {
   const full = panes.filter(({ traces }) => traces.length > 0);
   if (full.length <= MOST_PANES) return full;

@@ -1,16 +1,14 @@
-/**
- * The car's 12-pin block as far as it is known (docs/wiring.md): the pins in the order of their
- * numbers, not of their places. What no source confirms is marked so wherever it is drawn.
- */
+// The car's 12-pin block as far as it is known (docs/wiring.md): pins in the order of their numbers, not of their places. Unconfirmed pins
+// are marked wherever they are drawn.
 
 export type Confidence = "reported" | "unconfirmed" | "unknown";
 
 export interface Pin {
   number: number;
-  /** Key of its name in the dictionary; null: another circuit, not connected. */
+  /** Key of the name in the dictionary; null: another circuit, not connected. */
   what: "ground" | "request" | "supply" | "kline" | null;
   confidence: Confidence;
-  /** The adapter's 16-pin plug; null: leave it free. */
+  /** Pins of the adapter's 16-pin plug; null: leave it free. */
   plug: string | null;
 }
 

@@ -1,7 +1,4 @@
-/**
- * Which of the well-known troubles this is. Each has its own words and its own picture, because
- * what to do differs: "not connected" alone helps nobody.
- */
+// The situation of the connection. Each has its own text, picture and advice.
 
 import type { Port, State } from "../../lib/api/types";
 
@@ -39,8 +36,8 @@ const BY_CODE: Record<string, Situation> = {
 export type Told = Pick<State, "line" | "reason_code" | "port" | "model" | "samples">;
 
 /**
- * `code`: of the last refusal to connect; `worked`: a port that something came from since the page was opened; `trying`: connecting is
- * on its way. The error's class decides; the line alone tells only that nothing is there.
+ * Determine the situation. `code`: class of the last error of a connect request; `worked`: a port that data has come from since the page
+ * was opened; `trying`: a connect request is running. The class of the error decides; the line's state alone does not name the cause.
  */
 export function situationOf(
   state: Told,
@@ -63,17 +60,17 @@ export function situationOf(
   return none ? "no-cable" : "off";
 }
 
-/** Whether a unit answers there now. */
+/** Whether an ECU answers now. */
 export const answering = (line: State["line"]): boolean => line === "ecu-alive" || line === "sampling";
 
-/** Only what was there can be unplugged. */
+/** Only an adapter that has delivered data counts as unplugged. */
 const wasThere = (state: Told, worked: string | null): boolean =>
   state.samples > 0 || state.model !== null || (worked !== null && worked === state.port);
 
-/** An adapter that another computer shares. */
+/** An adapter shared by another computer. */
 const far = (port: string | null): boolean => /^(socket|rfc2217):/.test(port ?? "");
 
-/** The likely ones first, as the server sorted them; the first likely one is the best guess. */
+/** The first likely port; the server sorts by likelihood. */
 export function bestGuess(ports: readonly Port[]): Port | null {
   const likely = ports.filter((port) => port.likely);
   return likely.length > 0 ? (likely[0] ?? null) : null;

@@ -1,4 +1,4 @@
-/** The examination as it is drawn: every step there is, with what is known of it so far. */
+// The steps of the connection check as they are drawn: all of them, with the results so far.
 
 import type { DoctorStep } from "../../lib/api/types";
 
@@ -13,8 +13,8 @@ export interface Drawn {
 }
 
 /**
- * A step that did not come although a later one did was left out (an adapter that keeps its echo has no
- * speed to measure); one behind the end was not reached.
+ * Mark each step. A step without a result before one with a result was left out (an adapter without echo has no speed to measure); one
+ * after the end was not reached.
  */
 export function drawn(steps: readonly DoctorStep[], running: boolean): Drawn[] {
   const known = new Map(steps.map((step) => [step.name, step]));
@@ -32,7 +32,7 @@ export function drawn(steps: readonly DoctorStep[], running: boolean): Drawn[] {
 
 export type Verdict = "well" | "works" | "broken" | "stopped";
 
-/** Of an examination that has ended. One that nothing ended and that lacks its last step was stopped. */
+/** The verdict of a finished check. Without a failure and without its last step it was stopped. */
 export function verdict(steps: readonly DoctorStep[]): Verdict {
   if (steps.some((step) => step.ok === false)) return "broken";
   if (steps.at(-1)?.name !== STEPS.at(-1)) return "stopped";

@@ -1,4 +1,4 @@
-// Ports found and the examination: they go on while one looks at another screen.
+// The ports found and the connection check; both continue while another screen is shown.
 import { api } from "../../lib/api/api";
 import { ApiError } from "../../lib/api/http";
 import { ApiRequest } from "../../lib/api/request.svelte";
@@ -10,13 +10,13 @@ class ConnectionStore {
   readonly ports = new ApiRequest<Port[]>();
   readonly about = new ApiRequest<About>();
   readonly connecting = new ApiRequest<State>();
-  /** The port being connected to; "" for the one likely. */
+  /** The port being connected to; "" for the most likely one. */
   wanted = $state<string | null>(null);
-  /** The last refusal to connect: which trouble it is. */
+  /** Class of the last error of a connect request. */
   code = $state<string | null>(null);
-  /** The port that something came from last, since the page was opened. */
+  /** The last port that data came from since the page was opened. */
   worked = $state<string | null>(null);
-  /** A recording would end: to be confirmed. Without `port`: disconnecting. */
+  /** Disconnecting or connecting elsewhere would end this recording and has to be confirmed. Without `port`: disconnect. */
   leaving = $state.raw<{ file: string; port?: string | null } | null>(null);
 
   steps = $state.raw<DoctorStep[]>([]);
@@ -29,7 +29,7 @@ class ConnectionStore {
     await this.ports.run(async () => (await api.ports()).ports);
   }
 
-  /** Amid a recording it is asked first: that file ends with this connection. */
+  /** Connect; while recording to another port, ask first, because the recording would end. */
   async connect(port: string | null): Promise<void> {
     const file = running();
     if (file && port !== live.state?.port) this.leaving = { file, port };
@@ -42,7 +42,7 @@ class ConnectionStore {
     else await this.part();
   }
 
-  /** The answer to that question is yes. */
+  /** The confirmation was given. */
   async leave(): Promise<void> {
     const left = this.leaving;
     if (!left) return;
@@ -83,7 +83,7 @@ class ConnectionStore {
     }
   }
 
-  /** The program ends the examination, and lets go of the port; then the steps end by themselves. */
+  /** Stop the check; the server releases the port and ends the steps. */
   async stop(): Promise<void> {
     const state = await this.stopping.run(() => api.stopDoctor());
     if (state) live.state = state;

@@ -1,7 +1,5 @@
-/**
- * The journal of changes. It is written twice for each change, before and after, so that one whose
- * outcome nobody saw still stands there; here the two are one line.
- */
+// The journal of changes. Each change has two entries, before and after, so that an interrupted one is visible; here the two become one
+// line.
 
 import type { Channel, Text } from "../../lib/api/types";
 import { compile } from "../memory/cells/formula";
@@ -23,14 +21,14 @@ export interface RawEntry {
 export interface Entry {
   time: number;
   change: string | Text;
-  /** `started`: nobody saw how it ended. */
+  /** `started`: the result is unknown. */
   state: string;
   before: unknown;
   after: unknown;
   outcome: unknown;
   model: string | Text | null;
   erase: boolean;
-  /** The faults that an erase took away; null for other changes. */
+  /** The erased faults; null for other changes. */
   codes: number[] | null;
 }
 
@@ -43,7 +41,7 @@ function same(a: RawEntry, b: RawEntry): boolean {
   );
 }
 
-/** `entries` newest first, as the server gives them; so is what is returned. */
+/** Merge the two entries of each change. Newest first, as the server sends them. */
 export function folded(entries: readonly RawEntry[]): Entry[] {
   const out: Entry[] = [];
   const ends: RawEntry[] = [];
@@ -52,7 +50,7 @@ export function folded(entries: readonly RawEntry[]): Entry[] {
       const at = ends.findIndex((end) => same(end, entry));
       if (at >= 0) {
         ends.splice(at, 1);
-        continue; // its outcome is shown already
+        continue; // its result is in the list
       }
     } else {
       ends.push(entry);
@@ -78,7 +76,7 @@ function told(entry: RawEntry): Entry {
   };
 }
 
-/** `0D 35`, `[13, 53]` or `[{"code": 13}]` → 13, 53. */
+/** Fault codes from `0D 35`, `[13, 53]` or `[{"code": 13}]`. */
 export function codesOf(before: unknown): number[] {
   if (typeof before === "string") {
     const found = before.match(/[0-9a-f]{2}/gi) ?? [];
@@ -94,7 +92,7 @@ export function codesOf(before: unknown): number[] {
     .filter((code) => Number.isInteger(code));
 }
 
-/** Older entries of the journal are in English only; here they too are read in the language on the screen. */
+/** Older entries are in English only; these are their Russian forms. */
 const RUSSIAN: readonly (readonly [RegExp, string])[] = [
   [/^write (\d+) byte\(s\) to (.+)$/, "записать байтов: $1, $2"],
   [/^write parameter (.+)$/, "записать параметр $1"],
@@ -114,13 +112,13 @@ export function changeText(change: string | Text): Text {
   return { en, ru: en };
 }
 
-/** The parameter that was written; null: another change. */
+/** The name of the parameter that was written; null: another change. */
 export function parameterOf(change: string | Text): string | null {
   const en = typeof change === "string" ? change : change.en;
   return /^write parameter (\S+)$/.exec(en)?.[1] ?? null;
 }
 
-/** What these bytes are by the catalog's formula; null: no bytes, or no value that is a number. */
+/** The value of these bytes by the catalog's formula; null: no bytes, or no number. */
 export function valueOf(bytes: unknown, channel: Pick<Channel, "formula" | "size" | "flag">): number | null {
   if (typeof bytes !== "string" || channel.flag || !/^([0-9A-F]{2} ?)+$/i.test(bytes)) return null;
   const data = Uint8Array.from(bytes.match(/[0-9A-F]{2}/gi)!, (byte) => parseInt(byte, 16));

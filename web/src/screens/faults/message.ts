@@ -1,7 +1,5 @@
-/**
- * The faults as plain text, to send to someone: what they mean, how sure that is, what to check,
- * and of which unit. The words come in, so that it is written in the reader's language.
- */
+// The faults as plain text for a message: texts, confidence, what to check, and the ECU. The labels are passed in, in the reader's
+// language.
 
 import type { Fault, Faults } from "../../lib/api/types";
 

@@ -122,7 +122,7 @@ export const t = dictionary({
 
 const SURE = ["confirmed", "reported", "unconfirmed", "unknown"] as const;
 
-/** How sure the text of a fault is, in a sentence. */
+/** The confidence of a fault's text, as a sentence. */
 export function sure(confidence: string): string {
   const known = SURE.find((it) => it === confidence);
   return t(`sure_${known ?? "unknown"}`);

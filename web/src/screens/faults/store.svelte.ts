@@ -1,4 +1,4 @@
-// The stored faults as last read, and the journal: kept while one looks at another screen.
+// The faults as last read, and the journal; kept while another screen is shown.
 import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import { ecuKey } from "../../lib/live/capabilities.svelte";
@@ -10,7 +10,7 @@ class FaultStore {
   readonly journal = new ApiRequest<Entry[]>();
   private unit = "";
 
-  /** Asks the unit; what was read of another one goes. */
+  /** Read the faults; those of a previous ECU are dropped. */
   async refresh(): Promise<void> {
     const unit = ecuKey();
     if (unit !== this.unit) {

@@ -1,4 +1,4 @@
-// Tiles in another order.
+// Reordering of tiles.
 
 export function moved<Item>(items: readonly Item[], from: number, to: number): Item[] {
   const rest = items.filter((_, at) => at !== from);
@@ -14,7 +14,7 @@ interface Box {
   bottom: number;
 }
 
-/** The box under a point, or else the nearest; null without boxes. */
+/** The box under a point, else the nearest one; null without boxes. */
 export function placeAt(boxes: readonly Box[], x: number, y: number): number | null {
   let best: number | null = null;
   let nearest = Infinity;

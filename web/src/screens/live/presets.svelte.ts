@@ -1,4 +1,4 @@
-// The presets: shipped ones from the catalog, the user's own from the program; which one is on the screen; the one being edited.
+// The presets: shipped ones from the catalog, the user's own from the server; the selected one; the one being edited.
 import { api } from "../../lib/api/api";
 import { catalog } from "../../lib/api/catalog.svelte";
 import { retry } from "../../lib/api/retry";
@@ -10,7 +10,7 @@ class Presets {
   own = $state.raw<Preset[]>([]);
   loaded = $state(false);
   private id = $state(loadSetting("preset") ?? "idle");
-  /** What is on the screen while editing. */
+  /** The edited copy, shown while editing. */
   draft = $state.raw<Preset | null>(null);
 
   readonly all = $derived<Preset[]>([...(catalog.loaded?.presets ?? []), ...this.own]);
@@ -18,10 +18,10 @@ class Presets {
     this.all.find(({ id }) => id === this.id) ?? this.all[0],
   );
   readonly onScreen = $derived<Preset | undefined>(this.draft ?? this.chosen);
-  /** Channels that it shows. */
+  /** Channels of the preset on the screen. */
   readonly names = $derived(this.onScreen ? namesOf(this.onScreen) : []);
 
-  /** The user's own, until they came or the returned function is called. */
+  /** Load the user's presets, with retries until they have come or the returned function is called. */
   load(): () => void {
     return retry(async () => {
       this.own = (await api.presets()).presets;
@@ -72,7 +72,7 @@ class Presets {
 
 export const presets = new Presets();
 
-/** Every channel a preset shows; a table without names has them all. */
+/** All channels of a preset; a table without names has every channel. */
 export function namesOf(preset: Preset): string[] {
   const names = preset.tiles.flatMap((tile) => (tile.names.length ? tile.names : everything(tile)));
   return [...new Set(names)];

@@ -1,4 +1,4 @@
-// What the memory screen keeps while one looks at another: the page of each space, the watched cells and what they read.
+// State of the Memory screen, kept while another screen is shown: the page of each space, the watched cells and their bytes.
 import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import { loadSetting, saveSetting } from "../../lib/platform/storage";
@@ -8,14 +8,14 @@ import { bytesOf, readsFor, restored, type Cell } from "./cells/cells";
 import { Glow } from "./cells/glow";
 import { SPACES, addressText, fromHex, parseAddress, spaceOf, type Charset } from "./cells/hex";
 
-/** ms between two readings of what is watched, so that sampling gets its turn. */
+/** ms between two reads of the watched data, so that sampling continues. */
 const PAUSE = 150;
 
-/** What is looked at of one space. */
+/** The page of one space. */
 export class View {
   typed = $state("0");
   count = $state(256);
-  /** Where the page on the screen begins, and what stands there. */
+  /** Address of the first byte shown, and the bytes. */
   first = $state(0);
   data = $state.raw<Uint8Array | null>(null);
   time = $state(0);
@@ -75,7 +75,7 @@ class MemoryStore {
   };
   shown = $state<Space>("ram");
   charset = $state<Charset>("cp866");
-  /** Reading the page again and again; reading the watched cells again and again. */
+  /** Whether the page and the watched cells are read repeatedly. */
   following = $state(false);
   watching = $state(false);
   cells = $state.raw<Cell[]>(restored(loadSetting("cells")));
@@ -88,7 +88,7 @@ class MemoryStore {
     return this.views[this.shown];
   }
 
-  /** What was read of another unit goes; the list of cells stays. */
+  /** Drop data of a previous ECU; the list of cells stays. */
   meet(): void {
     const unit = ecuKey();
     if (unit === this.unit) return;
@@ -126,7 +126,7 @@ class MemoryStore {
     return done === true;
   }
 
-  /** One turn after another until `stop`; an error ends it, and stands on the screen. */
+  /** Read repeatedly until `stop`; an error ends the loop and is shown. */
   follow(stop: AbortSignal): void {
     void (async () => {
       while (!stop.aborted && (this.following || this.watching)) {
@@ -143,7 +143,7 @@ class MemoryStore {
     await this.dumps.run(async () => (await api.dumps()).dumps);
   }
 
-  /** One dump as the server tells it now, in the list; the others as they were. */
+  /** Replace one dump in the list. */
   put(dump: Dump): void {
     const others = this.dumps.value ?? [];
     this.dumps.value = others.some((it) => it.id === dump.id)

@@ -1,4 +1,4 @@
-// The passport as names and values: once for the screen, the copied text and the saved file.
+// The passport as names and values, for the screen, the copied text and the saved file.
 import { DASH, number, localized } from "../../lib/i18n";
 import type { Passport } from "../../lib/api/types";
 import type { Line } from "./sheet";
@@ -7,7 +7,7 @@ import { methods, t } from "./messages";
 type Method = Parameters<typeof methods>[0];
 const METHODS: readonly Method[] = ["stream", "list", "batch", "single"];
 
-/** A name the page knows is said in words; another one (stroke0 … stroke4) as it is. */
+/** The method in words; an unknown one (stroke0 … stroke4) by its name. */
 export function methodText(name: string | null): string {
   if (!name) return DASH;
   const known = METHODS.find((it) => it === name);
@@ -16,7 +16,7 @@ export function methodText(name: string | null): string {
 
 export const byteText = (value: number) => value.toString(16).toUpperCase().padStart(2, "0");
 
-/** The filled pieces; the piece `null` (this unit does not know the command) and "" (not filled in) are said apart. */
+/** The filled fields. Null (the ECU does not support the command) and "" (not filled in) have different texts. */
 export function piecesText(pieces: readonly (string | null)[]): string {
   if (pieces.every((piece) => piece === null)) return t("not_told");
   const filled = pieces.filter((piece) => piece?.trim());

@@ -1,4 +1,4 @@
-/** The passport as text to copy or send: name and value, a line each, in aligned columns. */
+// The passport as text: one line for each name and value, in aligned columns.
 
 export type Line = readonly [name: string, value: string];
 
@@ -8,7 +8,7 @@ export function sheetText(title: string, lines: readonly Line[]): string {
   return [title, "", ...body, ""].join("\n");
 }
 
-/** `mikas-7.1-A1234.json`: what is in the file's name has no signs a file system minds. */
+/** A file name such as `mikas-7.1-A1234.json`, without characters that file systems reject. */
 export function fileName(parts: readonly (string | null | undefined)[], suffix: string): string {
   const clean = parts
     .map((part) => (part ?? "").replace(/[^\p{L}\p{N}.-]+/gu, "-").replace(/^[-.]+|[-.]+$/g, ""))

@@ -1,4 +1,4 @@
-// The passport as last read: kept while one looks at another screen, forgotten with another unit.
+// The passport as last read; kept while another screen is shown, dropped with another ECU.
 import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import { ecuKey } from "../../lib/live/capabilities.svelte";
@@ -6,7 +6,7 @@ import type { Passport } from "../../lib/api/types";
 
 class PassportStore {
   readonly read = new ApiRequest<Passport>();
-  /** The commands are being tried: seconds, not milliseconds. */
+  /** The commands are being tried, which takes seconds. */
   probing = $state(false);
   private unit = "";
 
@@ -18,7 +18,7 @@ class PassportStore {
     }
     const tried = this.read.value?.supported ?? null;
     const passport = await this.read.run(() => api.passport());
-    // What was tried stays on the screen: reading the passport again untries nothing.
+    // Keep the tried commands when the passport is read again.
     if (passport && !passport.supported && tried)
       this.read.value = { ...passport, supported: tried };
   }

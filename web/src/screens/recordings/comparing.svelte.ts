@@ -1,13 +1,13 @@
-// Choosing a second recording: for the one that is played, or for one of the list, which is opened first. Shown by the frame, in the chart.
+// Selecting a second recording to compare with: for the one being played, or for one of the list, which is opened first.
 import { ApiError } from "../../lib/api/http";
 import { comparison } from "../../lib/recording/comparison.svelte";
 import { player } from "../../lib/recording/player.svelte";
 import { route } from "../../lib/view/router.svelte";
 
 class Comparing {
-  /** For which recording a second one is being chosen. */
+  /** The recording for which a second one is being selected. */
   first = $state<string | null>(null);
-  /** The second one, while it is being opened. */
+  /** The second recording while it is being opened. */
   busy = $state<string | null>(null);
   error = $state.raw<ApiError | null>(null);
 
@@ -21,7 +21,7 @@ class Comparing {
     this.error = null;
   }
 
-  /** Draws it beside the first one; if it can't be read, the sheet says why, and another may be chosen. */
+  /** Open the comparison. If a recording can't be read, the dialog shows the error and stays open. */
   async begin(first: string, second: string): Promise<void> {
     this.busy = second;
     this.error = null;

@@ -111,7 +111,7 @@ export const t = dictionary({
   key_loop: { en: "Loop: from, to, off", ru: "Повтор: отсюда, досюда, убрать" },
 });
 
-/** The faults that were read while it was made, in a line. */
+/** The faults read during a recording, as one line. */
 export function faultsOf(recording: Recording): string {
   if (recording.faults === null) return t("not_read");
   return recording.faults.join(", ") || t("no_faults");

@@ -1,11 +1,11 @@
-// Opening a recording: the player puts it in the place of the live line, Live shows it, and the bar below plays it.
+// Opens a recording: the player replaces the live data, and Live shows it.
 import { ApiError } from "../../lib/api/http";
 import { player } from "../../lib/recording/player.svelte";
 import { route } from "../../lib/view/router.svelte";
 import type { Recording } from "../../lib/api/types";
 
 class Opener {
-  /** What is being opened. */
+  /** The recording being opened. */
   id = $state<string | null>(null);
   error = $state.raw<ApiError | null>(null);
 

@@ -1,8 +1,8 @@
-/** The table's order and search. Newest first is what one looks for after a drive. */
+// Order and search of the list. Newest first.
 
 import type { Recording } from "../../lib/api/types";
 
-/** What has no date stands at the end. */
+/** Recordings without a date come last. */
 export function newestFirst(recordings: readonly Recording[]): Recording[] {
   return [...recordings].sort((one, other) => {
     const a = one.date ?? -Infinity;
@@ -12,7 +12,7 @@ export function newestFirst(recordings: readonly Recording[]): Recording[] {
   });
 }
 
-/** Every word of `wanted` somewhere in the file's name, the car, its passport, its faults or the note. */
+/** Recordings that contain every word of `wanted` in the file name, car, passport, faults or note. */
 export function matching(recordings: readonly Recording[], wanted: string): Recording[] {
   const words = wanted.toLowerCase().split(/\s+/).filter(Boolean);
   return recordings.filter((it) => {

@@ -1,4 +1,4 @@
-/** The player's bar: places on it as times, its speeds, and the loop between two marks. */
+// The player's slider: positions and times, speeds, and the loop between two marks.
 
 import { clock } from "../../lib/i18n";
 import { SPEEDS } from "../../lib/recording/player.svelte";
@@ -16,13 +16,13 @@ export function slower(speed: number): number {
   return [...SPEEDS].reverse().find((it) => it < speed) ?? SPEEDS[0];
 }
 
-/** 0 … 1 along the bar. */
+/** Position on the slider, 0 … 1. */
 export function share(time: number, first: number, last: number): number {
   if (last <= first) return 0;
   return Math.min(1, Math.max(0, (time - first) / (last - first)));
 }
 
-/** The first press marks where the loop begins, the second where it ends, the third clears it. */
+/** The first press marks the start of the loop, the second its end, the third removes it. */
 export function nextLoop(
   loop: Partial<Loop> | null,
   time: number,
@@ -36,7 +36,7 @@ export function nextLoop(
   return { loop: null, whole: null };
 }
 
-/** What the arrow keys do on the slider: a second, ten with Shift or Page keys; null: not ours. */
+/** Seconds for an arrow key on the slider: one, ten with Shift or Page keys; null: another key. */
 export function keyStep(key: string, shift: boolean): number | "first" | "last" | null {
   switch (key) {
     case "ArrowLeft":
@@ -58,7 +58,7 @@ export function keyStep(key: string, shift: boolean): number | "first" | "last" 
   }
 }
 
-/** 65.25 → `1:05.3`, for the player's clock; with two decimals `1:05.25`: a sample may be but hundredths from the next. */
+/** Format 65.25 as `1:05.3`, with two decimals `1:05.25`: samples can be hundredths apart. */
 export function precise(seconds: number, decimals: 1 | 2 = 1): string {
   const parts = 10 ** decimals;
   const whole = Math.max(0, Math.round(seconds * parts));

@@ -1,4 +1,4 @@
-// The list of recordings: kept while one looks at another screen, asked again when it is opened.
+// The list of recordings; kept while another screen is shown, refreshed when it is opened.
 import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import type { About, Recording, Text } from "../../lib/api/types";
@@ -7,7 +7,7 @@ class RecordingStore {
   readonly list = new ApiRequest<Recording[]>();
   readonly about = new ApiRequest<About>();
   search = $state("");
-  /** Why nothing can be kept in the folder. */
+  /** Why the folder can't store recordings. */
   problem = $state.raw<Text | null>(null);
 
   async refresh(): Promise<void> {
@@ -19,7 +19,7 @@ class RecordingStore {
     });
   }
 
-  /** The note as it was saved, without asking for the whole list again. */
+  /** Update a saved note without loading the list again. */
   noted(id: string, note: string): void {
     this.list.value = (this.list.value ?? []).map((it) => (it.id === id ? { ...it, note } : it));
   }

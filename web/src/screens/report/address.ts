@@ -1,4 +1,4 @@
-/** Where a report is: of the running session, or of a recording. */
+// The address of a report, of the session or of a recording.
 import { api } from "../../lib/api/api";
 
 export function reportAddress(recording: string | null, lang: string, inline: boolean): string {
@@ -12,7 +12,7 @@ export function reportFile(recording: string | null, lang: string): string {
   return `${name}-report-${lang}.html`;
 }
 
-/** Whether the server lets its own page show the report in a frame; if not, it is opened beside it. */
+/** Whether the server allows its own page to frame the report; if not, it is opened in a tab. */
 export function mayFrame(headers: Headers): boolean {
   const policy = headers.get("content-security-policy") ?? "";
   const ancestors = /frame-ancestors ([^;]*)/.exec(policy)?.[1]?.trim();

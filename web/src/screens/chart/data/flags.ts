@@ -1,12 +1,12 @@
-// Markers and alarms as flags on the line of time; those that would lie on each other become one with a count.
+// Markers, alarms and gaps as flags on the time line; flags that would overlap are merged into one with a count.
 import type { LineEvent, Text } from "../../../lib/api/types";
 
 export interface Flag {
   time: number;
-  /** Where the cursor goes: into a gap, not to its edge. */
+  /** The time for the cursor: inside a gap, not at its edge. */
   at: number;
   kind: "marker" | "warning" | "danger" | "unit" | "gap";
-  /** Of the first; a marker's own words, the text of the alarm, a gap's whole reason. */
+  /** Of the first one: the marker's label, the alarm's text, the gap's full reason. */
   label: string | Text;
   count: number;
 }
@@ -35,15 +35,15 @@ function flagOf(event: LineEvent): Flag | null {
 export interface GapBand {
   from: number;
   to: number;
-  /** What the line was said to be, to be written in the band. */
+  /** The state of the line during the gap: short enough for the band. */
   reason: Text;
-  /** The reason itself, with what to try. */
+  /** The full reason, with advice. */
   whole: Text;
-  /** Of the second recording, with which the first is comparison. */
+  /** A gap of the second recording in a comparison. */
   second: boolean;
 }
 
-/** Gaps that lie in the window; one that goes on lasts until now. */
+/** Gaps that overlap the window; an open gap lasts until `now`. */
 export function gapsOf(events: readonly LineEvent[], from: number, to: number, now: number): GapBand[] {
   const bands: GapBand[] = [];
   for (const event of events) {
@@ -56,18 +56,18 @@ export function gapsOf(events: readonly LineEvent[], from: number, to: number, n
   return bands;
 }
 
-/** The second recording's, at the times of the first. */
+/** Gaps of the second recording, moved to the times of the first. */
 export function lagging(bands: readonly GapBand[], lag: number): GapBand[] {
   return bands.map((band) => ({ ...band, from: band.from + lag, to: band.to + lag, second: true }));
 }
 
-/** What the line was said to be in that time: the reason itself is whole advice, too long to be written in a band. */
+/** The state of the line in that time: a short text for the band; the reason itself is full advice. */
 function briefly(events: readonly LineEvent[], from: number, to: number): Text | null {
   const said = events.findLast((event) => event.kind === "state" && event.reason !== null && event.time >= from && event.time <= to);
   return said?.kind === "state" ? said.text : null;
 }
 
-/** Gaps as flags, so that each can be reached; where it begins, or where the window does. */
+/** Gaps as flags, at their start or at the start of the window. */
 export function gapFlags(bands: readonly GapBand[], from: number, to: number, apart: number): Flag[] {
   const flags: Flag[] = [];
   for (const band of bands) {
@@ -80,14 +80,14 @@ export function gapFlags(bands: readonly GapBand[], from: number, to: number, ap
   return flags;
 }
 
-/** The gap that follows this moment, or the one before; past the last one the first again. */
+/** The next gap after a time, or the previous one; wraps around at the ends. */
 export function nextGap(bands: readonly GapBand[], time: number, step: 1 | -1): GapBand | undefined {
   const ordered = [...bands].sort((one, other) => one.from + one.to - other.from - other.to);
   const after = (band: GapBand) => (step > 0 ? (band.from + band.to) / 2 > time + 1e-6 : (band.from + band.to) / 2 < time - 1e-6);
   return step > 0 ? (ordered.find(after) ?? ordered[0]) : (ordered.findLast(after) ?? ordered[ordered.length - 1]);
 }
 
-/** Words in lines that fit; what does not, ends in an ellipsis. */
+/** Wrap words into at most `most` lines that fit; text that does not fit ends with an ellipsis. */
 export function folded(words: string, fits: (text: string) => boolean, most: number): string[] {
   const lines: string[] = [];
   for (const word of words.split(" ")) {

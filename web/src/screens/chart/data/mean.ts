@@ -1,4 +1,4 @@
-// The mean of what was measured between two moments; null if nothing was.
+// The mean of the values between two times; null without values.
 import type { Columns } from "../../../lib/series/columns";
 
 export function meanOf(columns: Columns, name: string, from: number, to: number): number | null {

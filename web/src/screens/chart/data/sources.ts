@@ -1,4 +1,4 @@
-// What the chart draws from: the source that is shown and, beside a recording, a second one.
+// The data that the chart draws: the displayed source and, beside a recording, a second one to compare with.
 import { comparison } from "../../../lib/recording/comparison.svelte";
 import { player } from "../../../lib/recording/player.svelte";
 import { display } from "../../../lib/view/source.svelte";
@@ -6,10 +6,10 @@ import type { Later } from "../plot/drawing";
 import { gapsOf, lagging, type GapBand } from "./flags";
 import { valueAt } from "./value";
 
-/** The second recording, at the times of the first; null: there is none. */
+/** The second recording at the times of the first; null: no comparison. */
 export const second = (): Later | null => (comparison.active ? { columns: comparison.columns, lag: comparison.lag } : null);
 
-/** Gaps of both in the window. */
+/** Gaps of both sources in the window. */
 export function gapsIn(from: number, to: number): GapBand[] {
   const { source } = display;
   const own = gapsOf(source.events, from, to, source.kind === "recording" ? player.last : source.now());
@@ -18,7 +18,7 @@ export function gapsIn(from: number, to: number): GapBand[] {
   return [...own, ...lagging(gapsOf(comparison.events, from - lag, to - lag, comparison.last), lag)];
 }
 
-/** All there are. */
+/** All gaps. */
 export const everyGap = (): GapBand[] => gapsIn(-Infinity, Infinity);
 
 export const valueOf = (name: string, time: number): number | null =>
@@ -27,7 +27,7 @@ export const valueOf = (name: string, time: number): number | null =>
 export const secondValueOf = (name: string, time: number): number | null =>
   valueAt(comparison.columns, comparison.events, name, time - comparison.lag);
 
-/** The moment that is looked at: the cursor, or where the player stands; live without a cursor: none. */
+/** The time of interest: the cursor, or the player's position; null for live data without a cursor. */
 export function moment(cursor: number | null): number | null {
   return cursor ?? (display.source.kind === "recording" ? display.source.now() : null);
 }

@@ -1,9 +1,9 @@
-// What stood at a moment: never the last number before a gap, nor one from long ago.
+// The value at a time; null in a gap, or if the last value is too old.
 import type { Columns } from "../../../lib/series/columns";
 import { gapThreshold } from "../../../lib/series/gapThreshold";
 import type { LineEvent } from "../../../lib/api/types";
 
-/** Seconds to either side, to see how often it usually comes. */
+/** Seconds on each side in which the usual interval is measured. */
 const AROUND = 30;
 
 export function valueAt(columns: Columns, events: readonly LineEvent[], name: string, time: number): number | null {

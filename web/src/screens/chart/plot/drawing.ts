@@ -1,4 +1,4 @@
-// What one pane draws: its traces of the source, and of the second recording, on one line of time; and where each line is broken.
+// What one pane draws: its traces, those of the second recording on the same time line, and where each line is interrupted.
 import { decimate, findHoles, mergeTimelines, type Cells, type Decimated } from "../../../lib/series/decimate";
 import type { Columns } from "../../../lib/series/columns";
 import { gapThreshold } from "../../../lib/series/gapThreshold";
@@ -6,7 +6,7 @@ import { gapThreshold } from "../../../lib/series/gapThreshold";
 export interface Drawing {
   times: number[];
   values: Cells[];
-  /** A list a line: from, to. */
+  /** A list of [from, to] for each line. */
   holes: [number, number][][];
 }
 
@@ -20,18 +20,18 @@ export function drawing(columns: Columns, second: Later | null, names: readonly 
   const broken = brokenIn(own, columns, names, from, to);
   if (!second) return { times: own.times, values: own.values, holes: broken };
   const { lag } = second;
-  // Dashes are the dearest lines: where there is more than a row a pixel, its lowest and highest of two pixels do.
+  // Dashed lines are the most expensive: half the resolution is enough for them.
   const other = decimate(second.columns, names, from - lag, to - lag, pixels / 2);
   const later = brokenIn(other, second.columns, names, from - lag, to - lag).map((spans) => spans.map(([begin, end]): [number, number] => [begin + lag, end + lag]));
   return { ...mergeTimelines(own, other, lag), holes: [...broken, ...later] };
 }
 
-/** Where each line is broken. After that, nothing there and a line that passes are the same to what draws, and one kind costs less than two. */
+/** Where each line is interrupted. Afterwards null is replaced by undefined: both draw nothing, and a single kind is faster. */
 function brokenIn(gathered: Decimated, columns: Columns, names: readonly string[], from: number, to: number): [number, number][][] {
   const first = Math.max(0, columns.rowAt(from));
   const last = columns.rowAt(to) + 1;
   return gathered.values.map((cells, line) => {
-    // A stretch without values is a hole, not the way from one stretch to the next.
+    // The distance between two buckets is not a gap.
     const longest = Math.max(gapThreshold(columns, names[line]!, first, last), 1.1 * gathered.width);
     const found = findHoles(gathered.times, cells, longest);
     for (let row = 0; row < cells.length; row += 1) cells[row] ??= undefined;

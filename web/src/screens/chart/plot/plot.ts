@@ -1,4 +1,5 @@
-// One pane as a uPlot: series, scales and axes from its traces; gaps hatched behind the lines. The cursor, the wheel and the hand are ours.
+// One pane as a uPlot: series, scales and axes from its traces, gaps hatched behind the lines. Cursor, wheel and gestures are implemented
+// here, not by uPlot.
 import uPlot from "uplot";
 import { number } from "../../../lib/i18n";
 import type { Channel } from "../../../lib/api/types";
@@ -10,7 +11,7 @@ import type { Stretch, Trace } from "../view.svelte";
 export const LEFT = 58;
 export const RIGHT = 14;
 export const BOTTOM = 30;
-/** Of the second recording's lines, in CSS pixels. */
+/** Dashes of the second recording, in CSS pixels. */
 const DASH = [5, 4];
 
 export interface Look {
@@ -27,32 +28,32 @@ export interface PlotPlan {
   traces: Trace[];
   channel: (name: string) => Channel | undefined;
   stacked: boolean;
-  /** The lowest pane has the line of time. */
+  /** The lowest pane has the time axis. */
   foot: boolean;
-  /** Some pane has a second axis: all keep room for it, so that times stand below each other. */
+  /** Some pane has a second axis: all reserve room for it, so that times are aligned. */
   second: boolean;
-  /** Each trace once more, dashed: the second recording's; time is counted from here. Null: one source alone, times of day. */
+  /** In a comparison each trace is drawn a second time, dashed, and time is counted from here. Null: no comparison, times of day. */
   zero: number | null;
   look: Look;
   stretch: () => Stretch | undefined;
   gaps: () => GapBand[];
-  /** Where the line of that series (from 0) has long been without a value: from, to. */
+  /** Gaps of that series (from 0) as [from, to]. */
   holes: (series: number) => readonly [number, number][];
   reason: (gap: GapBand) => string;
 }
 
-/** Traces of one unit share a scale; a flag has its own, at the foot of the pane. */
+/** Traces with the same unit share a scale; a flag has its own, at the foot of the pane. */
 export function scaleOf(trace: Trace, channel: Channel | undefined, stacked: boolean): string {
   if (stacked || channel?.flag || !channel?.unit.en) return `own ${trace.name}`;
   return channel.unit.en;
 }
 
-/** Scales in the order of their axes: at most two are drawn. */
+/** Scales in the order of their axes; at most two axes are drawn. */
 export function scalesOf(traces: readonly Trace[], channel: PlotPlan["channel"], stacked: boolean): string[] {
   return [...new Set(traces.filter(({ hidden }) => !hidden).map((trace) => scaleOf(trace, channel(trace.name), stacked)))];
 }
 
-/** The least extent of a scale: so many steps of the last digit, and a little of the plausible range. */
+/** The smallest extent of a scale: several steps of the last digit, and a little of the plausible range. */
 function least(channel: Channel | undefined): number {
   const steps = 8 * 10 ** -(channel?.decimals ?? 0);
   const range = channel?.range ? channel.range[1] - channel.range[0] : 0;
@@ -87,7 +88,7 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
     {
       ...axis,
       ...times,
-      // No words at all: an empty one is drawn, too, and costs as much as a short one.
+      // No labels: an empty label is drawn as well and costs as much as a short one.
       ...(plan.foot ? {} : { values: () => [] }),
       stroke: look.muted,
       size: plan.foot ? BOTTOM : 0,
@@ -141,7 +142,7 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
 const isFlag = (plan: PlotPlan, key: string) =>
   plan.traces.some((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key && plan.channel(trace.name)?.flag);
 
-/** In canvas pixels, where a line is not drawn: a gap of the line, and where this value did not come for long. */
+/** Interruptions of a line in canvas pixels: gaps of the connection, and times in which this channel has no value. */
 function breaks(plot: uPlot, plan: PlotPlan, series: number, second: boolean): uPlot.Series.Gaps {
   const place = (time: number) => Math.round(plot.valToPos(time, "x", true));
   const between = plan
@@ -174,7 +175,7 @@ function hatch(plot: uPlot, plan: PlotPlan): void {
     ctx.strokeStyle = plan.look.hatch;
     ctx.lineWidth = devicePixelRatio;
     ctx.beginPath();
-    // On a grid of its own from the gap's edge, so that it moves with it; the second recording's leans the other way.
+    // The grid starts at the gap's edge and moves with it; the second recording's lines lean the other way.
     const [near, far] = gap.second ? [bbox.top, bbox.top + bbox.height] : [bbox.top + bbox.height, bbox.top];
     for (let x = from - bbox.height; x < from + wide; x += step) {
       ctx.moveTo(x, near);
@@ -190,8 +191,10 @@ function hatch(plot: uPlot, plan: PlotPlan): void {
   ctx.restore();
 }
 
-/** Words in a band, in as many lines as they need (three at most), on a ground of their own so that the hatching does not cut them. At the
- * foot; the second recording's at the top. */
+/**
+ * Write text into a band, in at most three lines, on a background so that the hatching does not cross it: at the foot, the second
+ * recording's at the top.
+ */
 function write(ctx: CanvasRenderingContext2D, words: string, left: number, wide: number, edge: number, atTop: boolean, look: Look): void {
   const pad = 6 * devicePixelRatio;
   const line = 16 * devicePixelRatio;

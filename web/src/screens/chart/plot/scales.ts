@@ -1,7 +1,7 @@
-// The value axis: what fits, with room; moved by hand; a lane of its own for each trace when stacked.
+// The value axis: fitted with room, moved by gestures, or one lane for each trace when stacked.
 import type { Stretch } from "../view.svelte";
 
-/** Low and high of what is visible, with room, and never so close that the last digit's restlessness fills the pane. */
+/** The visible extremes with room, never so narrow that noise in the last digit fills the pane. */
 export function fitting(min: number | null, max: number | null, least: number): [number, number] {
   if (min === null || max === null || !Number.isFinite(min) || !Number.isFinite(max)) return [0, 1];
   const extent = Math.max((max - min) * 1.12, least);
@@ -9,7 +9,7 @@ export function fitting(min: number | null, max: number | null, least: number): 
   return [middle - extent / 2, middle + extent / 2];
 }
 
-/** As moved by the wheel and the hand. */
+/** Apply the moves made by wheel and drag. */
 export function stretched([low, high]: [number, number], stretch: Stretch | undefined): [number, number] {
   if (!stretch) return [low, high];
   const extent = (high - low) * stretch.scale;
@@ -17,7 +17,7 @@ export function stretched([low, high]: [number, number], stretch: Stretch | unde
   return [middle - extent / 2, middle + extent / 2];
 }
 
-/** The range that puts [low, high] into lane `index` of `count`, the first one at the top. */
+/** The range that places [low, high] in lane `index` of `count`, the first one at the top. */
 export function lane([low, high]: [number, number], index: number, count: number): [number, number] {
   const extent = (high - low) * count;
   const bottom = low - (high - low) * (count - 1 - index);

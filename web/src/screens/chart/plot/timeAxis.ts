@@ -1,9 +1,9 @@
-// The line of time: times of day; while two recordings are comparison, the time since each one's beginning.
+// Labels of the time axis: times of day; in a comparison the time since the start of each recording.
 const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14_400];
 
 const two = (part: number) => String(part).padStart(2, "0");
 
-/** Times of day; with tenths when close. */
+/** Times of day, with fractions when zoomed in. */
 export function timesOfDay(splits: readonly number[], step: number): string[] {
   return splits.map((split) => {
     const date = new Date(split * 1000);
@@ -14,7 +14,7 @@ export function timesOfDay(splits: readonly number[], step: number): string[] {
   });
 }
 
-/** 1:05, −0:10, 1:02:00; with as many decimals as the steps have. */
+/** Format 1:05, −0:10, 1:02:00, with as many decimals as the step needs. */
 export function elapsed(seconds: number, step: number): string {
   const decimals = step >= 1 ? 0 : step >= 0.1 ? 1 : 2;
   const tidy = Number(Math.abs(seconds).toFixed(decimals));
@@ -25,7 +25,7 @@ export function elapsed(seconds: number, step: number): string {
   return sign + (hours ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`);
 }
 
-/** For an axis that counts from `zero`: round numbers of seconds, minutes, hours since then. */
+/** An axis that counts from `zero`, with labels at round times. */
 export function counted(zero: number) {
   return {
     incrs: STEPS,

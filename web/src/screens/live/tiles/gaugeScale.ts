@@ -1,4 +1,4 @@
-// The arc of a gauge: from where to where, and its bands. 240°, open at the bottom.
+// The scale of a gauge and its bands. The arc has 240° and is open at the bottom.
 import type { Channel } from "../../../lib/api/types";
 
 export interface Range {
@@ -7,8 +7,8 @@ export interface Range {
 }
 
 /**
- * The plausible range for a channel with limits: they are to stay in their places. Otherwise the warm idle and what was seen, with room, so that
- * 15 kg/h of 450 is still a gauge; it grows in steps, not with each value.
+ * The range of a gauge. With limits: the plausible range, so that the limits keep their places. Otherwise warm idle and the values seen,
+ * with room, so that 15 kg/h of 450 is readable; it grows in steps, not with each value.
  */
 export function rangeOf(channel: Channel | undefined, seen?: { min: number; max: number }): Range {
   const plausible = channel?.range && channel.range[1] > channel.range[0] ? channel.range : null;
@@ -23,11 +23,11 @@ export function rangeOf(channel: Channel | undefined, seen?: { min: number; max:
   const low = bottom < 0 ? round(bottom - room * 0.2, -1) : 0;
   const high = round(top + room * 0.25, 1);
   if (plausible) return { low: Math.max(low, plausible[0]), high: Math.min(high, plausible[1]) };
-  // A share has no more than all of it.
+  // A percentage does not exceed 100.
   return { low, high: channel?.unit.en === "%" && top <= 100 ? Math.min(high, 100) : high };
 }
 
-/** Away from zero to a number that reads well: 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 of a decade. */
+/** Round away from zero to 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6 or 8 of a decade. */
 function round(value: number, way: 1 | -1): number {
   if (value === 0) return 0;
   const decade = 10 ** Math.floor(Math.log10(Math.abs(value)));
@@ -46,7 +46,7 @@ export interface Band {
   level: "danger" | "warning";
 }
 
-/** The parts of the arc beyond the limits, as shares of it. */
+/** The parts of the arc beyond the limits, as shares. */
 export function bandsOf(channel: Channel | undefined, range: Range): Band[] {
   const limits = channel?.limits;
   if (!limits) return [];
@@ -72,7 +72,7 @@ const point = (at: number, radius: number, x: number, y: number): string => {
   return `${(x + radius * Math.cos(angle)).toFixed(2)} ${(y + radius * Math.sin(angle)).toFixed(2)}`;
 };
 
-/** A piece of the arc as an SVG path, from share to share. */
+/** A part of the arc as an SVG path, between two shares. */
 export function arc(from: number, to: number, radius: number, x = 100, y = 92): string {
   const large = (to - from) * SWEEP > 180 ? 1 : 0;
   return `M${point(from, radius, x, y)}A${radius} ${radius} 0 ${large} 1 ${point(to, radius, x, y)}`;
@@ -82,7 +82,7 @@ export function arc(from: number, to: number, radius: number, x = 100, y = 92): 
 export const tick = (at: number, inner: number, outer: number, x = 100, y = 92): string =>
   `M${point(at, inner, x, y)}L${point(at, outer, x, y)}`;
 
-/** From where to where the lines of a strip go: one scale for all of one unit, and never so close that the last digit fills it. */
+/** Scales of a strip's lines: one for each unit, never so narrow that noise in the last digit fills it. */
 export function framesOf(
   names: readonly string[],
   channelOf: (name: string) => Channel | undefined,

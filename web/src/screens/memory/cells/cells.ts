@@ -1,7 +1,5 @@
-/**
- * The watch list: cells of memory with a name and a formula, kept in this browser. Cells that lie
- * near each other are read with one request: a request costs more than the bytes between them.
- */
+// The watch list: memory cells with name and formula, stored in this browser. Neighbouring cells are read with one request, which costs
+// less than two.
 
 import { compile } from "./formula";
 import { SPACES, spaceOf, type SpaceName } from "./hex";
@@ -22,12 +20,12 @@ export interface Read {
   cells: Cell[];
 }
 
-/** Bytes between two cells that are cheaper to read along than to ask twice (4 + 5 framing, §5). */
+/** Bytes between two cells that cost less than a second request (4 + 5 bytes of framing, §5). */
 const GAP = 9;
 const LONGEST_READ = 255;
 const MOST = 40;
 
-/** A new cell, not yet named. Over plain http there is no randomUUID. */
+/** A new cell without a name. Over plain HTTP there is no randomUUID. */
 export function newCell(space: SpaceName, address: number): Cell {
   const id = [...crypto.getRandomValues(new Uint8Array(8))].map((it) => it.toString(16)).join("-");
   return { id, space, address, name: "", formula: "b", unit: "" };
@@ -71,13 +69,13 @@ export function readsFor(cells: readonly Cell[]): Read[] {
   return reads;
 }
 
-/** The cell's bytes out of what was read. */
+/** The cell's bytes from the data of a read. */
 export function bytesOf(cell: Cell, read: Read, data: Uint8Array): Uint8Array {
   const from = cell.address - read.address;
   return data.subarray(from, from + sizeOf(cell));
 }
 
-/** null: the formula is wrong, or the bytes are too few, or the result is no number. */
+/** The cell's value; null: invalid formula, too few bytes, or no number. */
 export function valueOf(cell: Cell, bytes: Uint8Array): number | null {
   try {
     return compile(cell.formula).value(bytes);
@@ -86,7 +84,7 @@ export function valueOf(cell: Cell, bytes: Uint8Array): number | null {
   }
 }
 
-/** What was kept, as far as it makes sense; a list damaged by hand loses only the bad entries. */
+/** The stored list without its invalid entries. */
 export function restored(text: string | null): Cell[] {
   let stored: unknown;
   try {

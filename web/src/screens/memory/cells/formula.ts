@@ -1,17 +1,12 @@
-/**
- * The formula of a watched cell: arithmetic over the cell's bytes, in the notation of §4.
- *
- * `b` is the first byte, `s` the same as a signed number, `w` = second·256 + first (low byte first,
- * §2), `i` the same signed, `b2` the second byte. Numbers allowed be decimal (`0,5` too) or `0x1F`;
- * `+ − * / & ( )`. Parsed here and walked as a tree: nothing is ever handed to eval, which the
- * page's Content-Security-Policy would refuse anyway.
- */
+// The formula of a watched cell: arithmetic on the cell's bytes, in the notation of §4. `b` is the first byte, `s` the same as a signed
+// number, `w` = second·256 + first (low byte first, §2), `i` the same signed, `b2` the second byte. Numbers are decimal (`0,5` too) or
+// `0x1F`; `+ − * / & ( )`. The formula is parsed into functions; eval is not used, the page's Content-Security-Policy forbids it.
 
 export type Formula = (bytes: Uint8Array) => number | null;
 
 export class FormulaProblem extends Error {
   constructor(
-    /** Which words to show: a key of the dictionary. */
+    /** Key of the message in the dictionary. */
     readonly kind: "empty" | "sign" | "end" | "name" | "long",
     readonly at: number,
     readonly found: string,
@@ -22,7 +17,7 @@ export class FormulaProblem extends Error {
 
 interface Compiled {
   value: Formula;
-  /** How many bytes the formula needs: 1 or 2. */
+  /** Bytes that the formula needs. */
   size: 1 | 2;
 }
 
@@ -159,10 +154,10 @@ class Parser {
   }
 }
 
-/** Raises `FormulaProblem`. */
+/** Compile a formula. Throws `FormulaProblem`. */
 export function compile(text: string): Compiled {
   if (!text.trim()) throw new FormulaProblem("empty", 0, "");
-  // Recursion goes as deep as there are parentheses; the bound keeps that small.
+  // The parser recurses once for each parenthesis; the limit bounds the depth.
   if (text.length > LONGEST) throw new FormulaProblem("long", LONGEST, "");
   const parser = new Parser(text, tokens(text));
   const node = parser.whole();

@@ -1,7 +1,5 @@
-/**
- * Which bytes changed since they were last read, and when: a changed byte glows for two seconds.
- * What was not read before has not changed.
- */
+// Which bytes changed since they were last read, and when: a changed byte glows for two seconds. A byte read for the first time has not
+// changed.
 
 export const GLOW_MS = 2000;
 
@@ -9,7 +7,7 @@ export class Glow {
   #values = new Map<number, number>();
   #changed = new Map<number, number>();
 
-  /** Takes bytes that were read at `now` (ms); returns how many differ from what was known. */
+  /** Add bytes that were read at `now` (ms) and return how many differ from the previous ones. */
   take(data: Uint8Array, first: number, now: number): number {
     let count = 0;
     data.forEach((value, at) => {
@@ -24,7 +22,7 @@ export class Glow {
     return count;
   }
 
-  /** Addresses that still glow at `now`; forgets the others. */
+  /** Addresses that glow at `now`; expired ones are dropped. */
   at(now: number): Set<number> {
     for (const [address, time] of this.#changed) {
       if (now - time >= GLOW_MS) this.#changed.delete(address);
@@ -42,7 +40,7 @@ export class Glow {
     return next;
   }
 
-  /** Another space, or another unit: nothing is known. */
+  /** Forget all bytes, for another space or ECU. */
   reset(): void {
     this.#values.clear();
     this.#changed.clear();

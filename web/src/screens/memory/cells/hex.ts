@@ -1,7 +1,5 @@
-/**
- * Bytes and addresses as a person writes and reads them: hexadecimal, sixteen to a row, with their
- * characters at the side. The four spaces and their ends are those of §3, rows 11–32.
- */
+// Bytes and addresses in hexadecimal, sixteen bytes a row with their characters. The four spaces and their ends are those of §3, rows
+// 11–32.
 
 import type { Space as SpaceName } from "../../../lib/api/types";
 
@@ -10,7 +8,7 @@ export type { SpaceName };
 export interface Space {
   name: SpaceName;
   last: number;
-  /** Read one by one: there is no block command for it (§3). */
+  /** Read byte by byte: there is no block command for it (§3). */
   single: boolean;
 }
 
@@ -29,7 +27,7 @@ export function spaceOf(name: string): Space {
   return found;
 }
 
-/** `1F`, `0x1F`, `1Fh` → 31; anything else → null. */
+/** Parse `1F`, `0x1F` or `1Fh`; null for anything else. */
 export function parseAddress(text: string): number | null {
   const trimmed = text.trim();
   const match = /^(?:0x([0-9a-f]{1,6})|([0-9a-f]{1,6})h?)$/i.exec(trimmed);
@@ -37,7 +35,7 @@ export function parseAddress(text: string): number | null {
   return parseInt(match[1] ?? match[2] ?? "", 16);
 }
 
-/** `0A FF`, `0aff`, `0A:FF`, `0x0A, 0xFF` → bytes; null if it is anything else, or nothing. */
+/** Parse `0A FF`, `0aff`, `0A:FF` or `0x0A, 0xFF`; null for anything else and for nothing. */
 export function parseBytes(text: string): Uint8Array | null {
   const digits = text
     .replace(/0x/gi, " ")
@@ -46,7 +44,7 @@ export function parseBytes(text: string): Uint8Array | null {
   if (!digits) return null;
   const out: number[] = [];
   for (const word of digits.split(" ")) {
-    // A lone digit is a byte of its own; of longer words each two digits are one.
+    // A single digit is a byte; longer words consist of pairs.
     const whole = word.length === 1 ? `0${word}` : word;
     if (!/^(?:[0-9a-f]{2})+$/i.test(whole)) return null;
     for (let at = 0; at < whole.length; at += 2) out.push(parseInt(whole.slice(at, at + 2), 16));
@@ -54,19 +52,19 @@ export function parseBytes(text: string): Uint8Array | null {
   return Uint8Array.from(out);
 }
 
-/** The API's form of bytes: upper-case hex without spaces. */
+/** Bytes as the API expects them: upper-case hex without spaces. */
 export function toHex(bytes: Iterable<number>): string {
   return Array.from(bytes, byteText).join("");
 }
 
-/** Hex without spaces, as the API sends it, to bytes. */
+/** Bytes from the API's hex without spaces. */
 export function fromHex(hex: string): Uint8Array {
   const out = new Uint8Array(hex.length >> 1);
   for (let at = 0; at < out.length; at++) out[at] = parseInt(hex.slice(at * 2, at * 2 + 2), 16);
   return out;
 }
 
-/** `0A FF 00`, cut at `longest` bytes. */
+/** Format `0A FF 00`, cut after `longest` bytes. */
 export function spaced(bytes: Uint8Array, longest = Infinity): string {
   const shown = Array.from(bytes.subarray(0, longest), byteText).join(" ");
   return bytes.length > longest ? `${shown} … (${bytes.length})` : shown;
@@ -76,7 +74,7 @@ export function byteText(value: number): string {
   return value.toString(16).toUpperCase().padStart(2, "0");
 }
 
-/** `0040`, or `40` in a space of 256 bytes. */
+/** Format `0040`, or `40` in a space of 256 bytes. */
 export function addressText(address: number, space?: Space): string {
   const digits = space && space.last <= 0xff ? 2 : 4;
   return address.toString(16).toUpperCase().padStart(digits, "0");
@@ -87,7 +85,7 @@ export type Charset = "cp866" | "ascii";
 const CP866 = new TextDecoder("ibm866");
 const UPPER = Array.from({ length: 128 }, (_, at) => CP866.decode(Uint8Array.of(at + 128)));
 
-/** The byte's character, `·` for what has none. cp866 is what the passports are written in (§3). */
+/** The byte's character, `·` if it has none. Passports are written in cp866 (§3). */
 export function character(value: number, charset: Charset): string {
   if (value >= 0x20 && value < 0x7f) return String.fromCharCode(value);
   // 0xFF is a no-break space in code page 866.
@@ -97,11 +95,11 @@ export function character(value: number, charset: Charset): string {
 
 export interface Row {
   address: number;
-  /** Sixteen places; null where the data have no byte. */
+  /** Sixteen cells; null where there is no byte. */
   cells: (number | null)[];
 }
 
-/** Rows that begin at multiples of sixteen, as every hex dump has them. */
+/** Rows that begin at multiples of sixteen. */
 export function rowsOf(data: Uint8Array, first: number): Row[] {
   const rows: Row[] = [];
   const end = first + data.length;
@@ -115,7 +113,7 @@ export function rowsOf(data: Uint8Array, first: number): Row[] {
   return rows;
 }
 
-/** As text, like `mikas mem read` prints it: for copying. */
+/** The bytes as text in the format of `mikas mem read`, for copying. */
 export function dumpText(data: Uint8Array, first: number, charset: Charset): string {
   return rowsOf(data, first)
     .map(({ address, cells }) => {

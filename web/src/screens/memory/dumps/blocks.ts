@@ -1,7 +1,4 @@
-/**
- * The map of a dump: its blocks as cells of a grid, and what is left, in words' raw material.
- * One press on the page never begins a second dump of the same bytes; that is the server's care.
- */
+// The map of a dump's blocks as cells of a grid, its progress, and the estimated time.
 
 import type { Dump } from "../../../lib/api/types";
 import type { SpaceName } from "../cells/hex";
@@ -31,7 +28,7 @@ export function mapOf(blocks: readonly Block[], columns = 32): BlockMap {
   return { columns: across, rows: Math.max(1, Math.ceil(cells.length / across)), cells, counts };
 }
 
-/** How far one reading of it has come, and which it is: what is read twice has twice the bytes to read, but no more to hold. */
+/** Which pass is running and its progress: a dump that is verified reads twice its size. */
 export function passOf(dump: Pick<Dump, "first" | "last" | "done" | "total">): { done: number; size: number; pass: number; passes: number } {
   const size = dump.last - dump.first + 1;
   const passes = Math.max(1, Math.round(dump.total / size));
@@ -39,7 +36,7 @@ export function passOf(dump: Pick<Dump, "first" | "last" | "done" | "total">): {
   return { done: dump.done - (pass - 1) * size, size, pass, passes };
 }
 
-/** 0 … 100, whole; 100 only when everything is there. */
+/** A whole number 0 … 100; 100 only when complete. */
 export function percent(done: number, total: number): number {
   if (total <= 0) return 0;
   if (done >= total) return 100;
@@ -47,8 +44,8 @@ export function percent(done: number, total: number): number {
 }
 
 /**
- * What a read of `count` bytes takes on the wire at best (§5): 960 bytes a second, 10 bytes of
- * framing a block, 2 ms of the unit's thinking; one by one (SFR) 4 + 4 bytes each.
+ * Seconds to read `count` bytes at best (§5): 960 bytes a second, 10 bytes of framing and 2 ms of response time a block; byte by byte
+ * (SFR) 4 + 4 bytes each.
  */
 export function secondsFor(space: SpaceName, count: number, block: number): number {
   const rate = 960;

@@ -1,7 +1,5 @@
-/**
- * Two dumps side by side, by address: rows of sixteen, with a row of context around each
- * difference; equal stretches in between are one line saying how long they are.
- */
+// Compares two dumps by address: rows of sixteen, one row of context around each difference; equal parts between are one line with their
+// length.
 
 import { WIDTH } from "../cells/hex";
 
@@ -25,14 +23,14 @@ export interface EqualRows {
 }
 
 export interface Comparison {
-  /** Addresses where both have a byte, and it differs. */
+  /** Addresses where both have a byte, and the bytes differ. */
   different: number;
   /** Addresses where only one has a byte. */
   onlyA: number;
   onlyB: number;
   equal: number;
   lines: (PairRow | EqualRows)[];
-  /** Rows with differences that were left out, beyond `most`. */
+  /** Rows with differences beyond the maximum. */
   left: number;
 }
 
