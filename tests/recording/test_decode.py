@@ -15,7 +15,14 @@ from mikas.i18n import Text
 from mikas.link.tee import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
 from mikas.recording.capture import CaptureReader, CaptureWriter, Packet, Problem, Source
-from mikas.recording.decode import UNFINISHED, SeenDamage, SeenFrame, decode, to_json, to_text
+from mikas.recording.inspect.frames import (
+    UNFINISHED,
+    SeenDamage,
+    SeenFrame,
+    decode,
+    to_json,
+    to_text,
+)
 from mikas.virtual.adapter import AdapterKind
 from virtual_bench import make_bus
 

@@ -17,7 +17,7 @@ from mikas.errors import CaptureError, MikasError
 from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter, replay_habits
-from mikas.recording.bulk import TableReader
+from mikas.recording.exchanges.table import TableReader
 from mikas.recording.notes import Kind, Note, gap_note, state_note
 from mikas.recording.replay import load, playing
 from mikas.recording.replay_bulk import index_file

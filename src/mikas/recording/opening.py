@@ -26,7 +26,7 @@ from mikas.recording.reader import Packet, Problem, Source
 from mikas.recording.table import Rows, calendar
 
 if TYPE_CHECKING:
-    from mikas.recording.bulk import TableReader
+    from mikas.recording.exchanges.table import TableReader
     from mikas.recording.notebook import Table
     from mikas.recording.window import Windows
 
@@ -258,7 +258,7 @@ class Recording:
 
 
 def _reader(path: Path, catalog: Catalog, interpretation: str) -> TableReader:
-    from mikas.recording.bulk import TableReader
+    from mikas.recording.exchanges.table import TableReader
 
     return TableReader(path, catalog, interpretation)
 

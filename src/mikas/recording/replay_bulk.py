@@ -18,10 +18,10 @@ from mikas.catalog import Catalog
 from mikas.commands.base import ERROR
 from mikas.link.base import BITS_PER_BYTE
 from mikas.link.tee import Direction
-from mikas.recording.bulk.arrays import Floats, Mask, joined
-from mikas.recording.bulk.capture import read
-from mikas.recording.bulk.packets import Packets
 from mikas.recording.bulk.runs import Regular, Run, body_of
+from mikas.recording.exchanges.arrays import Floats, Mask, joined
+from mikas.recording.exchanges.capture import read
+from mikas.recording.exchanges.packets import Packets
 from mikas.recording.notes import Note
 from mikas.recording.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.replay_contents import ROUNDING

@@ -1,6 +1,6 @@
 """Which `01`s to a 61 with one code of one byte are data, and which the refusal of D10, in order.
 
-The rules are those of `mikas.recording.bulk.doubt`: the code's next datum confirms what waits, an
+The rules are those of `exchanges.refusals`: the code's next datum confirms what waits, an
 `01` to the same code asked for twice (`61 P P`) refutes it, and makes wary of later ones until a
 datum 01 came that can't be a refusal. Until it is confirmed an `01` is not played; while a code is
 refused the replayed unit refuses it too, rather than telling its last value again and again.

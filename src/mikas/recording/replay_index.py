@@ -16,7 +16,7 @@ from mikas.catalog import Catalog
 from mikas.commands.base import ERROR
 from mikas.link.base import BITS_PER_BYTE
 from mikas.link.tee import Direction
-from mikas.recording.decode import SeenDamage, SeenFrame, decode
+from mikas.recording.inspect.frames import SeenDamage, SeenFrame, decode
 from mikas.recording.notes import Note
 from mikas.recording.reader import Packet, Problem
 from mikas.recording.replay_contents import Asked, Contents

@@ -25,7 +25,7 @@ from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording import pcapng
 from mikas.recording.about import about_of
-from mikas.recording.decode import SeenFrame, decode
+from mikas.recording.exchanges.scalar import ScalarMatcher
 from mikas.recording.happened import GapSeen, Unit, events_of, unit_of
 from mikas.recording.note_blocks import TAG, read_block
 from mikas.recording.notes import Kind, Note
@@ -82,7 +82,7 @@ class Summary:
 
 
 def summarise(path: str | os.PathLike[str], catalog: Catalog | None = None) -> Summary:
-    """What there is to say of `path`. Raises only `MissingExtra`, without numpy."""
+    """What there is to say of `path`. Never raises for what is in it."""
     path = Path(path)
     catalog = catalog or shipped()
     size = 0
@@ -155,8 +155,6 @@ def _searched(file: BinaryIO) -> _Places:
     moved them elsewhere, a session's begin or its faults may be missed; notes are not.
     """
     import numpy as np
-
-    import mikas.recording.bulk  # noqa: F401  (MissingExtra where there is no numpy)
 
     found = _Places()
     section = np.uint32(pcapng.SECTION)
@@ -251,10 +249,13 @@ def _faults(file: BinaryIO, places: _Places) -> tuple[int, ...] | None:
             if again or len(exchange) >= _MOST_PACKETS:
                 break
             exchange.append(packet)
-        for seen in decode(exchange):
-            if isinstance(seen, SeenFrame) and not seen.echo and seen.request == b"\x02":
-                with suppress(MikasError):
-                    return tuple(c.ReadFaults().read(seen.frame.body))
+        if not exchange:
+            continue
+        found = ScalarMatcher(exchange[0].source).feed(exchange)
+        asked = {number for number, body in enumerate(found.bodies) if body == b"\x02"}
+        for _, _, body in found.responses.of(asked):
+            with suppress(MikasError):
+                return tuple(c.ReadFaults().read(body))
     return None
 
 
@@ -263,7 +264,7 @@ def _samples(
 ) -> tuple[int | None, bool]:
     """How many responses with data; and whether that was counted."""
     if places.size <= _COUNTED:
-        from mikas.recording.bulk import TableReader
+        from mikas.recording.exchanges.table import TableReader
 
         with suppress(MikasError):
             return sum(len(rows.times) for rows in TableReader(path, catalog).rows()), True
@@ -273,8 +274,8 @@ def _samples(
 
 def _estimated(file: BinaryIO, places: _Places) -> int:
     """Responses in pieces of the file, and the same for the rest of it."""
-    from mikas.recording.bulk.match import Matcher
-    from mikas.recording.bulk.packets import PacketColumns, Window
+    from mikas.recording.exchanges.columnar import ColumnarMatcher
+    from mikas.recording.exchanges.packets import PacketColumns, Window
 
     edges = [*places.sections, places.size]
     heads: dict[int, Blocks] = {}
@@ -292,5 +293,5 @@ def _estimated(file: BinaryIO, places: _Places) -> int:
             seen += end - begin
             columns = PacketColumns(window, found, heads[section])
             for packets in columns.packets(0, found.size):
-                answers += Matcher(packets.source).feed(packets).times.size
+                answers += len(ColumnarMatcher(packets.source).feed(packets).responses.times)
     return round(answers * places.size / seen) if seen else 0

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mikas.catalog.conversion import Conversion
-from mikas.recording.bulk.arrays import Floats, Index, Mask
+from mikas.recording.exchanges.arrays import Floats, Index, Mask
 from mikas.recording.table import Rows
 
 _BLOCK: Final = 64  # rows

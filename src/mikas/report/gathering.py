@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from mikas.catalog import Catalog
 from mikas.recording.about import about_of
-from mikas.recording.bulk import TableReader
 from mikas.recording.deriving import Deriver
+from mikas.recording.exchanges.table import TableReader
 from mikas.recording.happened import GapSeen, MethodChosen, NoteTaken, events_of, unit_of
 from mikas.recording.happened import Unit as Recorded
 from mikas.recording.notes import Note

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from mikas.commands import ERASE_FAULTS, ReadFaults
 from mikas.errors import MikasError
-from mikas.recording.bulk.capture import read
-from mikas.recording.bulk.match import Answers, Matcher
+from mikas.recording.exchanges.reading import read_exchanges
+from mikas.recording.exchanges.result import Exchanges
 from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import Problem, Source
 from mikas.report.told import Heard
@@ -18,14 +18,11 @@ def faults_heard(path: Path) -> Mapping[Source, Sequence[Heard]]:
     """By session and port; one in which they were not asked, or not told, is missing."""
     heard: dict[Source, list[Heard]] = {}
     listeners: dict[Source, _Listener] = {}
-    for item in read(path):
-        if isinstance(item, Problem):
-            for listener in listeners.values():
-                listener.matcher.interrupt()
-            continue
-        listener = listeners.setdefault(item.source, _Listener(item.source))
-        for each in listener.listen(listener.matcher.feed(item)):
-            heard.setdefault(item.source, []).append(each)
+    for item in read_exchanges(path):
+        if not isinstance(item, Problem):
+            listener = listeners.setdefault(item.source, _Listener())
+            for each in listener.listen(item):
+                heard.setdefault(item.source, []).append(each)
     return heard
 
 
@@ -50,25 +47,24 @@ def _heard(told: object) -> Heard | None:
 class _Listener:
     """One port: whether faults were erased since they were told last."""
 
-    def __init__(self, source: Source) -> None:
-        self.matcher = Matcher(source)
+    def __init__(self) -> None:
         self._erased = False
 
-    def listen(self, answers: Answers) -> Iterator[Heard]:
-        """The answers that make sense among these."""
-        command = ReadFaults()
-        asked = self.matcher.number(command.body())
-        erasing = self.matcher.number(ERASE_FAULTS[-1].body())
-        wanted = (answers.requests == asked) | (answers.requests == erasing)
-        for row in wanted.nonzero()[0].tolist():
-            if answers.requests[row] == erasing:
+    def listen(self, exchanges: Exchanges) -> Iterator[Heard]:
+        """Yield the responses that make sense among these."""
+        command, erasing = ReadFaults(), ERASE_FAULTS[-1].body()
+        wanted = {
+            number
+            for number, body in enumerate(exchanges.bodies)
+            if body in (command.body(), erasing)
+        }
+        for time, number, body in exchanges.responses.of(wanted):
+            if exchanges.bodies[number] == erasing:
                 self._erased = True
                 continue
-            start = int(answers.starts[row])
-            body = answers.bodies[start : start + int(answers.lengths[row])].tobytes()
             try:
                 codes = command.read(body)
             except MikasError:
                 continue
-            yield Heard(float(answers.times[row]), codes, self._erased)
+            yield Heard(time, codes, self._erased)
             self._erased = False

@@ -12,9 +12,9 @@ from mikas.cli.run import Run
 from mikas.cli.words import language
 from mikas.i18n import Text
 from mikas.recording import CaptureReader
-from mikas.recording.decode import decode as decode_frames
-from mikas.recording.decode import to_json, to_text
-from mikas.recording.describe import Describer
+from mikas.recording.inspect.describe import Describer
+from mikas.recording.inspect.frames import decode as decode_frames
+from mikas.recording.inspect.frames import to_json, to_text
 
 
 @command(

@@ -4,7 +4,7 @@ A regular exchange is three packets: a request, its echo byte for byte, one resp
 line without echo; or, of a stream, a response alone. Each packet is one sound frame in its usual
 form. Behind such an exchange nothing is left that could touch the next one: the decoders wait for
 nothing, and the request has been answered. So where two of them stand side by side, what
-`mikas.recording.decode` comes to for the second does not depend on the first.
+`mikas.recording.inspect.frames` comes to for the second does not depend on the first.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from functools import cached_property
 import numpy as np
 
 from mikas.framing import Decoder, Frame
-from mikas.recording.bulk.arrays import Bytes, Floats, Index, Mask, equal, joined
-from mikas.recording.bulk.frames import SOUND, BulkDecoder
-from mikas.recording.bulk.packets import Packets
+from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, equal, joined
+from mikas.recording.exchanges.frames import SOUND, BulkDecoder
+from mikas.recording.exchanges.packets import Packets
 
 
 @dataclass(frozen=True, slots=True)

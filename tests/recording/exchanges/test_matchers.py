@@ -1,17 +1,18 @@
-"""Echo and answers at once against `decode`, whatever the line brought (D1, D13)."""
+"""The columnar stage against the scalar one, whatever the line brought (D1, D13)."""
 
 from __future__ import annotations
 
 import numpy as np
-from bulk_reference import answers
+from exchanges_reference import answers
 from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.link.tee import Direction
-from mikas.recording.bulk.match import Matcher
-from mikas.recording.bulk.packets import Packets
+from mikas.recording.exchanges.columnar import ColumnarMatcher
+from mikas.recording.exchanges.packets import Packets
+from mikas.recording.exchanges.scalar import ScalarMatcher
 from mikas.recording.reader import Packet, Problem, Source
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
@@ -79,20 +80,14 @@ def as_arrays(packets):
     )
 
 
-def matched(items, sizes):
-    """(time, body, request) of each answer, from stretches of these sizes in turn."""
-    matcher, waiting, shown = Matcher(LINE), [], []
+def results(items, sizes, matcher, stretch):
+    """The exchanges of stretches of these sizes in turn."""
+    waiting, found = [], []
 
     def flush():
-        if not waiting:
-            return
-        found = matcher.feed(as_arrays(waiting))
-        waiting.clear()
-        for time, number, start, length in zip(
-            found.times, found.requests, found.starts, found.lengths, strict=True
-        ):
-            body = found.bodies[start : start + length].tobytes()
-            shown.append((time, body, matcher.bodies[number] if number >= 0 else None))
+        if waiting:
+            found.append(matcher.feed(stretch(waiting)))
+            waiting.clear()
 
     for item in items:
         if isinstance(item, Problem):
@@ -104,10 +99,57 @@ def matched(items, sizes):
             flush()
             sizes = [*sizes[1:], sizes[0]]
     flush()
-    return shown
+    return found
 
 
-@given(lines, st.lists(st.sampled_from([1, 2, 3, 7, 20, 1000]), min_size=1, max_size=4))
+def plain(found):
+    """An interpretation as lists, request bodies in place of their numbers."""
+
+    def bodies(numbers):
+        return [found.bodies[number] if number >= 0 else None for number in numbers.tolist()]
+
+    requests, responses, data = found.requests, found.responses, bytes(found.responses.bodies)
+    places = zip(responses.starts.tolist(), responses.lengths.tolist(), strict=True)
+    return {
+        "requests": (requests.first, bodies(requests.numbers), requests.times.tolist()),
+        "wires": (requests.lengths.tolist(), responses.wire_lengths.tolist()),
+        "times": responses.times.tolist(),
+        "answered": (responses.requests.tolist(), bodies(responses.numbers)),
+        "after": responses.after.tolist(),
+        "bodies": [data[start : start + length] for start, length in places],
+        "damaged": found.damaged.tolist(),
+        "counts": (found.echoes, found.raw_checksum),
+        "when": (found.begin, found.end, list(found.gaps)),
+    }
+
+
+def columnar(items, sizes):
+    return [plain(it) for it in results(items, sizes, ColumnarMatcher(LINE), as_arrays)]
+
+
+def scalar(items, sizes):
+    return [plain(it) for it in results(items, sizes, ScalarMatcher(LINE), list)]
+
+
+def matched(items, sizes):
+    """(time, body, request) of each response, from stretches of these sizes in turn."""
+    return [
+        it
+        for found in columnar(items, sizes)
+        for it in zip(found["times"], found["bodies"], found["answered"][1], strict=True)
+    ]
+
+
+sizes_of_stretches = st.lists(st.sampled_from([1, 2, 3, 7, 20, 1000]), min_size=1, max_size=4)
+
+
+@given(lines, sizes_of_stretches)
+def test_columnar_and_scalar_come_to_the_same_result(line, sizes):
+    items = made(line)
+    assert columnar(items, sizes) == scalar(items, sizes)
+
+
+@given(lines, sizes_of_stretches)
 def test_the_same_answers_to_the_same_requests(line, sizes):
     items = made(line)
     expected = [(time, body, request) for _, time, body, request, *_ in answers(items)]

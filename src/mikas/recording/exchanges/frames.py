@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mikas.framing import ESCAPE, TERMINATOR, Damage, DamageReason, Decoder, Event, Frame
-from mikas.recording.bulk.segments import Segments, cut_up
+from mikas.recording.exchanges.segments import Segments, cut_up
 
 Bytes = NDArray[np.uint8]
 Index = NDArray[np.int64]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import sys
 from fractions import Fraction
 
 import numpy as np
@@ -12,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.catalog import Conversion, shipped
-from mikas.errors import MissingExtra
-from mikas.recording.bulk.columns import values
+from mikas.recording.exchanges.values import values
 
 ALL_OF = {
     1: np.arange(256, dtype=np.uint8).reshape(-1, 1),
@@ -56,12 +53,3 @@ def test_any_conversion(conversion, drawn):
     raw = [it[:size] for it in drawn] + [bytes(size), b"\xff" * size, b"\x80" * size]
     table = np.frombuffer(b"".join(raw), np.uint8).reshape(-1, size)
     assert values(table, conversion).tolist() == [float(conversion.decode(it)) for it in raw]
-
-
-def test_without_numpy_the_error_names_the_extra(monkeypatch):
-    for name in [name for name in sys.modules if name.startswith("mikas.recording.bulk")]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "numpy", None)
-    with pytest.raises(MissingExtra, match=r"mikas\[numpy\]"):
-        importlib.import_module("mikas.recording.bulk")
-    importlib.reload(importlib.import_module("mikas.recording"))

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
 
-from mikas.recording.bulk.arrays import Floats, Index, Mask
-from mikas.recording.bulk.frames import SOUND, BulkDecoder, FrameBlock
-from mikas.recording.bulk.packets import Packets
-from mikas.recording.matching import SILENCE, SILENCE_AFTER_SENDING
-
-NO_REQUEST: Final = -1
+from mikas.recording.exchanges.arrays import Floats, Index, Mask
+from mikas.recording.exchanges.frames import SOUND, BulkDecoder, FrameBlock
+from mikas.recording.exchanges.matching import NO_REQUEST, SILENCE, SILENCE_AFTER_SENDING
+from mikas.recording.exchanges.packets import Packets
 
 
 class Stream:
-    """Gives up an unfinished frame after a silence, as `mikas.recording.decode` does."""
+    """Gives up an unfinished frame after a silence, as `mikas.recording.inspect.frames` does."""
 
     def __init__(self, byte_time: float) -> None:
         self._byte_time = byte_time
@@ -43,20 +39,31 @@ class Stream:
         self._times = np.concatenate((self._times[still], times))
         return block, by
 
+    def arrived(self, block: FrameBlock, events: Index) -> Floats:
+        """Return the times of the packets that brought the first bytes of these frames."""
+        arrived: Floats = self._times[self._first_packets(block, events)]
+        return arrived
+
+    def _first_packets(self, block: FrameBlock, events: Index) -> Index:
+        found: Index = self._ends.searchsorted(block.starts[events] + block.origin, "right")
+        return found
+
     def began(self, block: FrameBlock, events: Index) -> Floats:
-        """When the first bytes of these frames of the latest block began on the wire: the earliest
-        that any packet with a byte of it says, as live (`mikas.tester.timed_decoder`).
+        """Return when the first bytes of these frames of the latest block began on the wire.
+
+        That is the earliest time that any packet with a byte of the frame implies: a packet may
+        have been delayed (`mikas.tester.timed_decoder`).
         """
         starts = block.starts[events] + block.origin
-        packet = self._ends.searchsorted(starts, "right")
+        packet = self._first_packets(block, events)
         last = self._ends.searchsorted(block.ends[events] + block.origin)
         began: Floats = self._times[packet] - (self._ends[packet] - starts) * self._byte_time
         more = (packet < last).nonzero()[0]
         while more.size:
             packet[more] += 1
             at = packet[more]
-            told = self._times[at] - (self._ends[at] - starts[more]) * self._byte_time
-            began[more] = np.minimum(began[more], told)
+            implied = self._times[at] - (self._ends[at] - starts[more]) * self._byte_time
+            began[more] = np.minimum(began[more], implied)
             more = more[at < last[more]]
         return began
 

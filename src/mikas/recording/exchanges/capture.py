@@ -21,8 +21,10 @@ import numpy as np
 from mikas.errors import CaptureError
 from mikas.link.tee import Direction
 from mikas.recording import pcapng
-from mikas.recording.bulk.arrays import Index
-from mikas.recording.bulk.packets import PacketColumns, Packets, Window
+from mikas.recording.exchanges.arrays import Index
+from mikas.recording.exchanges.columnar import ColumnarMatcher, ExchangeColumns
+from mikas.recording.exchanges.packets import PacketColumns, Packets, Window
+from mikas.recording.exchanges.reading import matched
 from mikas.recording.reader import Blocks, CaptureReader, Packet, Problem, reason_of
 from mikas.recording.scan import RawBlock, scan
 
@@ -37,6 +39,13 @@ def read(path: str | os.PathLike[str], window: int = WINDOW) -> Iterator[Packets
             yield from _Walk(file, window).items()
     except OSError as error:
         raise CaptureError(str(Path(path)), reason_of(error)) from error
+
+
+def column_exchanges(
+    path: str | os.PathLike[str], window: int = WINDOW
+) -> Iterator[ExchangeColumns | Problem]:
+    """Yield the exchanges of a capture as arrays. Raise as `CaptureReader` does."""
+    return matched(read(path, window), lambda packets: packets.source, ColumnarMatcher)
 
 
 class _Walk:

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from mikas.errors import CaptureError
 from mikas.link.tee import Direction
 from mikas.recording import pcapng
-from mikas.recording.bulk.capture import read
-from mikas.recording.bulk.packets import seconds
+from mikas.recording.exchanges.capture import read
+from mikas.recording.exchanges.packets import seconds
 from mikas.recording.reader import CaptureReader, Packet, Problem
 
 SECTION = pcapng.Section(application="mikas test")

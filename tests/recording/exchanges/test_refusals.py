@@ -6,15 +6,16 @@ from functools import partial
 from math import isnan
 
 import pytest
-from bulk_reference import rows as reference_rows
+from exchanges_reference import rows as reference_rows
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mikas.catalog import shipped
 from mikas.framing import encode
 from mikas.link.tee import Direction
-from mikas.recording.bulk import TableReader, capture, reader
 from mikas.recording.capture import CaptureReader, CaptureWriter
+from mikas.recording.exchanges import capture, table
+from mikas.recording.exchanges.table import TableReader
 
 CATALOG = shipped()
 
@@ -149,5 +150,5 @@ def test_any_session_however_it_is_cut(tmp_path_factory, exchanges, echo, window
     path = tmp_path_factory.mktemp("session") / "a.pcapng"
     write(path, exchanges, echo=echo)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(reader, "read", partial(capture.read, window=window))
+        patch.setattr(table, "column_exchanges", partial(capture.column_exchanges, window=window))
         assert told(path) == expected(path)

@@ -9,19 +9,23 @@ old recording.
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from mikas.catalog import Catalog
-from mikas.recording.bulk.arrays import Floats
-from mikas.recording.bulk.capture import read
-from mikas.recording.bulk.columns import Definitions, Part, Sorter, converted
-from mikas.recording.bulk.doubt import Doubt, Verdicts
-from mikas.recording.bulk.match import Answers, Matcher
-from mikas.recording.bulk.packets import Packets
+from mikas.recording.exchanges.arrays import Floats
+from mikas.recording.exchanges.capture import column_exchanges
+from mikas.recording.exchanges.columnar import ResponseColumns
+from mikas.recording.exchanges.refusal_columns import RefusalColumns, Verdicts
+from mikas.recording.exchanges.values import (
+    Definitions,
+    ResponseClassifier,
+    ResponseGroup,
+    converted,
+)
 from mikas.recording.reader import Problem, Source
 from mikas.recording.table import Channel, Rows
 
@@ -71,57 +75,47 @@ class TableReader:
             yield rows
 
     def stretches(self, size: int = STRETCH) -> Iterator[tuple[Source, Rows]]:
-        """As `rows`, each with the port and the recording that it comes from."""
-        names = [channel.name for channel in self.channels]
+        """Yield the rows, each stretch with the port and the recording that it comes from."""
         waiting: dict[Source, _Stretch] = {}
-        doubts: dict[Source, Doubt] = {}
-        for source, answers, sorter in self._answers(problems=False):
+        for source, responses, groups in self._groups({}):
             if source not in waiting:
                 for before in [it for it in waiting if it.recording != source.recording]:
                     yield from waiting.pop(before).rest()
-                waiting[source] = _Stretch(source, names, size)
-                doubts[source] = Doubt(sorter.bodies, self._verdicts.get(source, Verdicts()))
-            parts = list(doubts[source].weighed(list(sorter.parts(answers)), answers))
-            yield from waiting[source].add(answers, parts)
+                waiting[source] = _Stretch(source, self.channels, self._definitions, size)
+            yield from waiting[source].add(responses, list(groups))
         for left in waiting.values():
             yield from left.rest()
 
     def _look_through(self) -> set[str]:
-        found: set[str] = set()
-        doubts: dict[Source, Doubt] = {}
-        for source, answers, sorter in self._answers(problems=True):
-            if source not in doubts:
-                doubts[source] = Doubt(sorter.bodies)
-            for part in doubts[source].weighed(list(sorter.parts(answers)), answers):
-                if part.fitting.size:
-                    found.update(place.name for place in part.layout.places)
-        for source, doubt in doubts.items():
-            self._verdicts[source], believed = doubt.conclude()
-            found |= self._definitions.names(believed)
-        return found
+        """Return the parameters that have a value; find problems and refusals."""
+        found: set[int] = set()
+        lines: dict[Source, tuple[ResponseClassifier, RefusalColumns]] = {}
+        for _, _, groups in self._groups(lines, self._note):
+            for group in groups:
+                if group.fitting.size:
+                    found.update(code for code, _, _ in group.layout.places)
+        for source, (_, refusals) in lines.items():
+            self._verdicts[source], believed = refusals.conclude()
+            found |= believed
+        return self._definitions.names(found)
 
-    def _answers(self, *, problems: bool) -> Iterator[tuple[Source, Answers, Sorter]]:
-        lines: dict[Source, tuple[Matcher, Sorter]] = {}
-        for item in read(self.path):
+    def _groups(
+        self,
+        lines: dict[Source, tuple[ResponseClassifier, RefusalColumns]],
+        note: Callable[[Problem], None] | None = None,
+    ) -> Iterator[tuple[Source, ResponseColumns, Iterator[ResponseGroup]]]:
+        """Yield the responses with data. `lines`: the state of each port; grows."""
+        for item in column_exchanges(self.path):
             if isinstance(item, Problem):
-                for matcher, _ in lines.values():
-                    matcher.interrupt()
-                if problems:
-                    self._note(item)
+                if note is not None:
+                    note(item)
                 continue
-            matcher, sorter = self._line(lines, item)
-            yield item.source, matcher.feed(item), sorter
-
-    def _line(
-        self, lines: dict[Source, tuple[Matcher, Sorter]], packets: Packets
-    ) -> tuple[Matcher, Sorter]:
-        source = packets.source
-        if source not in lines:
-            if any(line.recording != source.recording for line in lines):
-                lines.clear()
-            matcher = Matcher(source)
-            lines[source] = matcher, Sorter(self._definitions, matcher.bodies)
-        return lines[source]
+            if item.source not in lines:
+                refusals = RefusalColumns(item.bodies, self._verdicts.get(item.source))
+                lines[item.source] = ResponseClassifier(self._definitions.layouts), refusals
+            classifier, refusals = lines[item.source]
+            groups = list(classifier.groups(item))
+            yield item.source, item.responses, refusals.resolve(groups, item.responses)
 
     def _note(self, problem: Problem) -> None:
         self.problem_count += 1
@@ -132,18 +126,23 @@ class TableReader:
 class _Stretch:
     """Rows of one port that wait until there are enough of them, or time runs back."""
 
-    def __init__(self, source: Source, names: list[str], size: int) -> None:
+    def __init__(
+        self, source: Source, channels: Iterable[Channel], definitions: Definitions, size: int
+    ) -> None:
         self._source = source
-        self._names = names
+        self._names = [channel.name for channel in channels]
+        self._definitions = definitions
         self._size = size
         self._times: list[Floats] = []
         self._columns: list[Columns] = []
         self._count = 0
         self._last = -np.inf
 
-    def add(self, answers: Answers, parts: list[Part]) -> Iterator[tuple[Source, Rows]]:
-        """Takes these answers; gives stretches that are full."""
-        times, columns = self._table(answers, parts)
+    def add(
+        self, responses: ResponseColumns, groups: list[ResponseGroup]
+    ) -> Iterator[tuple[Source, Rows]]:
+        """Take these responses; yield stretches that are full."""
+        times, columns = self._table(responses, groups)
         if not times.size:
             return
         steps = np.diff(times, prepend=self._last)
@@ -183,17 +182,19 @@ class _Stretch:
             yield self._source, Rows(np.concatenate(self._times), values)
         self._times, self._columns, self._count = [], [], 0
 
-    def _table(self, answers: Answers, parts: list[Part]) -> tuple[Floats, Columns]:
-        row_of = np.full(answers.times.size, -1)
-        for part in parts:
-            row_of[part.rows] = 0
+    def _table(
+        self, responses: ResponseColumns, groups: list[ResponseGroup]
+    ) -> tuple[Floats, Columns]:
+        row_of = np.full(responses.times.size, -1)
+        for group in groups:
+            row_of[group.rows] = 0
         rows = (row_of == 0).nonzero()[0]
         row_of[rows] = np.arange(rows.size)
         columns = {name: np.full(rows.size, np.nan) for name in self._names}
-        for part in parts:
-            for name, values in converted(part, answers, self._names):
-                columns[name][row_of[part.fitting]] = values
-        return answers.times[rows], columns
+        for group in groups:
+            for name, values in converted(group, responses, self._definitions, self._names):
+                columns[name][row_of[group.fitting]] = values
+        return responses.times[rows], columns
 
 
 def _raise(times: Floats, last: float, byte_time: float) -> None:
@@ -207,14 +208,3 @@ def _raise(times: Floats, last: float, byte_time: float) -> None:
             before += byte_time
             times[row] = before
             row += 1
-
-
-def read_table(
-    path: str | os.PathLike[str],
-    catalog: Catalog,
-    interpretation: str = "corrected",
-    rows: int = STRETCH,
-) -> tuple[tuple[Channel, ...], Iterator[Rows], list[Problem]]:
-    """The columns of a capture, its rows in stretches, and what could not be read of the file."""
-    table = TableReader(path, catalog, interpretation)
-    return table.channels, table.rows(rows), table.problems

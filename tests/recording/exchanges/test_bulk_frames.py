@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.framing import Damage, Decoder, encode
-from mikas.recording.bulk.frames import BulkDecoder
+from mikas.recording.exchanges.frames import BulkDecoder
 
 # Bytes that decide something, far more often than chance would bring them.
 telling = st.sampled_from(b"\x0d\x0d\x0d\x40\x40\xcd\x00\xf3\x01\xff\x33")

@@ -10,7 +10,7 @@ import numpy as np
 
 from mikas.link.tee import Direction
 from mikas.recording import pcapng
-from mikas.recording.bulk.arrays import Bytes, Floats, Index, Mask, joined
+from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, joined
 from mikas.recording.reader import FLAGS, Blocks, Packet, Source
 from mikas.recording.scan import LARGEST, RawBlock
 
@@ -142,12 +142,13 @@ class PacketColumns:
         self._source[index] = self._number(packet.source)
 
     def packets(self, start: int, stop: int) -> Iterator[Packets]:
-        """From block `start` to before `stop`, by port."""
-        for number, source in enumerate(self._sources):
-            chosen = (self._source[start:stop] == number).nonzero()[0] + start
+        """Yield the packets from block `start` to before `stop`, a port at a time, in order."""
+        known = (self._source[start:stop] >= 0).nonzero()[0] + start
+        edges = np.diff(self._source[known]).nonzero()[0] + 1
+        for chosen in np.split(known, edges):
             if chosen.size:
                 yield Packets(
-                    source=source,
+                    source=self._sources[self._source[chosen[0]]],
                     times=self._times[chosen],
                     sent=self._sent[chosen],
                     offsets=self._window.offset + 4 * self._found[chosen],

@@ -8,7 +8,7 @@ from math import nan
 from mikas import commands as c
 from mikas.errors import MikasError
 from mikas.link.tee import Direction
-from mikas.recording.decode import SeenFrame, decode
+from mikas.recording.inspect.frames import SeenFrame, decode
 from mikas.recording.reader import Packet
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from random import Random
 
 import numpy as np
-from bulk_reference import rows as reference_rows
+from exchanges_reference import rows as reference_rows
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -21,8 +21,8 @@ from mikas.framing import Decoder, encode
 from mikas.link import Chunk
 from mikas.link.tee import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
-from mikas.recording.bulk import TableReader, read_table
 from mikas.recording.capture import CaptureReader, CaptureWriter, Problem
+from mikas.recording.exchanges.table import TableReader
 from mikas.tester.timed_decoder import TimedDecoder
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
@@ -224,7 +224,8 @@ def own_catalog(folder: Path):
 def test_channels_say_what_they_are(tmp_path):
     path = tmp_path / "line.pcapng"
     record(path, [("batch", ["RXX", "FREQ"], 2)])
-    channels, rows, problems = read_table(path, CATALOG, "literal")
+    table = TableReader(path, CATALOG, "literal")
+    channels, rows, problems = table.channels, table.rows(), table.problems
     parameters = {p.name: p for p in CATALOG.parameters}
     assert [c.name for c in channels] == [n for n in NAMES if parameters[n].code in (0x07, 0x29)]
     speed = next(c for c in channels if c.name == "FREQ")

@@ -1,0 +1,1 @@
+"""Recorded exchanges: one interpretation of the traffic in a capture."""

@@ -1,0 +1,292 @@
+"""Recorded exchanges as arrays: the result of `exchanges.scalar`, many times faster (D1, D13).
+
+The packets of one port fall into turns: something is sent, then something is received. Only the
+last request and the knowledge about the echo pass from one turn to the next, so a run of regular
+turns (one sound request each) is matched in one step: the first frame that repeats the request is
+its echo, a frame before that echo answers the request before. Irregular turns, the first ones,
+which decide whether the line echoes, and the last one, which may continue (a stream does so for
+hours), go frame by frame through `Matching`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from mikas.link.base import BITS_PER_BYTE
+from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, equal
+from mikas.recording.exchanges.matching import AVAILABILITY, NO_REQUEST, Matching, SentRequest
+from mikas.recording.exchanges.packets import Packets
+from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
+from mikas.recording.exchanges.scalar import DEFAULT_BAUD
+from mikas.recording.exchanges.stream import Events, Stream
+from mikas.recording.reader import Source
+
+_ECHO: Final = -2
+"""Marker for echoes; they answer no request."""
+_DAMAGE: Final = -3
+"""Marker for damaged frames that are no echo."""
+_NEVER: Final = np.iinfo(np.int64).max
+
+
+@dataclass(frozen=True, slots=True)
+class ResponseColumns(Responses):
+    """Responses as numpy arrays."""
+
+    times: Floats
+    requests: Index
+    numbers: Index
+    after: Index
+    bodies: Bytes
+    starts: Index
+    lengths: Index
+    wire_lengths: Index
+
+
+@dataclass(frozen=True, slots=True)
+class RequestColumns(Requests):
+    """Requests as numpy arrays."""
+
+    numbers: Index
+    times: Floats
+    lengths: Index
+
+
+@dataclass(frozen=True, slots=True)
+class ExchangeColumns(Exchanges):
+    """Exchanges as numpy arrays."""
+
+    requests: RequestColumns
+    responses: ResponseColumns
+
+
+class ColumnarMatcher:
+    """The exchanges of one port of one recording."""
+
+    def __init__(self, source: Source) -> None:
+        byte_time = BITS_PER_BYTE / (source.baud or DEFAULT_BAUD)
+        self.matching = Matching()
+        self._source = source
+        self._bodies: list[bytes] = []
+        self._numbers: dict[bytes, int] = {}
+        self._sent = Stream(byte_time)
+        self._received = Stream(byte_time)
+        self._sent_last = False
+        self._last: float = np.inf
+        self._latest = np.full(2, NO_REQUEST)  # numbers of the last two requests
+
+    def interrupt(self) -> None:
+        """Note that a part of the file is missing here."""
+        self.matching.interrupt()
+
+    def feed(self, packets: Packets) -> ExchangeColumns:
+        """Return the exchanges that these packets complete."""
+        after_sent = np.empty(packets.sent.size, np.bool_)
+        after_sent[0] = self._sent_last
+        after_sent[1:] = packets.sent[:-1]
+        self._sent_last = bool(packets.sent[-1])
+        turns = (packets.sent & ~after_sent).cumsum()
+        sent, at = self._sent.feed(packets, packets.sent, np.zeros_like(after_sent))
+        requests = Events(sent, turns[at])
+        received, at = self._received.feed(packets, ~packets.sent, after_sent)
+        responses = Events(received, turns[at])
+        first = self.matching.count
+        self._number_requests(requests)
+        answers = _Turns(self, requests, responses, first).answers(int(turns[-1]))
+        self.matching.count = first + requests.index.size
+        after = first - 1 + requests.turns.searchsorted(responses.turns, "right")
+        chosen = (answers > _ECHO).nonzero()[0]
+        return ExchangeColumns(
+            source=self._source,
+            bodies=self._bodies,
+            requests=RequestColumns(
+                first, requests.numbers, self._sent.arrived(sent, requests.index), requests.lengths
+            ),
+            responses=self._responses(requests, responses, chosen, answers, after),
+            damaged=after[answers == _DAMAGE],
+            echoes=int(np.count_nonzero(answers == _ECHO)),
+            raw_checksum=bool(received.raw_checksum[responses.index[chosen]].any()),
+            gaps=self._gaps(packets.times),
+            begin=float(packets.times[0]),
+            end=float(packets.times[-1]),
+        )
+
+    def number(self, body: bytes | None) -> int:
+        """Return the number of a request body."""
+        if body is None:
+            return NO_REQUEST
+        number = self._numbers.setdefault(body, len(self._bodies))
+        if number == len(self._bodies):
+            self._bodies.append(body)
+        return number
+
+    def body(self, number: int) -> bytes | None:
+        """Return the request body with this number."""
+        return self._bodies[number] if number >= 0 else None
+
+    def _number_requests(self, sent: Events) -> None:
+        """Number the requests; equal ones in a row are looked up once."""
+        block, starts = sent.block, sent.starts
+        new = np.ones(sent.index.size, np.bool_)
+        same = (sent.lengths[1:] == sent.lengths[:-1]) & sent.sound[1:] & sent.sound[:-1]
+        pairs = same.nonzero()[0]
+        new[pairs + 1] = ~equal(
+            block.wire, starts[pairs], block.wire, starts[pairs + 1], sent.lengths[pairs]
+        )
+        numbers = [self.number(sent.body(event)) for event in new.nonzero()[0].tolist()]
+        if numbers:
+            sent.numbers[:] = np.array(numbers)[new.cumsum() - 1]
+
+    def _responses(
+        self, requests: Events, responses: Events, chosen: Index, answers: Index, after: Index
+    ) -> ResponseColumns:
+        block, events = responses.block, responses.index[chosen]
+        serials = answers[chosen]
+        # A response answers one of the last two requests before this stretch, or one in it.
+        first = self.matching.count - requests.index.size
+        known = np.concatenate((self._latest, requests.numbers))
+        numbers = known[np.maximum(serials - first + 2, 0)]
+        numbers[serials == NO_REQUEST] = NO_REQUEST
+        self._latest = known[-2:]
+        return ResponseColumns(
+            times=self._received.began(block, events),
+            requests=serials,
+            numbers=numbers,
+            after=after[chosen],
+            bodies=block.bodies,
+            starts=block.body_starts[events],
+            lengths=block.body_ends[events] - block.body_starts[events],
+            wire_lengths=responses.lengths[chosen],
+        )
+
+    def _gaps(self, times: Floats) -> list[tuple[float, float]]:
+        before = np.concatenate(([self._last], times[:-1]))
+        self._last = float(times[-1])
+        at = (times - before > GAP).nonzero()[0]
+        return list(zip(before[at].tolist(), times[at].tolist(), strict=True))
+
+
+class _Turns:
+    """The turns of one stretch of packets. `first`: the serial of its first request."""
+
+    def __init__(
+        self, matcher: ColumnarMatcher, requests: Events, responses: Events, first: int
+    ) -> None:
+        self._matcher = matcher
+        self._matching = matcher.matching
+        self._requests = requests
+        self._responses = responses
+        self._first = first
+        self._answers: Index = np.full(responses.index.size, _ECHO)
+        self._availability = matcher.number(AVAILABILITY)
+
+    def answers(self, last: int) -> Index:
+        """Return for each received frame the serial of the request that it answers, or a marker.
+
+        Turns are numbered from 0 to `last`.
+        """
+        sent = self._requests
+        regular = np.bincount(sent.turns, minlength=last + 1) == 1
+        regular[sent.turns[~sent.sound]] = False
+        regular[0] = regular[last] = False
+        irregular = (~regular).nonzero()[0].tolist()
+        turn = 0
+        for stop in irregular:
+            while turn < stop:
+                turn = self._run(turn, stop)
+            self._one(stop)
+            turn = stop + 1
+        return self._answers
+
+    def _one(self, turn: int) -> None:
+        """Match one turn frame by frame."""
+        matching, sent, received = self._matching, self._requests, self._responses
+        if turn:
+            matching.turn()
+        for event in sent.of_turn(turn):
+            matching.sent(sent.wire(event), sent.body(event))
+        events = received.of_turn(turn)
+        for event in events:
+            if matching.settled:
+                rest = slice(event, events.stop)
+                serial = matching.request.serial
+                self._answers[rest] = np.where(received.sound[rest], serial, _DAMAGE)
+                return
+            body = received.body(event)
+            if not matching.received(received.wire(event), body):
+                self._answers[event] = _DAMAGE if body is None else matching.answered.serial
+
+    def _run(self, first: int, stop: int) -> int:
+        """Match regular turns from `first` to before `stop` at once; return the next turn."""
+        matching, sent, received = self._matching, self._requests, self._responses
+        begin, end = received.turns.searchsorted([first, stop])
+        events = slice(begin, end)
+        at = received.turns[events] - first  # each event's turn, counted from the first
+        # A regular turn has one request, so requests and turns correspond.
+        turn_of_request = int(sent.turns.searchsorted(first))
+        asking = slice(turn_of_request, turn_of_request + stop - first)
+        numbers = sent.numbers[asking]
+        same = self._repeats(events, asking, at)
+        is_availability = numbers == self._availability
+        stop = min(stop, first + self._before_news(events, is_availability, at, same))
+        if stop == first:
+            self._one(first)
+            return first + 1
+        count = int(at.searchsorted(stop - first))
+        at, same = at[:count], same[:count]
+        events = slice(begin, begin + count)
+        place = np.arange(count)
+        serials = self._first + turn_of_request + np.arange(stop - first)
+        answers = serials[at]
+        if matching.echoes is not False:
+            echo = _first(place[same], at[same], serials.size)
+            if matching.echoes:
+                damaged = ~received.sound[events]
+                damage = _first(place[damaged], at[damaged], serials.size)
+                too_early = (place < echo[at]) & (place <= damage[at])
+                before = np.concatenate(([matching.request.serial], serials[:-1]))
+                answers[too_early] = before[at[too_early]]
+            answers[place == echo[at]] = _ECHO
+        answers[~received.sound[events]] = _DAMAGE
+        self._answers[events] = answers
+        body = self._matcher.body(int(numbers[stop - first - 1]))
+        matching.request = SentRequest(int(serials[-1]), body)
+        matching.count = int(serials[-1]) + 1
+        return stop
+
+    def _repeats(self, events: slice, asking: slice, at: Index) -> Mask:
+        """Return which responses are byte for byte the request of their turn."""
+        sent, received = self._requests, self._responses
+        lengths = received.lengths[events]
+        same: Mask = received.sound[events] & (lengths == sent.lengths[asking][at])
+        maybe = same.nonzero()[0]
+        same[maybe] = equal(
+            received.block.wire,
+            received.starts[events][maybe],
+            sent.block.wire,
+            sent.starts[asking][at[maybe]],
+            lengths[maybe],
+        )
+        return same
+
+    def _before_news(self, events: slice, is_availability: Mask, at: Index, same: Mask) -> int:
+        """Return the first turn that could change the knowledge about the echo."""
+        if self._matching.echoes:
+            return is_availability.size
+        received = self._responses
+        index = received.index[events]
+        lengths = received.block.body_ends[index] - received.block.body_starts[index]
+        telling = received.sound[events] & (lengths == 1) & is_availability[at]
+        if self._matching.echoes is False:
+            telling &= same
+        found = telling.nonzero()[0]
+        return int(at[found[0]]) if found.size else is_availability.size
+
+
+def _first(places: Index, turns: Index, count: int) -> Index:
+    """Return the first of these places in each turn."""
+    first = np.full(count, _NEVER)
+    first[turns[::-1]] = places[::-1]
+    return first

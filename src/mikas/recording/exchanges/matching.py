@@ -1,0 +1,104 @@
+"""The rules of matching: which received frame is an echo, which request a response answers.
+
+On a line that echoes, the received bytes contain the sent ones: the first frame that repeats a sent
+frame byte for byte is its echo (D1). A response can look like an echo too (`11 11` may be answered
+`11 11`), so the availability request, whose response never repeats it, decides whether the line
+echoes at all. A response carries neither its command nor an identifier: a frame that is no echo
+counts as the response to the last request before it (D13).
+
+`exchanges.scalar` applies these rules to every frame. `exchanges.columnar` applies them where the
+traffic is irregular and computes their outcome in one step where it is regular.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final, NamedTuple
+
+from mikas.commands import COMMANDS_BY_CODE, Availability
+
+# An unfinished frame is abandoned after such a silence. Adapters deliver bytes in lumps and
+# networks delay them, so D14's 20 ms apply only if something was sent in between: then the tester
+# has given up too.
+SILENCE: Final = 0.25
+SILENCE_AFTER_SENDING: Final = 0.02
+
+AVAILABILITY: Final = Availability().body()
+_MOST_UNECHOED: Final = 64
+
+
+class SentRequest(NamedTuple):
+    """A request frame. `serial`: its place among all that was sent on the port, from 0; -1: not
+    known. `body`: None if not known, or damaged.
+    """
+
+    serial: int
+    body: bytes | None
+
+
+NO_REQUEST: Final = -1
+UNKNOWN: Final = SentRequest(NO_REQUEST, None)
+
+
+class Matching:
+    """The state of one port. `request`: the last one; `count`: how many were sent.
+
+    `echoes`: whether the line returns what is sent; None: not known yet.
+    """
+
+    def __init__(self) -> None:
+        self.request = UNKNOWN
+        self.count = 0
+        self.echoes: bool | None = None
+        self._before = UNKNOWN
+        self._unechoed: deque[bytes] = deque(maxlen=_MOST_UNECHOED)
+
+    @property
+    def settled(self) -> bool:
+        """Whether, until something is sent, no frame can be an echo or change this state."""
+        if self.echoes or self.request.body != AVAILABILITY:
+            return self.echoes is False or not self._unechoed
+        return False
+
+    @property
+    def answered(self) -> SentRequest:
+        """The request that a response answers if it comes now."""
+        # Before its echo, a frame can't be the response to the request that was just sent.
+        return self._before if self.echoes and self._unechoed else self.request
+
+    def turn(self) -> None:
+        """Begin to send again: an echo that has not come by now never will."""
+        self._unechoed.clear()
+
+    def interrupt(self) -> None:
+        """Forget the requests: a part of the record is missing, perhaps with a request in it.
+
+        A stream stays known: its next response is one of many.
+        """
+        body = self.request.body
+        command = COMMANDS_BY_CODE.get(body[0]) if body else None
+        if command is None or not command.STREAM:
+            self.request = UNKNOWN
+        self._before = UNKNOWN
+
+    def sent(self, wire: bytes, body: bytes | None) -> None:
+        """Take a sent frame, or damage, which has no `body`."""
+        self._before, self.request = self.request, SentRequest(self.count, body)
+        self.count += 1
+        self._unechoed.append(wire)
+
+    def received(self, wire: bytes, body: bytes | None) -> bool:
+        """Take a received frame, or damage; return whether it is an echo."""
+        if body is None:
+            self._before = self.request  # the damage may have been the echo
+        came_back = wire in self._unechoed
+        if self.request.body == AVAILABILITY and body is not None and len(body) == 1:
+            if came_back:
+                self.echoes = True
+            elif self.echoes is None:
+                self.echoes = False
+        if self.echoes is False or not came_back:
+            return False
+        while self._unechoed.popleft() != wire:
+            pass
+        return True

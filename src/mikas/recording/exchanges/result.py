@@ -1,0 +1,95 @@
+"""The interpretation of recorded traffic: requests, and which of them each response answers.
+
+`exchanges.scalar` (the reference, without numpy) and `exchanges.columnar` (arrays) produce the same
+result, a stretch of packets at a time. Tables, exports, replay, summary and report read it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Sequence
+
+    from mikas.recording.reader import Source
+
+GAP = 0.5
+"""s without a packet that `Exchanges.gaps` lists."""
+
+T = TypeVar("T")
+
+
+class Column(Protocol[T]):
+    """An `array.array` or a numpy array of one dimension."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, index: int, /) -> T: ...
+
+    def tolist(self) -> list[T]:
+        """Return the values as a list."""
+
+
+@dataclass(frozen=True, slots=True)
+class Requests:
+    """Sent frames in order. Their serials count from `first` on, through all stretches of a port.
+
+    `numbers`: of their bodies, see `Exchanges.bodies`; -1: damaged. `times`: of the packets with
+    their first bytes; `lengths`: bytes on the wire.
+    """
+
+    first: int
+    numbers: Column[int]
+    times: Column[float]
+    lengths: Column[int]
+
+
+@dataclass(frozen=True, slots=True)
+class Responses:
+    """Sound received frames that are no echo, in order.
+
+    `times`: when their first bytes began on the wire. `requests`: serials of the requests that they
+    answer, `numbers`: of the bodies of these; -1: not known. `after`: serials of the last requests
+    sent before they came. `starts`, `lengths`: of their bodies in `bodies`; `wire_lengths`: bytes
+    on the wire.
+    """
+
+    times: Column[float]
+    requests: Column[int]
+    numbers: Column[int]
+    after: Column[int]
+    bodies: bytes | Column[int]
+    starts: Column[int]
+    lengths: Column[int]
+    wire_lengths: Column[int]
+
+    def of(self, numbers: Collection[int]) -> Iterator[tuple[float, int, bytes]]:
+        """Yield (time, number, body) of those that answer one of these requests."""
+        data = memoryview(self.bodies)  # type: ignore[arg-type]
+        for row, number in enumerate(self.numbers.tolist()):
+            if number in numbers:
+                start = self.starts[row]
+                yield self.times[row], number, bytes(data[start : start + self.lengths[row]])
+
+
+@dataclass(frozen=True, slots=True)
+class Exchanges:
+    """A stretch of one port's traffic.
+
+    `bodies`: all request bodies of the port so far, by number; grows. `damaged`: for every damaged
+    frame that was received and is no echo, the serial of the last request before it. `echoes`: how
+    many frames were echoes. `raw_checksum`: whether a response had one (D3). `gaps`: stretches of
+    more than `GAP` seconds without a packet. `begin`, `end`: times of the first and last packet.
+    """
+
+    source: Source
+    bodies: list[bytes]
+    requests: Requests
+    responses: Responses
+    damaged: Column[int]
+    echoes: int
+    raw_checksum: bool
+    gaps: Sequence[tuple[float, float]]
+    begin: float
+    end: float

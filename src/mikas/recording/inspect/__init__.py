@@ -1,0 +1,1 @@
+"""Showing a recording frame by frame, with the meaning of each frame."""
