@@ -27,13 +27,9 @@ HEADER = """\
 
 def description() -> dict[str, Any]:
     """The OpenAPI description of the application, without its paths: only models become types."""
-    from mikas.dashboard.access import Access
-    from mikas.dashboard.app import create_app
-    from mikas.dashboard.hub import Hub
-    from mikas.dashboard.settings import Settings
+    from mikas.dashboard.app import openapi_description
 
-    nowhere = Path("nowhere")
-    described = create_app(Hub(Settings(nowhere, state=nowhere)), Access(1)).openapi()
+    described = openapi_description()
     return described | {"paths": {}, "components": _untitled(described["components"])}
 
 

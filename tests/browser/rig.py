@@ -19,9 +19,9 @@ from playwright.sync_api import BrowserContext, Locator, Page, expect
 from websockets.sync.client import connect
 
 from mikas.catalog import shipped
-from mikas.dashboard.access import Access
 from mikas.dashboard.app import create_app
-from mikas.dashboard.hub import Hub, Wish
+from mikas.dashboard.dashboard import Hub, Wish
+from mikas.dashboard.security.access import Access
 from mikas.dashboard.server import Server, listening
 from mikas.dashboard.settings import Settings
 from mikas.errors import PortNotFound

@@ -147,7 +147,7 @@ def choose(tab, preset):
 def test_who_comes_while_another_controls_has_values_as_soon_as_that_one_is_gone(
     own, visitor, monkeypatch
 ):
-    monkeypatch.setattr("mikas.dashboard.seat.AFTER_SOCKET", HOUR)
+    monkeypatch.setattr("mikas.dashboard.security.control.AFTER_SOCKET", HOUR)
     first = visitor(own.url).show("live")
     choose(first, "Fuel")
     expect(first.value("INJ")).to_have_text("4.64")

@@ -65,7 +65,7 @@ def test_the_controls_of_a_tab_that_was_left_go_to_the_next_of_that_browser(
     own, visitor, monkeypatch
 ):
     """Within the time that is granted for it, however long the browser takes."""
-    monkeypatch.setattr("mikas.dashboard.seat.AFTER_SOCKET", 3600)
+    monkeypatch.setattr("mikas.dashboard.security.control.AFTER_SOCKET", 3600)
     first = visitor(own.url).show("live")
     first.page.context.clock.set_fixed_time(datetime.now(UTC))
     first.press("Record")

@@ -4,7 +4,7 @@ depends on how fast the machine is.
 
 from __future__ import annotations
 
-from mikas.dashboard import dumping
+from mikas.dashboard.session import dump_jobs
 
 XRAM = {"space": "xram", "first": 0x100, "last": 0x8FF}
 
@@ -31,11 +31,11 @@ def begun(it, name, least=1):
 
 def hold(monkeypatch):
     """From here on a dump stops behind each piece until it is paused and resumed."""
-    monkeypatch.setattr(dumping, "TURN", 3600)
+    monkeypatch.setattr(dump_jobs, "TURN", 3600)
 
 
 def let_go(monkeypatch, it, name):
     """The dump goes on, to its end."""
-    monkeypatch.setattr(dumping, "TURN", 0)
+    monkeypatch.setattr(dump_jobs, "TURN", 0)
     it.post(f"/dumps/{name}/pause")
     return it.post(f"/dumps/{name}/resume")

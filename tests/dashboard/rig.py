@@ -13,9 +13,9 @@ from urllib.parse import parse_qsl
 import httpx
 from websockets.sync.client import connect
 
-from mikas.dashboard.access import Access
 from mikas.dashboard.app import create_app
-from mikas.dashboard.hub import Hub
+from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.security.access import Access
 from mikas.dashboard.server import Server, listening
 from mikas.dashboard.settings import Settings
 from mikas.dashboard.wishes import Wish

@@ -9,9 +9,9 @@ import pytest
 from websockets.exceptions import InvalidStatus
 
 from dashboard.rig import ME, rig
-from mikas.dashboard.access import Access
-from mikas.dashboard.doorkeeper import LARGEST_BODY
-from mikas.dashboard.refusals import Forbidden, TokenRequired
+from mikas.dashboard.errors import Forbidden, TokenRequired
+from mikas.dashboard.security.access import Access
+from mikas.dashboard.security.middleware import LARGEST_BODY
 
 LAN = {"lan": True, "hosts": ("10.1.2.3", "garage"), "token": "a-token-of-the-test"}
 TOKEN = {"Authorization": f"Bearer {LAN['token']}"}

@@ -8,8 +8,8 @@ import pytest
 
 from mikas.client import Change
 from mikas.commands import Safety
-from mikas.dashboard.approval import Approval
-from mikas.dashboard.refusals import ConfirmationOutdated
+from mikas.dashboard.errors import ConfirmationOutdated
+from mikas.dashboard.security.approval import Approval
 from mikas.errors import NotConfirmed
 from mikas.i18n import Text
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from mikas.catalog import shipped
-from mikas.dashboard.fault_book import FaultBook
-from mikas.dashboard.nonces import LIFETIME, Nonces, Prepared
-from mikas.dashboard.refusals import NonceUnknown
-from mikas.dashboard.seat import Client
+from mikas.dashboard.errors import NonceUnknown
+from mikas.dashboard.security.confirmations import LIFETIME, Nonces, Prepared
+from mikas.dashboard.security.control import Client
+from mikas.dashboard.session.fault_history import FaultBook
 from mikas.i18n import Text
 
 ME = Client("me", "Me", True)

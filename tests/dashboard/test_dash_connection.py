@@ -172,7 +172,7 @@ def patient(monkeypatch):
             except LinkLost as error:
                 yield Step("ecu", False, error.text)
 
-    monkeypatch.setattr("mikas.dashboard.examination.examine", examine)
+    monkeypatch.setattr("mikas.dashboard.session.diagnosis.examine", examine)
 
 
 def test_a_doctor_that_is_stopped_lets_go_of_the_port_at_once(patient, idle):

@@ -11,8 +11,9 @@ import pytest
 from dashboard.dumps_rig import XRAM, begun, ended, hold, when
 from dashboard.rig import rig
 from mikas.client.memory.manifest import Manifest, manifest_path
-from mikas.dashboard import dumping, dumps
-from mikas.dashboard.dumping import Dumping
+from mikas.dashboard.api import dumps
+from mikas.dashboard.session import dump_jobs
+from mikas.dashboard.session.dump_jobs import Dumping
 
 SMALL = {"space": "xram", "first": 0x40, "last": 0x7F}
 
@@ -42,7 +43,7 @@ def spoil(file):
 
 def test_what_a_second_pass_found_outlives_the_program(tmp_path):
     with pytest.MonkeyPatch.context() as patch, program(tmp_path) as it:
-        patch.setattr(dumping, "TURN", 0)
+        patch.setattr(dump_jobs, "TURN", 0)
         hold_the_second_pass(patch, spoil)
         it.sampling()
         name = it.post("/dumps", {**XRAM, "verify": True})["id"]
@@ -137,7 +138,7 @@ def test_a_file_that_was_cut_is_read_on_and_then_checked(idle):
 
 def test_a_file_that_is_cut_in_the_second_pass_is_made_whole_first(idle):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(dumping, "TURN", 0)
+        patch.setattr(dump_jobs, "TURN", 0)
         hold_the_second_pass(patch, lambda file: file.write_bytes(file.read_bytes()[:10]))
         name = idle.post("/dumps", {**SMALL, "verify": True})["id"]
         cut = when(idle, name, lambda dump: 0 < dump["done"] < 64)

@@ -12,13 +12,13 @@ from websockets.exceptions import ConnectionClosed
 
 from dashboard.rig import rig
 from mikas.catalog import load
+from mikas.dashboard.api.broadcaster import QUEUE, Listener, understood
+from mikas.dashboard.api.live import Broadcaster, _send
+from mikas.dashboard.api.state import state_of
+from mikas.dashboard.dashboard import Hub
 from mikas.dashboard.history import History
-from mikas.dashboard.hub import Hub
-from mikas.dashboard.listener import QUEUE, Listener, understood
-from mikas.dashboard.live import Broadcaster, _send
-from mikas.dashboard.seat import Client
+from mikas.dashboard.security.control import Client
 from mikas.dashboard.settings import Settings
-from mikas.dashboard.shown import state_of
 from mikas.dashboard.story import _ROWS, Story
 from mikas.sampling.events import Sampled
 
@@ -203,7 +203,7 @@ def test_a_bug_in_one_message_does_not_end_the_others(idle, monkeypatch, caplog)
 
     with idle.live() as live:
         live.until(lambda it: "data" in it)
-        monkeypatch.setattr("mikas.dashboard.live.state_of", broken_once)
+        monkeypatch.setattr("mikas.dashboard.api.live.state_of", broken_once)
         assert met.wait(60)
         live.until(lambda it: "data" in it)
     assert "the bug of this test" in caplog.text
@@ -212,7 +212,7 @@ def test_a_bug_in_one_message_does_not_end_the_others(idle, monkeypatch, caplog)
 def test_one_more_than_there_is_place_for_is_told_to_try_later(shared_off, monkeypatch):
     with shared_off.live() as live:
         live.next()
-        monkeypatch.setattr("mikas.dashboard.live._MOST_CLIENTS", 1)
+        monkeypatch.setattr("mikas.dashboard.api.live._MOST_CLIENTS", 1)
         with shared_off.live("watcher-0002") as other:
             with pytest.raises(ConnectionClosed) as ended:
                 other.next()
@@ -235,7 +235,7 @@ class DeafSocket:
 
 
 def test_who_takes_no_message_is_given_up(tmp_path, monkeypatch):
-    monkeypatch.setattr("mikas.dashboard.live._PATIENCE", 0.0)
+    monkeypatch.setattr("mikas.dashboard.api.live._PATIENCE", 0.0)
     broadcaster, deaf = Broadcaster(Hub(Settings(tmp_path, state=tmp_path))), DeafSocket()
 
     async def send():

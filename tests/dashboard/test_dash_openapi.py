@@ -17,9 +17,9 @@ from schemathesis.specs.openapi.checks import (
 )
 
 from dashboard.rig import ME
-from mikas.dashboard.access import Access
 from mikas.dashboard.app import create_app
-from mikas.dashboard.hub import Hub
+from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.security.access import Access
 from mikas.dashboard.settings import Settings
 
 load_all_checks()

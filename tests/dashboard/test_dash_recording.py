@@ -9,7 +9,7 @@ import pytest
 
 import mikas
 from dashboard.rig import ADAPTER, ME, OTHER, rig
-from mikas.dashboard.recording import named
+from mikas.dashboard.session.recorder import named
 
 
 def test_a_recording_is_made_with_its_markers_and_can_be_read_again(idle):

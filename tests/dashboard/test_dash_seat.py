@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from dashboard.rig import OTHER as SOMEBODY
-from mikas.dashboard.refusals import NotAllowed, NotController
-from mikas.dashboard.seat import AFTER_REQUEST, AFTER_SOCKET, Client, Seat
+from mikas.dashboard.errors import NotAllowed, NotController
+from mikas.dashboard.security.control import AFTER_REQUEST, AFTER_SOCKET, Client, Seat
 
 ME, OTHER, VIEWER = Client("me", "Me", True), Client("it", "", True), Client("v", "", False)
 

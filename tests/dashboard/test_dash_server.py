@@ -9,7 +9,7 @@ import pytest
 from dashboard.rig import rig
 from mikas.cli.commands.dash import Wishes, show_dashboard, wishes_of
 from mikas.cli.run import Run
-from mikas.dashboard.api_docs import shape
+from mikas.dashboard.docs import shape
 from mikas.dashboard.server import FIRST_PORT, listening, own_addresses
 from mikas.dashboard.virtual_cars import VirtualCars
 from mikas.errors import BadPortUrl, UsageError

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from mikas.dashboard.examination import Examination
-from mikas.dashboard.fault_book import Page
-from mikas.dashboard.hub import Hub
-from mikas.dashboard.session import Session
+from mikas.dashboard.api.state import state_of
+from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.session.diagnosis import Examination
+from mikas.dashboard.session.fault_history import Page
+from mikas.dashboard.session.thread import Session
 from mikas.dashboard.settings import Settings
-from mikas.dashboard.shown import state_of
 from mikas.errors import LinkLost
 from mikas.link import open_link
 from mikas.recording.recorder import Recorder

@@ -8,10 +8,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from mikas.dashboard.planning import Planning
-from mikas.dashboard.refusals import Busy
+from mikas.dashboard.errors import Busy
+from mikas.dashboard.session.manager import Switch
+from mikas.dashboard.session.plan import Planning
 from mikas.dashboard.settings import Settings
-from mikas.dashboard.switch import Switch
 from mikas.dashboard.wishes import Wish
 
 

@@ -7,8 +7,8 @@ from concurrent.futures import Future
 
 import pytest
 
-from mikas.dashboard.refusals import Busy
-from mikas.dashboard.turns import turn
+from mikas.dashboard.errors import Busy
+from mikas.dashboard.session.connection import turn
 from mikas.sampling.jobs import Jobs
 
 

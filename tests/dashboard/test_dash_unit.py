@@ -8,7 +8,7 @@ import pytest
 
 from dashboard.rig import ME, OTHER, rig
 from mikas.commands import WriteList
-from mikas.dashboard.nonces import LIFETIME
+from mikas.dashboard.security.confirmations import LIFETIME
 
 
 @pytest.fixture

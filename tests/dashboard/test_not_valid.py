@@ -7,10 +7,10 @@ import re
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
+from mikas.dashboard.api.dumps import DumpWish
+from mikas.dashboard.api.presets import Preset
 from mikas.dashboard.changes_wishes import WriteParameter
-from mikas.dashboard.dumps import DumpWish
 from mikas.dashboard.not_valid import told
-from mikas.dashboard.presets import Preset
 
 
 def errors_of(kind, value):

@@ -14,7 +14,7 @@ import pytest
 import mikas
 from dashboard.recordings_rig import record
 from dashboard.rig import ME, OTHER, rig
-from mikas.dashboard import recordings_desk
+from mikas.dashboard.library import service
 from mikas.recording import CaptureReader
 from mikas.recording.about import about_of
 
@@ -78,7 +78,7 @@ def test_a_recording_is_summed_up_once(desk, folder, monkeypatch) -> None:
         seen.append(path.name)
         return summarise(path, catalog)
 
-    monkeypatch.setattr(recordings_desk, "summarise", counted)
+    monkeypatch.setattr(service, "summarise", counted)
     for _ in range(3):
         assert len(ids(desk)) == 2
     assert sorted(seen) == ["cold.pcapng", "drive.pcapng"]
@@ -213,16 +213,16 @@ def test_rows_that_make_no_sense(desk) -> None:
 
 
 def test_a_recording_is_opened_once_and_two_are_kept(desk, folder, monkeypatch) -> None:
-    from mikas.dashboard import recordings_opened
+    from mikas.dashboard.library import cache
 
     opened = []
 
-    class Counted(recordings_opened.Recording):
+    class Counted(cache.Recording):
         def __init__(self, path, *rest) -> None:
             opened.append(path.name)
             super().__init__(path, *rest)
 
-    monkeypatch.setattr(recordings_opened, "Recording", Counted)
+    monkeypatch.setattr(cache, "Recording", Counted)
     shutil.copy(folder / "cold.pcapng", folder / "third.pcapng")
     for name in ("drive", "cold", "drive", "cold", "third", "cold", "third", "drive"):
         desk.get(f"/recordings/{name}.pcapng/rows", points=2)

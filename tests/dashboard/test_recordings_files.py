@@ -15,7 +15,8 @@ import pytest
 import mikas
 from dashboard.recordings_rig import record
 from dashboard.rig import ME, OTHER, rig
-from mikas.dashboard import recordings_desk, recordings_files
+from mikas.dashboard.api import exports
+from mikas.dashboard.library import service
 from mikas.errors import ExportError
 from mikas.i18n import Text
 from mikas.report.page import policy
@@ -138,7 +139,7 @@ def test_one_piece_of_heavy_work_at_a_time(desk, monkeypatch) -> None:
     from threading import Lock
 
     here, most, lock = [], [], Lock()
-    write = recordings_files._export
+    write = exports._export
 
     def watched(*args, **settings):
         with lock:
@@ -149,7 +150,7 @@ def test_one_piece_of_heavy_work_at_a_time(desk, monkeypatch) -> None:
         finally:
             here.pop()
 
-    monkeypatch.setattr(recordings_files, "_export", watched)
+    monkeypatch.setattr(exports, "_export", watched)
     with ThreadPoolExecutor(6) as pool:
         ask = "/recordings/drive.pcapng/export"
         for done in [pool.submit(desk.get, ask, format="csv") for _ in range(6)]:
@@ -162,7 +163,7 @@ def test_a_queue_that_is_too_long_is_refused(desk, monkeypatch) -> None:
     from threading import Event, Semaphore
 
     go, asked = Event(), Semaphore(0)
-    one = recordings_desk.Desk.alone
+    one = service.Desk.alone
 
     async def counted(self, work):
         asked.release()
@@ -172,8 +173,8 @@ def test_a_queue_that_is_too_long_is_refused(desk, monkeypatch) -> None:
         assert go.wait(60)
         raise ExportError("a", Text("so be it", "пусть так"))
 
-    monkeypatch.setattr(recordings_desk.Desk, "alone", counted)
-    monkeypatch.setattr(recordings_files, "_export", waits)
+    monkeypatch.setattr(service.Desk, "alone", counted)
+    monkeypatch.setattr(exports, "_export", waits)
     path = "/api/recordings/drive.pcapng/export"
     with ThreadPoolExecutor(8) as pool:
         waiting = [pool.submit(desk.client.get, path, headers=ME) for _ in range(8)]
@@ -192,7 +193,7 @@ def test_nothing_is_left_when_nobody_waits_for_it_any_more(temporary) -> None:
 
     folder = Path(tempfile.mkdtemp())
     (folder / "a.csv").write_text("x" * 1000)
-    answer = recordings_files._Temporary(folder / "a.csv", filename="a.csv")
+    answer = exports._Temporary(folder / "a.csv", filename="a.csv")
 
     async def gone(_) -> None:
         raise OSError("the other side is gone")

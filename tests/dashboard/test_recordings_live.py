@@ -6,8 +6,8 @@ import numpy as np
 
 from dashboard.rig import rig
 from mikas.catalog import shipped
+from mikas.dashboard.api.report import _judged, _pauses, _since
 from mikas.dashboard.history import Rows
-from mikas.dashboard.recordings_live import _judged, _pauses, _since
 
 
 def unit(time, *, another=False):

@@ -10,7 +10,7 @@ from mikas.cli.words import localized, tr
 from mikas.errors import UsageError
 
 if TYPE_CHECKING:
-    from mikas.dashboard.hub import Hub
+    from mikas.dashboard.dashboard import Hub
     from mikas.dashboard.settings import Settings
 
 

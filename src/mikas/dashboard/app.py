@@ -1,8 +1,8 @@
-"""The application: a hub, the rules of access, the routers, the page.
+"""The application: the dashboard, the rules of access, the routers, the page.
 
-A router is a module with a `router`; a route asks for what it needs by `mikas.dashboard.asking`
-(`TheHub`, `Viewer`, `Controller`) and raises errors of `mikas.errors` or `mikas.dashboard.refusals`
-as they are: `mikas.dashboard.answers` tells them as JSON. `responses=errors(503)` describes them.
+A router is a module of `mikas.dashboard.api` with a `router`. A route gets what it needs from
+`api.dependencies` and raises errors of `mikas.errors` or `mikas.dashboard.errors`; `api.errors`
+turns them into JSON responses. `responses=errors(503)` describes them.
 """
 
 from __future__ import annotations
@@ -15,11 +15,13 @@ from typing import Any
 
 from fastapi import APIRouter, FastAPI
 
-from mikas.dashboard import answers, page
-from mikas.dashboard.access import Access
-from mikas.dashboard.doorkeeper import Doorkeeper
-from mikas.dashboard.hub import Hub
-from mikas.dashboard.live import Broadcaster
+from mikas.dashboard import page
+from mikas.dashboard.api import errors
+from mikas.dashboard.api.live import Broadcaster
+from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.security.access import Access
+from mikas.dashboard.security.middleware import Doorkeeper
+from mikas.dashboard.settings import Settings
 
 _DESCRIPTION = """
 Everything that the page does, a script can do. Every client sends `X-Mikas-Client` (8 to 64
@@ -42,32 +44,32 @@ class _Application(FastAPI):
 
 
 def _routers() -> list[APIRouter]:
-    from mikas.dashboard import (
-        about,
-        api_docs,
+    from mikas.dashboard import docs
+    from mikas.dashboard.api import (
+        catalog,
         changes,
         connection,
-        doctor,
+        diagnosis,
         dumps,
         live,
         memory,
-        recording_routes,
+        recording,
         recordings,
         unit,
     )
 
     return [
-        about.router,
+        catalog.router,
         connection.router,
-        doctor.router,
+        diagnosis.router,
         live.router,
         unit.router,
         memory.router,
         dumps.router,
         changes.router,
-        recording_routes.router,
+        recording.router,
         recordings.router,
-        api_docs.router,
+        docs.router,
     ]
 
 
@@ -91,9 +93,18 @@ def create_app(hub: Hub, access: Access, *, folder: Path = page.FOLDER) -> FastA
     app.state.hub = hub
     app.state.access = access
     app.state.broadcaster = Broadcaster(hub)
-    answers.install(app)
+    errors.install(app)
     for router in _routers():
         app.include_router(router, prefix="/api")
     app.include_router(page.router(folder, hub.settings.language))
     app.add_middleware(Doorkeeper, access=access)
     return app
+
+
+def openapi_description() -> dict[str, Any]:
+    """Return the OpenAPI description without starting a server; the same at each call.
+
+    It includes the models of the messages and events of the WebSocket.
+    """
+    nowhere = Path("nowhere")
+    return create_app(Hub(Settings(nowhere, state=nowhere)), Access(port=1)).openapi()

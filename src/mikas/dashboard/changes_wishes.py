@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, Field
 
-from mikas.dashboard.memory import Space
+from mikas.dashboard.api.memory import Space
 
 _LARGEST_WRITE = 256
 Hex = Annotated[str, Field(pattern=r"^([0-9A-Fa-f]{2})+$", max_length=2 * _LARGEST_WRITE)]

@@ -9,14 +9,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from mikas.client.memory.manifest import manifest_path
-from mikas.dashboard.nonces import FOR_GOOD, Prepared
-from mikas.dashboard.refusals import Busy, ConfirmationOutdated, NotFound
+from mikas.dashboard.errors import Busy, ConfirmationOutdated, NotFound
+from mikas.dashboard.security.confirmations import FOR_GOOD, Prepared
 from mikas.errors import UsageError, reason_at
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
-    from mikas.dashboard.dumping import Job
-    from mikas.dashboard.hub import Hub
+    from mikas.dashboard.dashboard import Hub
+    from mikas.dashboard.session.dump_jobs import Job
 
 _RUNS = Text(
     "this dump is being read; pause it first",

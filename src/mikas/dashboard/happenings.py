@@ -6,7 +6,7 @@ from collections import deque
 from heapq import merge
 from typing import Any
 
-from mikas.dashboard.answers import body_of, in_hex
+from mikas.dashboard.api.errors import body_of, in_hex
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.sampling.alarms import AlarmChanged

@@ -12,8 +12,8 @@ from pathlib import Path
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse, Response
 
-from mikas.dashboard.plain_page import refusal
-from mikas.dashboard.refusals import NotFound
+from mikas.dashboard.error_responses import refusal
+from mikas.dashboard.errors import NotFound
 from mikas.i18n import Language
 
 FOLDER = Path(__file__).parent / "page"

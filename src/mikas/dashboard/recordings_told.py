@@ -8,8 +8,8 @@ from typing import Any
 
 from pydantic import BaseModel, Field
 
-from mikas.dashboard.answers import TwoTexts, two_or_none
-from mikas.dashboard.recordings_shelf import Shelved
+from mikas.dashboard.api.errors import TwoTexts, two_or_none
+from mikas.dashboard.library.folder import Shelved
 from mikas.recording.happened import MethodChosen
 from mikas.recording.opening import Recording
 from mikas.recording.summary import Summary

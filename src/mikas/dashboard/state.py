@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import BaseModel, Field
 
 from mikas.client.methods import Method
-from mikas.dashboard.answers import TwoTexts
+from mikas.dashboard.api.errors import TwoTexts
 
 Line = Literal["off", "no-port", "no-echo", "echo-only", "ecu-alive", "sampling"]
 

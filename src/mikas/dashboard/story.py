@@ -17,7 +17,7 @@ from mikas.dashboard import happenings
 from mikas.dashboard.gaps import BY_HAND, JOB, PLAN, Gaps
 from mikas.dashboard.happenings import Happening, Kept
 from mikas.dashboard.history import History, row_of
-from mikas.dashboard.meters import Meters
+from mikas.dashboard.session.meters import Meters
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.i18n import Text
 from mikas.sampling.alarms import AlarmChanged

@@ -18,7 +18,7 @@ from mikas.errors import UsageError
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
-    from mikas.dashboard.access import Access
+    from mikas.dashboard.security.access import Access
     from mikas.dashboard.settings import Settings
 
 
@@ -135,9 +135,9 @@ def dash(run: Run, wishes: Wishes) -> None:
 
 def show_dashboard(run: Run, wishes: Wishes) -> None:
     """Serves until Ctrl-C; tells the address first."""
-    from mikas.dashboard.access import Access
     from mikas.dashboard.app import create_app
-    from mikas.dashboard.hub import Hub
+    from mikas.dashboard.dashboard import Hub
+    from mikas.dashboard.security.access import Access
     from mikas.dashboard.server import listening, own_addresses, serve
     from mikas.dashboard.settings import Settings, default_recordings, ensure_folder
     from mikas.dashboard.virtual_cars import VirtualCars

@@ -1,0 +1,114 @@
+"""The four memory spaces, read between two samples; the unlock that writing needs; the journal."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query
+from pydantic import BaseModel, Field
+
+from mikas.client import Ecu
+from mikas.commands import WriteList
+from mikas.dashboard.api.dependencies import Controller, TheHub
+from mikas.dashboard.api.errors import errors, in_hex
+from mikas.dashboard.api.state import state_of
+from mikas.dashboard.errors import NotConnected
+from mikas.dashboard.state import State
+
+router = APIRouter(tags=["memory"])
+
+Space = Literal["ram", "xram", "code", "sfr"]
+NUMBER = r"^(0[xX][0-9A-Fa-f]{1,4}|[0-9]{1,5})$"
+Address = Annotated[str, Query(pattern=NUMBER, description="0x1234 or 4660")]
+_TAIL = 1 << 20  # bytes of the journal that are looked at
+_ENTRIES = 200
+
+
+class MemoryAnswer(BaseModel):
+    """What was there at `time`."""
+
+    space: Space
+    address: int
+    data: str = Field(description="hex")
+    time: float
+
+
+class UnlockWish(BaseModel):
+    """For how long."""
+
+    minutes: float = Field(5, gt=0, le=30)
+
+
+class JournalAnswer(BaseModel):
+    """Changes, the newest first; each stands there twice: begun, and with its outcome."""
+
+    entries: list[dict[str, Any]]
+
+
+@router.get("/memory/{space}", responses=errors(409, 502, 503))
+async def memory(
+    hub: TheHub,
+    _: Controller,
+    space: Space,
+    address: Address,
+    count: Annotated[int, Query(ge=1, le=1024)] = 256,
+) -> MemoryAnswer:
+    """Reads `count` bytes; of sfr one by one."""
+    first = int(address, 0) if address.lower().startswith("0x") else int(address)
+
+    def read(ecu: Ecu) -> tuple[bytes, float]:
+        return ecu.memory[space].read_block(first, count), ecu.tester.link.now()
+
+    data, time = await hub.ask(read)
+    return MemoryAnswer(space=space, address=first, data=in_hex(data) or "", time=time)
+
+
+@router.post("/unlock", responses=errors(409, 503))
+def unlock(hub: TheHub, client: Controller, wish: UnlockWish) -> State:
+    """Lets memory and parameters be written for some minutes, on this connection."""
+    if hub.session is None:
+        raise NotConnected
+    hub.lock.open(wish.minutes * 60)
+    return state_of(hub, client)
+
+
+@router.post("/lock", responses=errors(409))
+def lock(hub: TheHub, client: Controller) -> State:
+    """No more writing."""
+    hub.lock.close()
+    return state_of(hub, client)
+
+
+@router.get("/journal", responses=errors())
+def journal(hub: TheHub) -> JournalAnswer:
+    """What was changed in which unit, from this computer: the last 200 lines.
+
+    That a unit was told what to send (64) is in the file, and no change of a car: not here.
+    """
+    try:
+        with hub.settings.journal.open("rb") as file:
+            size = file.seek(0, os.SEEK_END)
+            file.seek(max(0, size - _TAIL))
+            lines = file.read().decode("utf-8", "replace").splitlines()
+    except OSError:
+        return JournalAnswer(entries=[])
+    entries: list[dict[str, Any]] = []
+    for line in reversed(lines):
+        if len(entries) == _ENTRIES:
+            break
+        try:
+            entry = json.loads(line)
+        except ValueError:
+            continue  # cut by the look at the tail only, or by somebody's editor
+        if isinstance(entry, dict) and entry.get("command") != WriteList.SOURCE_NAME:
+            entries.append(_in_two_languages(entry))
+    return JournalAnswer(entries=entries)
+
+
+def _in_two_languages(entry: dict[str, Any]) -> dict[str, Any]:
+    """`change` as a text; entries of before there were two languages have English in both."""
+    said = str(entry.get("change", ""))
+    russian = str(entry.pop("change_ru", said))
+    return {**entry, "change": {"en": said, "ru": russian}}

@@ -1,0 +1,198 @@
+"""What the unit says of itself: stored faults, passports, what it knows and was found to take.
+
+Reading is done between two cycles. Who does not hold the seat is given what was last read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from fastapi import APIRouter
+from pydantic import BaseModel, Field
+
+from mikas.catalog import Confidence, Fault
+from mikas.client import Ecu, Info, Support
+from mikas.dashboard.api.dependencies import WHO, Controller, TheHub, Viewer
+from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
+from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.errors import BadRequest, NotAllowed, NotController
+from mikas.dashboard.security.control import Client
+from mikas.dashboard.session.fault_history import Page
+
+T = TypeVar("T")
+
+router = APIRouter(tags=["unit"])
+
+_PROBE = 120.0  # s: a second for each command that is left unanswered
+
+
+class FaultOfUnit(BaseModel):
+    """A stored fault; one with an empty text is not known to the catalog."""
+
+    code: int
+    text: TwoTexts
+    confidence: str
+    certain: bool = Field(description="the text was confirmed on real units")
+    informational: bool = Field(description="a message, not a fault")
+    check: TwoTexts | None
+    related: list[str] = Field(description="channels that bear on it")
+    first_seen: float
+
+
+class FaultsAnswer(BaseModel):
+    """As read at `time`."""
+
+    time: float
+    faults: list[FaultOfUnit]
+    count: int
+
+
+class LimitsOfUnit(BaseModel):
+    """What this unit was found to take and to lack."""
+
+    max_list: int
+    max_block: dict[str, int]
+    refused: list[int]
+
+
+class CommandOfUnit(BaseModel):
+    """A command; `supported` null: not tried, or no telling."""
+
+    code: int
+    name: str
+    title: TwoTexts
+    source_name: str
+    supported: bool | None
+
+
+class PassportAnswer(BaseModel):
+    """Who the unit is, and through what it is asked."""
+
+    model: TwoTexts
+    version_code: int
+    program_passport: list[str | None]
+    data_passport: list[str | None]
+    parameter_count: int | None
+    adapter: str
+    port: str
+    echo: bool
+    baud: int
+    latency_ms: int | None = Field(description="of the adapter's chip, where the system tells")
+    limits: LimitsOfUnit
+    method: str | None
+    rates: dict[str, float]
+    supported: list[CommandOfUnit] | None
+
+
+@router.get("/faults", responses=errors(409, 502, 503))
+async def faults(hub: TheHub, client: Viewer) -> FaultsAnswer:
+    """Reads the stored faults. Without control: as they were last read."""
+    return faults_answer(await _latest(hub, client, hub.fault_book.page, hub.read_faults))
+
+
+@router.get("/passport", responses=errors(409, 502, 503))
+async def passport(hub: TheHub, client: Viewer) -> PassportAnswer:
+    """Who the unit is. Without control: as it was last read."""
+
+    def read(ecu: Ecu) -> Info:
+        hub.info = info = ecu.info()
+        return info
+
+    return _passport_answer(hub, await _latest(hub, client, hub.info, read), hub.supported)
+
+
+@router.post("/passport/probe", responses=errors(409, 502, 503))
+async def probe(hub: TheHub, _: Controller) -> PassportAnswer:
+    """Tries every harmless command once; a second for each that is left unanswered."""
+
+    def read(ecu: Ecu) -> tuple[Info, list[Support]]:
+        hub.info, hub.supported = info, supported = ecu.info(), list(ecu.supported())
+        return info, supported
+
+    return _passport_answer(hub, *await hub.ask(read, seconds=_PROBE))
+
+
+async def _latest(hub: Hub, client: Client, known: T | None, job: Callable[[Ecu], T]) -> T:
+    """What `job` reads now; `known`, what was last read, for a client that may not ask."""
+    try:
+        hub.seat.demand(client, take=False)
+        if not client.id:
+            raise BadRequest(problem=WHO)
+    except (BadRequest, NotAllowed, NotController):
+        if known is None:
+            raise
+        return known
+    return await hub.ask(job)
+
+
+def faults_answer(page: Page) -> FaultsAnswer:
+    """As the API tells them."""
+    return FaultsAnswer(
+        time=page.time,
+        faults=[fault_of(fault, page.first_seen[fault.code]) for fault in page.faults],
+        count=len(page.faults),
+    )
+
+
+def fault_of(fault: Fault, first_seen: float) -> FaultOfUnit:
+    """As the API tells it."""
+    return FaultOfUnit(
+        code=fault.code,
+        text=two(fault.text),
+        confidence=fault.confidence.value,
+        certain=fault.confidence is Confidence.CONFIRMED,
+        informational=fault.informational,
+        check=two_or_none(fault.check),
+        related=list(fault.parameters),
+        first_seen=first_seen,
+    )
+
+
+def _passport_answer(hub: Hub, info: Info, supported: list[Support] | None) -> PassportAnswer:
+    session = hub.session
+    port = session.url if session else ""
+    return PassportAnswer(
+        model=two(info.model.text),
+        version_code=info.version_code,
+        program_passport=list(info.passport.program),
+        data_passport=list(info.passport.data),
+        parameter_count=info.parameter_count,
+        adapter=session.adapter if session else "",
+        port=port,
+        echo=info.echo,
+        baud=session.baud if session else 9600,
+        latency_ms=next((p.latency_ms for p in hub.settings.find() if p.url == port), None),
+        limits=LimitsOfUnit(
+            max_list=info.limits.max_list,
+            max_block=dict(info.limits.max_block),
+            refused=list(info.limits.refused),
+        ),
+        method=hub.story.method,
+        rates=hub.story.rates,
+        supported=None if supported is None else [_command(it, _used(hub)) for it in supported],
+    )
+
+
+_USED_BY: dict[str, tuple[int, ...]] = {
+    "single": (0x61,), "batch": (0x61,), "list": (0x64, 0x63), "stream": (0x71,),
+}  # fmt: skip
+
+
+def _used(hub: Hub) -> frozenset[int]:
+    """The first codes of the commands that values were read with."""
+    methods = {name for name, rate in hub.story.rates.items() if rate > 0}
+    if hub.story.meters.samples and hub.story.method:
+        methods.add(hub.story.method)
+    return frozenset(code for name in methods for code in _USED_BY.get(name, ()))
+
+
+def _command(support: Support, used: frozenset[int]) -> CommandOfUnit:
+    command: Any = support.command
+    return CommandOfUnit(
+        code=command.CODES[0],
+        name=command.__name__,
+        title=two(command.TITLE),
+        source_name=command.SOURCE_NAME,
+        supported=True if command.CODES[0] in used else support.known,
+    )

@@ -1,0 +1,144 @@
+"""Who may ask, from where, with what rights: judged before anything else looks at a request.
+
+    on this computer   Host and Origin must be our own      control
+    --lan              a token besides                      view; with lan_control: control
+
+Host is checked against DNS rebinding (a foreign name that leads to 127.0.0.1), Origin and
+Sec-Fetch-Site against pages of other sites, for HTTP and WebSocket alike. The token comes as
+`Authorization: Bearer`, as a cookie, or once in the link; then it is made a cookie, so that it
+does not stay in the address bar.
+"""
+
+from __future__ import annotations
+
+import hmac
+import ipaddress
+import secrets
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from http.cookies import CookieError, SimpleCookie
+from typing import Any, Literal
+from urllib.parse import parse_qs
+
+from mikas.dashboard.errors import Forbidden, TokenRequired
+from mikas.i18n import Text
+
+Rights = Literal["control", "view"]
+_LOCAL = ("127.0.0.1", "localhost", "[::1]")
+
+
+@dataclass(frozen=True, slots=True)
+class Access:
+    """The rules in force. `hosts`: this computer's names in the network, for `lan`."""
+
+    port: int
+    lan: bool = False
+    lan_control: bool = False
+    hosts: tuple[str, ...] = ()
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(18), repr=False)
+
+    @property
+    def url(self) -> str:
+        """Where a browser on this computer finds us."""
+        return f"http://127.0.0.1:{self.port}/"
+
+    @property
+    def lan_url(self) -> str | None:
+        """The link for others, with the token in it."""
+        if not self.lan or not self.hosts:
+            return None
+        return f"http://{self.hosts[0]}:{self.port}/?token={self.token}"
+
+    @property
+    def cookie(self) -> str:
+        """The cookie's name; a browser does not tell ports apart."""
+        return f"mikas_{self.port}"
+
+    def judge(self, scope: Mapping[str, Any]) -> Rights:
+        """The rights of whoever sent this. Raises `Forbidden`, `TokenRequired`."""
+        headers = _headers(scope)
+        self._check_host(headers)
+        self._check_page(scope, headers)
+        if self.is_here(scope):
+            return "control"
+        if not self._has_token(scope, headers):
+            raise TokenRequired
+        return "control" if self.lan_control else "view"
+
+    def is_here(self, scope: Mapping[str, Any]) -> bool:
+        """Whether it comes from this computer itself, which needs no token."""
+        local = _headers(scope).get("host", "").lower() in self._addresses(_LOCAL)
+        return local and (not self.lan or _is_loopback(scope))
+
+    def offers_token(self, scope: Mapping[str, Any]) -> bool:
+        """Whether this is the link being opened: right token, to be made a cookie."""
+        return (
+            self.lan
+            and scope["type"] == "http"
+            and scope["path"] == "/"
+            and self._is_token(_query(scope).get("token", ""))
+        )
+
+    def _check_host(self, headers: Mapping[str, str]) -> None:
+        host = headers.get("host", "").lower()
+        hosts = (*_LOCAL, *(self.hosts if self.lan else ()))
+        if host in self._addresses(hosts):
+            return
+        raise Forbidden(problem=Text(f"the host “{host}” is not this one", f"имя «{host}» не наше"))
+
+    def _addresses(self, hosts: Iterable[str]) -> set[str]:
+        found = {f"{host.lower()}:{self.port}" for host in hosts}
+        if self.port == 80:
+            found |= {host.lower() for host in hosts}
+        return found
+
+    def _check_page(self, scope: Mapping[str, Any], headers: Mapping[str, str]) -> None:
+        origin = headers.get("origin")
+        if origin is not None:
+            scheme, _, address = origin.lower().partition("://")
+            hosts = (*_LOCAL, *(self.hosts if self.lan else ()))
+            if scheme != "http" or address not in self._addresses(hosts):
+                raise Forbidden(
+                    problem=Text(f"the page {origin} is not ours", f"страница {origin} не наша")
+                )
+        site = headers.get("sec-fetch-site", "none")
+        opened = headers.get("sec-fetch-mode") == "navigate" and scope["path"] == "/"
+        if site not in ("none", "same-origin") and not opened:
+            raise Forbidden(
+                problem=Text("another site's page asks", "спрашивает страница другого сайта")
+            )
+
+    def _has_token(self, scope: Mapping[str, Any], headers: Mapping[str, str]) -> bool:
+        scheme, _, given = headers.get("authorization", "").partition(" ")
+        if scheme.lower() == "bearer" and self._is_token(given.strip()):
+            return True
+        if self._is_token(_cookies(headers).get(self.cookie, "")):
+            return True
+        return scope["type"] == "websocket" and self._is_token(_query(scope).get("token", ""))
+
+    def _is_token(self, given: str) -> bool:
+        return hmac.compare_digest(given.encode(), self.token.encode())
+
+
+def _headers(scope: Mapping[str, Any]) -> dict[str, str]:
+    return {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
+
+
+def _query(scope: Mapping[str, Any]) -> dict[str, str]:
+    query = parse_qs(scope.get("query_string", b"").decode("latin-1"))
+    return {name: values[0] for name, values in query.items()}
+
+
+def _cookies(headers: Mapping[str, str]) -> dict[str, str]:
+    try:
+        jar = SimpleCookie(headers.get("cookie", ""))
+    except CookieError:
+        return {}
+    return {name: morsel.value for name, morsel in jar.items()}
+
+
+def _is_loopback(scope: Mapping[str, Any]) -> bool:
+    try:
+        return ipaddress.ip_address((scope.get("client") or ("",))[0]).is_loopback
+    except ValueError:
+        return False
