@@ -166,7 +166,7 @@ def test_a_bug_in_one_dump_ends_that_one(idle):
         patch.setattr(Dumping, "_read", lambda *_: 1 // 0)
         name = idle.post("/dumps", SMALL)["id"]
         failed = ended(idle, name, "failed")
-    assert failed["error"]["code"] == "Bug"
+    assert failed["error"]["code"] == "InternalError"
     assert "ZeroDivisionError" in failed["error"]["ru"]
     assert idle.post(f"/dumps/{name}/pause")["state"] == "failed"
     ended(idle, idle.post("/dumps", {"space": "ram", "last": 3})["id"], "done")
