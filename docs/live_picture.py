@@ -1,6 +1,6 @@
 """Draws docs/live.svg, the picture in docs/cli.md: the live table over a virtual car warming up.
 
-Run from the repository's root: python docs/live_picture.py
+CommandContext from the repository's root: python docs/live_picture.py
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from pathlib import Path
 
 from rich.console import Console
 
-from mikas.cli import layout
-from mikas.cli.live import LiveTable
-from mikas.cli.output import Output
-from mikas.cli.run import Run
-from mikas.cli.session import Asked, session
+from mikas.cli.context import CommandContext
+from mikas.cli.render import table_layout
+from mikas.cli.render.live_table import LiveTable
+from mikas.cli.render.output import Output
+from mikas.cli.sampling_run import SamplingOptions, session
 
 SECONDS = 75
 WIDTH = 118
@@ -24,13 +24,13 @@ WIDTH = 118
 def main() -> None:
     """Writes the picture beside this file."""
     console = Console(record=True, width=WIDTH, height=40, file=io.StringIO(), force_terminal=True)
-    run = Run(port="sim:?scenario=cold-start&seed=1&clock=simulated")
-    asked = Asked(duration=SECONDS)
+    run = CommandContext(port="sim:?scenario=cold-start&seed=1&clock=simulated")
+    asked = SamplingOptions(duration=SECONDS)
     with session(run, asked) as made:
         table = LiveTable(made, Output(), console)
         for event in made.events(asked):
             table.take(event)
-        console.print(table.drawing(layout.UNLIMITED))
+        console.print(table.drawing(table_layout.UNLIMITED))
     picture = console.export_svg(title="mikas watch")
     # The picture must not fetch a font from elsewhere: whatever monospaced one there is will do.
     picture = re.sub(r"@font-face \{.*?\}\s*", "", picture, flags=re.DOTALL)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from cli_bench import SIM, Mikas, NoTerminal
 
-from mikas.cli import words
+from mikas.cli.language import set_language
 
 
 @pytest.fixture
@@ -27,4 +27,4 @@ def mikas(capsys, monkeypatch, tmp_path):
     monkeypatch.setattr("sys.stdin", NoTerminal())
     monkeypatch.chdir(tmp_path)
     yield Mikas(capsys, monkeypatch, home)
-    words.choose("en")
+    set_language("en")

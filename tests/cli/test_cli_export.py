@@ -13,7 +13,7 @@ from cli_bench import is_one_short_paragraph, is_russian
 from pyarrow import parquet
 
 from mikas.catalog import shipped
-from mikas.cli.commands.export import MOST_PROBLEMS
+from mikas.cli.commands.recordings.export import MOST_PROBLEMS
 from mikas.recording import pcapng
 from mikas.recording.note_blocks import block_of
 from mikas.recording.notes import marker_note

@@ -196,7 +196,7 @@ def test_what_is_no_ascii_survives_a_stream_that_is(mikas, monkeypatch):
 
     stream = io.TextIOWrapper(io.BytesIO(), encoding="cp1251", errors="replace")
     monkeypatch.setattr(sys, "stdout", stream)
-    from mikas.cli.output import Output
+    from mikas.cli.render.output import Output
 
     Output(json=True).data({"unit": "°C", "text": "обороты λ"})
     stream.flush()

@@ -8,9 +8,10 @@ from types import SimpleNamespace
 import pytest
 
 from mikas.catalog import AlarmLimits, load
-from mikas.cli import layout, words
-from mikas.cli.live import LiveTable, sparkline
-from mikas.cli.output import Output
+from mikas.cli.language import set_language
+from mikas.cli.render import table_layout
+from mikas.cli.render.live_table import LiveTable, sparkline
+from mikas.cli.render.output import Output
 from mikas.client.reading import decode
 from mikas.errors import EchoOnly, NoResponse
 from mikas.sampling.alarms import Alarms
@@ -25,7 +26,7 @@ CHANNELS = CATALOG.parameters[:23]
 @pytest.fixture(autouse=True)
 def in_english():
     yield
-    words.choose("en")
+    set_language("en")
 
 
 def session(channels=CHANNELS):
@@ -67,7 +68,7 @@ SIZES = [(80, 24), (80, 25), (100, 30), (120, 40), (200, 60), (132, 24), (60, 24
 @pytest.mark.parametrize("language", ["en", "ru"])
 @pytest.mark.parametrize(("width", "height"), SIZES)
 def test_it_fits_and_nothing_is_left_out_silently(width, height, language):
-    words.choose(language)
+    set_language(language)
     lines = drawn(width, height, sample_of())
     assert len(lines) <= height
     assert max(map(len, lines)) <= width
@@ -204,5 +205,5 @@ def test_the_small_curve():
 
 def test_rows_of_nothing():
     screen = console(80, 24)
-    screen.print(layout.draw(layout.Head("state", "green"), [], 80, 24))
+    screen.print(table_layout.draw(table_layout.Head("state", "green"), [], 80, 24))
     assert "state" in screen.file.getvalue()

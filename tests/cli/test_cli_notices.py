@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from mikas.cli import words
+from mikas.cli.language import set_language
 from mikas.cli.notices import Notices
-from mikas.cli.session import Asked
+from mikas.cli.sampling_run import SamplingOptions
 from mikas.errors import DamagedResponse, EchoOnly, EngineStopped, NotSupported
 from mikas.i18n import Text
 from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
@@ -20,12 +20,14 @@ SILENT = EchoOnly(seconds=1)
 @pytest.fixture(autouse=True)
 def in_english():
     yield
-    words.choose("en")
+    set_language("en")
 
 
 def told(*events, **asked) -> list[str]:
     session = SimpleNamespace(
-        asked=Asked(**asked), connected=True, recorder=SimpleNamespace(failure=None, on_file=None)
+        asked=SamplingOptions(**asked),
+        connected=True,
+        recorder=SimpleNamespace(failure=None, on_file=None),
     )
     sentences: list[str] = []
     notices = Notices(session, sentences.append)
@@ -69,7 +71,7 @@ def test_from_the_beginning_too():
 
 
 def test_a_standing_engine_is_said_at_once_with_what_to_do():
-    words.choose("ru")
+    set_language("ru")
     (only,) = told(
         well(0), CycleFailed(2, EngineStopped(seconds=2)), CycleFailed(5, EngineStopped(seconds=2))
     )

@@ -104,7 +104,7 @@ def test_nobody_there(mikas, tmp_path) -> None:
 
 
 def test_ended_by_hand_it_reports_what_came(mikas, tmp_path, monkeypatch) -> None:
-    from mikas.cli.commands import report
+    from mikas.cli.commands.recordings import report
 
     shown = report._Progress.show
 
@@ -123,7 +123,7 @@ def test_ended_by_hand_it_reports_what_came(mikas, tmp_path, monkeypatch) -> Non
 
 
 def test_ended_before_anything_came(mikas, tmp_path, monkeypatch) -> None:
-    from mikas.cli.commands import report
+    from mikas.cli.commands.recordings import report
 
     def stops(self, current) -> None:
         raise KeyboardInterrupt

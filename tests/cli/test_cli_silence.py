@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import pytest
 
 from mikas.catalog import load
-from mikas.cli import words
-from mikas.cli.live import LiveTable
-from mikas.cli.output import Output
+from mikas.cli.language import set_language
+from mikas.cli.render.live_table import LiveTable
+from mikas.cli.render.output import Output
 from mikas.client.reading import decode
 from mikas.errors import NoResponse
 from mikas.sampling.events import CycleFailed, Sampled
@@ -22,7 +22,7 @@ CATALOG = load()
 @pytest.fixture(autouse=True)
 def in_english():
     yield
-    words.choose("en")
+    set_language("en")
 
 
 def console():
@@ -82,7 +82,7 @@ def test_values_fade_and_go_though_nothing_tells_that_the_wire_is_silent():
     first, row = it.after(0.0)
     assert "● sampling" in first
     assert row.split()[:2] == ["TWAT", "85"]
-    words.choose("ru")
+    set_language("ru")
     assert "○ уже 3 с ничего не приходит" in it.after(3.0)[0]
 
 

@@ -9,8 +9,8 @@ from hashlib import sha256
 import pytest
 
 from dashboard.rig import rig
-from mikas.cli import words
-from mikas.cli.commands.dash import wishes_of
+from mikas.cli.commands.dash import dashboard_options_of
+from mikas.cli.language import detect_language, requested_language, set_language
 from mikas.errors import UsageError
 
 
@@ -28,9 +28,9 @@ def test_a_language_that_was_named_reaches_the_page(argv, wished, monkeypatch):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("LANG", "ru_RU.UTF-8")
     monkeypatch.setattr("mikas.cli.config.language", lambda: "")
-    words.choose(words.from_surroundings(argv))
-    assert words.wished() == wished
-    words.choose("en")
+    set_language(detect_language(argv))
+    assert requested_language() == wished
+    set_language("en")
 
 
 def test_an_address_with_nothing_behind_it_is_a_page_in_words(shared_off):
@@ -51,8 +51,8 @@ def test_a_folder_where_nothing_can_be_kept_is_told_at_the_start(tmp_path):
     (tmp_path / "file").touch()
     options = {"host_port": None, "lan": False, "lan_control": False, "no_browser": True}
     with pytest.raises(UsageError, match="--record"):
-        wishes_of(**options, record=str(tmp_path / "file" / "x" / "y"))
-    assert wishes_of(**options, record=str(tmp_path / "new" / "x")).folder
+        dashboard_options_of(**options, record=str(tmp_path / "file" / "x" / "y"))
+    assert dashboard_options_of(**options, record=str(tmp_path / "new" / "x")).folder
     assert not (tmp_path / "new").exists()
 
 

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import pytest
 
 from mikas.cli.commands import sim
+from mikas.cli.context import CommandContext
 from mikas.cli.main import run
-from mikas.cli.run import Run
 from mikas.recording import CaptureReader
 from mikas.recording.reader import Packet
 
@@ -164,4 +164,4 @@ def test_a_recording_as_a_port(capture, capsys):
     assert run(["read", "FREQ", "TWAT", "--json", "--port", port]) == 0
     assert '"FREQ"' in capsys.readouterr().out
     assert Path(capture).exists()
-    assert Run().port is None
+    assert CommandContext().port is None

@@ -8,7 +8,7 @@ import pytest
 from replay_bench import again, do, session, sim
 
 from mikas.catalog import shipped
-from mikas.cli import words
+from mikas.cli.language import set_language
 from mikas.cli.main import run
 from mikas.client.connecting import ConnectionOptions
 from mikas.errors import EchoOnly, RecordingOver
@@ -44,7 +44,7 @@ def mikas(tmp_path, monkeypatch, capsys):
         return (status, *capsys.readouterr())
 
     yield ran
-    words.choose("en")
+    set_language("en")
 
 
 def test_the_port_says_that_the_recording_is_over(drive):

@@ -9,8 +9,8 @@ import numpy as np
 from mikas.catalog import shipped
 from mikas.recording.table import Rows
 from mikas.report.findings import Findings, find
-from mikas.report.measuring import Measuring
-from mikas.report.subject import How, Subject, Unit
+from mikas.report.measurements import MeasurementCollector
+from mikas.report.subject import Conditions, ReportSubject, UnitIdentity
 
 GOOD = {
     "TWAT": 88.0, "FREQ": 840.0, "FREQX": 850.0, "UOZ": 13.0, "UACC": 14.1, "INJ": 4.7,
@@ -36,7 +36,7 @@ def rows(seconds=60.0, rate=10.0, *, start=START, **changed) -> Rows:
 
 def measured(*stretches: Rows, catalog=None):
     names = dict.fromkeys(name for stretch in stretches for name in stretch.values)
-    measuring = Measuring(catalog or shipped(), names)
+    measuring = MeasurementCollector(catalog or shipped(), names)
     for stretch in stretches:
         measuring.add(stretch)
     return measuring.measured
@@ -44,10 +44,12 @@ def measured(*stretches: Rows, catalog=None):
 
 def found(*stretches: Rows, faults: tuple[int, ...] | None = (), **how) -> Findings:
     catalog = shipped()
-    subject = Subject(
+    subject = ReportSubject(
         catalog,
-        Unit(catalog.model(0x0A), ("МИКАС 7.1", None, "241.3763"), ("2000.09.27",)),
+        UnitIdentity(catalog.model(0x0A), ("МИКАС 7.1", None, "241.3763"), ("2000.09.27",)),
         None if faults is None else tuple(map(catalog.fault, faults)),
-        How(**{"file": "drive.pcapng", "date": datetime(2026, 5, 9, 12, 30, tzinfo=UTC)} | how),
+        Conditions(
+            **{"file": "drive.pcapng", "date": datetime(2026, 5, 9, 12, 30, tzinfo=UTC)} | how
+        ),
     )
     return find(subject, measured(*stretches or (rows(),)))

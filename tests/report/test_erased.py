@@ -12,24 +12,24 @@ import mikas
 from mikas.catalog import shipped
 from mikas.recording import CaptureWriter
 from mikas.recording.notes import faults_note
+from mikas.report.fault_history import ClearedFaults, FaultReading, cleared_faults
 from mikas.report.findings import Findings, Outcome, find
-from mikas.report.gathering import of_recording
+from mikas.report.from_recording import of_recording
 from mikas.report.page import render
-from mikas.report.told import Gone, Heard, gone_of
-from mikas.report.verdict import sentence
+from mikas.report.summary import sentence
 
 IDLE = "sim:?clock=simulated&scenario=warm-idle"
 
 
-def after(*gone: Gone, read: float = START + 30, stored: tuple[int, ...] = ()) -> Findings:
+def after(*gone: ClearedFaults, read: float = START + 30, stored: tuple[int, ...] = ()) -> Findings:
     from dataclasses import replace
 
     it = found_in(rows(), faults=stored)
     return find(replace(it.subject, gone=gone, faults_read=read), it.measured)
 
 
-def gone(*codes: int, time: float = START + 20, erased: bool = True) -> Gone:
-    return Gone(time, tuple(map(shipped().fault, codes)), erased)
+def gone(*codes: int, time: float = START + 20, erased: bool = True) -> ClearedFaults:
+    return ClearedFaults(time, tuple(map(shipped().fault, codes)), erased)
 
 
 def test_a_report_right_after_erasing_is_not_green() -> None:
@@ -76,8 +76,13 @@ def test_nobody_was_seen_to_erase_them() -> None:
 
 
 def test_what_is_gone_between_two_readings() -> None:
-    heard = [Heard(1, (13, 53)), Heard(2, (53, 17), erased=True), Heard(3, (53, 17)), Heard(4, ())]
-    (first, second) = gone_of(heard, shipped())
+    heard = [
+        FaultReading(1, (13, 53)),
+        FaultReading(2, (53, 17), erased=True),
+        FaultReading(3, (53, 17)),
+        FaultReading(4, ()),
+    ]
+    (first, second) = cleared_faults(heard, shipped())
     assert (first.time, first.erased, [it.code for it in first.faults]) == (2, True, [13])
     assert (second.time, second.erased, [it.code for it in second.faults]) == (4, False, [53, 17])
 

@@ -9,10 +9,10 @@ import pytest
 from report_bench import found, rows
 
 from mikas.catalog import shipped
-from mikas.report.findings import Mark, Outcome
-from mikas.report.idle import ENOUGH, SETTLING
-from mikas.report.unknowns import unknowns
-from mikas.report.verdict import of_idle, sentence
+from mikas.report.findings import BandPosition, Outcome
+from mikas.report.limitations import unknowns
+from mikas.report.summary import of_idle, sentence
+from mikas.report.warm_idle import ENOUGH, SETTLING
 
 WITH_REFERENCE = ("TWAT", "FREQ", "FREQX", "UOZ", "UACC", "INJ", "JAIR", "THR")
 
@@ -33,7 +33,7 @@ def all_texts(findings):
 
 def test_a_sound_engine() -> None:
     findings = found()
-    assert marks(findings) == dict.fromkeys(WITH_REFERENCE, Mark.INSIDE)
+    assert marks(findings) == dict.fromkeys(WITH_REFERENCE, BandPosition.INSIDE)
     assert findings.outcome is Outcome.GOOD
     assert findings.off == ()
     assert sentence(findings).en == (
@@ -53,19 +53,26 @@ def test_each_value_is_judged_by_its_reference(name) -> None:
     assert parameter.meaning is not None
     low, high = parameter.reference
     step = float(parameter.conversion.scale)
-    sides = [(high, Mark.INSIDE), (low, Mark.INSIDE), (high + step, Mark.HIGH)]
+    sides = [
+        (high, BandPosition.INSIDE),
+        (low, BandPosition.INSIDE),
+        (high + step, BandPosition.HIGH),
+    ]
     if name != "THR":
-        sides.append((low - step, Mark.LOW))
+        sides.append((low - step, BandPosition.LOW))
     for value, mark in sides:
         (judged,) = [v for v in found(rows(**{name: value})).judged if v.channel.name == name]
         assert judged.mark is mark, value
-        expected = {Mark.LOW: parameter.meaning.low, Mark.HIGH: parameter.meaning.high}
+        expected = {
+            BandPosition.LOW: parameter.meaning.low,
+            BandPosition.HIGH: parameter.meaning.high,
+        }
         assert judged.meaning == expected.get(mark, ("", ""))
 
 
 def test_values_without_a_reference_are_never_judged() -> None:
     findings = found(rows(TAIR=99, RCOK=-0.9, SSM=255, FUEL_FLOW=30))
-    assert marks(findings) == dict.fromkeys(WITH_REFERENCE, Mark.INSIDE)
+    assert marks(findings) == dict.fromkeys(WITH_REFERENCE, BandPosition.INSIDE)
     assert {value.channel.name for value in findings.others} == {
         "TAIR", "RCOK", "SSM", "FUEL_FLOW", "RXX",
     }  # fmt: skip
@@ -105,7 +112,7 @@ def test_a_median_inside_is_inside_however_it_trembles() -> None:
         return np.where(np.arange(times.size) % 10 < 3, 700, 850)
 
     (value,) = [v for v in found(rows(FREQX=trembling)).judged if v.channel.name == "FREQX"]
-    assert value.mark is Mark.INSIDE
+    assert value.mark is BandPosition.INSIDE
     assert (value.stats.low, value.stats.inside) == (700, pytest.approx(0.7, abs=0.01))
 
 
@@ -130,7 +137,7 @@ def test_only_values_at_warm_idle_count() -> None:
         return np.where(times < 40, 90.0, 14.5)
 
     findings = found(rows(60, FREQ=driving, JAIR=load))
-    assert marks(findings)["JAIR"] is Mark.INSIDE
+    assert marks(findings)["JAIR"] is BandPosition.INSIDE
     assert findings.measured.at_idle["JAIR"].most == 14.5
     assert findings.measured.whole["JAIR"].most == 90
 
@@ -208,10 +215,10 @@ def test_what_the_file_could_not_tell() -> None:
 def test_a_unit_that_tells_no_passport_and_one_that_was_not_asked() -> None:
     from dataclasses import replace
 
-    from mikas.report.subject import Unit
+    from mikas.report.subject import UnitIdentity
 
     findings = found()
-    silent = Unit(shipped().model(9), (None, None, None), (None,) * 5)
+    silent = UnitIdentity(shipped().model(9), (None, None, None), (None,) * 5)
     told = unknowns(replace(findings, subject=replace(findings.subject, unit=silent)))
     assert told[0].en == "The unit's passports: it does not tell them."
     told = unknowns(replace(findings, subject=replace(findings.subject, unit=None)))

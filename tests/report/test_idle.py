@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from report_bench import START, rows
 
 from mikas.recording.table import Rows
-from mikas.report.idle import ENOUGH, PAUSE, SETTLING, IdleFinder
+from mikas.report.warm_idle import ENOUGH, PAUSE, SETTLING, WarmIdleFinder
 
 NAMES = ("TWAT", "FREQ", "FREQX", "THR", "RXX")
 
 
 def look(*stretches, names=NAMES):
-    finder = IdleFinder([name for name in names if any(name in s.values for s in stretches)])
+    finder = WarmIdleFinder([name for name in names if any(name in s.values for s in stretches)])
     masks = [finder.find(stretch) for stretch in stretches]
     return finder.found, np.concatenate(masks)
 

@@ -12,5 +12,5 @@ from mikas.report.labels import NAMES
 def test_every_label_is_on_the_page() -> None:
     folder = Path(mikas.report.__file__).parent
     said = "".join((folder / name).read_text("utf-8") for name in ("page.py", "page.html"))
-    said += (folder / "measurement.py").read_text("utf-8")
+    said += (folder / "conditions.py").read_text("utf-8")
     assert {name for name in NAMES if not re.search(rf"""["']{name}["']""", said)} == set()

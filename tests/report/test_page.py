@@ -19,7 +19,7 @@ from mikas.errors import EchoOnly
 from mikas.i18n import Text
 from mikas.report import page
 from mikas.report.findings import find
-from mikas.report.subject import Pause, Unit
+from mikas.report.subject import Interruption, UnitIdentity
 
 _EMPTY = {"meta", "link", "br", "img"}
 
@@ -58,11 +58,11 @@ class Parsed(HTMLParser):
 
 def every_kind():
     """One of each: inside, off, unjudged, faults of each sort, gaps."""
-    gap = Pause(START + 10, START + 15, Text("no echo", "нет эха"))
+    gap = Interruption(START + 10, START + 15, Text("no echo", "нет эха"))
     return found(
         rows(60, JAIR=11.0, UACC=12.9),
         faults=(12, 13, 53, 99),
-        pauses=(gap, Pause(START + 20), gap, gap, gap),
+        pauses=(gap, Interruption(START + 20), gap, gap, gap),
         sessions=2,
         damaged=3,
         port="/dev/ttyUSB0",
@@ -185,7 +185,7 @@ def test_anybody_s_words_stay_words(tmp_path: Path) -> None:
     subject = replace(
         findings.subject,
         catalog=catalog,
-        unit=Unit(catalog.model(0x0A), (evil,), (evil,)),
+        unit=UnitIdentity(catalog.model(0x0A), (evil,), (evil,)),
         faults=(catalog.fault(13),),
         notes=(evil,),
     )
@@ -234,7 +234,7 @@ def test_a_spike_is_drawn_and_a_gap_is_one() -> None:
     def spike(times):
         return np.where(times == 30, 5000, 840)
 
-    gap = Pause(START + 40, START + 50, Text("gap", "пропуск"))
+    gap = Interruption(START + 40, START + 50, Text("gap", "пропуск"))
 
     def lost(times):
         return np.where((times >= 40) & (times < 50), np.nan, spike(times))
@@ -253,7 +253,7 @@ def test_a_spike_is_drawn_and_a_gap_is_one() -> None:
 @pytest.mark.parametrize("language", ["en", "ru"])
 def test_why_nothing_came_is_told_without_bytes_and_advice(language) -> None:
     error = EchoOnly(request=b"\x01\xff\x0d", received=b"\x01\xff\x0d")
-    gap = Pause(START + 40, START + 50, error.gui_text)
+    gap = Interruption(START + 40, START + 50, error.gui_text)
     text = page.render(found(rows(60), pauses=(gap,)), language)
     assert f"0:50 ({error.reason.to(language)})" in text
     assert "FF 0D" not in text

@@ -13,10 +13,10 @@ from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter, write_session_header
 from mikas.recording.notes import gap_note, marker_note, text_note
-from mikas.report.findings import Mark, Outcome
-from mikas.report.gathering import of_recording
+from mikas.report.findings import BandPosition, Outcome
+from mikas.report.formatting import date_of
+from mikas.report.from_recording import of_recording
 from mikas.report.page import render
-from mikas.report.words import date_of
 
 IDLE = "sim:?clock=simulated&scenario=warm-idle"
 
@@ -65,7 +65,7 @@ def test_all_of_it(drive: Path) -> None:
     assert subject.how.port.startswith(IDLE)
     assert subject.how.date is None  # a simulated clock knows no calendar
     assert measured.rows >= 300
-    assert {value.mark for value in found.judged} == {Mark.INSIDE}
+    assert {value.mark for value in found.judged} == {BandPosition.INSIDE}
     assert len(found.judged) == 8
     assert found.outcome is Outcome.ATTENTION
     assert {"FUEL_FLOW", "FILLING", "DUTY"} <= {value.channel.name for value in found.others}
@@ -178,7 +178,11 @@ def test_the_catalog_of_today_judges(drive: Path, tmp_path: Path) -> None:
     )
     found = of_recording(drive, load(own))
     (value,) = found.off
-    assert (value.channel.name, value.mark, value.meaning.en) == ("UACC", Mark.LOW, "not enough")
+    assert (value.channel.name, value.mark, value.meaning.en) == (
+        "UACC",
+        BandPosition.LOW,
+        "not enough",
+    )
     assert "mine" in render(found, "en")
 
 

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.report.curve import COLUMNS, Curve
-from mikas.report.spread import Spread, is_inside
+from mikas.report.statistics import COLUMNS, Envelope, ValueCounts, is_inside
 
 NAN = float("nan")
 
@@ -19,7 +18,7 @@ columns = st.lists(
 
 @given(columns)
 def test_the_same_as_of_all_values_at_once(stretches) -> None:
-    spread = Spread(4)
+    spread = ValueCounts(4)
     for stretch in stretches:
         spread.add(np.array(stretch, np.float64))
     values = np.array([v for stretch in stretches for v in stretch if v == v])
@@ -37,7 +36,7 @@ def test_the_same_as_of_all_values_at_once(stretches) -> None:
 
 
 def test_a_share_is_only_told_of_a_reference() -> None:
-    spread = Spread(0)
+    spread = ValueCounts(0)
     spread.add(np.array([1.0]))
     stats = spread.stats()
     assert stats is not None
@@ -45,7 +44,7 @@ def test_a_share_is_only_told_of_a_reference() -> None:
 
 
 def test_memory_does_not_grow_with_computed_values() -> None:
-    spread = Spread(2)
+    spread = ValueCounts(2)
     random = np.random.default_rng(1)
     for _ in range(20):
         spread.add(random.random(10_000))
@@ -64,7 +63,7 @@ def test_a_curve_keeps_every_spike(pieces, step, seed) -> None:
     random = np.random.default_rng(seed)
     values = random.random(pieces * 25)
     times = 1e9 + np.arange(values.size) * step
-    curve = Curve(1e9)
+    curve = Envelope(1e9)
     for piece in range(pieces):
         part = slice(piece * 25, piece * 25 + 25)
         curve.add(times[part], values[part])
@@ -79,6 +78,6 @@ def test_a_curve_keeps_every_spike(pieces, step, seed) -> None:
 
 
 def test_a_curve_without_values_stays_empty() -> None:
-    curve = Curve(0.0)
+    curve = Envelope(0.0)
     curve.add(np.array([0.0, 1.0, -3.0]), np.array([NAN, NAN, 5.0]))
     assert np.isnan(curve.most).all()

@@ -6,8 +6,7 @@ import pytest
 
 from mikas.catalog import Confidence, shipped
 from mikas.i18n import Text, counted
-from mikas.report.labels import NAMES, Labels
-from mikas.report.words import (
+from mikas.report.formatting import (
     SURE,
     band,
     clock,
@@ -17,6 +16,7 @@ from mikas.report.words import (
     with_unit,
     within,
 )
+from mikas.report.labels import NAMES, Labels
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mikas.cli.run import Run
-from mikas.cli.words import localized, tr
+from mikas.cli.context import CommandContext
+from mikas.cli.language import localized, tr
 from mikas.errors import UsageError
 
 if TYPE_CHECKING:
@@ -14,33 +14,33 @@ if TYPE_CHECKING:
     from mikas.dashboard.settings import Settings
 
 
-def tell_kept(run: Run, hub: Hub) -> None:
+def tell_kept(context: CommandContext, hub: Hub) -> None:
     """What became of the recording that was being made."""
     kept = hub.recording.kept
     if kept is None:
         return
     if kept.failure is None:
-        run.output.note(
+        context.output.note(
             tr(
                 f"The recording was ended and is kept: {kept.path}",
                 f"Запись закончена и сохранена: {kept.path}",
             )
         )
     else:
-        run.output.note(localized(kept.failure.text))
+        context.output.note(localized(kept.failure.text))
 
 
-def tell_if_nothing_can_be_kept(run: Run, settings: Settings) -> None:
+def tell_if_nothing_can_be_kept(context: CommandContext, settings: Settings) -> None:
     """Of the folder that nobody named; one that was named is refused."""
     from mikas.dashboard.settings import check_folder
 
     try:
         check_folder(settings.recordings)
     except UsageError as error:
-        run.output.note(localized(error.text))
+        context.output.note(localized(error.text))
 
 
-def tell_if_missing(run: Run, url: str) -> None:
+def tell_if_missing(context: CommandContext, url: str) -> None:
     """Says here too what the page shows: perhaps nobody looks at it yet."""
     from mikas.link import find_ports
     from mikas.link.ports import listed
@@ -53,7 +53,7 @@ def tell_if_missing(run: Run, url: str) -> None:
     if named.address in (port.url for port in ports):
         return  # on Windows a port is no path
     found = listed(ports)
-    run.output.note(
+    context.output.note(
         tr(
             f"There is no port {named.address} yet; the page connects as soon as it is there. "
             f"Found: {found.en}.",

@@ -14,81 +14,13 @@ from pathlib import Path
 
 import click
 
-from mikas.cli import words
-from mikas.cli.grammar import Group, Option, common_options
-from mikas.cli.words import localized, tr
+from mikas.cli.click_extensions import LocalizedGroup, LocalizedOption, common_options
+from mikas.cli.commands import COMMANDS
+from mikas.cli.language import detect_language, localized, set_language, tr
 from mikas.i18n import Text
 
 DONE, BUG, USAGE, NO_CONNECTION, LINE, REFUSED, NOT_CONFIRMED = range(7)
 INTERRUPTED = 130
-
-_HERE = "mikas.cli.commands"
-COMMANDS: dict[str, tuple[str, Text]] = {
-    "ports": (
-        f"{_HERE}.ports:ports",
-        Text("adapters that are plugged in", "какие адаптеры подключены"),
-    ),
-    "doctor": (
-        f"{_HERE}.doctor:doctor",
-        Text("finds out what is wrong with the connection", "находит, что не так со связью"),
-    ),
-    "info": (
-        f"{_HERE}.info:info",
-        Text("model, passports, what this unit supports", "модель, паспорта, что блок умеет"),
-    ),
-    "params": (
-        f"{_HERE}.params:params",
-        Text("every known parameter (needs no port)", "все известные параметры (порт не нужен)"),
-    ),
-    "read": (f"{_HERE}.read:read", Text("one reading each", "прочесть параметры один раз")),
-    "watch": (f"{_HERE}.watch:watch", Text("live table", "живая таблица")),
-    "log": (f"{_HERE}.log:log", Text("record to a file", "записывать в файл")),
-    "faults": (
-        f"{_HERE}.faults:faults",
-        Text("stored faults; `faults erase` erases them", "ошибки; `faults erase` стирает их"),
-    ),
-    "write": (f"{_HERE}.write:write", Text("write a parameter", "записать параметр")),
-    "mem": (
-        f"{_HERE}.mem:mem",
-        Text(
-            "read, write, dump and compare memory", "память блока: чтение, запись, образ, сравнение"
-        ),
-    ),
-    "raw": (f"{_HERE}.raw:raw", Text("send any request", "послать любой запрос")),
-    "decode": (
-        f"{_HERE}.decode:decode",
-        Text(
-            "a capture, frame by frame (needs no port)",
-            "показать запись линии по кадрам (порт не нужен)",
-        ),
-    ),
-    "export": (
-        f"{_HERE}.export:export",
-        Text(
-            "a recording as a table for other programs (needs no port)",
-            "запись в виде таблицы для других программ (порт не нужен)",
-        ),
-    ),
-    "report": (
-        f"{_HERE}.report:report",
-        Text(
-            "a page on the car for its owner, of a recording or measured now",
-            "страница о машине для её владельца: по записи или по измерению сейчас",
-        ),
-    ),
-    "sim": (
-        f"{_HERE}.sim:sim",
-        Text("a virtual ECU for other programs", "виртуальный блок для других программ"),
-    ),
-    "dash": (
-        f"{_HERE}.dash:dash",
-        Text("the dashboard, in the browser", "панель в браузере"),
-    ),
-    "demo": (
-        f"{_HERE}.demo:demo",
-        Text("the dashboard with a virtual car", "панель с виртуальным автомобилем"),
-    ),
-}
 
 
 def _version(ctx: click.Context, _: click.Parameter, value: bool) -> None:
@@ -99,7 +31,7 @@ def _version(ctx: click.Context, _: click.Parameter, value: bool) -> None:
         ctx.exit()
 
 
-cli = Group(
+cli = LocalizedGroup(
     "mikas",
     homes=COMMANDS,
     text=Text(
@@ -111,7 +43,7 @@ cli = Group(
     examples=("mikas doctor", "mikas read TWAT FREQ", "mikas watch --port sim:"),
     params=[
         *common_options(),
-        Option(
+        LocalizedOption(
             ["--version"],
             is_flag=True,
             is_eager=True,
@@ -143,7 +75,7 @@ def _make_writable() -> None:
 def run(argv: list[str]) -> int:
     """Runs one command line; returns the exit status."""
     try:
-        words.choose(words.from_surroundings(argv))
+        set_language(detect_language(argv))
         # Not `cli.main`: it would end the process by itself when a pipe's reader is gone.
         with cli.make_context("mikas", argv) as context:
             result = cli.invoke(context)

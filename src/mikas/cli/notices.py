@@ -10,7 +10,7 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mikas.cli.words import decimal, localized, tr
+from mikas.cli.language import decimal, localized, tr
 from mikas.errors import EngineStopped, MikasError, NoConnection, SyncLost
 from mikas.sampling.alarms import AlarmChanged
 from mikas.sampling.events import (
@@ -25,7 +25,7 @@ from mikas.sampling.events import (
 )
 
 if TYPE_CHECKING:
-    from mikas.cli.session import Session
+    from mikas.cli.sampling_run import SamplingRun
     from mikas.sampling.events import Event
     from mikas.sampling.plan import Plan
 
@@ -40,7 +40,7 @@ class Notices:
     Nothing is said while all is well: the values speak.
     """
 
-    def __init__(self, session: Session, tell: Tell, *, verbose: bool = False) -> None:
+    def __init__(self, session: SamplingRun, tell: Tell, *, verbose: bool = False) -> None:
         self._session = session
         self._tell = tell
         self._verbose = verbose

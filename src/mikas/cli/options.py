@@ -8,14 +8,14 @@ from typing import Any, TypeVar
 
 import click
 
-from mikas.cli.arguments import File, Number, OneOf, Whole
-from mikas.cli.words import localized
+from mikas.cli.language import localized
+from mikas.cli.parameter_types import File, Number, OneOf, Whole
 from mikas.i18n import Text
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-class Option(click.Option):
+class LocalizedOption(click.Option):
     """An option whose help is a `Text`."""
 
     def __init__(self, *args: Any, text: Text, **kwargs: Any) -> None:
@@ -28,7 +28,7 @@ class Option(click.Option):
         return (record[0], localized(self.text)) if record else None
 
 
-class CommonOption(Option):
+class CommonOption(LocalizedOption):
     """An option that every command has, before or after its name."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -143,7 +143,7 @@ def common_options() -> list[click.Parameter]:
 
 def option(*names: str, text: Text, **settings: Any) -> Callable[[F], F]:
     """`click.option` with a `Text`."""
-    return click.option(*names, cls=Option, text=text, **settings)
+    return click.option(*names, cls=LocalizedOption, text=text, **settings)
 
 
 YES = option("--yes", is_flag=True, text=Text("do not ask", "не спрашивать"))

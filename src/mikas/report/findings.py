@@ -14,16 +14,16 @@ from typing import Final
 from mikas.catalog import Derived, Fault, Parameter
 from mikas.catalog.conversion import NO_TEXT
 from mikas.i18n import Text
-from mikas.report.measuring import Channel, Measured
-from mikas.report.spread import Stats, is_inside
-from mikas.report.subject import Subject
-from mikas.report.told import Gone
+from mikas.report.fault_history import ClearedFaults
+from mikas.report.measurements import Channel, Measurements
+from mikas.report.statistics import ChannelStatistics, is_inside
+from mikas.report.subject import ReportSubject
 
 _FEWEST: Final = 5  # values at warm idle to judge by
 _LONG_ENOUGH: Final = 600.0  # s after which an erased fault should have come back
 
 
-class Mark(StrEnum):
+class BandPosition(StrEnum):
     """Where a value lies; shown as a word and a shape."""
 
     INSIDE = "inside"
@@ -41,24 +41,24 @@ class Outcome(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Value:
+class ChannelFinding:
     """One channel's row. `meaning`: what its being off may mean. `faults`: those stored that bear
     on it.
     """
 
     channel: Channel
-    stats: Stats
-    mark: Mark = Mark.NONE
+    stats: ChannelStatistics
+    mark: BandPosition = BandPosition.NONE
     meaning: Text = NO_TEXT
     faults: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Stored:
+class FaultFinding:
     """A stored fault, with the measured values that bear on it."""
 
     fault: Fault
-    values: tuple[Value, ...]
+    values: tuple[ChannelFinding, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,27 +67,27 @@ class Findings:
     numbers are those of warm idle, or of the whole time. `gone`: real faults that were stored.
     """
 
-    subject: Subject
-    measured: Measured
+    subject: ReportSubject
+    measured: Measurements
     outcome: Outcome
-    faults: tuple[Stored, ...] | None
-    judged: tuple[Value, ...]
-    others: tuple[Value, ...]
+    faults: tuple[FaultFinding, ...] | None
+    judged: tuple[ChannelFinding, ...]
+    others: tuple[ChannelFinding, ...]
     at_idle: bool
-    gone: tuple[Gone, ...] = ()
+    gone: tuple[ClearedFaults, ...] = ()
 
     @property
-    def off(self) -> tuple[Value, ...]:
+    def off(self) -> tuple[ChannelFinding, ...]:
         """The values outside their references."""
-        return tuple(value for value in self.judged if value.mark is not Mark.INSIDE)
+        return tuple(value for value in self.judged if value.mark is not BandPosition.INSIDE)
 
     @property
-    def real_faults(self) -> tuple[Stored, ...]:
+    def real_faults(self) -> tuple[FaultFinding, ...]:
         """The stored faults without those numbers that are only messages."""
         return tuple(each for each in self.faults or () if not each.fault.informational)
 
 
-def find(subject: Subject, measured: Measured) -> Findings:
+def find(subject: ReportSubject, measured: Measurements) -> Findings:
     """Everything that follows."""
     at_idle = measured.idle.enough
     stats = measured.at_idle if at_idle else measured.whole
@@ -97,7 +97,7 @@ def find(subject: Subject, measured: Measured) -> Findings:
         for channel in measured.channels
         if channel.name in stats
     }
-    judged = tuple(value for value in values.values() if value.mark is not Mark.NONE)
+    judged = tuple(value for value in values.values() if value.mark is not BandPosition.NONE)
     faults = subject.faults
     stored = None if faults is None else tuple(_stored(fault, values) for fault in faults)
     gone = tuple(each for each in map(_real, subject.gone) if each.faults)
@@ -108,32 +108,36 @@ def find(subject: Subject, measured: Measured) -> Findings:
         gone=gone,
         faults=stored,
         judged=judged,
-        others=tuple(value for value in values.values() if value.mark is Mark.NONE),
+        others=tuple(value for value in values.values() if value.mark is BandPosition.NONE),
         at_idle=at_idle,
     )
 
 
 def _value(
-    channel: Channel, stats: Stats, bearing: Mapping[str, tuple[int, ...]], *, judge: bool
-) -> Value:
+    channel: Channel,
+    stats: ChannelStatistics,
+    bearing: Mapping[str, tuple[int, ...]],
+    *,
+    judge: bool,
+) -> ChannelFinding:
     faults = bearing.get(channel.name, ())
     enough = judge and stats.count >= _FEWEST
     if isinstance(channel, Derived) or channel.reference is None or not enough:
-        return Value(channel, stats, faults=faults)
+        return ChannelFinding(channel, stats, faults=faults)
     mark = _mark(stats.median, channel.reference)
-    return Value(channel, stats, mark, _meaning(channel, mark), faults)
+    return ChannelFinding(channel, stats, mark, _meaning(channel, mark), faults)
 
 
-def _mark(median: float, reference: tuple[float, float]) -> Mark:
+def _mark(median: float, reference: tuple[float, float]) -> BandPosition:
     if is_inside(median, reference):
-        return Mark.INSIDE
-    return Mark.LOW if median < reference[0] else Mark.HIGH
+        return BandPosition.INSIDE
+    return BandPosition.LOW if median < reference[0] else BandPosition.HIGH
 
 
-def _meaning(parameter: Parameter, mark: Mark) -> Text:
-    if parameter.meaning is None or mark is Mark.INSIDE:
+def _meaning(parameter: Parameter, mark: BandPosition) -> Text:
+    if parameter.meaning is None or mark is BandPosition.INSIDE:
         return NO_TEXT
-    return parameter.meaning.low if mark is Mark.LOW else parameter.meaning.high
+    return parameter.meaning.low if mark is BandPosition.LOW else parameter.meaning.high
 
 
 def _bearing(faults: tuple[Fault, ...]) -> dict[str, tuple[int, ...]]:
@@ -145,24 +149,24 @@ def _bearing(faults: tuple[Fault, ...]) -> dict[str, tuple[int, ...]]:
     return found
 
 
-def _stored(fault: Fault, values: Mapping[str, Value]) -> Stored:
-    return Stored(fault, tuple(values[name] for name in fault.parameters if name in values))
+def _stored(fault: Fault, values: Mapping[str, ChannelFinding]) -> FaultFinding:
+    return FaultFinding(fault, tuple(values[name] for name in fault.parameters if name in values))
 
 
-def is_open(subject: Subject, gone: Gone) -> bool:
+def is_open(subject: ReportSubject, gone: ClearedFaults) -> bool:
     """Whether it is too early to say that these are cured: they were not looked for again later."""
     return (subject.faults_read or gone.time) - gone.time < _LONG_ENOUGH
 
 
-def _real(gone: Gone) -> Gone:
+def _real(gone: ClearedFaults) -> ClearedFaults:
     return replace(gone, faults=tuple(it for it in gone.faults if not it.informational))
 
 
 def _outcome(
-    faults: tuple[Fault, ...] | None, judged: tuple[Value, ...], *, is_open: bool
+    faults: tuple[Fault, ...] | None, judged: tuple[ChannelFinding, ...], *, is_open: bool
 ) -> Outcome:
     if any(not fault.informational for fault in faults or ()):
         return Outcome.ATTENTION
-    if any(value.mark is not Mark.INSIDE for value in judged):
+    if any(value.mark is not BandPosition.INSIDE for value in judged):
         return Outcome.ATTENTION
     return Outcome.GOOD if judged and faults is not None and not is_open else Outcome.OPEN

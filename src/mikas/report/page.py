@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING, Any, Final
 from markupsafe import Markup
 
 from mikas.i18n import Language
-from mikas.report.findings import Findings, Mark, Stored, Value
+from mikas.report.charts import chart
+from mikas.report.conditions import rows as how_rows
+from mikas.report.fault_history import ClearedFaults
+from mikas.report.findings import BandPosition, ChannelFinding, FaultFinding, Findings
+from mikas.report.formatting import SURE, band, date_of, moment, number, percent, with_unit
 from mikas.report.labels import Labels
-from mikas.report.measurement import rows as how_rows
-from mikas.report.plots import chart
-from mikas.report.told import Gone
-from mikas.report.unknowns import unknowns
-from mikas.report.verdict import HEADLINES, MARKS, sentence
-from mikas.report.words import SURE, band, date_of, moment, number, percent, with_unit
+from mikas.report.limitations import unknowns
+from mikas.report.summary import HEADLINES, MARKS, sentence
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -100,7 +100,7 @@ class _Page:
             return ""
         return self._label("faults_read", when=self._moment(time))
 
-    def _gone(self, gone: Gone) -> dict[str, Any]:
+    def _gone(self, gone: ClearedFaults) -> dict[str, Any]:
         title = self._label("erased" if gone.erased else "gone", when=self._moment(gone.time))
         told = [
             f"{it.code}: {it.text.to(self._language) if it.known else self._label('no_text')}"
@@ -111,7 +111,7 @@ class _Page:
     def _moment(self, time: float) -> str:
         return moment(time, self._found.measured.began).to(self._language)
 
-    def _fault(self, stored: Stored) -> dict[str, str | int]:
+    def _fault(self, stored: FaultFinding) -> dict[str, str | int]:
         fault, language = stored.fault, self._language
         values = ", ".join(
             f"{each.channel.text.to(language)} {self._number(each)}" for each in stored.values
@@ -126,13 +126,13 @@ class _Page:
             "related": f"{self._label('measured')}: {values}" if values else "",
         }
 
-    def _judged(self, value: Value) -> dict[str, str | bool]:
+    def _judged(self, value: ChannelFinding) -> dict[str, str | bool]:
         channel, stats, language = value.channel, value.stats, self._language
         ends = [number(end, channel.decimals, language) for end in (stats.low, stats.high)]
         codes = ", ".join(map(str, value.faults))
         fault = self._label("fault_bears", codes=codes) if codes else ""
         return {
-            "off": value.mark is not Mark.INSIDE,
+            "off": value.mark is not BandPosition.INSIDE,
             "text": channel.text.to(language),
             "name": channel.name,
             "median": with_unit(stats.median, channel, language),
@@ -144,7 +144,7 @@ class _Page:
             "why": " ".join(filter(None, (value.meaning.to(language), fault))),
         }
 
-    def _other(self, value: Value) -> dict[str, str]:
+    def _other(self, value: ChannelFinding) -> dict[str, str]:
         channel, stats, language = value.channel, value.stats, self._language
         said = self._number(value)
         if not channel.is_flag and stats.low != stats.high:
@@ -152,7 +152,7 @@ class _Page:
             said += f" ({low} … {high})"
         return {"text": channel.text.to(language), "name": channel.name, "said": said}
 
-    def _number(self, value: Value) -> str:
+    def _number(self, value: ChannelFinding) -> str:
         if value.channel.is_flag:
             return self._label("set_share", share=percent(value.stats.mean))
         return with_unit(value.stats.median, value.channel, self._language)

@@ -11,11 +11,11 @@ from datetime import datetime
 
 from mikas.catalog import Catalog, Fault, Model
 from mikas.i18n import Text
-from mikas.report.told import Gone
+from mikas.report.fault_history import ClearedFaults
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class UnitIdentity:
     """Who was asked. The passport's pieces: three of the program, five of the data; None: it does
     not tell.
     """
@@ -26,7 +26,7 @@ class Unit:
 
 
 @dataclass(frozen=True, slots=True)
-class Pause:
+class Interruption:
     """Nothing came from `began` to `ended`, on the link's clock; None: until the end."""
 
     began: float
@@ -35,7 +35,7 @@ class Pause:
 
 
 @dataclass(frozen=True, slots=True)
-class How:
+class Conditions:
     """How it was measured. `file`: the recording's name; empty: of a running session.
 
     `date` None: the clock was a simulated one. `errors`: exchanges that failed. `sessions`: how
@@ -48,7 +48,7 @@ class How:
     adapter: str = ""
     echo: bool | None = None
     method: str = ""
-    pauses: tuple[Pause, ...] = ()
+    pauses: tuple[Interruption, ...] = ()
     errors: int | None = None
     sessions: int = 1
     damaged: int = 0
@@ -56,15 +56,15 @@ class How:
 
 
 @dataclass(frozen=True, slots=True)
-class Subject:
+class ReportSubject:
     """All of it. `faults` None: they were not read; else they were stored at `faults_read`, and
     `gone` had been before. `notes`: a person's words, in their order.
     """
 
     catalog: Catalog
-    unit: Unit | None = None
+    unit: UnitIdentity | None = None
     faults: tuple[Fault, ...] | None = None
-    how: How = field(default_factory=How)
+    how: Conditions = field(default_factory=Conditions)
     notes: tuple[str, ...] = ()
     faults_read: float | None = None
-    gone: tuple[Gone, ...] = ()
+    gone: tuple[ClearedFaults, ...] = ()

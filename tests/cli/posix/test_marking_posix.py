@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from mikas.cli.marking import Marking
+from mikas.cli.markers import Marking
 from mikas.link.tee import Direction
 from mikas.recording import CaptureReader
 from mikas.recording.recorder import Recorder

@@ -9,11 +9,11 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mikas.cli.arguments import Whole
+from mikas.cli.click_extensions import command, option
+from mikas.cli.context import CommandContext
 from mikas.cli.dash_notes import tell_if_missing, tell_if_nothing_can_be_kept, tell_kept
-from mikas.cli.grammar import command, option
-from mikas.cli.run import Run
-from mikas.cli.words import tr, wished
+from mikas.cli.language import requested_language, tr
+from mikas.cli.parameter_types import Whole
 from mikas.errors import UsageError
 from mikas.i18n import Text
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Wishes:
+class DashboardOptions:
     """What the command line says about the server. `port` None: the first free one."""
 
     port: int | None = None
@@ -34,11 +34,11 @@ class Wishes:
 
 
 def dashboard_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that `dash` and `demo` share; they come as one `Wishes`."""
+    """The options that `dash` and `demo` share; they come as one `DashboardOptions`."""
 
     @wraps(function)
     def gathered(
-        run: Run,
+        context: CommandContext,
         *,
         host_port: int | None,
         lan: bool,
@@ -47,14 +47,14 @@ def dashboard_options(function: Callable[..., Any]) -> Callable[..., Any]:
         record: str | None,
         **rest: Any,
     ) -> Any:  # noqa: ANN401  (as the command)
-        wishes = wishes_of(
+        options = dashboard_options_of(
             host_port=host_port,
             lan=lan,
             lan_control=lan_control,
             no_browser=no_browser,
             record=record,
         )
-        return function(run, wishes, **rest)
+        return function(context, options, **rest)
 
     gathered_with: Callable[..., Any] = gathered
     for add in _OPTIONS:
@@ -104,16 +104,16 @@ _OPTIONS = (
 )
 
 
-def wishes_of(
+def dashboard_options_of(
     *, host_port: int | None, lan: bool, lan_control: bool, no_browser: bool, record: str | None
-) -> Wishes:
+) -> DashboardOptions:
     """Those options together. Raises `UsageError`."""
     folder = Path(record) if record else None
     if folder is not None:
         from mikas.dashboard.settings import check_folder
 
         check_folder(folder)
-    return Wishes(host_port, lan or lan_control, lan_control, not no_browser, folder)
+    return DashboardOptions(host_port, lan or lan_control, lan_control, not no_browser, folder)
 
 
 @command(
@@ -129,11 +129,11 @@ def wishes_of(
     examples=("mikas dash", "mikas dash --port /dev/ttyUSB0", "mikas dash --lan --no-browser"),
 )
 @dashboard_options
-def dash(run: Run, wishes: Wishes) -> None:
-    show_dashboard(run, wishes)
+def dash(context: CommandContext, options: DashboardOptions) -> None:
+    show_dashboard(context, options)
 
 
-def show_dashboard(run: Run, wishes: Wishes) -> None:
+def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
     """Serves until Ctrl-C; tells the address first."""
     from mikas.dashboard.app import create_app
     from mikas.dashboard.dashboard import Hub
@@ -142,36 +142,40 @@ def show_dashboard(run: Run, wishes: Wishes) -> None:
     from mikas.dashboard.settings import Settings, default_recordings, ensure_folder
     from mikas.dashboard.virtual_cars import VirtualCars
 
-    if run.capture is not None:
+    if context.capture is not None:
         raise UsageError(
             problem=Text(
                 "the dashboard records by itself (--record DIR); leave --capture out",
                 "Панель записывает сама (--record DIR); уберите --capture",
             )
         )
-    if run.port is not None:
-        _check(run.port)
-    if wishes.folder is not None:
-        ensure_folder(wishes.folder)
+    if context.port is not None:
+        _check(context.port)
+    if options.folder is not None:
+        ensure_folder(options.folder)
     settings = Settings(
-        wishes.folder or default_recordings(),
-        connection=run.options,
+        options.folder or default_recordings(),
+        connection=context.options,
         open_port=VirtualCars().open,
-        language=wished(),
+        language=requested_language(),
     )
-    own = listening(wishes.port, lan=wishes.lan)
+    own = listening(options.port, lan=options.lan)
     with own:
         access = Access(
             own.getsockname()[1],
-            lan=wishes.lan,
-            lan_control=wishes.lan_control,
-            hosts=own_addresses() if wishes.lan else (),
+            lan=options.lan,
+            lan_control=options.lan_control,
+            hosts=own_addresses() if options.lan else (),
         )
-        hub = Hub(settings, begin=run.port, lan=wishes.lan)
+        hub = Hub(settings, begin=context.port, lan=options.lan)
         try:
-            serve(create_app(hub, access), own, ready=lambda: _tell(run, access, wishes, settings))
+            serve(
+                create_app(hub, access),
+                own,
+                ready=lambda: _tell(context, access, options, settings),
+            )
         finally:
-            tell_kept(run, hub)
+            tell_kept(context, hub)
 
 
 def _check(url: str) -> None:
@@ -183,24 +187,26 @@ def _check(url: str) -> None:
         open_link(url).close()
 
 
-def _tell(run: Run, access: Access, wishes: Wishes, settings: Settings) -> None:
-    if run.output.json:
-        run.output.data({"url": access.url, "lan_url": access.lan_url})
+def _tell(
+    context: CommandContext, access: Access, options: DashboardOptions, settings: Settings
+) -> None:
+    if context.output.json:
+        context.output.data({"url": access.url, "lan_url": access.lan_url})
     else:
-        run.output.line(access.url)
+        context.output.line(access.url)
         if access.lan_url:
-            run.output.line(access.lan_url)
-    run.output.note(tr("Ctrl-C ends it.", "Выход: Ctrl-C."))
-    tell_if_nothing_can_be_kept(run, settings)
-    if run.port is not None:
-        tell_if_missing(run, run.port)
-    if access.lan_url and not run.output.json:
+            context.output.line(access.lan_url)
+    context.output.note(tr("Ctrl-C ends it.", "Выход: Ctrl-C."))
+    tell_if_nothing_can_be_kept(context, settings)
+    if context.port is not None:
+        tell_if_missing(context, context.port)
+    if access.lan_url and not context.output.json:
         import sys
 
         import segno
 
         segno.make(access.lan_url, error="m").terminal(sys.stderr, compact=True)
-    if wishes.browser:
+    if options.browser:
         # Some systems' browsers hold on to whoever opens them.
         threading.Thread(target=_open, args=(access.url,), daemon=True).start()
 

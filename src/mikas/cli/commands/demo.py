@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from urllib.parse import urlencode
 
-from mikas.cli.arguments import Whole
-from mikas.cli.commands.dash import Wishes, dashboard_options, show_dashboard
-from mikas.cli.grammar import command, option
-from mikas.cli.run import Run
-from mikas.cli.words import tr
+from mikas.cli.click_extensions import command, option
+from mikas.cli.commands.dash import DashboardOptions, dashboard_options, show_dashboard
+from mikas.cli.context import CommandContext
+from mikas.cli.language import tr
+from mikas.cli.parameter_types import Whole
 from mikas.i18n import Text
 
 _FAULTS = "17"  # the air's temperature: something to find and to erase, and the engine runs well
@@ -44,7 +44,9 @@ _FAULTS = "17"  # the air's temperature: something to find and to erase, and the
     text=Text(f"stored faults, as 13,53 ({_FAULTS})", f"ошибки в памяти, как 13,53 ({_FAULTS})"),
 )
 @dashboard_options
-def demo(run: Run, wishes: Wishes, *, scenario: str, seed: int, faults: str) -> None:
-    run.port = f"sim:?{urlencode({'scenario': scenario, 'seed': seed, 'faults': faults})}"
-    run.output.detail(tr("virtual car:", "виртуальный автомобиль:"), run.port)
-    show_dashboard(run, wishes)
+def demo(
+    context: CommandContext, options: DashboardOptions, *, scenario: str, seed: int, faults: str
+) -> None:
+    context.port = f"sim:?{urlencode({'scenario': scenario, 'seed': seed, 'faults': faults})}"
+    context.output.detail(tr("virtual car:", "виртуальный автомобиль:"), context.port)
+    show_dashboard(context, options)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 
-from mikas.cli.grammar import command
+from mikas.cli.click_extensions import command
+from mikas.cli.context import CommandContext
+from mikas.cli.language import localized, tr
 from mikas.cli.main import NO_CONNECTION
-from mikas.cli.run import Run
-from mikas.cli.words import localized, tr
 from mikas.client.doctor import STEPS, Step, examine
 from mikas.i18n import Text
 from mikas.link import CaptureTee, Link, choose_port, open_link
@@ -23,19 +23,21 @@ from mikas.link import CaptureTee, Link, choose_port, open_link
     ),
     examples=("mikas doctor", "mikas doctor --port /dev/ttyUSB0"),
 )
-def doctor(run: Run) -> int:
+def doctor(context: CommandContext) -> int:
     steps = []
     with ExitStack() as stack:
-        for step in examine(lambda: _open(run, stack), run.options.create_tester, run.catalog()):
+        for step in examine(
+            lambda: _open(context, stack), context.options.create_tester, context.catalog()
+        ):
             steps.append(step)
-            if not run.output.json:
-                run.output.line(_line(step))
-    if run.output.json:
+            if not context.output.json:
+                context.output.line(_line(step))
+    if context.output.json:
         listed = [{"name": s.name, "ok": s.ok, "detail": localized(s.detail)} for s in steps]
-        run.output.data({"steps": listed})
+        context.output.data({"steps": listed})
     failed = any(step.ok is False for step in steps)
-    if not failed and not run.output.json:
-        run.output.line(_end(all(step.ok for step in steps)))
+    if not failed and not context.output.json:
+        context.output.line(_end(all(step.ok for step in steps)))
     return NO_CONNECTION if failed else 0
 
 
@@ -47,14 +49,14 @@ def _end(well: bool) -> str:
     )
 
 
-def _open(run: Run, stack: ExitStack) -> Link:
-    port = run.port or choose_port()
-    sink = stack.enter_context(run.capturing(port))
+def _open(context: CommandContext, stack: ExitStack) -> Link:
+    port = context.port or choose_port()
+    sink = stack.enter_context(context.capturing(port))
     link = open_link(port)
     if sink is None:
         return link
     tee = CaptureTee(link, sink)
-    stack.callback(run.check_capture, tee)
+    stack.callback(context.check_capture, tee)
     return tee
 
 

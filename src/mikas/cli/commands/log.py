@@ -7,16 +7,16 @@ from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
 
-from mikas.cli.arguments import File, Portion, PortionType
+from mikas.cli.click_extensions import command, option
 from mikas.cli.commands.watch import sampling_options
-from mikas.cli.grammar import command, option
-from mikas.cli.lines import JsonLines
+from mikas.cli.context import CommandContext
+from mikas.cli.language import decimal, localized, tr
 from mikas.cli.main import USAGE
-from mikas.cli.marking import Marking
+from mikas.cli.markers import Marking
 from mikas.cli.notices import Notices, capital
-from mikas.cli.run import Run
-from mikas.cli.session import Asked, Session, session
-from mikas.cli.words import decimal, localized, tr
+from mikas.cli.parameter_types import File, Portion, PortionType
+from mikas.cli.render.lines import JsonLines
+from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
 from mikas.client import Ecu
 from mikas.errors import MikasError, UsageError
 from mikas.i18n import Text
@@ -61,8 +61,10 @@ from mikas.sampling.events import Event, LineState, StateChanged
     ),
 )
 @sampling_options
-def log(run: Run, asked: Asked, *, out: Path, rotate: Portion | None) -> int:
-    if run.capture is not None:
+def log(
+    context: CommandContext, asked: SamplingOptions, *, out: Path, rotate: Portion | None
+) -> int:
+    if context.capture is not None:
         raise UsageError(
             problem=Text(
                 "log records already, to the file after -o; leave --capture out",
@@ -70,9 +72,9 @@ def log(run: Run, asked: Asked, *, out: Path, rotate: Portion | None) -> int:
             )
         )
     _check_name(out)
-    with session(run, asked, out) as current:
+    with session(context, asked, out) as current:
         try:
-            return _record(run, current, asked, rotate)
+            return _record(context, current, asked, rotate)
         except MikasError:
             if not current.connected:
                 _leave_nothing(out)
@@ -101,10 +103,12 @@ def _check_name(out: Path) -> None:
         )
 
 
-def _record(run: Run, current: Session, asked: Asked, rotate: Portion | None) -> int:
-    lines = JsonLines(current, run.output) if run.output.json else None
-    progress = _Progress(run, current)
-    notices = Notices(current, progress.note, verbose=run.output.verbose)
+def _record(
+    context: CommandContext, current: SamplingRun, asked: SamplingOptions, rotate: Portion | None
+) -> int:
+    lines = JsonLines(current, context.output) if context.output.json else None
+    progress = _Progress(context, current)
+    notices = Notices(current, progress.note, verbose=context.output.verbose)
     rotation = _Rotation(current, rotate)
     try:
         with Marking(current.recorder, progress.note):
@@ -131,7 +135,7 @@ def _leave_nothing(out: Path) -> None:
 class _Rotation:
     """Begins the next file when this one has its portion."""
 
-    def __init__(self, current: Session, portion: Portion | None) -> None:
+    def __init__(self, current: SamplingRun, portion: Portion | None) -> None:
         self._current = current
         self._portion = portion or Portion()
         self._job: Future[None] | None = None
@@ -156,8 +160,8 @@ class _Rotation:
 class _Progress:
     """Rate, errors and file size: once a second on a terminal, and at the end."""
 
-    def __init__(self, run: Run, current: Session) -> None:
-        self._run = run
+    def __init__(self, context: CommandContext, current: SamplingRun) -> None:
+        self._context = context
         self._current = current
         self._live = sys.stderr.isatty()
         self._told: float | None = None
@@ -175,7 +179,7 @@ class _Progress:
         """A notice on a line of its own."""
         if self._live:
             self._write("")
-        self._run.output.note(sentence)
+        self._context.output.note(sentence)
         if self._live:
             self._write(self._now())
 

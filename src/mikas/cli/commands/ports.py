@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from mikas.cli.grammar import command
-from mikas.cli.run import Run
-from mikas.cli.words import localized, tr
+from mikas.cli.click_extensions import command
+from mikas.cli.context import CommandContext
+from mikas.cli.language import localized, tr
 from mikas.i18n import Text
 from mikas.link import find_ports
 
@@ -17,9 +17,9 @@ from mikas.link import find_ports
     ),
     examples=("mikas ports", "mikas ports --json"),
 )
-def ports(run: Run) -> None:
+def ports(context: CommandContext) -> None:
     found = find_ports()
-    if run.output.json:
+    if context.output.json:
         listed = [
             {
                 "url": port.url,
@@ -30,10 +30,10 @@ def ports(run: Run) -> None:
             }
             for port in found
         ]
-        run.output.data({"ports": listed})
+        context.output.data({"ports": listed})
         return
     if not found:
-        run.output.note(
+        context.output.note(
             tr(
                 "No serial adapter was found. Plug in a KKL cable and try again; `mikas demo` "
                 "works with none.",
@@ -42,10 +42,10 @@ def ports(run: Run) -> None:
             )
         )
         return
-    run.output.table(
+    context.output.table(
         [tr("port", "порт"), tr("chip", "микросхема"), tr("what it is", "что это")],
         [[port.url, port.chip or "–", port.description] for port in found],
     )
     for port in found:
         for quirk in port.quirks if port.likely else ():
-            run.output.note(f"{port.url}: {localized(quirk)}")
+            context.output.note(f"{port.url}: {localized(quirk)}")

@@ -8,10 +8,10 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mikas.cli.arguments import File, OneOf
-from mikas.cli.grammar import command, option
-from mikas.cli.run import Run
-from mikas.cli.words import tr
+from mikas.cli.click_extensions import command, option
+from mikas.cli.context import CommandContext
+from mikas.cli.language import tr
+from mikas.cli.parameter_types import File, OneOf
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.link import WallClock
@@ -96,7 +96,7 @@ _TROUBLES = ", ".join(it.value for it in LineFault if it is not LineFault.DAMAGE
     ),
 )
 def sim(
-    run: Run,
+    context: CommandContext,
     replay: Path | None,
     tcp: str | None,
     line_faults: Sequence[str],
@@ -111,13 +111,13 @@ def sim(
         wanted["echo"] = "0"
     clock = WallClock()
     if replay is None:
-        bus = build_bus(wanted, start=clock.now(), watcher=_watcher(run))
+        bus = build_bus(wanted, start=clock.now(), watcher=_watcher(context))
     else:
-        bus = _recorded(run, replay, wanted)
-    serve.run(_serve(run, bus, clock, _host_and_port(tcp) if tcp else None))
+        bus = _recorded(context, replay, wanted)
+    serve.run(_serve(context, bus, clock, _host_and_port(tcp) if tcp else None))
 
 
-def _recorded(run: Run, path: Path, wanted: Mapping[str, str]) -> Bus:
+def _recorded(context: CommandContext, path: Path, wanted: Mapping[str, str]) -> Bus:
     """The unit of a recording; it begins when the first request comes."""
     from mikas.recording.replay import car_on, replay_bus
 
@@ -129,12 +129,12 @@ def _recorded(run: Run, path: Path, wanted: Mapping[str, str]) -> Bus:
                     f"--{name} и --replay несовместимы: машина — та, что записана",
                 )
             )
-    bus = replay_bus(path, wanted, catalog=run.catalog())
+    bus = replay_bus(path, wanted, catalog=context.catalog())
     car = car_on(bus)
-    bus.ecu.watcher = _with_its_end(run, path, car)
+    bus.ecu.watcher = _with_its_end(context, path, car)
     if car is not None and car.recorded.problems:
         count = car.recorded.problems
-        run.output.note(
+        context.output.note(
             tr(
                 f"{path}: damaged parts passed over: {count}; mikas decode shows where",
                 f"{path}: пропущено повреждённых мест: {count}; где они, покажет mikas decode",
@@ -143,9 +143,11 @@ def _recorded(run: Run, path: Path, wanted: Mapping[str, str]) -> Bus:
     return bus
 
 
-def _with_its_end(run: Run, path: Path, car: ReplayCar | None) -> Callable[[EcuEvent], None]:
+def _with_its_end(
+    context: CommandContext, path: Path, car: ReplayCar | None
+) -> Callable[[EcuEvent], None]:
     """Tells besides, once, that the recording is over: the wire has no word for it."""
-    watcher, told = _watcher(run), False
+    watcher, told = _watcher(context), False
 
     def tell(event: EcuEvent) -> None:
         nonlocal told
@@ -154,9 +156,9 @@ def _with_its_end(run: Run, path: Path, car: ReplayCar | None) -> Callable[[EcuE
         if told or event.kind != "power-off" or car is None or not car.is_over(event.time):
             return
         told = True
-        if run.output.json and watcher is not None:
+        if context.output.json and watcher is not None:
             watcher(EcuEvent(event.time, "recording-over"))
-        run.output.note(
+        context.output.note(
             tr(
                 f"The recording {path} is over: from here on the unit is silent, as with the key "
                 "off. Begin it again with the same command; --set loop=1 plays it round and round.",
@@ -168,7 +170,9 @@ def _with_its_end(run: Run, path: Path, car: ReplayCar | None) -> Callable[[EcuE
     return tell
 
 
-async def _serve(run: Run, bus: Bus, clock: WallClock, tcp: tuple[str, int] | None) -> None:
+async def _serve(
+    context: CommandContext, bus: Bus, clock: WallClock, tcp: tuple[str, int] | None
+) -> None:
     if tcp is None:
         if os.name != "posix":
             raise UsageError(
@@ -181,27 +185,27 @@ async def _serve(run: Run, bus: Bus, clock: WallClock, tcp: tuple[str, int] | No
     else:
         port = await serve.TcpPort.open(bus, clock.now, *tcp)
     try:
-        if run.output.json:
-            run.output.data({"url": port.url})
+        if context.output.json:
+            context.output.data({"url": port.url})
         else:
-            run.output.line(port.url)
-        run.output.note(tr("Ctrl-C ends it.", "Выход: Ctrl-C."))
+            context.output.line(port.url)
+        context.output.note(tr("Ctrl-C ends it.", "Выход: Ctrl-C."))
         await asyncio.Event().wait()
     finally:
         port.close()
 
 
-def _watcher(run: Run) -> Callable[[EcuEvent], None] | None:
+def _watcher(context: CommandContext) -> Callable[[EcuEvent], None] | None:
     def tell(event: EcuEvent) -> None:
         data = event.data.hex().upper()
-        if run.output.json:
-            run.output.data(
+        if context.output.json:
+            context.output.data(
                 {"time": round(event.time, 6), "event": event.kind, "data": data or None}
             )
         else:
-            run.output.detail(f"{event.time:.3f}", event.kind, data)
+            context.output.detail(f"{event.time:.3f}", event.kind, data)
 
-    return tell if run.output.json or run.output.verbose else None
+    return tell if context.output.json or context.output.verbose else None
 
 
 def _pair(word: str) -> tuple[str, str]:

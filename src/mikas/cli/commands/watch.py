@@ -10,23 +10,23 @@ from typing import Any
 
 import click
 
-from mikas.cli.arguments import Number, OneOf, Whole
-from mikas.cli.grammar import command, option
-from mikas.cli.lines import JsonLines, PlainLines, Shown
-from mikas.cli.live import LiveTable
+from mikas.cli.click_extensions import command, option
+from mikas.cli.context import CommandContext
 from mikas.cli.notices import Notices
-from mikas.cli.run import Run
-from mikas.cli.session import Asked, Session, session
+from mikas.cli.parameter_types import Number, OneOf, Whole
+from mikas.cli.render.lines import JsonLines, PlainLines, Shown
+from mikas.cli.render.live_table import LiveTable
+from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
 from mikas.client import METHODS
 from mikas.i18n import Text
 
 
 def sampling_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that `watch`, `log` and `demo` share; they come as one `Asked`."""
+    """The options that `watch`, `log` and `demo` share; they come as one `SamplingOptions`."""
 
     @wraps(function)
     def gathered(
-        run: Run,
+        context: CommandContext,
         *args: Any,
         names: tuple[str, ...],
         method: str,
@@ -36,8 +36,8 @@ def sampling_options(function: Callable[..., Any]) -> Callable[..., Any]:
         relearn: bool,
         **rest: Any,
     ) -> Any:  # noqa: ANN401  (as the command)
-        asked = Asked(names, method, rate, count, duration, relearn)
-        return function(run, asked, *args, **rest)
+        asked = SamplingOptions(names, method, rate, count, duration, relearn)
+        return function(context, asked, *args, **rest)
 
     gathered_with: Callable[..., Any] = gathered
     for add in _OPTIONS:
@@ -114,30 +114,30 @@ _OPTIONS = (
     ),
 )
 @sampling_options
-def watch(run: Run, asked: Asked, *, price: bool) -> None:
+def watch(context: CommandContext, asked: SamplingOptions, *, price: bool) -> None:
     if price:
-        from mikas.cli.prices import tell_prices
+        from mikas.cli.render.prices import tell_prices
 
-        tell_prices(run, asked)
+        tell_prices(context, asked)
         return
-    with session(run, asked, run.capture, joined=False) as current:
-        show(run, current, asked)
+    with session(context, asked, context.capture, joined=False) as current:
+        show(context, current, asked)
 
 
-def show(run: Run, current: Session, asked: Asked) -> None:
+def show(context: CommandContext, current: SamplingRun, asked: SamplingOptions) -> None:
     """Tells a session as JSON lines, as a live table on a terminal, else as plain lines."""
-    with shown_on(run, current) as screen:
-        notices = Notices(current, screen.tell, verbose=run.output.verbose)
+    with shown_on(context, current) as screen:
+        notices = Notices(current, screen.tell, verbose=context.output.verbose)
         for event in current.events(asked):
             notices.take(event)  # first: who sees a value has been told that it is back
             screen.take(event)
         notices.end()
 
 
-def shown_on(run: Run, current: Session) -> Shown:
+def shown_on(context: CommandContext, current: SamplingRun) -> Shown:
     """What fits where the output goes."""
-    if run.output.json:
-        return JsonLines(current, run.output)
+    if context.output.json:
+        return JsonLines(current, context.output)
     if sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown"):
-        return LiveTable(current, run.output)
-    return PlainLines(current, run.output)
+        return LiveTable(current, context.output)
+    return PlainLines(current, context.output)

@@ -130,7 +130,7 @@ def attachment(name: str) -> str:
 
 
 def _of_recording(desk: Desk, it: Shelved) -> Findings:
-    from mikas.report.gathering import of_recording
+    from mikas.report.from_recording import of_recording
 
     return of_recording(it.path, desk.catalog)
 

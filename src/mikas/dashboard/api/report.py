@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mikas.catalog import Catalog
     from mikas.dashboard.dashboard import Hub
     from mikas.report.findings import Findings
-    from mikas.report.subject import Pause
+    from mikas.report.subject import Interruption
 
 router = APIRouter(tags=["recordings"])
 
@@ -40,11 +40,11 @@ async def report(
 
 
 def _found(hub: Hub) -> Findings:
+    from mikas.report.fault_history import cleared_faults
     from mikas.report.findings import find
-    from mikas.report.measuring import Measuring
-    from mikas.report.subject import How, Subject, Unit
-    from mikas.report.told import gone_of
-    from mikas.report.words import date_of
+    from mikas.report.formatting import date_of
+    from mikas.report.measurements import MeasurementCollector
+    from mikas.report.subject import Conditions, ReportSubject, UnitIdentity
 
     catalog, story, session, ecu, way = hub.catalog, hub.story, hub.session, hub.ecu, hub.way
     with story.lock:
@@ -56,18 +56,20 @@ def _found(hub: Hub) -> Findings:
     )
     if unit is None and not len(rows.times):
         raise NotConnected
-    measuring = Measuring(catalog, rows.values)
+    measuring = MeasurementCollector(catalog, rows.values)
     measuring.add(rows)
     page, measured = hub.fault_book.page, measuring.measured
-    subject = Subject(
+    subject = ReportSubject(
         catalog=catalog,
-        unit=Unit(catalog.model(unit.version_code), unit.passport.program, unit.passport.data)
+        unit=UnitIdentity(
+            catalog.model(unit.version_code), unit.passport.program, unit.passport.data
+        )
         if unit
         else None,
         faults=page.faults if page else None,
         faults_read=page.time if page else None,
-        gone=gone_of(hub.fault_book.heard, catalog),
-        how=How(
+        gone=cleared_faults(hub.fault_book.heard, catalog),
+        how=Conditions(
             date=date_of(measured.began),
             port=way.url if way else "",
             adapter=session.adapter if session else "",
@@ -98,13 +100,13 @@ def _since(rows: Rows, events: list[dict[str, Any]]) -> Rows:
     return Rows(rows.times[first:], {name: it[first:] for name, it in rows.values.items()})
 
 
-def _pauses(events: list[dict[str, Any]], began: float | None) -> Iterator[Pause]:
+def _pauses(events: list[dict[str, Any]], began: float | None) -> Iterator[Interruption]:
     """The gaps that have ended; each was told twice."""
-    from mikas.report.subject import Pause
+    from mikas.report.subject import Interruption
 
     for event in events:
         ended = event.get("ended") if event["kind"] == "gap" else None
         if ended is not None and began is not None and ended > began:
             reason = event["reason"]
             text = Text(reason["en"], reason["ru"]) if reason else None
-            yield Pause(max(began, event["began"]), ended, text)
+            yield Interruption(max(began, event["began"]), ended, text)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mikas.catalog import Fault
-from mikas.report.told import Heard
+from mikas.report.fault_history import FaultReading
 
 _MOST = 100  # readings that differ
 
@@ -29,7 +29,7 @@ class FaultBook:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._first: dict[int, float] = {}
-        self._heard: list[Heard] = []
+        self._heard: list[FaultReading] = []
         self.page: Page | None = None
 
     def clear(self) -> None:
@@ -45,14 +45,14 @@ class FaultBook:
             self._heard.clear()
 
     @property
-    def heard(self) -> tuple[Heard, ...]:
+    def heard(self) -> tuple[FaultReading, ...]:
         """The readings that differ from the ones before, and the latest; none: not read on this
         connection.
         """
         with self._lock:
             if self.page is None:
                 return ()
-            return (*self._heard, Heard(self.page.time, self._heard[-1].codes))
+            return (*self._heard, FaultReading(self.page.time, self._heard[-1].codes))
 
     def keep(self, faults: Sequence[Fault], time: float, *, erased: bool = False) -> Page:
         """`faults` were stored at `time`, `erased`: just after erasing; one that came back after it
@@ -61,7 +61,7 @@ class FaultBook:
         with self._lock:
             codes = [fault.code for fault in faults]
             if not self._heard or self._heard[-1].codes != tuple(codes):
-                self._heard = [*self._heard, Heard(time, tuple(codes), erased)][-_MOST:]
+                self._heard = [*self._heard, FaultReading(time, tuple(codes), erased)][-_MOST:]
             self._first = {code: self._first.get(code, time) for code in codes}
             self.page = Page(time, tuple(faults), dict(self._first))
             return self.page

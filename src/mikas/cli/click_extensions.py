@@ -1,0 +1,205 @@
+"""click, with texts in two languages, the common options everywhere, and commands imported late.
+
+The common options stand before or after the command's name (docs/cli.md): the group and every
+command have them, and what is given nearer to the end wins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import Any
+
+import click
+
+from mikas.cli.language import localized, tr
+from mikas.cli.options import YES, CommonOption, LocalizedOption, common_options, option
+from mikas.i18n import Text
+
+__all__ = [
+    "YES",
+    "LocalizedCommand",
+    "LocalizedGroup",
+    "LocalizedOption",
+    "command",
+    "common_options",
+    "option",
+]
+
+
+class LocalizedCommand(click.Command):
+    """A command whose help is a `Text`, followed by examples."""
+
+    def __init__(
+        self,
+        *args: Any,
+        text: Text,
+        examples: tuple[str, ...] = (),
+        **kwargs: Any,
+    ) -> None:
+        super().__init__(*args, **kwargs)
+        self.text = text
+        self.examples = examples
+
+    def get_short_help_str(self, limit: int = 45) -> str:
+        return localized(self.text).split(". ")[0].rstrip(".")
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        takes_more = ctx.allow_extra_args
+        ctx.allow_extra_args = True  # it is us who complain of what is too much
+        try:
+            rest = super().parse_args(ctx, args)
+        except click.UsageError as error:
+            error.ctx = error.ctx or ctx
+            raise
+        if rest and not takes_more and not ctx.resilient_parsing:
+            said = " ".join(rest)
+            raise click.UsageError(
+                tr(f"There is no place for “{said}” here.", f"«{said}» здесь лишнее."), ctx
+            )
+        return rest
+
+    def get_help_option(self, ctx: click.Context) -> click.Option | None:
+        option = super().get_help_option(ctx)
+        if option:
+            option.help = tr("this text", "этот текст")
+        return option
+
+    def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
+        arguments = [
+            piece
+            for parameter in self.get_params(ctx)
+            if isinstance(parameter, click.Argument)
+            for piece in parameter.get_usage_pieces(ctx)
+        ]
+        return [tr("[OPTIONS]", "[КЛЮЧИ]"), *arguments]
+
+    def format_usage(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        pieces = " ".join(self.collect_usage_pieces(ctx))
+        formatter.write_usage(ctx.command_path, pieces, prefix=tr("Usage: ", "Вызов: "))
+
+    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        formatter.write_paragraph()
+        formatter.write_text(localized(self.text))
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        options = [p for p in self.get_params(ctx) if isinstance(p, click.Option)]
+        own = [p for p in options if not isinstance(p, CommonOption)]
+        common = [p for p in options if isinstance(p, CommonOption)]
+        for title, parameters in (
+            (tr("Options", "Ключи"), own),
+            (tr("Common options", "Общие ключи"), common),
+        ):
+            records = [r for p in parameters if (r := p.get_help_record(ctx))]
+            if records:
+                with formatter.section(title):
+                    formatter.write_dl(records)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        if self.examples:
+            with formatter.section(tr("Examples", "Примеры")):
+                for example in self.examples:
+                    formatter.write(f"  {example}\n")
+
+
+class LocalizedGroup(LocalizedCommand, click.Group):
+    """A group whose commands are import paths until they are called.
+
+    `homes`: name → (module:attribute, text). The text stands here so that the list of commands is
+    shown without importing any.
+    """
+
+    def __init__(
+        self,
+        *args: Any,
+        homes: Mapping[str, tuple[str, Text]],
+        **kwargs: Any,
+    ) -> None:
+        super().__init__(*args, **kwargs)
+        self.homes = homes
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(self.homes)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in self.homes:
+            return None
+        module, _, attribute = self.homes[cmd_name][0].partition(":")
+        command: click.Command = getattr(import_module(module), attribute)
+        return command
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        if not args and not ctx.resilient_parsing:
+            click.echo(ctx.get_help(), err=True)
+            ctx.exit(2)
+        return super().parse_args(ctx, args)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        command = self.get_command(ctx, args[0])
+        if command is None and not ctx.resilient_parsing:
+            raise click.UsageError(self._unknown(args[0]), ctx)
+        return (args[0] if command else None), command, args[1:]
+
+    def _unknown(self, name: str) -> str:
+        from difflib import get_close_matches
+
+        nearest = get_close_matches(name.lower(), self.homes, n=2)
+        known = ", ".join(nearest or self.homes)
+        said = tr(f"There is no command “{name}”.", f"Команды «{name}» нет.")
+        if nearest:
+            return f"{said} {tr(f'Did you mean {known}?', f'Может быть, {known}?')}"
+        return f"{said} {tr(f'There are {known}.', f'Есть {known}.')}"
+
+    def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401  (as the command)
+        # click changed the attribute's name in 8.2, and warns of the old one.
+        first = "_protected_args" if hasattr(ctx, "_protected_args") else "protected_args"
+        if not getattr(ctx, first) and not ctx.args:
+            raise click.UsageError(
+                tr("Say what to do: a command is missing.", "Что делать? Не хватает команды."),
+                ctx,
+            )
+        return super().invoke(ctx)
+
+    def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
+        return [
+            *LocalizedCommand.collect_usage_pieces(self, ctx),
+            tr("COMMAND [ARGUMENTS]...", "КОМАНДА [АРГУМЕНТЫ]..."),
+        ]
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        LocalizedCommand.format_options(self, ctx, formatter)
+        with formatter.section(tr("Commands", "Команды")):
+            formatter.write_dl([(name, localized(text)) for name, (_, text) in self.homes.items()])
+
+
+def command(
+    name: str,
+    text: Text,
+    *,
+    examples: tuple[str, ...] = (),
+    **settings: Any,
+) -> Callable[[Callable[..., Any]], LocalizedCommand]:
+    """Makes a function a command with the common options. It gets `run`, then its own arguments."""
+
+    def decorate(function: Callable[..., Any]) -> LocalizedCommand:
+        made = click.command(name, cls=LocalizedCommand, text=text, examples=examples, **settings)(
+            click.pass_context(_with_run(function))
+        )
+        made.params.extend(common_options())
+        return made
+
+    return decorate
+
+
+def _with_run(function: Callable[..., Any]) -> Callable[..., Any]:
+    from functools import wraps
+
+    @wraps(function)
+    def call(ctx: click.Context, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401  (the command's)
+        from mikas.cli.context import CommandContext
+
+        return function(CommandContext.of(ctx.find_root().ensure_object(dict)), *args, **kwargs)
+
+    return call

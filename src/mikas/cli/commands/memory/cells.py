@@ -1,0 +1,102 @@
+"""`mikas mem read`, `write`, `goto`: cells of the unit's memory."""
+
+from __future__ import annotations
+
+import click
+
+from mikas.cli.click_extensions import YES, command, option
+from mikas.cli.context import CommandContext
+from mikas.cli.language import tr
+from mikas.cli.parameter_types import Address, Count, HexBytes, OneOf
+from mikas.cli.render.memory import hexdump
+from mikas.errors import NotConfirmed
+from mikas.i18n import Text
+
+SPACE = OneOf(("ram", "xram", "code", "sfr"))
+
+
+@command(
+    "read",
+    Text(
+        "Shows COUNT bytes (1) from ADDR on. Addresses are hex. SPACE: ram, xram, code, sfr.",
+        "Показывает COUNT байтов (1) с адреса ADDR. Адреса шестнадцатеричные. SPACE: ram, xram, "
+        "code, sfr.",
+    ),
+    examples=("mikas mem read ram 40", "mikas mem read xram 0x1000 64 --json"),
+)
+@click.argument("space", metavar="SPACE", type=SPACE)
+@click.argument("address", metavar="ADDR", type=Address())
+@click.argument("count", metavar="[COUNT]", type=Count(), default=1)
+def read(context: CommandContext, space: str, address: int, count: int) -> None:
+    with context.ecu() as ecu:
+        data = ecu.memory[space].read_block(address, count)
+    if context.output.json:
+        context.output.data({"space": space, "address": address, "data": data})
+    else:
+        for line in hexdump(data, address):
+            context.output.line(line)
+
+
+@command(
+    "write",
+    Text(
+        "Writes the bytes HEX from ADDR on, asks first, reads back, and keeps a journal. Writing "
+        "CODE can leave the unit unable to run.",
+        "Записывает байты HEX с адреса ADDR: сначала спрашивает, потом перечитывает и ведёт "
+        "журнал. После записи в CODE блок может перестать работать.",
+    ),
+    examples=("mikas mem write ram 40 0D", "mikas mem write xram 1000 AABB --yes"),
+)
+@click.argument("space", metavar="SPACE", type=SPACE)
+@click.argument("address", metavar="ADDR", type=Address())
+@click.argument("data", metavar="HEX", type=HexBytes())
+@YES
+def write(context: CommandContext, space: str, address: int, data: bytes, *, yes: bool) -> None:
+    with context.ecu(context.confirm(yes=yes)) as ecu:
+        written = ecu.memory[space].write_block(address, data)
+    if context.output.json:
+        context.output.data(
+            {"space": space, "address": address, "before": written.before, "after": written.after}
+        )
+        return
+    before, after = written.before.hex(" ").upper(), written.after.hex(" ").upper()
+    context.output.line(f"{space} {address:04X}: {before} → {after}")
+
+
+@command(
+    "goto",
+    Text(
+        "Makes the ECU jump to ADDR. The most dangerous command: it runs whatever stands there. "
+        "Always asks; --yes alone is not enough.",
+        "Переход блока на адрес ADDR. Самая опасная команда: выполняется всё, что там окажется. "
+        "Всегда спрашивает; одного --yes мало.",
+    ),
+    examples=("mikas mem goto 8000",),
+)
+@click.argument("address", metavar="ADDR", type=Address())
+@YES
+@option(
+    "--i-know-what-this-does",
+    "sure",
+    is_flag=True,
+    text=Text("needed beside --yes", "нужно вместе с --yes"),
+)
+def goto(context: CommandContext, address: int, *, yes: bool, sure: bool) -> None:
+    if yes and not sure:
+        raise NotConfirmed(
+            change=Text(f"jump to {address:04X}", f"переход на {address:04X}"),
+            how=Text(
+                "For this one --yes needs --i-know-what-this-does beside it.",
+                "Здесь вместе с --yes нужен --i-know-what-this-does.",
+            ),
+        )
+    with context.ecu(context.confirm(yes=yes)) as ecu:
+        response = ecu.goto(address)
+    if context.output.json:
+        context.output.data({"address": address, "response": response or None})
+    elif response:
+        context.output.line(response.hex(" ").upper())
+    else:
+        context.output.note(
+            tr("Sent. No response, as expected (D9).", "Послано. Ответа нет, как и ожидалось (D9).")
+        )

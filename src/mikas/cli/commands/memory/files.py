@@ -1,0 +1,232 @@
+"""`mikas mem dump`, `verify`, `diff`: memory and files."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import click
+
+from mikas.cli.click_extensions import command, option
+from mikas.cli.commands.memory.cells import SPACE
+from mikas.cli.context import CommandContext
+from mikas.cli.language import tr
+from mikas.cli.parameter_types import Address, Count, File
+from mikas.cli.render.output import stderr_console
+from mikas.client.memory.dump import Difference, Dump, compare, differences
+from mikas.client.memory.manifest import read_manifest
+from mikas.errors import UsageError
+from mikas.i18n import Text
+
+FILE = File(there=True)
+BLOCK = option(
+    "--block",
+    type=Count(),
+    metavar="N",
+    text=Text("bytes a request, at most (255)", "не больше стольких байтов за запрос (255)"),
+)
+
+
+@command(
+    "dump",
+    Text(
+        "Reads a whole SPACE, or --from to --to, into FILE (plain binary) with FILE.json, its "
+        "manifest, beside it. An interrupted dump is continued with --resume.",
+        "Читает SPACE целиком или от --from до --to в FILE (просто байты); рядом FILE.json с "
+        "описанием. Прерванное чтение продолжается с --resume.",
+    ),
+    examples=(
+        "mikas mem dump code -o code.bin --verify",
+        "mikas mem dump xram -o xram.bin --from 1000 --to 1FFF",
+        "mikas mem dump code -o code.bin --resume",
+    ),
+)
+@click.argument("space", metavar="SPACE", type=SPACE)
+@option(
+    "-o",
+    "--out",
+    required=True,
+    type=File(),
+    metavar="FILE",
+    text=Text("the file to write; needed", "в какой файл; обязательно"),
+)
+@option(
+    "--from",
+    "first",
+    type=Address(),
+    default=0,
+    metavar="ADDR",
+    text=Text("first address (0)", "первый адрес (0)"),
+)
+@option(
+    "--to",
+    "last",
+    type=Address(),
+    metavar="ADDR",
+    text=Text("last address, inclusive", "последний адрес, включительно"),
+)
+@BLOCK
+@option("--verify", is_flag=True, text=Text("read it all a second time", "прочесть всё второй раз"))
+@option("--resume", is_flag=True, text=Text("go on where it stopped", "продолжить прерванное"))
+def dump(
+    context: CommandContext,
+    space: str,
+    out: Path,
+    first: int,
+    last: int | None,
+    block: int | None,
+    *,
+    verify: bool,
+    resume: bool,
+) -> None:
+    with context.ecu() as ecu:
+        memory = ecu.memory[space]
+        end = memory.last if last is None else last
+        job = Dump(ecu, memory, out, first=first, last=end, resume=resume)
+        manifest = job.manifest
+        try:
+            with _progress(tr("reading", "чтение"), manifest.size, manifest.bytes_read) as done:
+                job.advance(block=block, progress=done)
+        except BaseException:
+            if manifest.bytes_read:
+                context.output.note(_stopped(job, out))
+            raise
+        if verify:
+            with _progress(tr("second pass", "второй проход"), manifest.size) as done:
+                found = job.verify(block=block, progress=done)
+            _tell(context, found, tr("first pass differs", "проходы расходятся"))
+    if context.output.json:
+        context.output.data(manifest.as_json())
+    else:
+        context.output.line(
+            tr(
+                f"{out}: {space} {first:04X}–{end:04X}, {manifest.size} bytes, "
+                f"sha256 {manifest.sha256}",
+                f"{out}: {space} {first:04X}–{end:04X}, байтов {manifest.size}, "
+                f"sha256 {manifest.sha256}",
+            )
+        )
+
+
+def _stopped(job: Dump, out: Path) -> str:
+    done, size = job.manifest.bytes_read, job.manifest.size
+    return tr(
+        f"Stopped: {done} of {size} bytes are in {out}; --resume goes on from there.",
+        f"Прервано: в {out} байтов {done} из {size}; продолжить: --resume.",
+    )
+
+
+def _tell(context: CommandContext, found: Sequence[Difference], what: str) -> None:
+    for difference in found[:20]:
+        context.output.note(f"{what}: {_line(difference)}")
+    if len(found) > 20:
+        context.output.note(tr(f"… {len(found)} in all", f"… всего {len(found)}"))
+
+
+@command(
+    "verify",
+    Text(
+        "Compares FILE with the unit's memory from the address on that FILE's manifest names "
+        "(else --from).",
+        "Сравнивает FILE с памятью блока начиная с адреса из описания FILE (иначе --from).",
+    ),
+    examples=("mikas mem verify code code.bin", "mikas mem verify xram part.bin --from 1000"),
+)
+@click.argument("space", metavar="SPACE", type=SPACE)
+@click.argument("file", metavar="FILE", type=FILE)
+@option(
+    "--from", "first", type=Address(), metavar="ADDR", text=Text("first address", "первый адрес")
+)
+@BLOCK
+def verify(
+    context: CommandContext, space: str, file: Path, first: int | None, block: int | None
+) -> None:
+    data, manifest = file.read_bytes(), read_manifest(file)
+    if not data:
+        raise UsageError(problem=Text(f"{file}: the file is empty", f"{file}: файл пуст"))
+    if manifest and manifest.space != space:
+        raise UsageError(
+            problem=Text(
+                f"{file} is a dump of {manifest.space}, not of {space}",
+                f"{file} — образ {manifest.space}, а не {space}",
+            )
+        )
+    start = first if first is not None else manifest.first if manifest else 0
+    with context.ecu() as ecu, _progress(tr("comparing", "сравнение"), len(data)) as done:
+        found = list(compare(ecu.memory[space], data, start, block, done))
+    _report(context, found, tr("unit", "блок"), file.name)
+
+
+@command(
+    "diff",
+    Text(
+        "Compares two dumps, byte by byte, at the addresses that their manifests name (else 0). "
+        "Needs no port.",
+        "Сравнивает два образа побайтно по адресам из их описаний (иначе с 0). Порт не нужен.",
+    ),
+    examples=("mikas mem diff before.bin after.bin", "mikas mem diff a.bin b.bin --json"),
+)
+@click.argument("a", metavar="FILE", type=FILE)
+@click.argument("b", metavar="FILE", type=FILE)
+def diff(context: CommandContext, a: Path, b: Path) -> None:
+    starts = [manifest.first if (manifest := read_manifest(file)) else 0 for file in (a, b)]
+    found = list(differences(a.read_bytes(), starts[0], b.read_bytes(), starts[1]))
+    _report(context, found, a.name, b.name)
+
+
+def _report(context: CommandContext, found: Sequence[Difference], a: str, b: str) -> None:
+    if context.output.json:
+        context.output.data(
+            {"differences": [{"address": d.address, "a": _hex(d.a), "b": _hex(d.b)} for d in found]}
+        )
+    elif found:
+        context.output.line(f"      {a} | {b}")
+        for difference in found:
+            context.output.line(_line(difference))
+    else:
+        context.output.line(tr("They are the same.", "Они одинаковы."))
+
+
+def _line(difference: Difference) -> str:
+    return f"{difference.address:04X}  {_hex(difference.a) or '–'}  {_hex(difference.b) or '–'}"
+
+
+def _hex(value: int | None) -> str | None:
+    return None if value is None else f"{value:02X}"
+
+
+@contextmanager
+def _progress(what: str, total: int, already: int = 0) -> Iterator[Callable[[int], None]]:
+    """A progress bar with speed and time left, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        ProgressColumn,
+        Task,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+    from rich.text import Text as RichText
+
+    class Speed(ProgressColumn):
+        """rich's own speaks English."""
+
+        def render(self, task: Task) -> RichText:
+            speed = f"{task.finished_speed or task.speed or 0:.0f}"
+            return RichText(tr(f"{speed} bytes/s", f"{speed} байт/с"))
+
+    with Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:.0f}/{task.total:.0f}"),
+        Speed(),
+        TimeRemainingColumn(),
+        console=stderr_console(),
+    ) as bar:
+        task = bar.add_task(what, total=total, completed=already)
+        yield lambda count: bar.advance(task, count)

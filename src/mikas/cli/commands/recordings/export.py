@@ -1,0 +1,155 @@
+"""`mikas export`: a recording in a format of other programs. Needs no port."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mikas.cli.click_extensions import command, option
+from mikas.cli.context import CommandContext
+from mikas.cli.language import current_language, localized, tr
+from mikas.cli.options import OUT, OVERWRITE
+from mikas.cli.parameter_types import File, OneOf
+from mikas.errors import UsageError
+from mikas.i18n import Text
+from mikas.recording.export import DIALECTS
+
+if TYPE_CHECKING:
+    from mikas.recording.opening import Recording
+    from mikas.recording.table import Rows
+
+MOST_PROBLEMS = 20
+
+
+@command(
+    "export",
+    Text(
+        "Makes a table of a recording (.pcapng) for other programs. Its format is OUT's suffix: "
+        ".csv, .mf4, .parquet, .msl or .mlg. With no NAME it has every parameter that was recorded "
+        "and every channel that can be derived from them.",
+        "Делает из записи (.pcapng) таблицу для других программ. Формат определяет расширение "
+        "файла OUT: .csv, .mf4, .parquet, .msl или .mlg. Если NAME не указано, в таблице все "
+        "записанные параметры и все каналы, которые из них выводятся.",
+    ),
+    examples=(
+        "mikas export drive.pcapng -o drive.csv",
+        "mikas export drive.pcapng -o drive.parquet FREQ JAIR FUEL_FLOW",
+        "mikas export drive.pcapng -o drive.csv --dialect excel --lang ru",
+    ),
+)
+@click.argument("file", metavar="FILE", type=File(there=True))
+@click.argument("names", metavar="[NAME]...", nargs=-1)
+@OUT
+@option(
+    "--dialect",
+    type=OneOf(tuple(DIALECTS)),
+    text=Text(
+        "how a .csv is spelled: with commas (plain), or for an Excel with a decimal comma (excel)",
+        "вид файла .csv: через запятую (plain) или для таблиц с десятичной запятой (excel)",
+    ),
+)
+@OVERWRITE
+def export(
+    context: CommandContext,
+    file: Path,
+    names: tuple[str, ...],
+    out: Path,
+    dialect: str | None,
+    overwrite: bool,
+) -> None:
+    from mikas.recording.export import PLAIN
+    from mikas.recording.export import export as write
+    from mikas.recording.opening import Recording
+
+    _check(file, out, dialect)
+    recording = Recording(file, context.catalog(), context.interpretation, names)
+    _tell_problems(context, recording)
+    if recording.absent:
+        absent = ", ".join(recording.absent)
+        context.output.note(
+            tr(f"Not in this recording: {absent}.", f"В этой записи нет: {absent}.")
+        )
+    result = write(
+        out,
+        recording.channels,
+        _watched(context, recording.rows()),
+        events=recording.events,
+        about=recording.about,
+        language=current_language(),
+        dialect=DIALECTS[dialect] if dialect else PLAIN,
+        overwrite=overwrite,
+    )
+    count = len(result.channels)
+    if context.output.json:
+        context.output.data({"rows": result.rows, "channels": count, "out": str(result.out)})
+    else:
+        context.output.note(
+            tr(
+                f"{out}: {result.rows} rows, {count} channels",
+                f"{out}: строк {result.rows}, каналов {count}",
+            )
+        )
+
+
+def _check(file: Path, out: Path, dialect: str | None) -> None:
+    """What would be a pity to find out only after reading ten hours."""
+    same = False
+    with suppress(OSError):  # OUT is not there, or nobody may look: told when it is written
+        same = out.samefile(file)
+    if same:
+        raise UsageError(
+            problem=Text(
+                f"“{out}” is the recording itself; give the table another name",
+                f"«{out}» — это сама запись; дайте таблице другое имя",
+            )
+        )
+    if dialect and out.suffix.lower() != ".csv":
+        raise UsageError(
+            problem=Text(
+                f"--dialect is for .csv files only, and {out} is none",
+                f"Ключ --dialect годится только для .csv, а {out} — другой файл",
+            )
+        )
+
+
+def _tell_problems(context: CommandContext, recording: Recording) -> None:
+    """The first of them by their places, and how many there are."""
+    if not recording.problem_count:
+        return
+    for problem in recording.problems[:MOST_PROBLEMS]:
+        context.output.note(
+            tr(
+                f"{recording.path}, offset {problem.offset}: {localized(problem.text)}",
+                f"{recording.path}, смещение {problem.offset}: {localized(problem.text)}",
+            )
+        )
+    count = recording.problem_count
+    context.output.note(
+        tr(
+            f"{recording.path}: {count} damaged place(s); what can be read is exported.",
+            f"{recording.path}: повреждённых мест {count}; всё, что читается, попадёт в таблицу.",
+        )
+    )
+
+
+def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Rows]:
+    """Passes the rows on; says in the end how often their times ran back."""
+    last, count = float("-inf"), 0
+    for rows in stretches:
+        if len(rows.times):
+            count += rows.times[0] < last
+            last = float(rows.times[-1])
+        yield rows
+    if count:
+        context.output.note(
+            tr(
+                f"Times run back in this table (times: {count}): the recording has several "
+                "sessions or ports, one after another.",
+                f"Время в этой таблице идёт назад (раз: {count}): в записи несколько сеансов или "
+                "портов, они стоят друг за другом.",
+            )
+        )

@@ -1,0 +1,195 @@
+"""`mikas report`: one page on a car, of a recording or measured now."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+import click
+
+from mikas.cli.click_extensions import command, option
+from mikas.cli.context import CommandContext
+from mikas.cli.language import current_language, decimal, localized, tr
+from mikas.cli.notices import Notices
+from mikas.cli.options import OUT, OVERWRITE
+from mikas.cli.parameter_types import File, Number
+from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
+from mikas.errors import UsageError
+from mikas.i18n import Text
+from mikas.report import writing
+from mikas.sampling.events import UnitFound
+
+if TYPE_CHECKING:
+    from mikas.report.findings import ChannelFinding, Findings
+
+_SECONDS = 30.0
+
+
+@command(
+    "report",
+    Text(
+        "Makes a page on the car (OUT.html), to be read, printed or sent: stored faults in plain "
+        "words, values at warm idle against what is usual, charts, and what could not be known. Of "
+        "the recording FILE, or, without one, of the car that is connected: measured for half a "
+        "minute, best with the engine idling warm.",
+        "Делает страницу о машине (OUT.html), чтобы прочесть, напечатать или переслать: ошибки "
+        "понятными словами, значения на прогретом холостом ходу рядом с нормой, графики и то, чего "
+        "узнать не удалось. По записи FILE, а без неё — по подключённой машине: полминуты "
+        "измерений, лучше на прогретом холостом ходу.",
+    ),
+    examples=(
+        "mikas report drive.pcapng -o drive.html",
+        "mikas report -o car.html --duration 60 --lang ru",
+    ),
+)
+@click.argument("file", metavar="[FILE]", required=False, type=File(there=True))
+@OUT
+@option(
+    "--duration",
+    type=Number(above=0),
+    metavar="S",
+    text=Text(
+        f"measure for so many seconds ({_SECONDS:g}); not with FILE",
+        f"измерять столько секунд ({_SECONDS:g}); без FILE",
+    ),
+)
+@OVERWRITE
+def report(
+    context: CommandContext,
+    file: Path | None,
+    out: Path,
+    *,
+    duration: float | None,
+    overwrite: bool,
+) -> None:
+    if file is not None and (duration is not None or context.capture is not None):
+        raise UsageError(
+            problem=Text(
+                "--duration and --capture are for measuring now; with FILE nothing is measured",
+                "--duration и --capture нужны, когда измеряют сейчас; с FILE ничего не измеряется",
+            )
+        )
+    writing.check(out, overwrite=overwrite)
+    from mikas.report.from_recording import of_recording
+    from mikas.report.page import render
+
+    if file is not None:
+        found = of_recording(file, context.catalog())
+    else:
+        found = _measured_now(context, duration or _SECONDS)
+    writing.write(out, render(found, current_language()), overwrite=overwrite)
+    _tell(context, out, found)
+
+
+def _measured_now(context: CommandContext, seconds: float) -> Findings:
+    """Of a recording that is made for it, and kept only if `--capture` names it."""
+    from mikas.report.from_recording import of_recording
+
+    with TemporaryDirectory(prefix="mikas-") as folder:
+        path = context.capture or Path(folder) / "report.pcapng"
+        asked = SamplingOptions(duration=seconds)
+        with session(context, asked, path) as current:
+            try:
+                _sample(context, current, asked, seconds)
+            except KeyboardInterrupt:
+                if not current.samples:
+                    raise
+                context.output.note(
+                    tr(
+                        "Ended early: the report is of what came.",
+                        "Прервано: отчёт — по тому, что есть.",
+                    )
+                )
+            failure = current.recorder.failure
+        if failure is not None:
+            raise failure
+        name = path.name if context.capture else ""
+        return of_recording(path, context.catalog(), name=name, errors=current.errors)
+
+
+def _sample(
+    context: CommandContext, current: SamplingRun, asked: SamplingOptions, seconds: float
+) -> None:
+    progress = _Progress(seconds)
+    notices = Notices(current, progress.over(context.output.note), verbose=context.output.verbose)
+    try:
+        for event in current.events(asked):
+            notices.take(event)
+            if isinstance(event, UnitFound):
+                if event.another:
+                    return  # the report is of the car that it began with
+                current.acquisition.call(lambda ecu: ecu.faults())
+            progress.show(current)
+        notices.end()
+    finally:
+        progress.clear()
+
+
+class _Progress:
+    """How far the measuring is, on a terminal."""
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds = seconds
+        self._live = sys.stderr.isatty()
+        self._told = -1
+
+    def show(self, current: SamplingRun) -> None:
+        """Once a second."""
+        if self._live and int(current.seconds) != self._told:
+            self._told = int(current.seconds)
+            rate = decimal(f"{current.rate:.1f}")
+            said = tr(
+                f"measuring: {self._told} of {self._seconds:g} s, {rate} samples a second",
+                f"измерение: {self._told} из {self._seconds:g} с, отсчётов в секунду {rate}",
+            )
+            sys.stderr.write(f"\r\x1b[K{said}")
+            sys.stderr.flush()
+
+    def clear(self) -> None:
+        """Leaves an empty line."""
+        if self._live:
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()
+
+    def over(self, tell: Callable[[str], None]) -> Callable[[str], None]:
+        """`tell`, on a line of its own."""
+
+        def on_its_own(sentence: str) -> None:
+            self.clear()
+            tell(sentence)
+
+        return on_its_own
+
+
+def _tell(context: CommandContext, out: Path, found: Findings) -> None:
+    from mikas.report.summary import sentence
+
+    verdict = sentence(found)
+    if not context.output.json:
+        context.output.note(f"{localized(verdict)}\n{out}")
+        return
+    faults = None if found.faults is None else [stored.fault.code for stored in found.faults]
+    context.output.data(
+        {
+            "out": str(out),
+            "outcome": found.outcome.value,
+            "verdict": {"en": verdict.en, "ru": verdict.ru},
+            "faults": faults,
+            "warm_idle_seconds": round(found.measured.idle.seconds, 3),
+            "values": {value.channel.name: _as_json(value) for value in found.judged},
+        }
+    )
+
+
+def _as_json(value: ChannelFinding) -> dict[str, object]:
+    return {
+        "median": value.stats.median,
+        "low": value.stats.low,
+        "high": value.stats.high,
+        "unit": value.channel.unit,
+        "reference": getattr(value.channel, "reference", None),
+        "mark": value.mark.value,
+    }

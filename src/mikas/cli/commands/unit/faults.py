@@ -1,0 +1,107 @@
+"""`mikas faults` and `mikas faults erase`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import click
+
+from mikas.catalog import Confidence, Fault
+from mikas.cli.click_extensions import YES, command
+from mikas.cli.context import CommandContext
+from mikas.cli.language import localized, tr
+from mikas.cli.parameter_types import OneOf
+from mikas.i18n import Text
+
+
+@command(
+    "faults",
+    Text(
+        "Shows the stored faults with their text, how sure that text is, and what to check. "
+        "`faults erase` erases them and reads back.",
+        "Показывает запомненные ошибки: что они значат, насколько это достоверно, что проверить. "
+        "`faults erase` стирает их и перечитывает.",
+    ),
+    examples=("mikas faults", "mikas faults erase", "mikas faults erase --yes --json"),
+)
+@click.argument("action", metavar="[erase]", type=OneOf(["erase"]), required=False)
+@YES
+def faults(context: CommandContext, action: str | None, *, yes: bool) -> None:
+    if action == "erase":
+        _erase(context, yes=yes)
+        return
+    with context.ecu() as ecu:
+        stored = ecu.faults()
+    if context.output.json:
+        context.output.data({"count": len(stored), "faults": [_as_json(fault) for fault in stored]})
+    else:
+        _show(context, stored)
+
+
+def _erase(context: CommandContext, *, yes: bool) -> None:
+    with context.ecu(context.confirm(yes=yes)) as ecu:
+        if not context.output.json:
+            _show(context, ecu.faults())
+        erased = ecu.erase_faults()
+    if context.output.json:
+        context.output.data(
+            {"before": [f.code for f in erased.before], "after": [f.code for f in erased.after]}
+        )
+        return
+    if erased.after:
+        context.output.note(
+            tr(
+                "These came back at once, so their cause is still there:",
+                "Эти появились сразу же снова, значит причина осталась:",
+            )
+        )
+        _show(context, erased.after)
+    else:
+        context.output.line(tr("Erased; no faults are stored.", "Стёрто; ошибок нет."))
+
+
+def _show(context: CommandContext, stored: Sequence[Fault]) -> None:
+    if not stored:
+        context.output.line(tr("No faults are stored.", "Ошибок нет."))
+        return
+    context.output.table(
+        [
+            tr("code", "код"),
+            tr("fault", "неисправность"),
+            tr("how sure", "достоверность"),
+            tr("check first", "сначала проверить"),
+            tr("look at", "смотреть"),
+        ],
+        [
+            [
+                str(fault.code),
+                localized(fault.text)
+                or tr("what this number means is not known", "что значит этот номер, неизвестно"),
+                _sure(fault.confidence),
+                localized(fault.check),
+                " ".join(fault.parameters),
+            ]
+            for fault in stored
+        ],
+        right="0",
+    )
+
+
+def _sure(confidence: Confidence) -> str:
+    return {
+        Confidence.CONFIRMED: tr("confirmed", "подтверждено"),
+        Confidence.REPORTED: tr("one source", "один источник"),
+        Confidence.UNCONFIRMED: tr("unconfirmed", "не подтверждено"),
+        Confidence.UNKNOWN: tr("unknown", "неизвестно"),
+    }[confidence]
+
+
+def _as_json(fault: Fault) -> dict[str, Any]:
+    return {
+        "code": fault.code,
+        "text": {"en": fault.text.en, "ru": fault.text.ru},  # empty for an unknown one
+        "confidence": fault.confidence,
+        "check": {"en": fault.check.en, "ru": fault.check.ru},
+        "parameters": fault.parameters,
+    }

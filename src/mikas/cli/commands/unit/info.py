@@ -1,0 +1,157 @@
+"""`mikas info`: model, passports, number of parameters, what this unit supports."""
+
+from __future__ import annotations
+
+from mikas.catalog import Catalog
+from mikas.cli.click_extensions import command, option
+from mikas.cli.context import CommandContext
+from mikas.cli.language import decimal, localized, tr
+from mikas.client import Ecu, Info, Support
+from mikas.client.limits import STARTING_LIST
+from mikas.client.methods import FixedMethod
+from mikas.commands import ALL_COMMANDS
+from mikas.i18n import Text
+from mikas.link.urls import parse
+from mikas.sampling.choosing import rates_of
+from mikas.sampling.plan import Plan, Wanted
+
+_BAUD = 9600  # §1
+
+
+@command(
+    "info",
+    Text(
+        "Shows who the ECU is and which commands it knows. Every harmless command is tried once, "
+        "which takes a second for each that the unit leaves unanswered; of a recording that is "
+        "played (replay:) it is told what was asked then.",
+        "Показывает, что это за блок и какие команды он знает. Каждая безвредная команда "
+        "пробуется один раз; на каждую, что осталась без ответа, уходит секунда; для записи "
+        "(replay:) сообщается то, что спрашивали тогда.",
+    ),
+    examples=("mikas info", "mikas info --quick", "mikas info --port socket://192.168.1.5:2000"),
+)
+@option(
+    "--quick",
+    is_flag=True,
+    text=Text("do not try the commands", "не пробовать команды"),
+)
+def info(context: CommandContext, *, quick: bool) -> None:
+    with context.ecu() as ecu:
+        found = ecu.info()
+        recorded = parse(ecu.tester.link.url).scheme == "replay"
+        supported = [] if quick else _told_by_recording(ecu) if recorded else list(ecu.supported())
+        catalog = ecu.catalog
+    if context.output.json:
+        context.output.data(
+            {
+                "model": found.model.text.en,
+                "version_code": f"{found.version_code:02X}",
+                "program_passport": found.passport.program,
+                "data_passport": found.passport.data,
+                "parameter_count": found.parameter_count,
+                "echo": found.echo,
+                "supported": {support.name: support.known for support in supported},
+                "limits": {
+                    "max_list": found.limits.max_list,
+                    "max_block": found.limits.max_block,
+                    "refused": [f"{code:02X}" for code in found.limits.refused],
+                    "methods": {
+                        adapter: {method: round(rate, 1) for method, rate in rates.items()}
+                        for adapter, rates in _rates(found, catalog).items()
+                    },
+                },
+                "catalog": catalog.version,
+            }
+        )
+        return
+    untold = (
+        tr("the recording does not tell", "по записи не узнать")
+        if recorded
+        else tr("this unit does not tell", "блок не сообщает")
+    )
+    rows = _rows(found, catalog, untold)
+    context.output.table([], [*rows, *_support_rows(supported, untold if recorded else None)])
+
+
+def _told_by_recording(ecu: Ecu) -> list[Support]:
+    """By what was asked then: trying it now would only tell what is not in the recording."""
+    from mikas.recording.replay import playing
+
+    car = playing(ecu.tester.link)
+    return [] if car is None else [Support(each, car.recorded.knows(each)) for each in ALL_COMMANDS]
+
+
+def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
+    passport = found.passport
+    rows = [
+        [tr("model", "модель"), f"{localized(found.model.text)} ({found.version_code:02X})"],
+        [tr("program", "программа"), _pieces(passport.program) or unknown],
+        [tr("data", "данные"), _pieces(passport.data) or unknown],
+        [
+            tr("parameters", "параметров"),
+            unknown if found.parameter_count is None else str(found.parameter_count),
+        ],
+        [tr("echo", "эхо"), tr("yes", "есть") if found.echo else tr("no", "нет")],
+    ]
+    limits = found.limits
+    if limits.max_list != STARTING_LIST or limits.max_block or limits.refused:
+        blocks = ", ".join(f"{space} {count}" for space, count in limits.max_block.items())
+        refused = " ".join(f"{code:02X}" for code in limits.refused)
+        rows.append(
+            [
+                tr("learnt", "выяснено"),
+                tr(
+                    f"lists up to {limits.max_list}; blocks {blocks or '–'}; "
+                    f"unknown parameters {refused or '–'}",
+                    f"списки до {limits.max_list}; блоки {blocks or '–'}; "
+                    f"неизвестные параметры {refused or '–'}",
+                ),
+            ]
+        )
+    for adapter, rates in _rates(found, catalog).items():
+        order = sorted(rates, key=lambda method: -rates[method])
+        told = ", ".join(f"{m} {rates[m]:.1f}" if rates[m] else f"{m} –" for m in order)
+        rows.append(
+            [
+                tr("sampling", "опрос"),
+                tr(
+                    f"all parameters, sets/s: {told} ({adapter})",
+                    f"все параметры, раз/с: {decimal(told)} ({adapter})",
+                ),
+            ]
+        )
+    return rows
+
+
+def _rates(found: Info, catalog: Catalog) -> dict[str, dict[FixedMethod, float]]:
+    """By kind of adapter: sets a second of all parameters, by what was learnt; 0: not taken."""
+    lacks = set(found.limits.refused)
+    wanted = tuple(Wanted(p) for p in catalog.parameters if p.code not in lacks)
+    if not wanted:
+        return {}
+    plan = Plan(wanted, max_list=found.limits.max_list)
+    learnt = found.limits.methods
+    return {adapter: rates_of(plan, paces, _BAUD) for adapter, paces in learnt.items()}
+
+
+def _pieces(pieces: tuple[str | None, ...]) -> str:
+    return " · ".join(piece for piece in pieces if piece)
+
+
+def _named(support: Support) -> str:
+    code = f"{support.command.CODES[0]:02X}"
+    return f"{code} {localized(support.command.TITLE)}"
+
+
+def _support_rows(supported: list[Support], untold: str | None) -> list[list[str]]:
+    words = {
+        True: tr("knows", "знает"),
+        False: tr("does not know", "не знает"),
+        None: untold or tr("not tried", "не пробовалось"),
+    }
+    rows = []
+    for known, word in words.items():
+        names = [_named(s) for s in supported if s.known is known]
+        if names:
+            rows.append([word, "; ".join(names)])
+    return rows

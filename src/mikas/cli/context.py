@@ -1,0 +1,194 @@
+"""One run of the program: its settings, its way to the ECU, its way of asking.
+
+Settings come from the command line, else the environment (MIKAS_PORT), else the config file, else
+the defaults; everything that a command needs beyond its own arguments it gets from here.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mikas.cli import config
+from mikas.cli.language import localized, tr
+from mikas.cli.render.output import Output
+from mikas.errors import MikasError, NotConfirmed, NotSupported
+from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from mikas.catalog import Catalog
+    from mikas.client import Change, Confirm, Ecu
+    from mikas.client.connecting import ConnectionOptions
+    from mikas.link import Link, Sink
+
+_HOW = Text(
+    "There is no terminal to ask at; --yes says yes beforehand.",
+    "Спросить негде: это не терминал; согласиться заранее можно ключом --yes.",
+)
+_NO = Text("The answer was no.", "Ответ был «нет».")
+_NOT_RECORDED = Text(
+    "A recording answers only what was asked while it was made; only the car can tell the rest.",
+    "Запись отвечает только на то, что спрашивали, пока она шла; об остальном знает только машина.",
+)
+
+
+_CONNECTION = {
+    "echo": "echo",
+    "timeout": "timeout",
+    "retries": "retries",
+    "reading": "interpretation",
+}
+"""Options of the command line that are a field of `ConnectionOptions`, and that field."""
+
+
+@dataclass
+class CommandContext:
+    """Settings of this run. `port` None: the one likely adapter.
+
+    `connection`: the fields of `ConnectionOptions` that the user has set.
+    """
+
+    port: str | None = None
+    capture: Path | None = None
+    catalogs: tuple[Path, ...] = ()
+    connection: dict[str, Any] = field(default_factory=dict)
+    output: Output = field(default_factory=Output)
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any]) -> CommandContext:
+        """From the command line's common options, the environment and the config file."""
+        stored = config.load()
+        settings = {**stored, **_environment(), **given}
+        json, verbose = bool(given.get("json")), bool(given.get("verbose"))
+        context = cls(output=Output(json=json, verbose=verbose))
+        context.port = settings.get("port")
+        context.connection = {
+            name: settings[option] for option, name in _CONNECTION.items() if option in settings
+        }
+        context.catalogs = tuple(map(Path, [*stored.get("catalog", ()), *given.get("catalog", ())]))
+        context.capture = Path(given["capture"]) if given.get("capture") else None
+        return context
+
+    @cached_property
+    def options(self) -> ConnectionOptions:
+        """How an ECU is talked to, the catalog included."""
+        from mikas.catalog import load
+        from mikas.client.connecting import ConnectionOptions
+
+        return ConnectionOptions(catalog=load(*self.catalogs), **self.connection)
+
+    def catalog(self) -> Catalog:
+        """The shipped definitions with the user's over them."""
+        return self.options.catalog
+
+    @property
+    def interpretation(self) -> str:
+        """Which reading of the source's errata decodes values."""
+        return self.options.interpretation
+
+    @contextmanager
+    def ecu(self, confirm: Confirm | None = None) -> Iterator[Ecu]:
+        """A connected ECU, captured if that was asked for."""
+        from mikas.client.connecting import open_ecu
+        from mikas.link import choose_port
+
+        port = self.port or choose_port()
+        with (
+            self.capturing(port) as sink,
+            open_ecu(port, replace(self.options, confirm=confirm), sink=sink) as ecu,
+        ):
+            self.output.detail(
+                tr("port", "порт"), port,
+                tr("echo", "эхо"), tr("yes", "есть") if ecu.tester.echoes else tr("no", "нет"),
+            )  # fmt: skip
+            try:
+                yield ecu
+            except NotSupported as error:
+                if port.startswith("replay:"):
+                    error.advice = _NOT_RECORDED
+                raise
+            finally:
+                self.check_capture(ecu.tester.link)
+
+    @contextmanager
+    def capturing(self, port: str) -> Iterator[Sink | None]:
+        """What `--capture` names, ready to be given all that passes on the wire."""
+        if self.capture is None:
+            yield None
+            return
+        from mikas.recording import CaptureWriter
+
+        with CaptureWriter(self.capture, url=port) as writer:
+            yield writer
+
+    def check_capture(self, link: Link) -> None:
+        """Says if the capture on `link` has broken off."""
+        failure = getattr(link, "failure", None)
+        if failure is not None and failure is not sys.exception():  # else it is told anyway
+            why = localized(failure.text) if isinstance(failure, MikasError) else str(failure)
+            self.output.note(tr(f"The capture stopped early: {why}", f"Запись оборвалась: {why}"))
+
+    def confirm(
+        self, *, yes: bool, meaning: Callable[[str], str] | None = None
+    ) -> Callable[[Change], bool]:
+        """Asks at the terminal before a change; `yes` answers beforehand.
+
+        `meaning`: says what the hex before and after a change stands for.
+        """
+
+        def ask(change: Change) -> bool:
+            self.output.note(_described(change, meaning))
+            if yes:
+                return True
+            if not sys.stdin.isatty():
+                raise NotConfirmed(change=change.what, how=_HOW)
+            if not _says_yes():
+                raise NotConfirmed(change=change.what, how=_NO)
+            return True
+
+        return ask
+
+
+def _says_yes() -> bool:
+    """The answer at the terminal; what is neither yes nor no is no."""
+    sys.stderr.write(tr("Do it? [y/N] ", "Выполнить? [д/Н] "))
+    sys.stderr.flush()
+    answer = sys.stdin.readline()
+    if not answer.endswith("\n"):
+        sys.stderr.write("\n")  # Ctrl-D leaves the cursor behind the question
+    return answer.strip().lower() in ("y", "yes", "д", "да")
+
+
+def _described(change: Change, meaning: Callable[[str], str] | None) -> str:
+    lines = [_capital(localized(change.what))]
+    if change.before is not None:
+        told = (meaning(change.before) if meaning else change.before) or "–"
+        lines.append(tr(f"  before: {told}", f"  было:  {told}"))
+    if change.after is not None and change.after not in change.what.en:
+        told = (meaning(change.after) if meaning else change.after) or "–"
+        known = change.before is not None
+        label = tr("after: ", "будет:") if known else tr("bytes:", "байты:")
+        lines.append(f"  {label} {told}")
+    if change.safety.name == "DANGEROUS":
+        lines.append(
+            tr(
+                "  DANGER: after this the unit may no longer run the engine.",
+                "  ОПАСНО: после этого двигатель может больше не завестись.",
+            )
+        )
+    return "\n".join(lines)
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _environment() -> dict[str, Any]:
+    port = os.environ.get("MIKAS_PORT", "").strip()
+    return {"port": port} if port else {}

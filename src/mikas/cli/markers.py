@@ -1,0 +1,108 @@
+"""Markers while recording: Enter sets one; what was typed before it is its name.
+
+A thread waits for the lines, until the end or Ctrl-C, whichever is first: what is typed from then
+on is the shell's, also while a recording is still being ended. It reads the descriptor itself: a
+thread that hangs in `sys.stdin` would keep the process from ending.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Self
+
+from mikas.cli.language import tr
+from mikas.recording.recorder import Recorder
+
+_OVER = b"\0"  # no signal has this number
+
+
+class Marking:
+    """Listens while in the `with`; only where stdin is a terminal that is ours to read from."""
+
+    def __init__(self, recorder: Recorder, tell: Callable[[str], None]) -> None:
+        self._recorder = recorder
+        self._tell = tell
+        self._count = 0
+        self._over = False
+        self._thread: threading.Thread | None = None
+        self._waking: tuple[int, int] | None = None  # a pipe: signals, and the end
+        self._woken_before = -1
+
+    def __enter__(self) -> Self:
+        if _is_ours():
+            self.listen(sys.stdin.fileno(), sys.stdin.encoding or "utf-8")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._over = True
+        if self._waking is None or self._thread is None:
+            return  # on Windows nothing wakes it: it goes with the process
+        with suppress(BlockingIOError):  # full of signals: they wake it too
+            os.write(self._waking[1], _OVER)
+        self._thread.join()
+        signal.set_wakeup_fd(self._woken_before)
+        for end in self._waking:
+            os.close(end)
+
+    def listen(self, descriptor: int, encoding: str = "utf-8") -> None:
+        """Takes lines from `descriptor`; in the main thread, once."""
+        if os.name == "posix":
+            self._waking = os.pipe()
+            for end in self._waking:
+                os.set_blocking(end, False)
+            self._woken_before = signal.set_wakeup_fd(self._waking[1], warn_on_full_buffer=False)
+        self._thread = threading.Thread(
+            target=self._listen, args=(descriptor, encoding), daemon=True
+        )
+        self._thread.start()
+
+    def mark(self, label: str) -> None:
+        """One marker, now."""
+        if self._recorder.failure is None and self._recorder.marker(label=label) is not None:
+            self._count += 1
+            name = f" “{label}”" if label else ""
+            named = f" «{label}»" if label else ""
+            self._tell(tr(f"Marker {self._count}{name}.", f"Метка {self._count}{named}."))
+
+    def _listen(self, descriptor: int, encoding: str) -> None:
+        while self._is_there_a_line(descriptor):
+            try:
+                line = os.read(descriptor, 4096)
+            except OSError:  # put into the background, or the terminal is gone
+                return
+            if not line or (self._over and self._waking is None):
+                return
+            self.mark(line.decode(encoding, "replace").strip())
+
+    def _is_there_a_line(self, descriptor: int) -> bool:
+        """Waits for one; False: it is over, or Ctrl-C was pressed."""
+        if self._waking is None:
+            return True
+        while True:
+            ready, _, _ = select.select([descriptor, self._waking[0]], [], [])
+            if self._waking[0] not in ready:
+                return True
+            woken = os.read(self._waking[0], 4096)
+            if signal.SIGINT in woken or _OVER in woken:
+                return False
+
+
+def _is_ours() -> bool:
+    if not sys.stdin.isatty():
+        return False
+    if os.name != "posix":
+        return True
+    try:
+        # In the background, reading from the terminal would stop the whole process.
+        if os.tcgetpgrp(sys.stdin.fileno()) != os.getpgrp():
+            return False
+        signal.signal(signal.SIGTTIN, signal.SIG_IGN)
+    except (OSError, ValueError):  # no such terminal; not the main thread
+        return False
+    return True

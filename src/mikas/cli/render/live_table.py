@@ -1,0 +1,251 @@
+"""The live table of a session, redrawn in place on a terminal.
+
+A value of this cycle stands as it is; one from an earlier cycle is faded, with its age; in a gap
+there are dashes. Where nothing comes, not even a gap, the last values fade after a second and are
+dashes after two. A channel in alarm has a colour, and the line over the table says it in words.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Protocol, Self
+
+from mikas.catalog import Level
+from mikas.cli.language import current_language, decimal, localized, tr
+from mikas.cli.render import table_layout
+from mikas.cli.render.lines import fresh_in
+from mikas.cli.render.output import Output, stdout_console
+from mikas.cli.render.readings import reference, shown_unit, shown_value
+from mikas.cli.silence import Arrivals, Silence
+from mikas.i18n import Text
+from mikas.link import WallClock
+from mikas.sampling.alarms import AlarmChanged, Side
+from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+
+    from mikas.catalog import Derived, Model, Parameter
+    from mikas.client import Reading
+    from mikas.sampling.derived import DerivedValue
+    from mikas.sampling.events import Event
+
+_PER_SECOND = 5  # refreshes, as many as an eye can follow
+_SPARK = "▁▂▃▄▅▆▇█"
+_MEMORY = 60  # samples that the small curve shows, joined to its width
+_WIDTH = 20
+_OLD = 1.0  # s; a younger value is faded, but its age is not told: it would only flicker
+_BETTER = {LineState.ECU_ALIVE, LineState.SAMPLING}
+
+
+class Watched(Protocol):
+    """What the table asks of a session."""
+
+    model: Model | None
+    method: str | None
+
+    @property
+    def channels(self) -> Sequence[Parameter | Derived]:
+        """What was asked for."""
+
+    @property
+    def errors(self) -> int:
+        """Exchanges that failed."""
+
+
+class LiveTable:
+    """A table that is redrawn in place, with a line on what the wire does above it.
+
+    It is drawn in a thread of its own: a drawing takes longer than a request's turn-round, and the
+    wire must not wait for it.
+
+    It has the terminal's other screen, so that a change of its size leaves no rubbish; at the end
+    the last state is left on the usual one, and the notices on stderr.
+    """
+
+    def __init__(
+        self,
+        session: Watched,
+        output: Output,
+        console: Console | None = None,
+        clock: Callable[[], float] | None = None,
+    ) -> None:
+        from rich.live import Live
+
+        self._session = session
+        self._output = output
+        self._console = console or stdout_console()
+        names = [channel.name for channel in session.channels]
+        self._past: dict[str, deque[float]] = {name: deque(maxlen=_MEMORY) for name in names}
+        self._latest: dict[str, Reading | DerivedValue] = {}
+        self._lowest: dict[str, Reading | DerivedValue] = {}
+        self._highest: dict[str, Reading | DerivedValue] = {}
+        self._times: deque[float] = deque(maxlen=100)
+        self._arrivals = Arrivals(clock or WallClock().now)
+        self._now: Sampled | CycleFailed | None = None
+        self._broken: StateChanged | None = None
+        self._alarms: dict[str, AlarmChanged] = {}
+        self._notices: list[str] = []
+        self._changing = threading.Lock()
+        self._live = Live(
+            console=self._console,
+            get_renderable=self.drawing,
+            refresh_per_second=_PER_SECOND,
+            screen=True,
+        )
+
+    def take(self, event: Event) -> None:
+        """Keeps what the next drawing shows."""
+        with self._changing:
+            match event:
+                case Sampled():
+                    self._sampled(event)
+                case CycleFailed():
+                    self._now = event
+                    self._arrivals.broke()
+                case StateChanged():
+                    self._broken = None if event.state in _BETTER else event
+                    self._arrivals.broke()
+                case AlarmChanged():
+                    self._alarms.pop(event.channel.name, None)
+                    if event.level is not Level.NONE:
+                        self._alarms[event.channel.name] = event
+
+    def tell(self, sentence: str) -> None:
+        """Shows a notice until the next one comes; all of them are told again at the end."""
+        with self._changing:
+            self._notices.append(sentence)
+
+    def _sampled(self, event: Sampled) -> None:
+        self._now, self._broken = event, None
+        self._times.append(event.time)
+        self._arrivals.came()
+        for name, reading in fresh_in(event).items():
+            if name not in self._past:  # an input of something derived
+                continue
+            self._latest[name] = reading
+            self._past[name].append(float(reading.value))
+            lowest = self._lowest.setdefault(name, reading)
+            highest = self._highest.setdefault(name, reading)
+            self._lowest[name] = min(lowest, reading, key=lambda r: r.value)
+            self._highest[name] = max(highest, reading, key=lambda r: r.value)
+
+    def drawing(self, lines: int | None = None, *, ended: bool = False) -> RenderableType:
+        """The table as it is now, for the console's size, or for so many lines.
+
+        `ended`: as the last event left it; that nothing came since is as it should be.
+        """
+        with self._changing:
+            silence = Silence() if ended else self._arrivals.silence()
+            rows = [self._row(channel, silence) for channel in self._session.channels]
+            state = self._state(silence)
+            well = isinstance(self._now, Sampled) and not self._broken and not silence.seconds
+            alarms = self._in_alarm()
+            notice = self._notices[-1] if self._notices else ""
+        width, height = self._console.size
+        head = table_layout.Head(
+            state, "green" if well or self._now is None else "red", alarms, notice
+        )
+        return table_layout.draw(head, rows, width, lines or height)
+
+    def _row(self, channel: Parameter | Derived, silence: Silence) -> table_layout.Row:
+        name = channel.name
+        told = self._lowest.get(name)
+        ranged = told if not channel.is_flag else None
+        value, style = self._value(channel, silence)
+        return table_layout.Row(
+            name=name,
+            value=value,
+            style=style,
+            unit=shown_unit(told) if told else channel.unit_text.to(current_language()),
+            reference=reference(channel),
+            lowest=shown_value(ranged) if ranged else "",
+            highest=shown_value(self._highest[name]) if ranged else "",
+            meaning=localized(channel.text),
+            curve=sparkline(self._past[name]),
+        )
+
+    def _value(self, channel: Parameter | Derived, silence: Silence) -> tuple[str, str]:
+        """What stands for the value, and how."""
+        latest = self._latest.get(channel.name)
+        dead = self._broken is not None or silence.gone
+        if latest is None or dead or not isinstance(self._now, Sampled):
+            return "–", ""
+        alarm = self._alarms.get(channel.name)
+        style = _STYLES[alarm.level] if alarm else ""
+        fresh = channel.name in fresh_in(self._now)
+        if fresh and not silence.seconds:
+            return shown_value(latest), style
+        age = silence.seconds + (0.0 if fresh else max(0.0, self._now.time - latest.time))
+        if age < _OLD:
+            return shown_value(latest), "dim"
+        return tr(
+            f"{shown_value(latest)} ({age:.0f} s)", f"{shown_value(latest)} ({age:.0f} с)"
+        ), "dim"
+
+    def _in_alarm(self) -> str:
+        """The worst first: `▲ TWAT danger · ▼ UACC warning`."""
+        order = sorted(self._alarms.values(), key=lambda alarm: alarm.level is not Level.DANGER)
+        arrows = {Side.HIGH: "▲", Side.LOW: "▼"}
+        return " · ".join(
+            f"{arrows[alarm.side]} {alarm.channel.name}: {localized(_LEVELS[alarm.level])}"
+            for alarm in order
+        )
+
+    def _state(self, silence: Silence) -> str:
+        model = localized(self._session.model.text) if self._session.model else "…"
+        failed = tr(f"errors {self._session.errors}", f"ошибок {self._session.errors}")
+        if self._broken is not None:
+            waits = tr("waiting, it goes on by itself", "ждём, опрос продолжится сам")
+            return f"○ {localized(self._broken.state.text)} · {waits} · {model}"
+        if self._now is None:
+            return f"… {tr('waiting for the first answer', 'ждём первого ответа')} · {model}"
+        if isinstance(self._now, CycleFailed):
+            return f"○ {localized(self._now.error.reason)} · {model} · {failed}"
+        if silence.seconds:
+            for_so_long = f"{silence.seconds:.0f}"
+            nothing = tr(
+                f"nothing has come for {for_so_long} s", f"уже {for_so_long} с ничего не приходит"
+            )
+            return f"○ {nothing} · {model} · {failed}"
+        sets = decimal(f"{self._rate():.1f}")
+        rate = tr(f"{sets} sets/s", f"{sets} раз/с")
+        told = [localized(LineState.SAMPLING.text), model, self._session.method or "", rate, failed]
+        return "● " + " · ".join(word for word in told if word)
+
+    def _rate(self) -> float:
+        if len(self._times) < 2 or self._times[-1] <= self._times[0]:
+            return 0.0
+        return (len(self._times) - 1) / (self._times[-1] - self._times[0])
+
+    def __enter__(self) -> Self:
+        self._live.start(refresh=True)
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self._live.stop()
+        if self._now:  # at its own end the line has been brought to quiet, which takes a moment
+            self._console.print(self.drawing(table_layout.UNLIMITED, ended=kind is None))
+        for sentence in self._notices:
+            self._output.note(sentence)
+
+
+_LEVELS = {
+    Level.NONE: Text("no alarm", "нет"),
+    Level.WARNING: Text("warning", "предупреждение"),
+    Level.DANGER: Text("DANGER", "ОПАСНО"),
+}
+_STYLES = {Level.NONE: "", Level.WARNING: "bold yellow", Level.DANGER: "bold white on red"}
+
+
+def sparkline(values: Sequence[float]) -> str:
+    """The last values as a small curve of at most 20 characters, from their own low to high."""
+    if len(values) < 2:
+        return ""
+    step = max(1, len(values) // _WIDTH)
+    shown_ones = list(values)[::-1][: _WIDTH * step : step][::-1]
+    low, high = min(shown_ones), max(shown_ones)
+    scale = (len(_SPARK) - 1) / (high - low) if high > low else 0.0
+    return "".join(_SPARK[round((value - low) * scale)] for value in shown_ones)

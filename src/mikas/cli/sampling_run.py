@@ -1,0 +1,179 @@
+"""One session of `watch`, `log` or `demo`: the acquisition, the recorder beside it, and their end.
+
+    link ──► Acquisition.run ──► Recorder.take ──► events ──► what shows them
+
+The first connection is strict: where nobody answers, the command ends with what to try. From there
+on it waits, for ever, for whatever went away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, replace
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mikas.cli.context import CommandContext
+from mikas.cli.language import tr
+from mikas.errors import EngineStopped, RecordingOver
+from mikas.link import choose_port
+from mikas.link.reconnecting import ReconnectingPort
+from mikas.recording.recorder import Recorder
+from mikas.sampling.acquisition import Acquisition
+from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged, UnitFound
+
+if TYPE_CHECKING:
+    from mikas.catalog import Derived, Model, Parameter
+    from mikas.client import Ecu
+    from mikas.sampling.events import Event
+
+_SEARCH = 3  # lost cycles at the beginning that are not told: something better may follow
+
+
+@dataclass(frozen=True, slots=True)
+class SamplingOptions:
+    """What the command line says about sampling. `count` and `duration` None: until Ctrl-C."""
+
+    names: Sequence[str] = ()
+    method: str = "auto"
+    rate: float | None = None
+    count: int | None = None
+    duration: float | None = None
+    relearn: bool = False
+
+    def bounded(self) -> SamplingOptions:
+        """With a count where rate and duration make one, lest it waits for one too late."""
+        if self.rate is None or self.duration is None:
+            return self
+        most = int(self.rate * self.duration) + 1
+        return replace(self, count=most if self.count is None else min(most, self.count))
+
+
+class SamplingRun:
+    """What `session` gives: `events` to be run through once, and what is known meanwhile."""
+
+    def __init__(
+        self, acquisition: Acquisition, recorder: Recorder, port: str, asked: SamplingOptions
+    ) -> None:
+        self.acquisition = acquisition
+        self.asked = asked
+        self.recorder = recorder
+        self.port = port
+        self.model: Model | None = None
+        self.method: str | None = None
+        self.connected = False  # at least once
+        self.samples = 0
+        self.gap_cycles = 0
+        self.seconds = 0.0
+        self.over: RecordingOver | None = None
+        """What was played is at its end, and so are the events."""
+        self._began: float | None = None
+        self._ecu: Ecu | None = None
+        self._searched = 0  # lost cycles before the first sample
+        self._failed_before = 0  # line errors on links that are gone
+
+    @property
+    def channels(self) -> Sequence[Parameter | Derived]:
+        """What was asked for, in order."""
+        return self.acquisition.channels
+
+    @property
+    def errors(self) -> int:
+        """Exchanges that failed on the line, since the start."""
+        return self._failed_before + (self._ecu.tester.statistics.failed if self._ecu else 0)
+
+    @property
+    def rate(self) -> float:
+        """Samples a second, over all."""
+        return self.samples / self.seconds if self.seconds > 0 else 0.0
+
+    def events(self, asked: SamplingOptions) -> Generator[Event, None, None]:
+        """Events, recorded already, until `asked` has enough; a lost cycle counts as a sample.
+
+        A recording that is played may end before: `over` tells. Raises as `Acquisition.run` does.
+        """
+        asked = asked.bounded()
+        period = 1 / asked.rate if asked.rate else 0.0
+        due = -inf
+        with closing(self._until_it_is_over()) as events:
+            for event in events:
+                self.recorder.take(event)
+                if isinstance(event, CycleFailed) and self._is_searching(event):
+                    continue
+                if isinstance(event, Sampled) and period:
+                    if event.time < due:  # methods are measured as fast as they go
+                        continue
+                    due = event.time + 0.75 * period
+                self._follow(event)
+                yield event
+                if self._is_enough(asked) and not self.acquisition.has_more:
+                    return
+
+    def _until_it_is_over(self) -> Generator[Event, None, None]:
+        with closing(self.acquisition.run()) as events:
+            try:
+                yield from events
+            except RecordingOver as error:
+                if not self.samples:
+                    raise
+                self.over = error
+
+    def _is_searching(self, gap: CycleFailed) -> bool:
+        """Whether `gap` may only be the unit's refusal of a method, which is raised next."""
+        if isinstance(gap.error, EngineStopped):
+            return False
+        self._searched += not self.samples
+        return not self.samples and self._searched <= _SEARCH
+
+    def _follow(self, event: Event) -> None:
+        ecu = self.acquisition.ecu
+        if ecu is not None and ecu is not self._ecu:
+            self._failed_before, self._ecu = self.errors, ecu
+        if isinstance(event, UnitFound):
+            self.connected = True
+            self.model = ecu.model if ecu else self.model
+        if isinstance(event, StateChanged) and event.state is LineState.SAMPLING:
+            self._began = event.time if self._began is None else self._began
+        self.method = self.acquisition.method
+        self.samples += isinstance(event, Sampled)
+        self.gap_cycles += isinstance(event, CycleFailed)
+        if self._began is not None:
+            self.seconds = max(self.seconds, event.time - self._began)
+
+    def _is_enough(self, asked: SamplingOptions) -> bool:
+        if asked.count is not None and self.samples + self.gap_cycles >= asked.count:
+            return True
+        return asked.duration is not None and self.seconds >= asked.duration
+
+
+@contextmanager
+def session(
+    context: CommandContext, asked: SamplingOptions, out: Path | None = None, *, joined: bool = True
+) -> Iterator[SamplingRun]:
+    """A session on this run's port, with everything on the wire recorded to `out`, if named."""
+    port = context.port or choose_port()
+    # Two that need each other: the recorder asks the acquisition which unit is there.
+    recorder = Recorder(
+        ecu=lambda: acquisition.ecu, interpretation=context.interpretation, joined=joined
+    )
+    acquisition = Acquisition(
+        ReconnectingPort(port, sink=recorder),
+        context.options.create_ecu,
+        context.catalog(),
+        asked.names,
+        method=asked.method,
+        rate=asked.rate,
+        strict=True,
+    )
+    if asked.relearn:
+        acquisition.relearn()
+    if out is not None:
+        recorder.start(out, url=port)
+    current = SamplingRun(acquisition, recorder, port, asked)
+    context.output.detail(tr("port", "порт"), port)
+    try:
+        yield current
+    finally:
+        recorder.stop()

@@ -1,0 +1,165 @@
+"""A chart as an SVG drawing: a channel's course, its reference as a band, where warm idle was.
+
+Numbers only go in as formatted numbers, texts only escaped. No script and no `style` attribute: a
+page with a strict Content-Security-Policy shows it, and it prints as it looks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import ceil, floor, log10
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from markupsafe import Markup
+
+from mikas.i18n import Language
+from mikas.report.formatting import clock, number
+from mikas.report.measurements import Channel
+from mikas.report.statistics import Envelope
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Column = NDArray[np.float64]
+
+Span = tuple[float, float]
+
+WIDTH: Final = 320
+HEIGHT: Final = 190
+_LEFT, _RIGHT, _TOP, _BOTTOM = 46, 314, 10, 154
+_STRIP: Final = 5  # the bar of warm idle, on the time line
+_TICKS: Final = 4
+
+
+def chart(
+    channel: Channel,
+    curve: Envelope,
+    seconds: float,
+    language: Language,
+    *,
+    idle: Sequence[Span] = (),
+    pauses: Sequence[Span] = (),
+    label: str = "",
+) -> Markup:
+    """The drawing. `seconds`: how long the time line is; spans are in seconds since its begin."""
+    reference = getattr(channel, "reference", None)
+    ends = _ends(curve, reference, 10.0**-channel.decimals)
+    plot = _Frame(max(seconds, curve.width), *ends)
+    parts = [
+        _svg("title", label),
+        *(plot.bar("pause", span) for span in pauses),
+        *([plot.level("band", reference)] if reference else []),
+        *_value_axis(plot, channel, language),
+        *_time_axis(plot),
+        plot.course(curve),
+        *(plot.strip(span) for span in idle),
+        _svg("rect", cls="frame", x=_LEFT, y=_TOP, width=_RIGHT - _LEFT, height=_BOTTOM - _TOP),
+    ]
+    return Markup(
+        '<svg class="chart" viewBox="0 0 {} {}" role="img" aria-label="{}">{}</svg>'
+    ).format(WIDTH, HEIGHT, label, Markup("").join(parts))
+
+
+class _Frame:
+    """Seconds and values to places on the drawing."""
+
+    def __init__(self, seconds: float, low: float, high: float) -> None:
+        self.seconds, self.low, self.high = seconds, low, high
+
+    def x(self, seconds: float) -> float:
+        share = min(1.0, max(0.0, seconds / self.seconds))
+        return _LEFT + share * (_RIGHT - _LEFT)
+
+    def y(self, value: float) -> float:
+        return _BOTTOM - (value - self.low) / (self.high - self.low) * (_BOTTOM - _TOP)
+
+    def bar(self, cls: str, span: Span) -> Markup:
+        x, width = self._across(span)
+        return _svg("rect", cls=cls, x=x, y=_TOP, width=width, height=_BOTTOM - _TOP)
+
+    def strip(self, span: Span) -> Markup:
+        x, width = self._across(span)
+        return _svg("rect", cls="idle", x=x, y=_BOTTOM - _STRIP, width=width, height=_STRIP)
+
+    def _across(self, span: Span) -> Span:
+        x = self.x(span[0])
+        return x, max(0.5, self.x(span[1]) - x)
+
+    def level(self, cls: str, band: Span) -> Markup:
+        top, bottom = self.y(band[1]), self.y(band[0])
+        height = max(1.5, bottom - top)  # a band of one value is a line
+        return _svg("rect", cls=cls, x=_LEFT, y=top, width=_RIGHT - _LEFT, height=height)
+
+    def course(self, curve: Envelope) -> Markup:
+        """A stroke from column to column, up and down within each; broken where nothing came."""
+        pieces = []
+        for run in _runs(np.isfinite(curve.most)):
+            points = []
+            for place in run:
+                x = f"{self.x(curve.middles[place]):.1f}"
+                low, high = self.y(curve.least[place]), self.y(curve.most[place])
+                points.append(f"{x} {low:.1f}")
+                if low - high >= 0.1:
+                    points.append(f"{x} {high:.1f}")
+            start = f"M{points[0]}"
+            pieces.append(start + ("L" + " ".join(points[1:]) if points[1:] else "h0.5"))
+        return _svg("path", cls="course", d="".join(pieces))
+
+
+def _runs(there: NDArray[np.bool_]) -> Iterator[range]:
+    """Columns with values, without the empty ones between two that are near: a slow parameter comes
+    in every tenth cycle, and that is no hole.
+    """
+    places = np.flatnonzero(there)
+    if not places.size:
+        return
+    nearest = max(2, 3 * int(np.median(np.diff(places)))) if places.size > 1 else 2
+    for piece in np.split(places, np.flatnonzero(np.diff(places) > nearest) + 1):
+        yield piece.tolist()
+
+
+def _ends(curve: Envelope, reference: Span | None, step: float) -> Span:
+    """What the value axis has to show: everything that was, and the reference."""
+    low, high = float(np.nanmin(curve.least)), float(np.nanmax(curve.most))
+    if reference is not None:
+        low, high = min(low, reference[0]), max(high, reference[1])
+    room = max((high - low) * 0.06, 2 * step)
+    return (0.0 if 0 <= low < room else low - room), high + room
+
+
+def _value_axis(plot: _Frame, channel: Channel, language: Language) -> Iterator[Markup]:
+    decimals, step = _step(plot.high - plot.low, channel.decimals)
+    for count in range(ceil(plot.low / step), floor(plot.high / step) + 1):
+        y = plot.y(count * step)
+        yield _svg("line", cls="grid", x1=_LEFT, x2=_RIGHT, y1=y, y2=y)
+        text = number(count * step, decimals, language)
+        yield _svg("text", text, cls="value", x=_LEFT - 5, y=y + 3.5)
+
+
+def _step(span: float, decimals: int) -> tuple[int, float]:
+    """A round distance between lines, and how many decimals it needs."""
+    raw = max(span / _TICKS, 10.0**-decimals)
+    power = floor(log10(raw))
+    step = next(each for each in (1, 2, 5, 10) if each * 10**power >= raw * 0.999) * 10.0**power
+    return max(0, -floor(log10(step) + 1e-9)), step
+
+
+_TIME_STEPS: Final = (1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 36000)
+
+
+def _time_axis(plot: _Frame) -> Iterator[Markup]:
+    step = next((each for each in _TIME_STEPS if plot.seconds / each <= _TICKS + 1), 86400)
+    for count in range(floor(plot.seconds / step) + 1):
+        x = plot.x(count * step)
+        yield _svg("line", cls="grid", x1=x, x2=x, y1=_TOP, y2=_BOTTOM)
+        yield _svg("text", clock(count * step), cls="time", x=x, y=_BOTTOM + 16)
+
+
+def _svg(tag: str, text: str = "", *, cls: str = "", **attributes: float | str) -> Markup:
+    given = {"class": cls, **attributes} if cls else dict(attributes)
+    said = Markup("").join(
+        Markup(' {}="{}"').format(name, f"{value:.1f}" if isinstance(value, float) else value)
+        for name, value in given.items()
+    )
+    return Markup("<{0}{1}>{2}</{0}>").format(Markup(tag), said, text)

@@ -1,0 +1,93 @@
+"""How it was measured, as rows of a name and a text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import Final
+
+from mikas.errors import UsageError
+from mikas.i18n import Language, Text
+from mikas.link.descriptions import described
+from mikas.link.urls import parse
+from mikas.report.findings import Findings
+from mikas.report.formatting import clock, duration, number
+from mikas.report.labels import Labels
+from mikas.report.subject import Interruption
+from mikas.report.summary import of_idle
+from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS
+
+_METHODS: Final = {
+    "single": Text("one request a parameter (61)", "запрос на каждый параметр (61)"),
+    "batch": Text("many parameters a request (61)", "много параметров одним запросом (61)"),
+    "list": Text("a list in the unit (64, 63)", "список в блоке (64, 63)"),
+    "stream": Text("a stream from the unit (71)", "поток от блока (71)"),
+}
+_STROKE: Final = Text("a response each engine cycle (7F–83)", "ответ на каждый цикл (7F–83)")
+_MOST_PAUSES: Final = 3
+_BEHIND: Final = re.compile(
+    r" \((?:sent|received|послано|принято|не принято) |\.(?:\s|$)"
+)  # a reason's first sentence: the bytes that were on the wire, or its end
+
+
+def rows(found: Findings, language: Language) -> Iterator[tuple[str, str]]:
+    """What there is to tell; what is not known is left out."""
+    label, how, measured = Labels(language), found.subject.how, found.measured
+    yield label("length"), duration(measured.seconds).to(language)
+    rate = measured.rows / measured.seconds if measured.seconds else 0.0
+    yield (
+        label("samples"),
+        label("sample_rate", count=measured.rows, rate=number(rate, 1, language)),
+    )
+    yield label("idle"), of_idle(found).to(language)
+    if how.method:
+        yield label("method"), _method(how.method).to(language)
+    adapter = described(how.adapter).to(language)
+    where = " · ".join(filter(None, (adapter, _port(how.port).to(language))))
+    if where:
+        yield label("adapter"), where
+    if how.echo is not None:
+        yield label("echo"), label("yes" if how.echo else "no")
+    yield label("gaps"), _gaps(how.pauses, measured.began or 0.0, label, language)
+    if how.errors is not None:
+        yield label("errors"), str(how.errors)
+    yield label("catalog"), found.subject.catalog.version
+
+
+def _port(url: str) -> Text:
+    """As it was opened; a virtual car by what it does."""
+    if not url.startswith("sim:"):
+        return Text(url, url)
+    with suppress(UsageError):
+        scenario = SCENARIOS.get(parse(url).options.get("scenario", DEFAULT))
+        if scenario is not None:
+            return scenario.text
+    return Text("a virtual car", "виртуальный автомобиль")
+
+
+def _method(name: str) -> Text:
+    """In words; a later version's method by its name."""
+    if name.startswith("stroke"):
+        return _STROKE
+    return _METHODS.get(name, Text(name, name))
+
+
+def _gaps(pauses: tuple[Interruption, ...], began: float, label: Labels, language: Language) -> str:
+    if not pauses:
+        return label("gaps_none")
+    told = []
+    for pause in pauses[:_MOST_PAUSES]:
+        ended = "…" if pause.ended is None else clock(pause.ended - began)
+        why = f" ({_plain(pause.reason.to(language))})" if pause.reason else ""
+        told.append(f"{clock(pause.began - began)}–{ended}{why}")
+    more = len(pauses) - _MOST_PAUSES
+    rest = Text(f"{more} more", f"ещё {more}").to(language) if more > 0 else ""
+    return "; ".join(filter(None, (f"{len(pauses)}: {told[0]}", *told[1:], rest)))
+
+
+def _plain(reason: str) -> str:
+    """What happened, for the car's owner: without the bytes, and without what the one at the line
+    was to try.
+    """
+    return _BEHIND.split(reason, maxsplit=1)[0]

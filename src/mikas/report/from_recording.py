@@ -1,0 +1,127 @@
+"""From a recording to what follows from it: the rows, the notes and the faults of its last session.
+
+Always in the corrected reading, whatever the recording was made with: references belong to it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from mikas.catalog import Catalog
+from mikas.recording.about import about_of
+from mikas.recording.deriving import Deriver
+from mikas.recording.exchanges.table import TableReader
+from mikas.recording.happened import GapSeen, MethodChosen, NoteTaken, events_of, unit_of
+from mikas.recording.happened import Unit as RecordedUnit
+from mikas.recording.notes import Note
+from mikas.recording.reader import CaptureReader, Source
+from mikas.recording.table import Rows
+from mikas.report.fault_history import cleared_faults, faults_heard, faults_noted
+from mikas.report.findings import Findings, find
+from mikas.report.formatting import date_of
+from mikas.report.measurements import MeasurementCollector, Measurements
+from mikas.report.subject import Conditions, Interruption, ReportSubject, UnitIdentity
+from mikas.sampling.derived import DerivedChannels
+
+
+def of_recording(
+    path: str | os.PathLike[str],
+    catalog: Catalog,
+    *,
+    name: str | None = None,
+    errors: int | None = None,
+) -> Findings:
+    """What follows from a recording. `name`: what it is called, if not by its file's name; empty:
+    it is only kept until it is read here. `errors`: of the line, if they were counted.
+
+    Raises `CaptureError` for a file that is no capture.
+    """
+    capture = CaptureReader(path)
+    table = TableReader(path, catalog)
+    sessions = _sessions(table, catalog)
+    notes = list(capture.notes())
+    last = max((source.recording for source in sessions), default=_last_noted(notes))
+    mine = [note for note in notes if note.recording == last]
+    source, measured = _fullest(sessions, last, catalog)
+    heard = [*faults_noted(mine), *faults_heard(capture.path).get(source, ())]
+    recorded, events = unit_of(mine, catalog), events_of(mine, catalog)
+    methods = [event.method for event in events if isinstance(event, MethodChosen)]
+    words = [event.text for event in events if isinstance(event, NoteTaken)]
+    subject = ReportSubject(
+        catalog=catalog,
+        unit=_unit(recorded, catalog),
+        faults=tuple(map(catalog.fault, heard[-1].codes)) if heard else None,
+        faults_read=heard[-1].time if heard else None,
+        gone=cleared_faults(heard, catalog),
+        how=Conditions(
+            file=capture.path.name if name is None else name,
+            date=date_of(measured.began),
+            port=source.url,
+            adapter=recorded.adapter if recorded else source.description,
+            echo=recorded.echo if recorded else None,
+            method=methods[-1] if methods else (recorded.method or "") if recorded else "",
+            pauses=tuple(
+                Interruption(event.began, event.ended, event.reason)
+                for event in events
+                if isinstance(event, GapSeen)
+            ),
+            errors=errors,
+            sessions=1 + last,
+            damaged=table.problem_count,
+        ),
+        notes=tuple(filter(None, (about_of(mine), *words))),
+    )
+    return find(subject, measured)
+
+
+@dataclass(slots=True)
+class _Session:
+    """One port in one session of the file."""
+
+    measuring: MeasurementCollector
+    deriver: Deriver
+
+
+def _sessions(table: TableReader, catalog: Catalog) -> dict[Source, _Session]:
+    recorded = [channel.name for channel in table.channels]
+    derived = [name for name in catalog.derived if _follows(name, recorded, catalog)]
+    sessions: dict[Source, _Session] = {}
+    for source, rows in table.stretches():
+        if source not in sessions:
+            measuring = MeasurementCollector(catalog, [*recorded, *derived])
+            sessions[source] = _Session(measuring, Deriver(catalog, derived))
+        made = sessions[source].deriver.columns(rows) if derived else {}
+        sessions[source].measuring.add(Rows(rows.times, {**rows.values, **made}))
+    return sessions
+
+
+def _follows(name: str, recorded: Iterable[str], catalog: Catalog) -> bool:
+    return set(DerivedChannels(catalog, [name]).requires) <= set(recorded)
+
+
+def _fullest(
+    sessions: Mapping[Source, _Session], last: int, catalog: Catalog
+) -> tuple[Source, Measurements]:
+    """The port that brought most in the last session; a source of its own if none brought any."""
+    found = [
+        (source, session.measuring.measured)
+        for source, session in sessions.items()
+        if source.recording == last
+    ]
+    if not found:
+        return Source(last), MeasurementCollector(catalog, ()).measured
+    return max(found, key=lambda each: each[1].rows)
+
+
+def _last_noted(notes: Iterable[Note]) -> int:
+    return max((note.recording for note in notes), default=0)
+
+
+def _unit(recorded: RecordedUnit | None, catalog: Catalog) -> UnitIdentity | None:
+    code = recorded.version_code if recorded else None
+    if recorded is None or code is None or not 0 <= code <= 0xFF:
+        return None
+    passport = recorded.passport or ()
+    return UnitIdentity(catalog.model(code), passport[:3], passport[3:8])

@@ -1,0 +1,107 @@
+"""Rows in, what the report needs of them out: the spread of each channel, its course, warm idle.
+
+Rows come in stretches, as a recording is read or a running session remembers them. Nothing of them
+is kept but counts and a few hundred columns a channel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from mikas.catalog import Catalog, Derived, Parameter
+from mikas.report.statistics import ChannelStatistics, Envelope, ValueCounts
+from mikas.report.warm_idle import WarmIdle, WarmIdleFinder
+from mikas.sampling.derived import Rows
+
+Channel: TypeAlias = Parameter | Derived
+
+_FINER = 2  # decimals beyond those that are shown, for what is computed
+
+
+@dataclass(frozen=True, slots=True)
+class Measurements:
+    """What was measured. By channel name: `whole` in all the time, `at_idle` at warm idle.
+
+    `began`, `ended` None: there were no rows.
+    """
+
+    channels: tuple[Channel, ...]
+    began: float | None
+    ended: float | None
+    rows: int
+    idle: WarmIdle
+    whole: Mapping[str, ChannelStatistics]
+    at_idle: Mapping[str, ChannelStatistics]
+    curves: Mapping[str, Envelope]
+
+    @property
+    def seconds(self) -> float:
+        """How long it took."""
+        if self.began is None or self.ended is None:
+            return 0.0
+        return max(0.0, self.ended - self.began)
+
+
+class MeasurementCollector:
+    """Takes the rows of one unit. `names`: the channels that they may have, in order.
+
+    A derived channel that accumulates has a course, but no spread that would mean anything.
+    """
+
+    def __init__(self, catalog: Catalog, names: Iterable[str]) -> None:
+        self._channels = tuple(catalog.channel(name) for name in names)
+        self._finder = WarmIdleFinder(channel.name for channel in self._channels)
+        counted = [each for each in self._channels if not getattr(each, "accumulates", False)]
+        self._whole = {each.name: ValueCounts(each.decimals + _FINER) for each in counted}
+        self._at_idle = {each.name: ValueCounts(each.decimals + _FINER) for each in counted}
+        self._curves: dict[str, Envelope] = {}
+        self._began: float | None = None
+        self._ended: float | None = None
+        self._rows = 0
+
+    def add(self, rows: Rows) -> None:
+        """The next rows, parameters in the corrected reading."""
+        if not len(rows.times):
+            return
+        if self._began is None:
+            self._began = float(rows.times[0])
+            self._curves = {each.name: Envelope(self._began) for each in self._channels}
+        idle = self._finder.find(rows)
+        for channel in self._channels:
+            column = rows.values.get(channel.name)
+            if column is None:
+                continue
+            self._curves[channel.name].add(rows.times, column)
+            if channel.name in self._whole:
+                self._whole[channel.name].add(column)
+                self._at_idle[channel.name].add(column[idle])
+        self._ended = float(np.max(rows.times))
+        self._rows += len(rows.times)
+
+    @property
+    def measured(self) -> Measurements:
+        """Everything so far; a channel that brought no value is not in it."""
+        whole = self._stats(self._whole)
+        there = {name for name, curve in self._curves.items() if np.isfinite(curve.most).any()}
+        return Measurements(
+            channels=tuple(each for each in self._channels if each.name in there),
+            began=self._began,
+            ended=self._ended,
+            rows=self._rows,
+            idle=self._finder.found,
+            whole=whole,
+            at_idle=self._stats(self._at_idle),
+            curves={name: curve for name, curve in self._curves.items() if name in there},
+        )
+
+    def _stats(self, spreads: Mapping[str, ValueCounts]) -> dict[str, ChannelStatistics]:
+        stats = {
+            each.name: spreads[each.name].stats(getattr(each, "reference", None))
+            for each in self._channels
+            if each.name in spreads
+        }
+        return {name: found for name, found in stats.items() if found is not None}

@@ -1,0 +1,122 @@
+"""How the values of one channel are spread: exactly, however many there are.
+
+Values come from one or two bytes, so that few of them differ: each is kept once, with how often it
+came. Ten hours need no more memory than ten minutes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Column = NDArray[np.float64]
+
+COLUMNS: Final = 256
+_FIRST_WIDTH: Final = 0.02  # s; less than two responses are apart
+_INSIDE: Final = 1e-9  # what rounding may add to a value that lies on the edge of its band
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelStatistics:
+    """What a channel did. Save `mean`, each is a value that came; `low` to `high` holds 90 % of
+    them. `inside`: the share of the values within the reference; None without one.
+    """
+
+    count: int
+    mean: float
+    median: float
+    low: float
+    high: float
+    least: float
+    most: float
+    inside: float | None = None
+
+
+class ValueCounts:
+    """The values of one channel so far, rounded to `places` (what is computed has no steps)."""
+
+    def __init__(self, places: int) -> None:
+        self._places = places
+        self._values: Column = np.empty(0)
+        self._counts: NDArray[np.int64] = np.empty(0, np.int64)
+
+    def add(self, column: Column) -> None:
+        """More values; NaN is missing."""
+        came, counts = np.unique(
+            np.round(column[np.isfinite(column)], self._places), return_counts=True
+        )
+        if came.size:
+            both = np.concatenate((self._values, came))
+            self._values, place = np.unique(both, return_inverse=True)
+            weights = np.concatenate((self._counts, counts))
+            self._counts = np.bincount(place, weights).astype(np.int64)
+
+    def stats(self, reference: tuple[float, float] | None = None) -> ChannelStatistics | None:
+        """What is known of them; None if none came."""
+        count = int(self._counts.sum())
+        if not count:
+            return None
+        return ChannelStatistics(
+            count=count,
+            mean=float((self._values * self._counts).sum() / count),
+            median=self._ranked(0.5),
+            low=self._ranked(0.05),
+            high=self._ranked(0.95),
+            least=float(self._values[0]),
+            most=float(self._values[-1]),
+            inside=None if reference is None else self._inside(*reference) / count,
+        )
+
+    def _ranked(self, share: float) -> float:
+        """The least value that at least so large a share of all does not exceed."""
+        upto = np.cumsum(self._counts)
+        rank = max(1, int(np.ceil(share * upto[-1])))
+        return float(self._values[np.searchsorted(upto, rank)])
+
+    def _inside(self, low: float, high: float) -> int:
+        there = (self._values >= low - _INSIDE) & (self._values <= high + _INSIDE)
+        return int(self._counts[there].sum())
+
+
+def is_inside(value: float, band: tuple[float, float]) -> bool:
+    """Whether it is in the band, the edges included."""
+    return band[0] - _INSIDE <= value <= band[1] + _INSIDE
+
+
+class Envelope:
+    """The course of one channel since `began`. Columns that nothing fell into are NaN."""
+
+    def __init__(self, began: float) -> None:
+        self.began = began
+        self.width = _FIRST_WIDTH
+        self.least: Column = np.full(COLUMNS, np.nan)
+        self.most: Column = np.full(COLUMNS, np.nan)
+
+    def add(self, times: Column, values: Column) -> None:
+        """More of it; NaN is missing, and so is what was before `began`."""
+        there = np.isfinite(values) & (times >= self.began)
+        times, values = times[there], values[there]
+        if not times.size:
+            return
+        while times.max() - self.began >= COLUMNS * self.width:
+            self._halve()
+        place = ((times - self.began) / self.width).astype(np.intp)
+        place = np.minimum(place, COLUMNS - 1)  # what rounding may add
+        np.fmin.at(self.least, place, values)
+        np.fmax.at(self.most, place, values)
+
+    def _halve(self) -> None:
+        self.width *= 2
+        rest = np.full(COLUMNS // 2, np.nan)
+        self.least = np.concatenate((np.fmin(self.least[::2], self.least[1::2]), rest))
+        self.most = np.concatenate((np.fmax(self.most[::2], self.most[1::2]), rest))
+
+    @property
+    def middles(self) -> Column:
+        """The time of each column, in seconds since `began`."""
+        return (np.arange(COLUMNS) + 0.5) * np.float64(self.width)

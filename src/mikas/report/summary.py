@@ -1,0 +1,193 @@
+"""What it all comes to, in a sentence; and how warm idle was found, or why it was not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isfinite
+
+from mikas.catalog import Catalog
+from mikas.i18n import Language, Text, counted
+from mikas.report.fault_history import ClearedFaults
+from mikas.report.findings import BandPosition, Findings, Outcome, is_open
+from mikas.report.formatting import duration, moment, number, within
+from mikas.report.warm_idle import ENOUGH, SETTLING, RuleResult, WarmIdle
+
+HEADLINES = {
+    Outcome.GOOD: Text("Nothing wrong was found", "Отклонений не найдено"),
+    Outcome.ATTENTION: Text("Something needs attention", "Есть на что обратить внимание"),
+    Outcome.OPEN: Text("Not enough is known to judge", "Для вывода данных недостаточно"),
+}
+MARKS = {
+    BandPosition.INSIDE: Text("in the band", "в норме"),
+    BandPosition.LOW: Text("low", "ниже нормы"),
+    BandPosition.HIGH: Text("high", "выше нормы"),
+    BandPosition.NONE: Text("not judged", "без оценки"),
+}
+
+
+def sentence(found: Findings) -> Text:
+    """Faults first, then values."""
+    faults, values = _of_faults(found), _of_values(found)
+    return Text(f"{faults.en}; {values.en}.", f"{faults.ru}; {values.ru}.")
+
+
+def _of_faults(found: Findings) -> Text:
+    if found.faults is None:
+        return Text("The stored faults were not read", "Память ошибок не прочитана")
+    stored = found.real_faults
+    if not stored:
+        none = Text("No faults are stored", "Ошибок в памяти блока нет")
+        were = [_were(found, gone) for gone in found.gone]
+        if were:
+            none = Text(none.en + " now", "Сейчас ошибок" + none.ru.removeprefix("Ошибок"))
+        return Text(
+            "; ".join((none.en, *(text.en for text in were))),
+            "; ".join((none.ru, *(text.ru for text in were))),
+        )
+    told = counted(len(stored), ("fault is", "faults are"), ("ошибка", "ошибки", "ошибок"))
+    codes = ", ".join(str(each.fault.code) for each in stored)
+    return Text(f"{told.en} stored: {codes}", f"В памяти блока {told.ru}: {codes}")
+
+
+def _were(found: Findings, gone: ClearedFaults) -> Text:
+    """`faults 13, 53 were erased at 12:05, and whether they come back is not known yet`."""
+    when = moment(gone.time, found.measured.began)
+    codes = ", ".join(str(fault.code) for fault in gone.faults)
+    only = len(gone.faults) == 1
+    if only:
+        who = Text(f"fault {codes} was", f"ошибка {codes}")
+    else:
+        who = Text(f"faults {codes} were", f"ошибки {codes}")
+    if gone.erased:
+        done = Text("erased", "стёрта" if only else "стёрты")
+    else:
+        done = Text("no longer there", "пропала" if only else "пропали")
+    how = Text(f"{who.en} {done.en} {when.en}", f"{who.ru} {done.ru} {when.ru}")
+    if is_open(found.subject, gone):
+        back = "it comes" if only else "they come"
+        return Text(
+            f"{how.en}, and whether {back} back is not known yet",
+            f"{how.ru}, и появится ли снова, пока не известно"
+            if only
+            else f"{how.ru}, и появятся ли снова, пока не известно",
+        )
+    read = moment(found.subject.faults_read or gone.time, found.measured.began)
+    there = "её" if only else "их"
+    return Text(f"{how.en}, and not back {read.en}", f"{how.ru}, и {read.ru} {there} всё ещё нет")
+
+
+def _of_values(found: Findings) -> Text:
+    if not found.at_idle:
+        return Text(
+            "the engine was not seen at warm idle, so no value is judged",
+            "прогретого холостого хода в данных нет, поэтому значения не оценены",
+        )
+    if not found.judged:
+        return Text(
+            "none of the values has a reference to judge it by",
+            "ни для одного из значений нет нормы, чтобы его оценить",
+        )
+    off, count = found.off, len(found.judged)
+    if not off:
+        if count == 1:
+            return Text(
+                "the one value that can be judged is in its band at warm idle",
+                "единственное значение, которое можно оценить, на прогретом холостом ходу в норме",
+            )
+        return Text(
+            f"all {count} values that can be judged are in their bands at warm idle",
+            f"все значения, которые можно оценить ({count}), на прогретом холостом ходу в норме",
+        )
+    listed = Text(
+        ", ".join(f"{within(v.channel.text).en} ({MARKS[v.mark].en})" for v in off),
+        ", ".join(f"{within(v.channel.text).ru} ({MARKS[v.mark].ru})" for v in off),
+    )
+    out = counted(len(off), ("is", "are"), ("значение", "значения", "значений"))
+    return Text(
+        f"at warm idle {len(off)} of the {count} values that can be judged "
+        f"{out.en.split()[1]} outside the usual band: {listed.en}",
+        f"на прогретом холостом ходу вне нормы {out.ru} из {count}: {listed.ru}",
+    )
+
+
+def of_idle(found: Findings) -> Text:
+    """By which rules warm idle was looked for, and how much of it there was."""
+    idle, catalog = found.measured.idle, found.subject.catalog
+    rules = Text(
+        ", ".join(seen.rule.text.en for seen in idle.rules),
+        ", ".join(seen.rule.text.ru for seen in idle.rules),
+    )
+    told = Text(
+        f"Warm idle is taken to be: {rules.en}; all of it for {SETTLING:g} s before values count.",
+        f"Прогретым холостым ходом считается: {rules.ru}; значения учитываются, когда всё это "
+        f"держится {SETTLING:g} с.",
+    )
+    parts = [told, *_instead(idle), _how_much(found, catalog), *_missing(found, catalog)]
+    return Text(" ".join(part.en for part in parts), " ".join(part.ru for part in parts))
+
+
+def _instead(idle: WarmIdle) -> Iterator[Text]:
+    for seen in idle.rules:
+        if seen.instead is not None:
+            yield Text(
+                f"Where that was not asked ({seen.rule.text.en}): {seen.instead.text.en}.",
+                f"Где это не спрашивали ({seen.rule.text.ru}): {seen.instead.text.ru}.",
+            )
+
+
+def _missing(found: Findings, catalog: Catalog) -> Iterator[Text]:
+    """What was asked for a part of the time only, so that the rest could not be told."""
+    whole = duration(found.measured.seconds)
+    for seen in found.measured.idle.rules:
+        if seen.name is not None and seen.missing >= ENOUGH:
+            lacked, what = duration(seen.missing), within(catalog.channel(seen.name).text)
+            yield Text(
+                f"For {lacked.en} of {whole.en} the {what.en} ({seen.name}) was not asked, and "
+                "that time does not count. To measure it again, choose the preset “Idle” on the "
+                "Live screen: it asks all that is needed.",
+                f"{lacked.ru} из {whole.ru} не измерялось: {what.ru} ({seen.name}); это время не "
+                "учтено. Чтобы измерить, выберите на экране «Приборы» набор «Холостой ход»: в нём "
+                "есть всё нужное.",
+            )
+
+
+def _how_much(found: Findings, catalog: Catalog) -> Text:
+    idle = found.measured.idle
+    lasted = duration(idle.seconds)
+    if idle.enough:
+        times = counted(len(idle.stretches), ("stretch", "stretches"), ("раз", "раза", "раз"))
+        return Text(f"Found: {lasted.en} in {times.en}.", f"Найдено: {lasted.ru}, {times.ru}.")
+    if missing := idle.unknown:
+        en = ", ".join(rule.text.en for rule in missing)
+        ru = ", ".join(rule.text.ru for rule in missing)
+        return Text(
+            f"Not recorded, so it can't be told: {en}.",
+            f"Не записано, поэтому не определить: {ru}.",
+        )
+    seen = [_seen(each, catalog) for each in idle.rules if not each.held]
+    if seen:
+        return Text(
+            f"It was not there: {', '.join(s.en for s in seen)}.",
+            f"Его не было: {', '.join(s.ru for s in seen)}.",
+        )
+    return Text(
+        f"There were only {lasted.en} of it; {ENOUGH:g} s are needed.",
+        f"Его было только {lasted.ru}; нужно {ENOUGH:g} с.",
+    )
+
+
+def _seen(seen: RuleResult, catalog: Catalog) -> Text:
+    """`coolant temperature was 20 to 45 °C`."""
+    if seen.name is None or not isfinite(seen.least):
+        return Text(f"no values ({seen.rule.text.en})", f"нет значений ({seen.rule.text.ru})")
+    channel = catalog.channel(seen.name)
+
+    def ends(language: Language, between: str) -> str:
+        low, high = (number(end, channel.decimals, language) for end in (seen.least, seen.most))
+        unit = channel.unit_text.to(language)
+        return f"{low if low == high else low + between + high} {unit}".rstrip()
+
+    return Text(
+        f"{within(channel.text).en} was {ends('en', ' to ')}",
+        f"{within(channel.text).ru} — {ends('ru', '…')}",
+    )

@@ -1,0 +1,235 @@
+"""When the engine was at warm idle: found in the data, by rules that the report prints.
+
+The bounds are wider than the references on purpose: they have to tell a warm idle from everything
+else, not a good one from a bad one. An idle at 1150 rpm is found, and then judged too high.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from math import inf, isfinite, nan
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from mikas.i18n import Text
+from mikas.sampling.derived import Rows
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Column = NDArray[np.float64]
+    Mask = NDArray[np.bool_]
+
+SETTLING: Final = 3.0  # s from when all rules hold until values count
+PAUSE: Final = 3.0  # s without a response: what was before is another stretch
+ENOUGH: Final = 10.0  # s of warm idle in all; with less nothing is judged
+
+
+@dataclass(frozen=True, slots=True)
+class IdleRule:
+    """What one channel has to be at warm idle: the first of `names` that was recorded.
+
+    `holds`: for how many seconds its last value is taken to stand.
+    """
+
+    text: Text
+    names: tuple[str, ...]
+    low: float
+    high: float
+    holds: float
+
+
+@dataclass(frozen=True, slots=True)
+class RuleResult:
+    """How a rule fared: by which channel (None: none was recorded), between which values, and
+    whether it ever held. `missing`: seconds for which nothing told; `instead`: by what it was
+    judged where its own channel was not asked.
+    """
+
+    rule: IdleRule
+    name: str | None
+    least: float = nan
+    most: float = nan
+    held: bool = False
+    missing: float = 0.0
+    instead: IdleRule | None = None
+
+
+COOLANT: Final = IdleRule(
+    Text("coolant at 70 °C or more", "охлаждающая жидкость не холоднее 70 °C"),
+    ("TWAT",), 70, inf, 15,
+)  # fmt: skip
+SPEED: Final = IdleRule(
+    Text("500 to 1300 rpm", "500–1300 об/мин"), ("FREQ", "FREQX"), 500, 1300, PAUSE
+)
+THROTTLE: Final = IdleRule(
+    Text("throttle at 5 % or less", "дроссель открыт не больше чем на 5 %"),
+    ("THR",), -inf, 5, PAUSE,
+)  # fmt: skip
+IDLE_FLAG: Final = IdleRule(
+    Text("the unit's own sign of idle", "признак холостого хода от блока"), ("RXX",), 1, 1, PAUSE
+)
+
+
+@dataclass(frozen=True, slots=True)
+class WarmIdle:
+    """What was found: the stretches, in the data's own time, and how the rules fared."""
+
+    stretches: tuple[tuple[float, float], ...]
+    rules: tuple[RuleResult, ...]
+
+    @property
+    def seconds(self) -> float:
+        """Of warm idle, in all."""
+        return sum(ended - began for began, ended in self.stretches)
+
+    @property
+    def enough(self) -> bool:
+        """Whether it lasted long enough to judge by."""
+        return self.seconds >= ENOUGH
+
+    @property
+    def unknown(self) -> tuple[IdleRule, ...]:
+        """The rules that nothing was recorded for: then there is no telling."""
+        return tuple(seen.rule for seen in self.rules if seen.name is None)
+
+
+class WarmIdleFinder:
+    """Looks for warm idle in rows that come stretch after stretch; `recorded`: their channels."""
+
+    def __init__(self, recorded: Iterable[str]) -> None:
+        names = set(recorded)
+        self._watches = [
+            _Either(_by_channel(names, *rules))
+            for rules in ((COOLANT,), (SPEED,), (THROTTLE, IDLE_FLAG))
+        ]
+        self._last = -inf  # the last row's time
+        self._since: float | None = None  # since when all rules hold without a pause
+        self._stretches: list[tuple[float, float]] = []
+
+    @property
+    def found(self) -> WarmIdle:
+        """What was found so far. A single moment is no stretch."""
+        stretches = tuple(each for each in self._stretches if each[1] > each[0])
+        return WarmIdle(stretches, tuple(watch.seen for watch in self._watches))
+
+    def find(self, rows: Rows) -> Mask:
+        """Which of these rows are at warm idle, and settled."""
+        times = rows.times
+        if not times.size:
+            return np.zeros(0, np.bool_)
+        holds = np.ones(times.size, np.bool_)
+        steps = np.diff(times, prepend=self._last)
+        joined = (steps >= 0) & (steps <= PAUSE)
+        passed = np.where(joined, steps, 0.0)
+        for watch in self._watches:
+            holds &= watch.holds(rows, passed)
+        since = self._holding_since(times, holds, joined)
+        settled = holds & (times - since >= SETTLING)
+        self._keep_stretches(times, settled, joined)
+        self._last = float(times[-1])
+        return settled
+
+    def _holding_since(self, times: Column, holds: Mask, joined: Mask) -> Column:
+        """For each row where all holds, since when; the first of it may lie in an earlier call."""
+        before = np.concatenate(([self._since is not None], holds[:-1]))
+        begins = holds & ~(before & joined)
+        at = np.maximum.accumulate(np.where(begins, np.arange(times.size), -1))
+        earlier = inf if self._since is None else self._since
+        since = np.where(at >= 0, times[at], earlier)
+        self._since = float(since[-1]) if holds[-1] else None
+        return since
+
+    def _keep_stretches(self, times: Column, settled: Mask, joined: Mask) -> None:
+        before = np.concatenate(([self._goes_on], settled[:-1]))
+        begins = np.flatnonzero(settled & ~(before & joined))
+        rows = np.flatnonzero(settled)
+        if not rows.size:
+            return
+        starts = np.searchsorted(rows, begins)
+        ends = np.concatenate((rows[starts[starts > 0] - 1], rows[-1:]))
+        if settled[0] and not (begins.size and begins[0] == 0):
+            began, _ = self._stretches.pop()
+            self._stretches.append((began, float(times[ends[0]])))
+            ends = ends[1:]
+        self._stretches += [
+            (float(times[begin]), float(times[end]))
+            for begin, end in zip(begins, ends, strict=True)
+        ]
+
+    @property
+    def _goes_on(self) -> bool:
+        """Whether the last row was in a stretch."""
+        return bool(self._stretches) and self._stretches[-1][1] == self._last
+
+
+def _by_channel(recorded: set[str], *rules: IdleRule) -> list[_Watch]:
+    """A watch for each channel that can tell, the best first; one that sees nothing if none can."""
+    watches = [_Watch(rule, name) for rule in rules for name in rule.names if name in recorded]
+    return watches or [_Watch(rules[0], None)]
+
+
+class _Either:
+    """One rule by the best channel that was asked at the time: what is asked may change."""
+
+    def __init__(self, watches: Sequence[_Watch]) -> None:
+        self._watches = watches
+        self._held = False
+        self._missing = 0.0
+        self._instead: IdleRule | None = None
+
+    @property
+    def seen(self) -> RuleResult:
+        first = self._watches[0].seen
+        return replace(first, held=self._held, missing=self._missing, instead=self._instead)
+
+    def holds(self, rows: Rows, passed: Column) -> Mask:
+        """Where it does; `passed`: seconds since the row before."""
+        fits = np.zeros(rows.times.size, np.bool_)
+        told = fits.copy()
+        for watch in self._watches:
+            fresh, fit = watch.look(rows)
+            if watch.rule is not self._watches[0].rule and (fresh & ~told).any():
+                self._instead = watch.rule
+            fits |= fit & ~told
+            told |= fresh
+        self._held = self._held or bool(fits.any())
+        self._missing += float(passed[~told].sum())
+        return fits
+
+
+class _Watch:
+    """One channel over the rows: where it is known, where it fits, and what was seen."""
+
+    def __init__(self, rule: IdleRule, name: str | None) -> None:
+        self.rule = rule
+        self._name = name
+        self._least, self._most = inf, -inf
+        self._last = (-inf, nan)  # when, and what
+
+    @property
+    def seen(self) -> RuleResult:
+        if not isfinite(self._least):
+            return RuleResult(self.rule, self._name)
+        return RuleResult(self.rule, self._name, self._least, self._most)
+
+    def look(self, rows: Rows) -> tuple[Mask, Mask]:
+        """Where the channel's last value is fresh enough, and there within the rule."""
+        column = rows.values.get(self._name) if self._name else None
+        if column is None:
+            return np.zeros(rows.times.size, np.bool_), np.zeros(rows.times.size, np.bool_)
+        came = column[np.isfinite(column)]
+        if came.size:
+            self._least = min(self._least, float(came.min()))
+            self._most = max(self._most, float(came.max()))
+        times = np.concatenate(([self._last[0]], rows.times))
+        values = np.concatenate(([self._last[1]], column))
+        latest = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(values.size), 0))
+        self._last = float(times[latest[-1]]), float(values[latest[-1]])
+        age = rows.times - times[latest[1:]]
+        held = values[latest[1:]]
+        fresh = (age >= 0) & (age <= self.rule.holds) & np.isfinite(held)
+        fits = fresh & (held >= self.rule.low) & (held <= self.rule.high)
+        return fresh, fits
