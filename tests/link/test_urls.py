@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from mikas.errors import BadPortUrl
 from mikas.link import open_link, register, urls
-from mikas.link.urls import PortUrl, check_options, number_option, parse, switch_option
+from mikas.link.urls import PortUrl, parse
+from mikas.options import check_names
 
 calls = []
 
@@ -124,39 +125,14 @@ def test_impossible_schemes(scheme):
         register(scheme, opener)
 
 
-def test_an_unknown_option_names_the_nearest_and_all():
+def test_a_wrong_option_is_told_with_the_url():
+    def picky(url, options):
+        check_names(options, ("baud",))
+
+    register("test", picky)
     with pytest.raises(BadPortUrl) as caught:
-        check_options("x?buad=1", {"buad": "1"}, ("baud", "dtr"))
-    assert "no option “buad”, only: baud, dtr. Did you mean baud?" in str(caught.value)
-    assert "Может быть, baud?" in caught.value.text.ru
-
-
-def test_an_unknown_option_where_there_are_none():
-    with pytest.raises(BadPortUrl, match="takes no options"):
-        check_options("x?a=1", {"a": "1"}, ())
-
-
-def test_known_options_pass():
-    check_options("x", {"baud": "1"}, ("baud", "dtr"))
-
-
-@pytest.mark.parametrize("text", ["", "x", "-1", "1.5", "0", "101", "²", "1_0"])
-def test_numbers_out_of_limits(text):
-    with pytest.raises(BadPortUrl, match="from 1 to 100"):
-        number_option("x", {"n": text}, "n", default=5, lowest=1, highest=100)
-
-
-def test_numbers():
-    assert number_option("x", {"n": "100"}, "n", default=5, lowest=1, highest=100) == 100
-    assert number_option("x", {}, "n", default=5, lowest=1, highest=100) == 5
-
-
-def test_switches():
-    for text, on in {"1": True, "ON": True, "0": False, "no": False}.items():
-        assert switch_option("x", {"s": text}, "s", default=not on) is on
-    assert switch_option("x", {}, "s", default=True) is True
-    with pytest.raises(BadPortUrl, match="s is 1 or 0, not “maybe”"):
-        switch_option("x", {"s": "maybe"}, "s", default=True)
+        open_link("test:x?buad=1")
+    assert str(caught.value).startswith("“test:x?buad=1” is not a port: there is no option “buad”")
 
 
 def test_importing_the_package_imports_no_back_end():

@@ -96,7 +96,7 @@ def test_a_silence_in_the_middle_is_not_its_end(tmp_path, monkeypatch, served, c
         (["--scenario", "city"], "--scenario and --replay exclude each other"),
         (["--model", "5.4"], "--model and --replay"),
         (["--faults", "13"], "--faults and --replay"),
-        (["--set", "sped=2"], "there is speed"),
+        (["--set", "sped=2"], "Did you mean speed?"),
         (["--set", "seek=9999"], "behind the end"),
     ],
 )

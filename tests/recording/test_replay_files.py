@@ -121,16 +121,16 @@ def test_without_parameters_the_rest_is_replayed(tmp_path):
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        ("speed=fast", "no value for speed"),
-        ("speed=-1", "no value for speed"),
-        ("speed=nan", "no value for speed"),
-        ("seek=1e12", "no value for seek"),
+        ("speed=fast", "not a valid value for speed"),
+        ("speed=-1", "not a valid value for speed"),
+        ("speed=nan", "not a valid value for speed"),
+        ("seek=1e12", "not a valid value for seek"),
         ("seek=99999", "behind the end"),
-        ("loop=maybe", "no value for loop"),
-        ("clock=sundial", "clock is real or simulated"),
-        ("scenario=city", "no setting “scenario”"),
-        ("sped=2", "there is speed"),
-        ("unknown=maybe", "no value for unknown"),
+        ("loop=maybe", "not a valid value for loop"),
+        ("clock=sundial", "not a valid value for clock; allowed: real, simulated"),
+        ("scenario=city", "no option “scenario”"),
+        ("sped=2", "Did you mean speed"),
+        ("unknown=maybe", "not a valid value for unknown"),
     ],
 )
 def test_a_wrong_option_is_refused(tmp_path, options, reason):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from math import inf
 from pathlib import Path
 
 from mikas.catalog import Catalog, load, shipped
@@ -15,9 +14,8 @@ from mikas.client.ecu import Ecu
 from mikas.client.gate import Confirm
 from mikas.client.journal import Journal
 from mikas.client.limits import LimitsStore
-from mikas.errors import UsageError
-from mikas.i18n import Text
 from mikas.link import CaptureTee, Link, Sink, choose_port, open_link
+from mikas.options import check_choice, check_number
 from mikas.tester import Echo, Tester, Timing
 
 _SHORTEST = 0.001  # s; a shorter time-out would end before an adapter hands over its first byte
@@ -65,13 +63,11 @@ class ConnectionOptions:
     """Treat a lone escape as damage (D4)."""
 
     def __post_init__(self) -> None:
-        _check_choice("echo", self.echo, [echo.value for echo in Echo])
+        check_choice("echo", self.echo, [echo.value for echo in Echo])
         check_interpretation(self.interpretation)
-        _check_number("timeout", self.timeout, lowest=_SHORTEST)
-        _check_number("inter_byte_timeout", self.inter_byte_timeout, lowest=_SHORTEST)
-        _check_number("retries", self.retries, lowest=0)
-        if not isinstance(self.retries, int):
-            raise _bad("retries", self.retries, Text("a whole number", "целое число"))
+        check_number("timeout", self.timeout, lowest=_SHORTEST)
+        check_number("inter_byte_timeout", self.inter_byte_timeout, lowest=_SHORTEST)
+        check_number("retries", self.retries, lowest=0, whole=True)
 
     def create_tester(self, link: Link) -> Tester:
         """Create a `Tester` on `link`; it is not connected yet."""
@@ -157,23 +153,3 @@ def open_ecu(url: str | None, options: ConnectionOptions, *, sink: Sink | None =
         link.close()
         raise
     return ecu
-
-
-def _check_choice(name: str, value: str, allowed: Iterable[str]) -> None:
-    if value not in allowed:
-        listed = ", ".join(allowed)
-        raise _bad(name, value, Text(listed, listed))
-
-
-def _check_number(name: str, value: float, *, lowest: float) -> None:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not lowest <= value < inf:
-        raise _bad(name, value, Text(f"a number from {lowest:g} up", f"число от {lowest:g}"))
-
-
-def _bad(name: str, value: object, allowed: Text) -> UsageError:
-    return UsageError(
-        problem=Text(
-            f"“{value}” is no value for {name}; allowed: {allowed.en}",
-            f"«{value}» не подходит для {name}; можно: {allowed.ru}",
-        )
-    )

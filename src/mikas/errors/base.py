@@ -97,7 +97,8 @@ def hex_dump(data: bytes, unit: str = "bytes") -> str:
 
 
 def _paragraph(reason: str, advice: str, *wire: str) -> str:
-    text = f"{reason} ({', '.join(wire)})." if wire else f"{reason}."
+    end = "" if reason.endswith((".", "?")) else "."
+    text = f"{reason} ({', '.join(wire)})." if wire else f"{reason}{end}"
     return f"{text} {advice}".strip()
 
 

@@ -31,7 +31,8 @@ from mikas.link.base import BITS_PER_BYTE, Chunk, Link, WallClock
 from mikas.link.failures import SYSTEM_ERRORS, is_unable, opening_failed, why_lost
 from mikas.link.network import Rfc2217Port, SocketPort, host_and_port
 from mikas.link.ports import find_ports
-from mikas.link.urls import check_options, number_option, parse, switch_option
+from mikas.link.urls import parse
+from mikas.options import OptionParser, check_names
 
 BAUD = 9600  # §1
 PATIENCE = 2.0  # seconds that a write may take beyond its time on the wire
@@ -220,9 +221,9 @@ def open_serial(url: str, options: dict[str, str]) -> SerialLink:
     DTR and RTS are set before opening, as far as the system allows: some adapters feed their chip
     from DTR, and some take RTS for the L line, so that is off.
     """
-    check_options(url, options, ("baud", "dtr", "rts"))
+    check_names(options, ("baud", "dtr", "rts"))
     port = serial.Serial()
-    baud = _set_up(port, url, options)
+    baud = _set_up(port, options)
     port.port = parse(url).address
     port.exclusive = True
     port.timeout = 0 if os.name == "posix" else TICK
@@ -233,10 +234,10 @@ def open_serial(url: str, options: dict[str, str]) -> SerialLink:
 
 def open_socket(url: str, options: dict[str, str]) -> SerialLink:
     """Open a port served as plain TCP: `socket://host:port`. `baud` tells what is behind it."""
-    check_options(url, options, ("baud",))
+    check_names(options, ("baud",))
     place = host_and_port(url)
     port = SocketPort()
-    baud = _set_up(port, url, options)
+    baud = _set_up(port, options)
     port.port = f"socket://{place}"
     port.timeout = 0
     port.write_timeout = _write_timeout(baud)
@@ -246,20 +247,21 @@ def open_socket(url: str, options: dict[str, str]) -> SerialLink:
 
 def open_rfc2217(url: str, options: dict[str, str]) -> SerialLink:
     """Open a port of a terminal server: `rfc2217://host:port`, options as for `open_serial`."""
-    check_options(url, options, ("baud", "dtr", "rts"))
+    check_names(options, ("baud", "dtr", "rts"))
     place = host_and_port(url)
     port = Rfc2217Port()
-    baud = _set_up(port, url, options)
+    baud = _set_up(port, options)
     port.port = f"rfc2217://{place}"
     port.timeout = TICK
     _open(port, url)
     return SerialLink(url, port, baud=baud, about=f"RFC 2217 {place}", paced=False)
 
 
-def _set_up(port: serial.SerialBase, url: str, options: dict[str, str]) -> int:
-    port.baudrate = number_option(url, options, "baud", default=BAUD, lowest=50, highest=4_000_000)
-    port.dtr = switch_option(url, options, "dtr", default=True)
-    port.rts = switch_option(url, options, "rts", default=False)
+def _set_up(port: serial.SerialBase, options: dict[str, str]) -> int:
+    given = OptionParser(options)
+    port.baudrate = given.integer("baud", BAUD, lowest=50, highest=4_000_000)
+    port.dtr = given.switch("dtr", default=True)
+    port.rts = given.switch("rts", default=False)
     return port.baudrate
 
 

@@ -11,26 +11,24 @@ stays cheap, and a higher layer can bring a scheme of its own (`register`) witho
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from typing import cast
 from urllib.parse import parse_qsl, urlencode
 
-from mikas.errors import BadPortUrl
+from mikas.errors import BadPortUrl, UsageError
 from mikas.i18n import Text
 from mikas.link.base import Link
+from mikas.options import OptionParser, nearest, with_nearest
 
 Opener = Callable[[str, dict[str, str]], Link]
 """Takes the whole URL and its options, decoded; returns an open link or raises from `mikas.errors`.
 
-It checks its options itself, with `check_options` and the functions beside it.
+It checks its options itself (`mikas.options`). A `UsageError` of its own becomes a `BadPortUrl`.
 """
 
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):")  # two letters at least: C: is a drive
-_SWITCH = {"1": True, "on": True, "yes": True, "true": True,
-           "0": False, "off": False, "no": False, "false": False}  # fmt: skip
-
 _openers: dict[str, Opener | str] = {
     "serial": "mikas.link.serial:open_serial",
     "socket": "mikas.link.serial:open_socket",
@@ -74,7 +72,12 @@ def open_link(url: str, /, **options: str | float) -> Link:
     if isinstance(opener, str):
         module, _, name = opener.partition(":")
         opener = cast("Opener", getattr(import_module(module), name))
-    return opener(url, parsed.options)
+    try:
+        return opener(url, parsed.options)
+    except UsageError as error:
+        if type(error) is not UsageError:
+            raise
+        raise BadPortUrl(url=url, problem=error.reason) from error
 
 
 def parse(url: str) -> PortUrl:
@@ -94,62 +97,13 @@ def parse(url: str) -> PortUrl:
     return PortUrl(scheme, address, _options(url, query))
 
 
-def check_options(url: str, options: Iterable[str], allowed: Iterable[str]) -> None:
-    """Raise `BadPortUrl` for the first option that is not `allowed`; it names those that are."""
-    allowed = tuple(allowed)
-    for name in options:
-        if name not in allowed:
-            nearest = _nearest(name, allowed)
-            listed = ", ".join(allowed)
-            problem = Text(
-                f"it has no option “{name}”, only: {listed}",
-                f"у него нет настройки «{name}», есть: {listed}",
-            ) if allowed else Text("it takes no options", "у него нет настроек")  # fmt: skip
-            raise BadPortUrl(url=url, problem=_with_nearest(problem, nearest))
+def take_clock(options: dict[str, str]) -> bool:
+    """Take the option `clock` out of `options`; return whether it is `simulated`, not `real`.
 
-
-def number_option(
-    url: str, options: dict[str, str], name: str, *, default: int, lowest: int, highest: int
-) -> int:
-    """Return the whole number that option `name` gives. Raises `BadPortUrl`, naming the limits."""
-    text = options.get(name)
-    if text is None:
-        return default
-    if not (text.isascii() and text.isdigit() and lowest <= int(text) <= highest):
-        raise BadPortUrl(
-            url=url,
-            problem=Text(
-                f"{name} is a whole number from {lowest} to {highest}, not “{text}”",
-                f"{name} — целое число от {lowest} до {highest}, а не «{text}»",
-            ),
-        )
-    return int(text)
-
-
-def switch_option(url: str, options: dict[str, str], name: str, *, default: bool) -> bool:
-    """Return whether option `name` is on: `1 on yes true`, or `0 off no false`."""
-    text = options.get(name)
-    if text is None:
-        return default
-    if text.lower() not in _SWITCH:
-        raise BadPortUrl(
-            url=url,
-            problem=Text(f"{name} is 1 or 0, not “{text}”", f"{name} — 1 или 0, а не «{text}»"),
-        )
-    return _SWITCH[text.lower()]
-
-
-def take_clock(url: str, options: dict[str, str]) -> bool:
-    """Take the option `clock` out; returns whether it is `simulated`, not `real`."""
-    clock = options.pop("clock", "real")
-    if clock not in ("real", "simulated"):
-        raise BadPortUrl(
-            url=url,
-            problem=Text(
-                f"clock is real or simulated, not “{clock}”",
-                f"clock — real или simulated, а не «{clock}»",
-            ),
-        )
+    Raises `UsageError` for any other value.
+    """
+    clock = OptionParser(options).choice("clock", "real", ("real", "simulated"))
+    options.pop("clock", None)
     return clock == "simulated"
 
 
@@ -165,23 +119,11 @@ def _options(url: str, query: str) -> dict[str, str]:
 
 def _refuse_unknown(url: str, scheme: str, *, slashes: bool) -> None:
     """Refuse what was meant as a scheme and is none; a path with a colon in it passes."""
-    nearest = _nearest(scheme, _openers) if scheme else ()
-    if slashes or nearest:
+    if slashes or (scheme and nearest(scheme, _openers)):
         known = ", ".join(f"{name}:" for name in _openers)
         problem = Text(f"there is no “{scheme}:”, only: {known}", f"«{scheme}:» нет, есть: {known}")
-        raise BadPortUrl(url=url, problem=_with_nearest(problem, [f"{it}:" for it in nearest]))
-
-
-def _nearest(word: str, known: Iterable[str]) -> list[str]:
-    from difflib import get_close_matches
-
-    return get_close_matches(word.lower(), list(known), n=1)
-
-
-def _with_nearest(problem: Text, nearest: Iterable[str]) -> Text:
-    for name in nearest:
-        return Text(f"{problem.en}. Did you mean {name}?", f"{problem.ru}. Может быть, {name}?")
-    return problem
+        schemes = [f"{name}:" for name in _openers]
+        raise BadPortUrl(url=url, problem=with_nearest(problem, f"{scheme}:", schemes))
 
 
 def _as_text(value: str | float) -> str:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import threading
 from math import inf
 
-from mikas.errors import BadPortUrl, LinkLost, UsageError
+from mikas.errors import LinkLost, UsageError
 from mikas.i18n import Text
 from mikas.link.base import Chunk, Link, WallClock
 from mikas.link.descriptions import VIRTUAL
@@ -133,20 +133,14 @@ def open_sim(url: str, options: dict[str, str]) -> Link:
     from mikas.virtual.build import build_bus  # the engine and the catalog: only for this scheme
 
     settings = dict(options)
-    simulated = take_clock(url, settings)
+    simulated = take_clock(settings)
     if place := url.partition("?")[0].partition(":")[2].strip("/"):
-        raise BadPortUrl(
-            url=url,
+        raise UsageError(
             problem=Text(
                 f"sim: has no address, only options; “{place}” may be a ?scenario={place}",
                 f"у sim: нет адреса, только настройки; может быть, ?scenario={place}",
-            ),
+            )
         )
     start = 0.0 if simulated else WallClock().now()
-    try:
-        bus = build_bus(settings, start=start)
-    except UsageError as error:
-        if type(error) is not UsageError:
-            raise
-        raise BadPortUrl(url=url, problem=error.reason) from error
+    bus = build_bus(settings, start=start)
     return VirtualLink(bus, url=url) if simulated else RealTimeVirtualLink(bus, url=url)

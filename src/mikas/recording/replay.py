@@ -9,16 +9,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mikas.catalog import Catalog, shipped
-from mikas.errors import BadPortUrl, CaptureError, MissingExtra, UsageError
+from mikas.errors import CaptureError, MissingExtra, UsageError
 from mikas.i18n import Text
 from mikas.link.base import Link
 from mikas.link.tee import CaptureTee
 from mikas.link.urls import take_clock
+from mikas.options import OptionParser, check_names
 from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import CaptureReader
 from mikas.recording.replay_car import ReplayCar
@@ -26,8 +26,7 @@ from mikas.recording.replay_index import index
 from mikas.recording.replay_link import RealTimeReplayLink, ReplayLink
 from mikas.recording.replay_recorded import Recorded
 from mikas.recording.replay_unit import ReplayResponder
-from mikas.virtual.build import WIRE_SETTINGS, check_names, wired
-from mikas.virtual.quirks import SWITCH
+from mikas.virtual.build import WIRE_SETTINGS, wired
 
 if TYPE_CHECKING:
     from mikas.virtual.bus import Bus
@@ -84,17 +83,15 @@ def replay_bus(
     """
     settings = settings or {}
     check_names(settings, SETTINGS)
-    seek = _number(settings, "seek", 0.0, highest=1e9)
-    speed = _number(settings, "speed", 1.0, highest=_FASTEST)
-    loop = _switch(settings, "loop")
+    given = OptionParser(settings)
     return _bus_of(
         load(path, catalog),
         settings,
         catalog or shipped(),
         start=start,
-        seek=seek,
-        speed=speed,
-        loop=loop,
+        seek=given.number("seek", 0.0, highest=1e9),
+        speed=given.number("speed", 1.0, highest=_FASTEST),
+        loop=given.switch("loop", default=False),
         watcher=watcher,
     )
 
@@ -133,17 +130,13 @@ def open_replay(url: str, options: dict[str, str]) -> Link:
     that does not exist or makes no sense, `CaptureError` for the file.
     """
     settings = dict(options)
-    simulated = take_clock(url, settings)
+    simulated = take_clock(settings)
     place = url.partition("?")[0].partition(":")[2].removeprefix("//")
     if not place:
-        problem = Text("it names no file: replay:FILE", "в нём нет файла: replay:ФАЙЛ")
-        raise BadPortUrl(url=url, problem=problem)
-    try:
-        bus = replay_bus(place, settings)
-    except UsageError as error:
-        if type(error) is not UsageError:
-            raise
-        raise BadPortUrl(url=url, problem=error.reason) from error
+        raise UsageError(
+            problem=Text("it names no file: replay:FILE", "в нём нет файла: replay:ФАЙЛ")
+        )
+    bus = replay_bus(place, settings)
     if not simulated:
         return RealTimeReplayLink(bus, url=url, file=place)
     car = car_on(bus)
@@ -183,36 +176,6 @@ def _add_noted_identity(recorded: Recorded, notes: list[Note]) -> None:
             if isinstance(piece, str) and not known.values:
                 known.add(0.0, piece)
                 recorded.refusals.pop(code, None)
-
-
-def _number(settings: Mapping[str, str], name: str, default: float, *, highest: float) -> float:
-    text = settings.get(name)
-    if text is None:
-        return default
-    try:
-        number = float(text)
-    except ValueError:
-        number = -1.0
-    if not (isfinite(number) and 0 <= number <= highest):
-        raise UsageError(
-            problem=Text(
-                f"“{text}” is no value for {name}; allowed: 0 … {highest:g}",
-                f"«{text}» не подходит для {name}; можно: 0 … {highest:g}",
-            )
-        )
-    return number
-
-
-def _switch(settings: Mapping[str, str], name: str) -> bool:
-    text = settings.get(name, "0").lower()
-    if text not in SWITCH:
-        raise UsageError(
-            problem=Text(
-                f"“{text}” is no value for {name}; allowed: 0, 1",
-                f"«{text}» не подходит для {name}; можно: 0, 1",
-            )
-        )
-    return SWITCH[text]
 
 
 _NOTHING: Final = Text(

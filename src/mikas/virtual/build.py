@@ -6,13 +6,10 @@ one is refused with the list of those that there are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from difflib import get_close_matches
-from typing import TypeVar
+from collections.abc import Callable, Mapping
 
 from mikas.catalog import shipped
-from mikas.errors import UsageError
-from mikas.i18n import Text
+from mikas.options import OptionParser, check_names, invalid_value
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import EcuEvent, VirtualEcu
@@ -21,11 +18,9 @@ from mikas.virtual.engine_car import EngineCar
 from mikas.virtual.fault_injector import LATE_BY, FaultInjector, LineFault, parse_rates
 from mikas.virtual.memory import EcuMemory
 from mikas.virtual.model.engine import Engine
-from mikas.virtual.quirks import ASSUMPTION_NAMES, SWITCH, words
+from mikas.virtual.quirks import ASSUMPTION_NAMES, words
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.scenarios.scenario import DEFAULT, find
-
-T = TypeVar("T")
 
 MODELS = {"5.4": 0x09, "7.1": 0x0A}
 ADAPTERS = ("kkl", "elm327")
@@ -65,15 +60,11 @@ def build_bus(
     Raises `UsageError` for a setting that does not exist or makes no sense.
     """
     check_names(settings, SETTINGS)
-    own = {name: settings[name] for name in _OWN if name in settings}
-    seed = _number(own, "seed", int, 0)
-    scenario = find(own.get("scenario", DEFAULT))
-    car = EngineCar(
-        Engine(scenario, seed), shipped(), faults=_faults(own.get("faults", "")), start=start
-    )
-    model = own.get("model", "7.1")
-    if model not in MODELS:
-        raise _bad("model", model, ", ".join(MODELS))
+    given = OptionParser(settings)
+    scenario = find(settings.get("scenario", DEFAULT))
+    engine = Engine(scenario, given.integer("seed", 0))
+    car = EngineCar(engine, shipped(), faults=_faults(settings.get("faults", "")), start=start)
+    model = given.choice("model", "7.1", MODELS)
     passports = scenario.passports or _passports(model)
     identity = Identity(MODELS[model], passports)
     responder = Responder(car, identity, memory=EcuMemory(scenario.memory))
@@ -90,38 +81,28 @@ def wired(
 
     What they say of the unit's assumptions stands over what those are. Raises `UsageError`.
     """
-    own = {name: settings[name] for name in _OWN if name in settings}
+    given = OptionParser(settings)
     responder.assumptions = responder.assumptions.with_options(
         {name: settings[name] for name in ASSUMPTION_NAMES if name in settings}
     )
-    seed = _number(own, "seed", int, 0)
-    baud = _number(own, "baud", int, 9600)
-    if not 50 <= baud <= 4_000_000:
-        raise _bad("baud", own["baud"], "50 … 4000000")
     bus = Bus(
-        VirtualEcu(responder, baud=baud, watcher=watcher),
+        VirtualEcu(
+            responder,
+            baud=given.integer("baud", 9600, lowest=50, highest=4_000_000),
+            watcher=watcher,
+        ),
         adapter=AdapterKind(
-            echo=_switch(own, "echo"),
-            latency=_seconds(own, "latency_ms", 0.0, 1000.0) / 1000,
-            supplied=_switch(own, "supplied"),
+            echo=given.switch("echo", default=True),
+            latency=given.number("latency_ms", 0.0, highest=1000) / 1000,
+            supplied=given.switch("supplied", default=True),
         ),
         disturbance=FaultInjector(
             parse_rates({name: settings[name] for name in _TROUBLES if name in settings}),
-            seed=seed,
-            late_by=_seconds(own, "late_by", LATE_BY, 60.0),
+            seed=given.integer("seed", 0),
+            late_by=given.number("late_by", LATE_BY, highest=60),
         ),
     )
-    adapter = own.get("adapter", "kkl")
-    if adapter not in ADAPTERS:
-        raise _bad("adapter", adapter, ", ".join(ADAPTERS))
-    return bus if adapter == "kkl" else Elm327(bus.ecu)
-
-
-def check_names(settings: Mapping[str, str], allowed: Sequence[str]) -> None:
-    """Raises `UsageError` for a setting that is not `allowed`."""
-    for name in settings:
-        if name not in allowed:
-            raise _unknown(name, allowed)
+    return bus if given.choice("adapter", "kkl", ADAPTERS) == "kkl" else Elm327(bus.ecu)
 
 
 def _passports(model: str) -> tuple[str, ...]:
@@ -134,45 +115,5 @@ def _faults(text: str) -> list[int]:
     except ValueError:
         faults = [-1]
     if any(not 0 <= fault <= 255 for fault in faults):
-        raise _bad("faults", text, "13,53 … (0 … 255)")
+        raise invalid_value("faults", text, "13,53 … (0 … 255)")
     return faults
-
-
-def _number(own: Mapping[str, str], name: str, kind: Callable[[str], T], default: T) -> T:
-    try:
-        return kind(own[name]) if name in own else default
-    except ValueError:
-        raise _bad(name, own[name], "0, 1, 2 …") from None
-
-
-def _seconds(own: Mapping[str, str], name: str, default: float, highest: float) -> float:
-    number = _number(own, name, float, default)
-    if not 0 <= number <= highest:
-        raise _bad(name, own[name], f"0 … {highest:g}")
-    return number
-
-
-def _switch(own: Mapping[str, str], name: str) -> bool:
-    value = own.get(name, "1").lower()
-    if value not in SWITCH:
-        raise _bad(name, value, "0, 1")
-    return SWITCH[value]
-
-
-def _bad(name: str, value: str, allowed: str) -> UsageError:
-    return UsageError(
-        problem=Text(
-            f"“{value}” is no value for {name}; allowed: {allowed}",
-            f"«{value}» не подходит для {name}; можно: {allowed}",
-        )
-    )
-
-
-def _unknown(name: str, allowed: Sequence[str]) -> UsageError:
-    nearest = ", ".join(get_close_matches(name, allowed) or allowed)
-    return UsageError(
-        problem=Text(
-            f"the virtual ECU has no setting “{name}”; there is {nearest}",
-            f"у виртуального блока нет настройки «{name}»; есть {nearest}",
-        )
-    )

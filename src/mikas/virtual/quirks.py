@@ -7,13 +7,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
-from difflib import get_close_matches
+from dataclasses import dataclass, field, fields
 from enum import Enum
 
 from mikas.commands import COMMANDS_BY_CODE
-from mikas.errors import UsageError
-from mikas.i18n import Text
+from mikas.options import OptionParser, check_names, invalid_value
 
 
 class Unknown(Enum):
@@ -37,10 +35,6 @@ class StreamEnd(Enum):
     REQUEST = "request"
     BREAK = "break"
 
-
-SWITCH = {"1": True, "on": True, "yes": True, "true": True,
-          "0": False, "off": False, "no": False, "false": False}  # fmt: skip
-"""What may stand for on and off."""
 
 GROUPS: dict[str, frozenset[int]] = {
     "passports": frozenset(range(0x51, 0x59)),
@@ -74,80 +68,38 @@ class EcuQuirks:
 
     def with_options(self, options: Mapping[str, str]) -> EcuQuirks:
         """These, changed by `name=value` texts as they stand in a URL or on a command line."""
-        changes = {name: _parse(name, value) for name, value in options.items()}
-        return replace(self, **changes)  # type: ignore[arg-type]  # each parsed by its own name
+        check_names(options, ASSUMPTION_NAMES)
+        given = OptionParser(options)
+        return EcuQuirks(
+            turn_round=given.number("turn_round", self.turn_round, highest=10),
+            stream_gap=given.number("stream_gap", self.stream_gap, highest=10),
+            max_list=given.integer("max_list", self.max_list, lowest=1, highest=255),
+            long_list=given.member("long_list", self.long_list),
+            max_block=given.integer("max_block", self.max_block, lowest=1, highest=255),
+            unknown=given.member("unknown", self.unknown),
+            missing=_missing(options["missing"]) if "missing" in options else self.missing,
+            counted_blocks=given.switch("counted_blocks", default=self.counted_blocks),
+            raw_checksum=given.switch("raw_checksum", default=self.raw_checksum),
+            stream_end=given.member("stream_end", self.stream_end),
+        )
 
 
 ASSUMPTION_NAMES = tuple(f.name for f in fields(EcuQuirks))
 
 
-def _parse(name: str, value: str) -> object:
-    try:
-        match name:
-            case "turn_round" | "stream_gap":
-                seconds = float(value)
-                if not 0 <= seconds <= 10:
-                    raise ValueError
-                return seconds
-            case "max_list" | "max_block":
-                count = int(value)
-                if not 1 <= count <= 255:
-                    raise ValueError
-                return count
-            case "long_list":
-                return LongList(value)
-            case "unknown":
-                return Unknown(value)
-            case "stream_end":
-                return StreamEnd(value)
-            case "counted_blocks" | "raw_checksum":
-                return SWITCH[value.lower()]
-            case "missing":
-                return _missing(value)
-    except (ValueError, KeyError):
-        allowed = _ALLOWED[name]
-        raise UsageError(
-            problem=Text(
-                f"“{value}” is no value for {name}; allowed: {allowed}",
-                f"«{value}» не подходит для {name}; можно: {allowed}",
-            )
-        ) from None
-    nearest = ", ".join(get_close_matches(name, ASSUMPTION_NAMES) or ASSUMPTION_NAMES)
-    raise UsageError(
-        problem=Text(
-            f"the virtual ECU has no switch “{name}”; there is {nearest}",
-            f"у виртуального блока нет переключателя «{name}»; есть {nearest}",
-        )
-    )
-
-
-_ALLOWED = {
-    "turn_round": "0 … 10 (s)",
-    "stream_gap": "0 … 10 (s)",
-    "max_list": "1 … 255",
-    "max_block": "1 … 255",
-    "long_list": "silent, short",
-    "unknown": "silent, 01",
-    "stream_end": "byte, request, break",
-    "counted_blocks": "0, 1",
-    "raw_checksum": "0, 1",
-    "missing": f"{', '.join(GROUPS)}, 61, 0x71 …",
-}
-
-
 def words(text: str) -> list[str]:
-    """What a list on a command line or in a URL holds: `a,b`, `a+b`; in a URL `+` is a space."""
+    """The items of a list on a command line or in a URL: `a,b`, `a+b`; in a URL `+` is a space."""
     return re.findall(r"[^,+\s]+", text)
 
 
 def _missing(value: str) -> frozenset[int]:
     codes: set[int] = set()
     for word in words(value):
+        code = int(word, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,2}", word) else None
         if word in GROUPS:
             codes |= GROUPS[word]
-        else:
-            code = int(word, 16)
-            if code not in COMMANDS_BY_CODE:
-                raise ValueError
+        elif code in COMMANDS_BY_CODE:
             codes.add(code)
+        else:
+            raise invalid_value("missing", value, f"{', '.join(GROUPS)}, 61, 0x71 …")
     return frozenset(codes)
