@@ -21,7 +21,7 @@ from mikas.link import Chunk, open_link
 from mikas.link.base import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.events import CycleFailed, MethodChosen, Sampled
-from mikas.sampling.plan import Wanted
+from mikas.sampling.plan import PlannedParameter
 from mikas.sampling.sampler import Sampler
 from mikas.tester import Tester
 
@@ -106,8 +106,8 @@ def make_ecu(link: Link) -> Ecu:
     return Ecu(Tester(link), shipped())
 
 
-def everything() -> list[Wanted]:
-    return [Wanted(parameter) for parameter in shipped().parameters]
+def everything() -> list[PlannedParameter]:
+    return [PlannedParameter(parameter) for parameter in shipped().parameters]
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +164,7 @@ class Session:
 
 def sample(
     plug: ReconnectingPort,
-    wanted: Sequence[Wanted],
+    wanted: Sequence[PlannedParameter],
     method: FixedMethod | None,
     *,
     sets: int,

@@ -11,7 +11,7 @@ from bench.rig import Port, Session, Watch, connected, everything, paced, sample
 from bench.rows import Row, Scope, Theme
 from mikas.catalog import shipped
 from mikas.client.methods import FixedMethod
-from mikas.sampling.plan import Plan, Wanted
+from mikas.sampling.plan import Plan, PlannedParameter
 
 _LIMITS = {"single": 5.0, "batch": 17.8, "list": 30.0, "stream": 35.0}  # §5, data not stuffed
 _TARGETS: dict[FixedMethod, float | None] = {
@@ -90,10 +90,10 @@ def _lumps(scope: Scope, port: Port, runs: int) -> Iterator[Row]:
 
 
 def _mixed(scope: Scope, port: Port, runs: int) -> Row:
-    wanted = [Wanted(shipped().parameter(name)) for name in _FAST]
-    wanted += [Wanted(shipped().parameter(name), 10) for name in _SLOW]
+    wanted = [PlannedParameter(shipped().parameter(name)) for name in _FAST]
+    wanted += [PlannedParameter(shipped().parameter(name), 10) for name in _SLOW]
     plan = Plan(tuple(wanted), "batch")
-    flat = Plan(tuple(Wanted(each.parameter) for each in wanted), "batch")
+    flat = Plan(tuple(PlannedParameter(each.parameter) for each in wanted), "batch")
     with port() as plug:
         session = sample(plug, wanted, "batch", sets=scope.of(120, 40), runs=runs)
     how = (

@@ -64,14 +64,14 @@ def test_of_two_plans_at_once_the_one_that_is_sampled_is_the_one_that_is_told(mo
 
     thread = threading.Thread(target=second)
 
-    def want(names, method, rate):
+    def reconfigure(names, method, rate):
         sampled.append(names)
         if names == ["TWAT"]:
             thread.start()
             assert over.wait(60)  # the second one has its way here, or waits for the first
 
     hub = SimpleNamespace(
-        session=SimpleNamespace(acquisition=SimpleNamespace(want=want)),
+        session=SimpleNamespace(acquisition=SimpleNamespace(reconfigure=reconfigure)),
         story=SimpleNamespace(names_are=lambda every: told.append(list(every))),
     )
     planning = Planning(hub)

@@ -9,16 +9,16 @@ import pytest
 
 from mikas.dashboard.errors import Busy
 from mikas.dashboard.session.connection import turn
-from mikas.sampling.jobs import Jobs
+from mikas.sampling.jobs import JobQueue
 
 
 class Waiting:
     """A session whose jobs wait until the test does them."""
 
     def __init__(self):
-        self.jobs = Jobs("sim:")
+        self.jobs = JobQueue("sim:")
         self.jobs.open()
-        self.call = self.jobs.put
+        self.call = self.jobs.submit
 
 
 class UnderWay(Future):

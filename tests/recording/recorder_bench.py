@@ -21,11 +21,14 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.plan import Plan, Wanted
+from mikas.sampling.plan import Plan, PlannedParameter
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 CATALOG = load()
-PLAN = Plan((Wanted(CATALOG.parameter("TWAT")), Wanted(CATALOG.parameter("FREQ"), 10)), "stream")
+PLAN = Plan(
+    (PlannedParameter(CATALOG.parameter("TWAT")), PlannedParameter(CATALOG.parameter("FREQ"), 10)),
+    "stream",
+)
 PASSPORT = Passport(("A", "B", None), ("C", "D", "E", "F", "G"))
 OTHER = Passport(("Z", "B", None), ("C", "D", "E", "F", "G"))
 

@@ -29,7 +29,7 @@ from mikas.recording.reader import Packet
 from mikas.recording.scan import LARGEST
 from mikas.sampling.alarms import Alarms
 from mikas.sampling.events import LineState
-from mikas.sampling.plan import Plan, Wanted
+from mikas.sampling.plan import Plan, PlannedParameter
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 
@@ -93,7 +93,7 @@ def test_the_enterprise_number_is_the_one_for_documentation_and_editors_may_copy
 
 def test_what_each_kind_holds():
     parameters = [shipped().parameter(name) for name in ("FREQ", "TWAT")]
-    plan = Plan((Wanted(parameters[0]), Wanted(parameters[1], 10)), "list")
+    plan = Plan((PlannedParameter(parameters[0]), PlannedParameter(parameters[1], 10)), "list")
     [event] = Alarms(shipped()).update({"TWAT": 150.0}, 7.0)
     why = Text("silence", "тишина")
     made = [
@@ -130,7 +130,7 @@ def test_what_each_kind_holds():
 
 
 def test_the_head_of_each_session_in_a_file_is_found(path):
-    plan = Plan((Wanted(shipped().parameter("FREQ")),), "stream")
+    plan = Plan((PlannedParameter(shipped().parameter("FREQ")),), "stream")
     for session in range(2):
         with CaptureWriter(path, url="sim:", append=True) as writer:
             write_session_header(

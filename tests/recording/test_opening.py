@@ -23,7 +23,7 @@ from mikas.recording.notes import learnt_note
 from mikas.recording.table import Channel, Rows
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Sampled
-from mikas.sampling.plan import Plan, Wanted
+from mikas.sampling.plan import Plan, PlannedParameter
 
 NAN = np.nan
 PORT = "sim:?clock=simulated"
@@ -267,7 +267,7 @@ def test_what_adds_up_is_the_same_as_it_was_live_though_responses_were_spoilt(tm
 
 def test_it_tells_the_methods_that_were_used_not_the_first_guess(tmp_path):
     path = tmp_path / "measured.pcapng"
-    wanted = (Wanted(shipped().parameter("FREQ")),)
+    wanted = (PlannedParameter(shipped().parameter("FREQ")),)
     with CaptureWriter(path, url=PORT) as sink:
         write_session_header(
             sink, 1.0, version_code=10, passports=[None] * 8, catalog_version="1",

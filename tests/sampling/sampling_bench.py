@@ -14,7 +14,7 @@ from mikas.errors import PortNotFound
 from mikas.link import Chunk, Link
 from mikas.link.virtual import VirtualLink
 from mikas.sampling.events import Event, MethodChosen, Sampled
-from mikas.sampling.plan import Wanted
+from mikas.sampling.plan import PlannedParameter
 from mikas.sampling.sampler import Sampler
 from mikas.tester import Tester
 from mikas.virtual.bus import Bus
@@ -84,13 +84,13 @@ class WatchedLink(VirtualLink):
         return super().read(deadline)
 
 
-def wishes(*words: str) -> list[Wanted]:
+def wishes(*words: str) -> list[PlannedParameter]:
     """`FREQ`, `TWAT/10`; none: everything."""
     wanted = []
     for word in words:
         name, _, every = word.partition("/")
-        wanted.append(Wanted(shipped().parameter(name), int(every or 1)))
-    return wanted or [Wanted(parameter) for parameter in shipped().parameters]
+        wanted.append(PlannedParameter(shipped().parameter(name), int(every or 1)))
+    return wanted or [PlannedParameter(parameter) for parameter in shipped().parameters]
 
 
 def ecu_factory(

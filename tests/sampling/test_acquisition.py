@@ -47,7 +47,7 @@ def test_the_plan_is_told_before_the_first_sample_and_once():
     assert told.index(plan) < told.index(of(Sampled, told)[0])
     assert made.plan is plan.plan
     assert made.method == "batch"
-    assert {w.parameter.name: w.every for w in plan.plan.wanted} == {
+    assert {w.parameter.name: w.divisor for w in plan.plan.parameters} == {
         "FREQ": 1,
         "INJ": 1,
         "TWAT": 10,
@@ -80,24 +80,24 @@ def test_what_is_added_up_goes_on_when_other_channels_are_wanted_but_not_in_anot
 
     with closing(made.run()) as events:
         first = used(events)
-        made.want(["FUEL_USED", "TWAT", "FUEL_FLOW"], "batch")
+        made.reconfigure(["FUEL_USED", "TWAT", "FUEL_FLOW"], "batch")
         second = used(events)
         assert second.value > first.value > 0
         assert second.since == first.since
-        made.want(["TWAT"], "batch")
+        made.reconfigure(["TWAT"], "batch")
         assert not of(Sampled, take(events, enough))[-1].derived
-        made.want(["FUEL_USED"], "batch")
+        made.reconfigure(["FUEL_USED"], "batch")
         third = used(events)
         assert third.value > second.value
         assert (third.since, third.gaps) == (first.since, 1)  # and that is told
-        made.want(["FREQ"], "batch")
+        made.reconfigure(["FREQ"], "batch")
         take(events, enough)
         plug.bus.ecu.responder.car.on = False
         take(events, lambda e: bool(of(StateChanged, e)))
         plug.bus.ecu.responder.identity = Identity(0x09, PASSPORTS)
         plug.bus.ecu.responder.car.on = True
         assert of(UnitFound, take(events, enough))[0].another
-        made.want(["FUEL_USED"], "batch")
+        made.reconfigure(["FUEL_USED"], "batch")
         assert used(events).since > third.time
 
 
@@ -193,7 +193,7 @@ class TestWanting:
         made = acquisition(plug, "FREQ", "TWAT")
         with closing(made.run()) as events:
             take(events, enough)
-            made.want(["INJ", "JAIR/2"], "list", 20.0)
+            made.reconfigure(["INJ", "JAIR/2"], "list", 20.0)
             told = take(events, enough)
         (plan,) = of(PlanChanged, told)
         assert told[0] is plan
@@ -209,7 +209,7 @@ class TestWanting:
         made = acquisition(SimulatedPlug(make_bus()), "FREQ")
         with closing(made.run()) as events:
             take(events, enough)
-            made.want(["FREQ"], "batch")
+            made.reconfigure(["FREQ"], "batch")
             assert of(PlanChanged, take(events, enough))
 
     def test_a_slow_rate_does_not_hold_it_up(self):
@@ -217,7 +217,7 @@ class TestWanting:
         made = acquisition(plug, "FREQ", rate=0.01)
         with closing(made.run()) as events:
             take(events, lambda e: bool(of(Sampled, e)))
-            plug.at(plug.now() + 5, lambda: made.want(["INJ"], "batch"))
+            plug.at(plug.now() + 5, lambda: made.reconfigure(["INJ"], "batch"))
             take(events, enough)
             assert plug.now() < 15
 
@@ -236,7 +236,7 @@ class TestWanting:
         with closing(made.run()) as events:
             take(events, enough)
             with pytest.raises((UnknownParameter, UsageError)):
-                made.want(names, method, rate)
+                made.reconfigure(names, method, rate)
             told = take(events, enough)
         assert [c.name for c in made.channels] == ["TWAT"]
         assert not of(PlanChanged, told)
@@ -251,7 +251,7 @@ class TestWanting:
 
         def change():
             for turn in range(300):
-                made.want(sets[turn % len(sets)], ["batch", "list", "stream"][turn % 3])
+                made.reconfigure(sets[turn % len(sets)], ["batch", "list", "stream"][turn % 3])
                 made.price(sets[turn % len(sets)])
             over.set()
 
@@ -273,7 +273,7 @@ class TestWanting:
         with closing(made.run()) as events:
             assert [d.name for d in of(ParameterDropped, take(events, enough))] == ["TWAT"]
             data[0x1A] = DATA[0x1A]
-            made.want(["FREQ", "TWAT"], "batch")
+            made.reconfigure(["FREQ", "TWAT"], "batch")
             told = take(events, enough)
         assert set(of(Sampled, told)[-1].fresh) == {"FREQ", "TWAT"}
         assert not of(ParameterDropped, told)
@@ -282,7 +282,8 @@ class TestWanting:
 def test_prices():
     made = acquisition(SimulatedPlug(make_bus()))
     assert (
-        made.price(["FREQ"], "stream") == Plan(select(shipped(), ["FREQ"]).wanted, "stream").price()
+        made.price(["FREQ"], "stream")
+        == Plan(select(shipped(), ["FREQ"]).parameters, "stream").price()
     )
     assert made.price(["FUEL_FLOW"], "batch") == made.price(["FREQ", "INJ"], "batch")
     assert made.price([]).rate == pytest.approx(17.8, rel=0.025)  # nothing better is known yet
@@ -357,7 +358,9 @@ def test_other_threads_may_want_ask_and_forget_as_they_like():
                 turn += 1
                 match turn % 3:
                     case 0:
-                        made.want(wishes[turn % 5], ["auto", "stream", "list", "batch"][turn % 4])
+                        made.reconfigure(
+                            wishes[turn % 5], ["auto", "stream", "list", "batch"][turn % 4]
+                        )
                     case 1:
                         asked.append(made.call(lambda ecu: ecu.read("TWAT")))
                     case _ if turn % 31 == 0:

@@ -68,7 +68,7 @@ def test_a_parameter_refused_midway_is_dropped_and_the_others_go_on(method, unkn
         after = take(events, enough)
     assert [d.name for d in of(ParameterDropped, after)] == ["INJ"]
     (plan,) = of(PlanChanged, after)
-    assert [w.parameter.name for w in plan.plan.wanted] == ["FREQ", "TWAT", "THR"]
+    assert [w.parameter.name for w in plan.plan.parameters] == ["FREQ", "TWAT", "THR"]
     assert plan.plan.method == method  # it is not the method that is to blame
     at = after.index(plan)
     assert of(Sampled, after[at:])
@@ -193,7 +193,7 @@ def test_a_method_that_was_asked_for_and_stops_is_replaced_too(method):
         changing(sampler, bus, lacking("stream", "list"))
         after = take(events, settled)
         changing(sampler, bus, lacking())
-        sampler.want(wishes(), method)  # asked for once more, it is tried once more
+        sampler.reconfigure(wishes(), method)  # asked for once more, it is tried once more
         again = take(events, enough)
     assert of(PlanChanged, again)[-1].plan.method == method
     assert of(MethodChosen, after)[0].method == "batch"
@@ -257,7 +257,7 @@ def test_when_nothing_is_left_it_says_so_and_waits_for_another_wish():
         assert isinstance(of(CycleFailed, told)[-1].error, NotSupported)
         assert of(StateChanged, told)[-1].state is LineState.ECU_ALIVE
         asked = sampler.call(lambda ecu: len(ecu.faults()))
-        sampler.want(wishes("FREQ"))
+        sampler.reconfigure(wishes("FREQ"))
         after = take(events, enough)
     assert asked.result(0) == 4
     assert list(of(Sampled, after)[-1].fresh) == ["FREQ"]

@@ -27,7 +27,7 @@ from mikas.errors import (
     UnknownParameter,
 )
 from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
-from mikas.sampling.jobs import Jobs
+from mikas.sampling.jobs import JobQueue
 from mikas.virtual.adapter import AdapterKind
 from virtual_bench import make_bus
 
@@ -196,9 +196,9 @@ def test_during_the_measuring_they_are_done_too():
 
 
 def test_many_threads_at_once():
-    jobs = Jobs("sim:")
+    jobs = JobQueue("sim:")
     threads = [
-        threading.Thread(target=lambda: futures.append(jobs.put(lambda ecu: ecu)))
+        threading.Thread(target=lambda: futures.append(jobs.submit(lambda ecu: ecu)))
         for _ in range(50)
     ]
     futures: list = []
@@ -211,12 +211,12 @@ def test_many_threads_at_once():
 
 
 def test_one_that_loses_the_ecu_leaves_the_others_for_later():
-    jobs = Jobs("sim:")
+    jobs = JobQueue("sim:")
 
     def lost(ecu):
         raise EchoOnly
 
-    first, second = jobs.put(lost), jobs.put(str)
+    first, second = jobs.submit(lost), jobs.submit(str)
     with pytest.raises(EchoOnly):
         jobs.run("unit")
     assert first.exception(0)

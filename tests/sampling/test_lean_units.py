@@ -73,7 +73,7 @@ def test_prices_know_how_long_a_list_the_unit_takes(takes):
         assert every.requests == -(-21 // sampler.plan.max_list)
         assert every.seconds == pytest.approx((took[-1] - took[0]) / 19, rel=0.01)
         few = sampler.price(wishes("FREQ", "TWAT"))
-        sampler.want(wishes("FREQ", "TWAT"))
+        sampler.reconfigure(wishes("FREQ", "TWAT"))
         told = take(events, lambda e: len(of(Sampled, e)) == 60)
     took = [s.time for s in of(Sampled, told)[-20:]]
     real = (took[-1] - took[0]) / 19

@@ -27,15 +27,15 @@ from mikas.client.methods import STREAMS
 from mikas.link.virtual import VirtualLink
 from mikas.sampling.choosing import (
     CANDIDATES,
-    Measured,
-    best,
+    TrialResult,
+    best_method,
     kind_of_adapter,
-    measure,
-    pace_of,
     rates_of,
+    run_trial,
+    timing_of,
 )
 from mikas.sampling.events import MethodChosen, Sampled
-from mikas.sampling.plan import Plan, Wanted
+from mikas.sampling.plan import Plan, PlannedParameter
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
 from mikas.virtual.fault_injector import FaultInjector, LineFault
@@ -43,7 +43,7 @@ from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
 from virtual_bench import IDENTITY, make_bus
 
 LUMPS = AdapterKind(latency=0.016)
-ALL = tuple(map(Wanted, shipped().parameters))
+ALL = tuple(map(PlannedParameter, shipped().parameters))
 
 
 def session(bus: Bus, *words: str, until=None, **settings: object):
@@ -258,7 +258,7 @@ def test_one_lost_response_says_nothing_of_a_method(method):
         ecu = ecu_factory()(VirtualLink(bus))
         ecu.tester.connect()
         ecu.read()
-        found = measure(ecu, Plan(ALL, method))
+        found = run_trial(ecu, Plan(ALL, method))
         for _ in range(4):
             next(found)
         bus.disturbance.next(*troubles)
@@ -293,7 +293,7 @@ class TestEnough:
 def test_what_was_measured_with_one_plan_tells_the_rate_of_it(method, delay, count):
     plan = Plan(ALL[:count], method)
     price = plan.price(turn_round=delay, pause=delay)
-    pace = pace_of(Measured(method, price.rate), plan, 9600)
+    pace = timing_of(TrialResult(method, price.rate), plan, 9600)
     assert pace is not None
     assert rates_of(plan, {method: pace}, 9600)[method] == pytest.approx(price.rate)
     assert pace.delay == pytest.approx(delay, abs=1e-9)
@@ -301,12 +301,12 @@ def test_what_was_measured_with_one_plan_tells_the_rate_of_it(method, delay, cou
 
 @given(st.dictionaries(st.sampled_from(CANDIDATES), st.floats(0, 200)), st.floats(0.1, 100))
 def test_the_best_is_never_one_that_does_not_work_nor_slower_than_it_needs_to_be(rates, enough):
-    fastest = best(rates)
+    fastest = best_method(rates)
     if fastest is None:
         assert not any(rates.values())
     else:
         assert rates[fastest] == max(rates.values()) > 0
-    found = best(rates, enough)
+    found = best_method(rates, enough)
     assert (found is None) == (fastest is None)
     if found is not None and rates[found] < max(rates.values()):
         assert rates[found] > enough

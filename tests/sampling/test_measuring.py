@@ -38,7 +38,7 @@ def test_another_wish_does_not_either():
     with closing(sampler.run()) as events:
         take(events, lambda e: bool(of(PlanChanged, e)))
         began = plug.now()
-        sampler.want(sampler.plan.wanted[:2], "batch")
+        sampler.reconfigure(sampler.plan.parameters[:2], "batch")
         take(events, lambda e: bool(of(PlanChanged, e)))
     assert plug.now() - began < 2 * CYCLE  # all that is wanted was asked for once
 

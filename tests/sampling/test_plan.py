@@ -11,26 +11,26 @@ from hypothesis import strategies as st
 from mikas.catalog import shipped
 from mikas.client.methods import FIXED_METHODS, STREAMS
 from mikas.errors import UsageError
-from mikas.sampling.plan import Plan, Wanted
+from mikas.sampling.plan import Plan, PlannedParameter
 
-ALL = tuple(map(Wanted, shipped().parameters))
+ALL = tuple(map(PlannedParameter, shipped().parameters))
 
 
 def plan(*names: str, method: str = "batch", **settings: int) -> Plan:
     wanted = []
     for name in names:
         mnemonic, _, every = name.partition("/")
-        wanted.append(Wanted(shipped().parameter(mnemonic), int(every or 1)))
+        wanted.append(PlannedParameter(shipped().parameter(mnemonic), int(every or 1)))
     return Plan(tuple(wanted), method, **settings)
 
 
 def test_parameters_that_share_a_byte_are_asked_once():
-    assert [d.code for d in plan("RXX", "BITPOW", "RDET").every] == [0x07]
-    assert len(Plan(ALL).every) == 21
+    assert [d.code for d in plan("RXX", "BITPOW", "RDET").divisors] == [0x07]
+    assert len(Plan(ALL).divisors) == 21
 
 
 def test_the_keenest_of_those_that_share_a_byte_decides():
-    assert list(plan("RXX/10", "BITPOW/2").every.values()) == [2]
+    assert list(plan("RXX/10", "BITPOW/2").divisors.values()) == [2]
 
 
 @pytest.mark.parametrize(
@@ -43,16 +43,16 @@ def test_the_laws_arithmetic(method, sets):
 
 def test_one_more_parameter_costs_what_its_bytes_take():
     before = plan("FREQ")
-    after = before.with_added(Wanted(shipped().parameter("TWAT")))
+    after = before.with_parameter(PlannedParameter(shipped().parameter("TWAT")))
     extra = after.price().seconds - before.price().seconds
     assert extra == pytest.approx((1 + 1 + 2 / 256) * 10 / 9600)
-    free = plan("RXX").with_added(Wanted(shipped().parameter("RDET")))
+    free = plan("RXX").with_parameter(PlannedParameter(shipped().parameter("RDET")))
     assert free.price() == plan("RXX").price()
 
 
 wishes = st.lists(
     st.tuples(st.sampled_from(shipped().parameters), st.integers(1, 12)), min_size=1, max_size=23
-).map(lambda pairs: tuple(Wanted(p, every) for p, every in pairs))
+).map(lambda pairs: tuple(PlannedParameter(p, every) for p, every in pairs))
 
 
 @given(wishes, st.sampled_from(FIXED_METHODS), st.integers(1, 30))
@@ -71,7 +71,7 @@ def test_every_code_comes_as_often_as_it_was_wanted(wanted, method, longest):
         assert max(Counter(asked).values(), default=0) <= 1
         if method != "list":
             assert set(asked) == set(made.due(cycle))
-    for datum, every in made.every.items():
+    for datum, every in made.divisors.items():
         expected = cycles if method in STREAMS else cycles // every
         assert abs(came[datum] - expected) <= 1
 
@@ -81,10 +81,10 @@ def test_prices_are_those_of_the_requests(wanted, method):
     plan = Plan(wanted, method)
     price = plan.price()
     asking = price.bytes * 10 / 9600 + price.requests * 0.002
-    assert price.seconds == pytest.approx(asking / plan.busy)
+    assert price.seconds == pytest.approx(asking / plan.busy_share)
     assert price.rate > 0
-    assert 0 < plan.busy <= 1
-    assert plan.busy == 1 or min(plan.every.values()) > 1
+    assert 0 < plan.busy_share <= 1
+    assert plan.busy_share == 1 or min(plan.divisors.values()) > 1
 
 
 def test_slow_ones_are_spread():
@@ -93,7 +93,7 @@ def test_slow_ones_are_spread():
 
 
 def test_a_refused_code_is_dropped_and_the_others_stay():
-    assert [w.parameter.name for w in plan("FREQ", "TWAT").without(0x1A).wanted] == ["FREQ"]
+    assert [w.parameter.name for w in plan("FREQ", "TWAT").without(0x1A).parameters] == ["FREQ"]
     with pytest.raises(UsageError):
         plan("TWAT").without(0x1A)
 

@@ -60,7 +60,7 @@ def test_other_lists_cost_nothing_whatever_their_length(unknown, max_list):
         take(events, settled)
         asked = asked_of(bus)
         for count in (4, 3, 5, 2, 1, 10):
-            sampler.want(wishes(*MANY[:count]))
+            sampler.reconfigure(wishes(*MANY[:count]))
             told = take(events, some(100))
             assert longest_pause(told) < 0.2
             assert not of(CycleFailed, told)
@@ -110,11 +110,11 @@ def test_where_only_so_long_a_list_is_refused_a_shorter_one_is_not_given_up():
         assert of(MethodChosen, take(events, settled))[-1].method == "batch"
         asked, most = asked_of(bus), sampler.plan.max_list
         assert most >= 4
-        sampler.want(wishes(*MANY[: most + 1]))  # 61 has shown that these are too many
+        sampler.reconfigure(wishes(*MANY[: most + 1]))  # 61 has shown that these are too many
         told = take(events, some(60))
         assert not METHODS.intersection(asked)
         assert not of(CycleFailed, told)
-        sampler.want(wishes(*MANY[:most]))
+        sampler.reconfigure(wishes(*MANY[:most]))
         assert of(MethodChosen, take(events, settled))[-1].method == "stream"
 
 
@@ -158,7 +158,7 @@ class TestOneIsRefusedInTheMiddle:
         assert [each.name for each in of(ParameterDropped, told)] == ["JAIR"]
         assert 0x71 not in asked
         assert longest_pause(told[told.index(of(ParameterDropped, told)[0]) :]) < 0.2
-        names = [wanted.parameter.name for wanted in of(PlanChanged, told)[-1].plan.wanted]
+        names = [wanted.parameter.name for wanted in of(PlanChanged, told)[-1].plan.parameters]
         assert names == ["FREQ", "TWAT", "UACC", "TAIR"]
         assert_values_are_the_units(told)
 

@@ -17,7 +17,7 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.supervisor import same
+from mikas.sampling.supervisor import is_same_unit
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault
@@ -150,12 +150,12 @@ def test_what_makes_two_units_the_same() -> None:
     whole = Passport(("A", "B", "C"), ("1", "2", "3", "4", "5"))
     part = Passport(("A", "B", "C"), (None,) * 5)
     none = Passport((None,) * 3, (None,) * 5)
-    assert same((9, whole), (9, part))
-    assert same((9, none), (9, none))
-    assert not same((9, whole), (10, whole))
-    assert not same((9, none), (9, part))
-    assert not same((9, part), (9, Passport(("A", "B", "D"), (None,) * 5)))
-    assert not same((9, part), (9, Passport((None,) * 3, whole.data)))
+    assert is_same_unit((9, whole), (9, part))
+    assert is_same_unit((9, none), (9, none))
+    assert not is_same_unit((9, whole), (10, whole))
+    assert not is_same_unit((9, none), (9, part))
+    assert not is_same_unit((9, part), (9, Passport(("A", "B", "D"), (None,) * 5)))
+    assert not is_same_unit((9, part), (9, Passport((None,) * 3, whole.data)))
 
 
 def test_a_unit_that_can_not_be_brought_in_step_is_met_again_at_once() -> None:

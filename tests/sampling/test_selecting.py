@@ -10,14 +10,14 @@ from mikas.sampling.selecting import select
 
 
 def asked(*names: str) -> dict[str, int]:
-    return {w.parameter.name: w.every for w in select(shipped(), names).wanted}
+    return {w.parameter.name: w.divisor for w in select(shipped(), names).parameters}
 
 
 def test_no_names_are_all_parameters():
     selection = select(shipped(), [])
     assert selection.channels == shipped().parameters
-    assert len(selection.wanted) == 23
-    assert not selection.named
+    assert len(selection.parameters) == 23
+    assert not selection.explicit
 
 
 def test_names_in_any_case_and_codes():

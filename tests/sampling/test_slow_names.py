@@ -118,6 +118,8 @@ def test_the_price_of_slow_ones():
     assert tenth.price().requests == pytest.approx(0.2)
     assert tenth.price().seconds == pytest.approx(one.seconds)  # a cycle is as long as one of them
     assert tenth.price().rate == pytest.approx(one.rate)
-    assert tenth.by("list").price().rate == pytest.approx(every.by("list").price().rate)
-    assert tenth.busy == pytest.approx(0.2)
-    assert every.busy == 1
+    assert tenth.with_method("list").price().rate == pytest.approx(
+        every.with_method("list").price().rate
+    )
+    assert tenth.busy_share == pytest.approx(0.2)
+    assert every.busy_share == 1

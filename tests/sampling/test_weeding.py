@@ -53,10 +53,10 @@ def test_requests_of_others_go_in_between(weeding):
 def test_something_else_that_is_wanted_is_there_soon(weeding):
     sampler, plug, events = weeding
     began = plug.now()
-    sampler.want(wishes("FREQ", "TWAT"), "batch")
+    sampler.reconfigure(wishes("FREQ", "TWAT"), "batch")
     take(events, lambda e: bool(of(PlanChanged, e)) and bool(of(Sampled, e)))
     assert plug.now() - began < 3
-    assert list(sampler.plan.wanted) == wishes("FREQ", "TWAT")
+    assert list(sampler.plan.parameters) == wishes("FREQ", "TWAT")
 
 
 def test_the_end_does_not_wait_for_it_either(weeding):

@@ -36,7 +36,7 @@ from mikas.dashboard.wishes import Way, Wish
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.sampling.events import LineState, StateChanged, UnitFound
-from mikas.sampling.supervisor import Unit, same
+from mikas.sampling.supervisor import UnitIdentity, is_same_unit
 
 if TYPE_CHECKING:
     from mikas.client import Ecu, Info, Support
@@ -73,7 +73,7 @@ class Hub:
         self.story = Story(self.catalog, self.history)
         self.fault_book = FaultBook()
         self.approval = Approval()
-        self._unit: Unit | None = None
+        self._unit: UnitIdentity | None = None
         self.recording = RecordingDesk(self)
         self.dumping = Dumping(self)
         self.nonces = Nonces(clock)
@@ -193,7 +193,9 @@ class Hub:
     def _met(self, event: UnitFound) -> UnitFound:
         """`event`, also comparing with the unit of the connection before."""
         before, self._unit = self._unit, (unit := (event.version_code, event.passport))
-        return event if before is None or same(unit, before) else replace(event, another=True)
+        return (
+            event if before is None or is_same_unit(unit, before) else replace(event, another=True)
+        )
 
     # What is asked
 

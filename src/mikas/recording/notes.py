@@ -87,8 +87,8 @@ def plan_note(time: float, plan: Plan, interpretation: str = "corrected") -> Not
     """What is asked from here on. `every`: in which cycles, name by name."""
     data = {
         "method": plan.method,
-        "names": [wanted.parameter.name for wanted in plan.wanted],
-        "every": [wanted.every for wanted in plan.wanted],
+        "names": [wanted.parameter.name for wanted in plan.parameters],
+        "every": [wanted.divisor for wanted in plan.parameters],
         "max_list": plan.max_list,
         "reading": interpretation,
     }

@@ -1,6 +1,6 @@
 """All of sampling behind one iterator: the sampler, derived channels, alarms.
 
-    with closing(Acquisition(plug, make_ecu, catalog, ["FREQ", "TWAT/10"]).run()) as events:
+    with closing(Acquisition(port, make_ecu, catalog, ["FREQ", "TWAT/10"]).run()) as events:
         for event in events: …
 
 One thread runs it; every other method and property is for any thread.
@@ -43,7 +43,7 @@ class Acquisition:
 
     def __init__(
         self,
-        plug: ReconnectingPort,
+        port: ReconnectingPort,
         make_ecu: Callable[[Link], Ecu],
         catalog: Catalog,
         names: Iterable[str] = (),
@@ -61,13 +61,13 @@ class Acquisition:
         self._alarms = Alarms(catalog, limits)
         self._behind: deque[AlarmChanged] = deque()  # of the sample that was told last
         self._sampler = Sampler(
-            plug,
+            port,
             make_ecu,
-            self._selection.wanted,
-            method=fixed(method),
+            self._selection.parameters,
+            method=fixed_method(method),
             rate=rate,
             strict=strict,
-            again=self._selection.named,
+            retry_refused=self._selection.explicit,
         )
 
     @property
@@ -112,12 +112,12 @@ class Acquisition:
         for event in self._sampler.run():
             match event:
                 case Sampled():
-                    yield from self._made_of(event)
+                    yield from self._with_derived(event)
                     continue
                 case CycleFailed():  # what adds up goes on, if the next value is not too long after
                     self._alarms.update({}, event.time)
                 case PlanChanged():
-                    self._take_over()
+                    self._adopt_selection()
                 case UnitFound(another=True):  # what was added up is that of the car before
                     self._derived = DerivedChannels(self._catalog, self._in_force.derived)
                     self._alarms = Alarms(self._catalog, self._limits)
@@ -125,7 +125,7 @@ class Acquisition:
                     pass
             yield event
 
-    def _made_of(self, sampled: Sampled) -> Iterator[Event]:
+    def _with_derived(self, sampled: Sampled) -> Iterator[Event]:
         derived = self._derived.update(sampled.fresh, sampled.time)
         # What came in this cycle is fresh, however long the cycle lasts; only the rest has an age.
         fresh = {name: number_of(reading) for name, reading in sampled.fresh.items()}
@@ -135,28 +135,32 @@ class Acquisition:
         while self._behind:
             yield self._behind.popleft()
 
-    def _take_over(self) -> None:
+    def _adopt_selection(self) -> None:
         if self._in_force is not self._selection:
             self._in_force = self._selection
             before = self._derived
             self._derived = DerivedChannels(self._catalog, self._in_force.derived)
-            asked = [wanted.parameter.name for wanted in self._in_force.wanted]
+            asked = [wanted.parameter.name for wanted in self._in_force.parameters]
             self._derived.go_on_from(before, asked)
 
     def call(self, job: Callable[[Ecu], T]) -> Future[T]:
         """`job(ecu)` between two cycles, as `Sampler.call`."""
         return self._sampler.call(job)
 
-    def want(self, names: Iterable[str], method: str = "auto", rate: float | None = None) -> None:
+    def reconfigure(
+        self, names: Iterable[str], method: str = "auto", rate: float | None = None
+    ) -> None:
         """Other channels from the next cycle on, told by `PlanChanged`.
 
         Raises `UnknownParameter` and `UsageError`, and then nothing changes.
         """
         selection = select(self._catalog, names)
-        own = fixed(method)
+        own = fixed_method(method)
         before, self._selection = self._selection, selection
         try:
-            self._sampler.want(selection.wanted, own, rate, again=selection.named)
+            self._sampler.reconfigure(
+                selection.parameters, own, rate, retry_refused=selection.explicit
+            )
         except UsageError:
             self._selection = before
             raise
@@ -174,10 +178,10 @@ class Acquisition:
 
         Raises `UnknownParameter` and `UsageError`.
         """
-        return self._sampler.price(select(self._catalog, names).wanted, fixed(method))
+        return self._sampler.price(select(self._catalog, names).parameters, fixed_method(method))
 
 
-def fixed(method: str) -> FixedMethod | None:
+def fixed_method(method: str) -> FixedMethod | None:
     """None for auto. Raises `UsageError` for what is no method."""
     for known in METHODS:
         if method == known:

@@ -27,9 +27,9 @@ from mikas.sampling.plan import Plan
 
 CANDIDATES: tuple[FixedMethod, ...] = ("stream", "list", "batch")
 """In the order of §5: what should be the fastest first."""
-LAST: FixedMethod = "single"
+FALLBACK: FixedMethod = "single"
 """What is left where none of them works."""
-OF_THEIR_OWN: frozenset[FixedMethod] = frozenset({"stream", "list"})
+WITH_OWN_COMMANDS: frozenset[FixedMethod] = frozenset({"stream", "list"})
 """Those with commands of their own, which a unit may lack (D10); the others are all 61."""
 
 _SECONDS = 1.0
@@ -41,7 +41,7 @@ _PROBES = 5
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class TrialResult:
     """How a method did: cycles a second; 0 if it brought nothing, `refused` if it never will."""
 
     method: FixedMethod
@@ -49,7 +49,7 @@ class Measured:
     refused: bool = False
 
 
-Found = Generator[dict[str, Reading] | MikasError, None, Measured]
+Trial = Generator[dict[str, Reading] | MikasError, None, TrialResult]
 
 
 def kind_of_adapter(ecu: Ecu) -> str:
@@ -68,21 +68,21 @@ def kind_of_adapter(ecu: Ecu) -> str:
     return f"{link.description}, {ms} ms"
 
 
-def measure(
+def run_trial(
     ecu: Ecu,
     plan: Plan,
-    doubt: IdentityCheck | None = None,
+    identity_check: IdentityCheck | None = None,
     aside: Callable[[Callable[[], None]], bool] = lambda _: False,
-) -> Found:
+) -> Trial:
     """Runs `plan` for a second: gives what came, and what went wrong; returns how fast it was.
 
     `aside` may ask for something else between two cycles, after it has called what it is given;
     returns whether it did. Raises a `NoConnection` if the unit goes away meanwhile, `SyncLost` if
     another one comes.
     """
-    cycles = cycles_of(ecu, plan, doubt)
+    cycles = cycles_of(ecu, plan, identity_check)
     clock = ecu.tester.link.now
-    turns = filter(plan.asks, count())  # an empty cycle says nothing of the method
+    turns = filter(plan.sends_in, count())  # an empty cycle says nothing of the method
     turn = next(turns)
     spans: list[float] = []  # of the cycles
     before: float | None = None  # when the latest ended, if nothing else was asked since
@@ -100,12 +100,12 @@ def measure(
                 free = True
                 failures += 1
                 if failures == _PATIENCE:
-                    return Measured(plan.method, 0.0, refused=cycles.let_down(error))
+                    return TrialResult(plan.method, 0.0, refused=cycles.let_down(error))
                 yield error
                 continue
             except MikasError as error:  # refused, or nobody allowed it
                 yield error
-                return Measured(plan.method, 0.0, refused=isinstance(error, EcuRefused))
+                return TrialResult(plan.method, 0.0, refused=isinstance(error, EcuRefused))
             if fresh or plan.method not in STREAMS:
                 failures, now = 0, clock()
                 if before is not None:
@@ -116,7 +116,7 @@ def measure(
     finally:
         ended = _ended(cycles)
     # What can't be ended as it should is not to be begun again.
-    return Measured(plan.method, _rate(spans) if ended else 0.0)
+    return TrialResult(plan.method, _rate(spans) if ended else 0.0)
 
 
 def _ended(cycles: Cycles) -> bool:
@@ -134,20 +134,20 @@ def _rate(spans: list[float]) -> float:
     return len(counted) / sum(counted)
 
 
-def pace_of(measured: Measured, plan: Plan, baud: int) -> MethodTiming | None:
+def timing_of(measured: TrialResult, plan: Plan, baud: int) -> MethodTiming | None:
     """What `measured` says of other plans too; None: nothing."""
-    codes = len(plan.by(measured.method).fast)
+    codes = len(plan.with_method(measured.method).fast)
     if not measured.rate:
         return MethodTiming(codes, None) if measured.refused else None
-    wire, responses = _cost(plan.by(measured.method), baud)
+    wire, responses = _cost(plan.with_method(measured.method), baud)
     return MethodTiming(codes, max(0.0, (1 / measured.rate - wire) / responses))
 
 
 def rates_of(plan: Plan, paces: Mapping[str, MethodTiming], baud: int) -> dict[FixedMethod, float]:
     """Cycles a second by each candidate of which anything is known for such a plan."""
     rates: dict[FixedMethod, float] = {}
-    for method in (*CANDIDATES, LAST):
-        by = plan.by(method)
+    for method in (*CANDIDATES, FALLBACK):
+        by = plan.with_method(method)
         pace, codes = paces.get(method), len(by.fast)
         if pace is None or (pace.delay is None and codes < pace.codes and codes <= plan.max_list):
             continue  # a shorter list than the one that was refused may be taken
@@ -156,7 +156,9 @@ def rates_of(plan: Plan, paces: Mapping[str, MethodTiming], baud: int) -> dict[F
     return rates
 
 
-def best(rates: Mapping[FixedMethod, float], enough: float | None = None) -> FixedMethod | None:
+def best_method(
+    rates: Mapping[FixedMethod, float], enough: float | None = None
+) -> FixedMethod | None:
     """The fastest; of those that give a rate that is `enough`, the one that does least to the unit.
 
     None: none works.
@@ -169,7 +171,7 @@ def best(rates: Mapping[FixedMethod, float], enough: float | None = None) -> Fix
     return max(working, key=lambda method: working[method], default=None)
 
 
-def to_measure(
+def untested(
     known: Iterable[FixedMethod], enough: float | None, without: Iterable[FixedMethod] = ()
 ) -> list[FixedMethod]:
     """The candidates of which nothing is known, in the order of trying."""
@@ -181,4 +183,4 @@ def to_measure(
 def _cost(plan: Plan, baud: int) -> tuple[float, float]:
     """Seconds on the wire, and responses, of a cycle that asks for anything."""
     price = plan.price(baud=baud, turn_round=0.0)
-    return price.seconds, 1.0 if plan.method in STREAMS else price.requests / plan.busy
+    return price.seconds, 1.0 if plan.method in STREAMS else price.requests / plan.busy_share

@@ -23,12 +23,12 @@ _SLICE = 0.1  # s that a silent stream is waited for before others get a look in
 class Cycles(ABC):
     """Runs `plan` on `ecu`. `doubt`: whether that is still the unit it was."""
 
-    def __init__(self, ecu: Ecu, plan: Plan, doubt: IdentityCheck | None = None) -> None:
+    def __init__(self, ecu: Ecu, plan: Plan, identity_check: IdentityCheck | None = None) -> None:
         self.ecu = ecu
         self.plan = plan
-        self.doubt = doubt
+        self.identity_check = identity_check
         self._parameters: dict[Datum, list[Parameter]] = {}
-        for wanted in plan.wanted:
+        for wanted in plan.parameters:
             parameter = wanted.parameter
             named = self._parameters.setdefault(Datum(parameter.code, parameter.size), [])
             if parameter not in named:
@@ -48,8 +48,8 @@ class Cycles(ABC):
         method; `SyncLost` also if it is, or may be, another unit that answers.
         """
         fresh = self._run(number)
-        if fresh and self.doubt:
-            self.doubt.settle(self.ecu, self.pause)
+        if fresh and self.identity_check:
+            self.identity_check.check(self.ecu, self.pause)
         return fresh
 
     @abstractmethod
@@ -80,8 +80,8 @@ class Asked(Cycles):
 class Listed(Asked):
     """64 once, then 63; what is wanted less often than that is asked by 61 in between."""
 
-    def __init__(self, ecu: Ecu, plan: Plan, doubt: IdentityCheck | None = None) -> None:
-        super().__init__(ecu, plan, doubt)
+    def __init__(self, ecu: Ecu, plan: Plan, identity_check: IdentityCheck | None = None) -> None:
+        super().__init__(ecu, plan, identity_check)
         ecu.parameters.forget_list()  # the unit may have lost its supply since it was set
 
     def expected(self, number: int) -> int:
@@ -97,8 +97,8 @@ class Listed(Asked):
 class Streamed(Cycles):
     """71, or 7F … 83: the unit sends by itself. A cycle may be empty while it is silent."""
 
-    def __init__(self, ecu: Ecu, plan: Plan, doubt: IdentityCheck | None = None) -> None:
-        super().__init__(ecu, plan, doubt)
+    def __init__(self, ecu: Ecu, plan: Plan, identity_check: IdentityCheck | None = None) -> None:
+        super().__init__(ecu, plan, identity_check)
         self._stream = ReadingStream(
             ecu.tester, ecu.parameters, self._named(plan.fast), stroke_of(plan.method)
         )
@@ -110,8 +110,8 @@ class Streamed(Cycles):
         try:
             came = self._stream.next(_SLICE)
         except NoResponse:
-            if self.doubt:
-                self.doubt.cast()
+            if self.identity_check:
+                self.identity_check.suspect()
             raise
         return {} if came is None else came[1]
 
@@ -122,8 +122,12 @@ class Streamed(Cycles):
         self._stream.close()
 
 
-def cycles_of(ecu: Ecu, plan: Plan, doubt: IdentityCheck | None = None) -> Cycles:
+def cycles_of(ecu: Ecu, plan: Plan, identity_check: IdentityCheck | None = None) -> Cycles:
     """The runner that `plan`'s method needs."""
     if plan.method in STREAMS:
-        return Streamed(ecu, plan, doubt)
-    return Listed(ecu, plan, doubt) if plan.method == "list" else Asked(ecu, plan, doubt)
+        return Streamed(ecu, plan, identity_check)
+    return (
+        Listed(ecu, plan, identity_check)
+        if plan.method == "list"
+        else Asked(ecu, plan, identity_check)
+    )

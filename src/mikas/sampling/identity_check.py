@@ -21,18 +21,18 @@ class IdentityCheck:
         self._raised = False
         self._silences = 0
 
-    def cast(self) -> None:
+    def suspect(self) -> None:
         """A stream fell silent: that it is not the unit's own doing is not certain."""
         self._raised = True
 
-    def clear(self, ecu: Ecu) -> None:
+    def confirm(self, ecu: Ecu) -> None:
         """Who is behind `ecu` has been found out just now."""
         self._raised = False
         self._silences = ecu.tester.silences
 
-    def settle(self, ecu: Ecu, pause: Callable[[], None]) -> None:
+    def check(self, ecu: Ecu, pause: Callable[[], None]) -> None:
         """Compares, if there is any doubt. `pause` leaves the line free for it."""
         if self._raised or ecu.tester.silences != self._silences:
             pause()
             self._compare(ecu)
-            self.clear(ecu)
+            self.confirm(ecu)

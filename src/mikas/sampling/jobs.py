@@ -23,7 +23,7 @@ _BEGIN_AGAIN = Text("Begin sampling again, then ask.", "Начните опро�
 _Waiting = tuple[Future[Any], Callable[[Ecu], Any]]
 
 
-class Jobs:
+class JobQueue:
     """A queue between threads. Before `open` jobs wait; after `close` they fail at once."""
 
     def __init__(self, url: str) -> None:
@@ -35,7 +35,7 @@ class Jobs:
     def __bool__(self) -> bool:
         return bool(self._waiting)
 
-    def put(self, job: Callable[[Ecu], T]) -> Future[T]:
+    def submit(self, job: Callable[[Ecu], T]) -> Future[T]:
         """`job` waits for its turn, which the future tells the end of. Cancelling it is safe."""
         future: Future[T] = Future()
         with self._lock:
@@ -58,13 +58,13 @@ class Jobs:
 
     def fail(self, error: BaseException) -> None:
         """What waits now fails with `error`."""
-        for future, _ in self._taken():
+        for future, _ in self._take_all():
             if future.set_running_or_notify_cancel():
                 future.set_exception(error)
 
     def run(self, ecu: Ecu) -> None:
         """Does what waits now. Raises the `NoConnection` that one of them met."""
-        taken = self._taken()
+        taken = self._take_all()
         while taken:
             future, job = taken.popleft()
             if not future.set_running_or_notify_cancel():
@@ -81,7 +81,7 @@ class Jobs:
                 self._put_back(taken)
                 raise
 
-    def _taken(self) -> deque[_Waiting]:
+    def _take_all(self) -> deque[_Waiting]:
         with self._lock:
             taken, self._waiting = self._waiting, deque()
         return taken

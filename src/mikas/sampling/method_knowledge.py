@@ -16,14 +16,14 @@ from mikas.client.methods import FixedMethod
 from mikas.errors import LineError
 from mikas.sampling.choosing import (
     CANDIDATES,
-    LAST,
-    OF_THEIR_OWN,
-    Measured,
-    best,
+    FALLBACK,
+    WITH_OWN_COMMANDS,
+    TrialResult,
+    best_method,
     kind_of_adapter,
-    pace_of,
     rates_of,
-    to_measure,
+    timing_of,
+    untested,
 )
 from mikas.sampling.plan import Plan, Price
 
@@ -49,7 +49,7 @@ class MethodKnowledge:
         self._tried: set[FixedMethod] = set()
         self._blamed: Counter[FixedMethod] = Counter()
 
-    def begin(self, ecu: Ecu) -> None:
+    def begin_trials(self, ecu: Ecu) -> None:
         """Looks at the adapter, if it may be another one; recalls what is known with such."""
         self._tried.clear()
         if ecu is self._ecu:
@@ -72,30 +72,30 @@ class MethodKnowledge:
     def next_to_measure(self, plan: Plan, enough: float | None, baud: int) -> FixedMethod | None:
         """The method to be tried next; None: enough is known."""
         rates = self.rates(plan, baud)
-        good = best(rates, enough)
+        good = best_method(rates, enough)
         if enough and good is not None and rates[good] >= enough and good in CANDIDATES:
             return None
-        left = to_measure(rates, enough, without=self._tried)
-        if not left and good is None and LAST not in self._tried:
-            left = [LAST]
+        left = untested(rates, enough, without=self._tried)
+        if not left and good is None and FALLBACK not in self._tried:
+            left = [FALLBACK]
         if left:
             self._tried.add(left[0])
             return left[0]
         return None
 
-    def learn(self, measured: Measured, plan: Plan, baud: int) -> None:
+    def record(self, measured: TrialResult, plan: Plan, baud: int) -> None:
         """What was measured just now."""
         self._proved.add(self._kind)
-        pace = pace_of(measured, plan, baud)
+        pace = timing_of(measured, plan, baud)
         if pace is not None:
             self._known[measured.method] = pace
 
-    def lacks(self, method: FixedMethod) -> None:
+    def record_missing(self, method: FixedMethod) -> None:
         """The unit does not know it, however short the list is."""
         self._known[method] = _NEVER
 
-    def keep(self) -> None:
-        """For the next session."""
+    def save(self) -> None:
+        """For the next context."""
         if self._ecu is not None and self._kind:
             self._ecu.learn_paces(self._kind, self._known)
 
@@ -112,9 +112,9 @@ class MethodKnowledge:
         known = self._paces.get(self._kind, {})
         plan = replace(plan, max_list=self.max_list)
         if method is None:
-            method = best(rates_of(plan, known, _BAUD)) or "batch"
+            method = best_method(rates_of(plan, known, _BAUD)) or "batch"
         pace = known.get(method)
-        by = plan.by(method)
+        by = plan.with_method(method)
         if pace is None or pace.delay is None:
             return by.price()
         return by.price(turn_round=pace.delay, pause=pace.delay)
@@ -136,7 +136,7 @@ class MethodKnowledge:
         """The rates known of this kind of adapter are not so; what the unit refuses it refuses."""
         known = self._known.items()
         self._paces[self._kind] = {
-            name: pace for name, pace in known if pace.delay is None and name in OF_THEIR_OWN
+            name: pace for name, pace in known if pace.delay is None and name in WITH_OWN_COMMANDS
         }
 
     def rate_estimate(self, plan: Plan, baud: int) -> RateEstimate | None:

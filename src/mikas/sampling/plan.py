@@ -30,23 +30,23 @@ _LARGEST_EVERY = 1000
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class PlannedParameter:
     """A parameter, and in which cycles it is wanted: 1 is every one, 10 every tenth.
 
     `together`: in the same cycles as the others that are; something is made of them.
     """
 
     parameter: Parameter
-    every: int = 1
-    together: bool = False
+    divisor: int = 1
+    aligned: bool = False
 
     def __post_init__(self) -> None:
-        if not 1 <= self.every <= _LARGEST_EVERY:
+        if not 1 <= self.divisor <= _LARGEST_EVERY:
             raise UsageError(
                 problem=Text(
-                    f"{self.parameter.name}: every {self.every} cycles; it can be 1 to "
+                    f"{self.parameter.name}: every {self.divisor} cycles; it can be 1 to "
                     f"{_LARGEST_EVERY}",
-                    f"{self.parameter.name}: раз в {self.every} циклов; можно от 1 до "
+                    f"{self.parameter.name}: раз в {self.divisor} циклов; можно от 1 до "
                     f"{_LARGEST_EVERY}",
                 )
             )
@@ -70,42 +70,42 @@ class Price:
 class Plan:
     """What is asked, by which method, in lists of at most `max_list` codes."""
 
-    wanted: tuple[Wanted, ...]
+    parameters: tuple[PlannedParameter, ...]
     method: FixedMethod = "batch"
     max_list: int = 255
 
     def __post_init__(self) -> None:
-        if not self.wanted:
+        if not self.parameters:
             raise UsageError(problem=Text("nothing is wanted", "ничего не выбрано"))
         if self.max_list < 1:
             raise ValueError("a list has at least one code")
 
     def check(self) -> None:
         """Raises `UsageError` if one code is wanted with two sizes: no telling the data apart."""
-        distinct([wanted.parameter for wanted in self.wanted])
+        distinct([wanted.parameter for wanted in self.parameters])
 
     @cached_property
-    def every(self) -> dict[Datum, int]:
+    def divisors(self) -> dict[Datum, int]:
         """Each code once, with how often it is asked: as often as the keenest that shares it."""
         asked: dict[Datum, int] = {}
-        for wanted in self.wanted:
+        for wanted in self.parameters:
             datum = Datum(wanted.parameter.code, wanted.parameter.size)
-            asked[datum] = min(wanted.every, asked.get(datum, wanted.every))
+            asked[datum] = min(wanted.divisor, asked.get(datum, wanted.divisor))
         return asked
 
     @cached_property
     def round_length(self) -> int:
         """Cycles after which everything has been asked at least once."""
-        return max(self.every.values())
+        return max(self.divisors.values())
 
     @cached_property
-    def _turns(self) -> dict[Datum, int]:
+    def _offsets(self) -> dict[Datum, int]:
         """In which cycle of its own count each slow code has its turn; the first, if together."""
-        parameters = (wanted.parameter for wanted in self.wanted if wanted.together)
+        parameters = (wanted.parameter for wanted in self.parameters if wanted.aligned)
         together = {Datum(each.code, each.size) for each in parameters}
         turns = dict.fromkeys(together, 0)
-        taken = {self.every[datum]: 1 for datum in together}
-        for datum, every in self.every.items():
+        taken = {self.divisors[datum]: 1 for datum in together}
+        for datum, every in self.divisors.items():
             if datum not in together:
                 turns[datum] = taken.get(every, 0) % every
                 taken[every] = taken.get(every, 0) + 1
@@ -115,16 +115,16 @@ class Plan:
     def fast(self) -> tuple[Datum, ...]:
         """What a list or a stream holds: for a stream all, else those of the highest rate."""
         if self.method in STREAMS:
-            return tuple(self.every)
-        keenest = min(self.every.values())
-        return tuple(datum for datum, every in self.every.items() if every == keenest)
+            return tuple(self.divisors)
+        keenest = min(self.divisors.values())
+        return tuple(datum for datum, every in self.divisors.items() if every == keenest)
 
     def due(self, cycle: int) -> tuple[Datum, ...]:
         """The codes whose turn is in this cycle, counted from 0; a stream brings all, always."""
         if self.method in STREAMS:
             return self.fast
         return tuple(
-            datum for datum, every in self.every.items() if cycle % every == self._turns[datum]
+            datum for datum, every in self.divisors.items() if cycle % every == self._offsets[datum]
         )
 
     def requests(self, cycle: int) -> list[tuple[Datum, ...]]:
@@ -137,19 +137,19 @@ class Plan:
         size = 1 if self.method == "single" else self.max_list
         return [due[at : at + size] for at in range(0, len(due), size)]
 
-    def asks(self, cycle: int) -> bool:
+    def sends_in(self, cycle: int) -> bool:
         """Whether anything has its turn in this cycle; where nothing has, the wire is idle."""
         return self.method in STREAMS or self.reads_list(cycle) or bool(self.requests(cycle))
 
     @cached_property
-    def busy(self) -> float:
+    def busy_share(self) -> float:
         """Which part of its cycles ask for anything."""
         cycles = self._period()
-        return sum(map(self.asks, range(cycles))) / cycles
+        return sum(map(self.sends_in, range(cycles))) / cycles
 
     def reads_list(self, cycle: int) -> bool:
         """Whether 63 is sent in this cycle."""
-        return self.method == "list" and cycle % min(self.every.values()) == 0
+        return self.method == "list" and cycle % min(self.divisors.values()) == 0
 
     def price(self, *, baud: int = 9600, turn_round: float = 0.002, pause: float = 0.0) -> Price:
         """The average over as many cycles as it takes for every code to have had its turn.
@@ -171,7 +171,7 @@ class Plan:
                 size += _response(self.fast)  # no request, and so no turn-round (§5)
         size, count = size / cycles, count / cycles
         waited = pause if self.method in STREAMS else count * turn_round
-        return Price(size, count, (size * 10 / baud + waited) / self.busy)
+        return Price(size, count, (size * 10 / baud + waited) / self.busy_share)
 
     def _period(self) -> int:
         """Cycles that are enough to average over: all of a small common multiple, else a long
@@ -179,20 +179,20 @@ class Plan:
         """
         from math import lcm
 
-        return min(lcm(*self.every.values()), 2 * _LARGEST_EVERY)
+        return min(lcm(*self.divisors.values()), 2 * _LARGEST_EVERY)
 
-    def with_added(self, more: Wanted) -> Plan:
+    def with_parameter(self, more: PlannedParameter) -> Plan:
         """This plan and one more: `price` of both tells what it would cost."""
-        return Plan((*self.wanted, more), self.method, self.max_list)
+        return Plan((*self.parameters, more), self.method, self.max_list)
 
     def without(self, code: int) -> Plan:
         """This plan less a code that the unit refuses. Raises `UsageError` if nothing is left."""
-        left = tuple(w for w in self.wanted if w.parameter.code != code)
+        left = tuple(w for w in self.parameters if w.parameter.code != code)
         return Plan(left, self.method, self.max_list)
 
-    def by(self, method: FixedMethod) -> Plan:
+    def with_method(self, method: FixedMethod) -> Plan:
         """The same wishes by another method."""
-        return Plan(self.wanted, method, self.max_list)
+        return Plan(self.parameters, method, self.max_list)
 
 
 def _response(data: Sequence[Datum]) -> float:

@@ -16,7 +16,7 @@ from mikas.i18n import Text
 from mikas.sampling.plan import Plan
 
 
-def reason(ecu: Ecu, plan: Plan, error: MikasError, *, worked: bool) -> MikasError:
+def explained(ecu: Ecu, plan: Plan, error: MikasError, *, worked: bool) -> MikasError:
     """What is to be told of `error`. `worked`: `plan` has brought something before."""
     frames = Decoder().feed(error.request or b"") if isinstance(error, NotSupported) else []
     bodies = [frame.body for frame in frames if isinstance(frame, Frame)]
@@ -32,7 +32,7 @@ def reason(ecu: Ecu, plan: Plan, error: MikasError, *, worked: bool) -> MikasErr
 
 
 def _refusal(plan: Plan, code: int, asked: list[int]) -> NotSupported:
-    names = [w.parameter.name for w in plan.wanted if w.parameter.code in asked]
+    names = [w.parameter.name for w in plan.parameters if w.parameter.code in asked]
     if code in ReadParameters.CODES and len(set(asked)) == 1 and names:
         return refused(", ".join(names), asked[0])
     kind = Text("a stream", "потока") if plan.method in STREAMS else Text("a list", "списка")

@@ -19,14 +19,14 @@ from mikas.client.methods import FixedMethod
 from mikas.errors import LinkLost, MikasError, NoConnection, RecordingOver, SyncLost
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.sampling.choosing import CANDIDATES, LAST, best
+from mikas.sampling.choosing import CANDIDATES, FALLBACK, best_method
+from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import Event, LineState, MethodChosen, PlanChanged
-from mikas.sampling.jobs import Jobs
-from mikas.sampling.measuring import Measuring
-from mikas.sampling.plan import Plan, Price, Wanted
-from mikas.sampling.running import Running
-from mikas.sampling.session import Session, Wish
-from mikas.sampling.supervisor import ConnectionSupervisor, Unit, same
+from mikas.sampling.jobs import JobQueue
+from mikas.sampling.method_trial import MethodTrials
+from mikas.sampling.plan import Plan, PlannedParameter, Price
+from mikas.sampling.plan_runner import PlanRunner
+from mikas.sampling.supervisor import ConnectionSupervisor, UnitIdentity, is_same_unit
 from mikas.sampling.unsupported import UnsupportedParameters
 
 T = TypeVar("T")
@@ -46,36 +46,36 @@ class Sampler:
 
     def __init__(
         self,
-        plug: ReconnectingPort,
+        port: ReconnectingPort,
         make_ecu: Callable[[Link], Ecu],
-        wanted: Sequence[Wanted],
+        parameters: Sequence[PlannedParameter],
         *,
         method: FixedMethod | None = None,
         rate: float | None = None,
         strict: bool = False,
-        again: bool = False,
+        retry_refused: bool = False,
     ) -> None:
-        self._jobs = Jobs(plug.url)
-        wish = Wish(tuple(wanted), method, rate, again)
-        self._session = Session(wish, self._jobs, strict=strict)
-        self._approach = ConnectionSupervisor(plug, make_ecu, self._session)
-        self._refusals = UnsupportedParameters(self._session, self._approach.doubt)
-        self._measuring = Measuring(self._session, self._approach.doubt)
-        self._unit: Unit | None = None
+        self._jobs = JobQueue(port.url)
+        requested = SamplingRequest(tuple(parameters), method, rate, retry_refused)
+        self._context = SamplingContext(requested, self._jobs, strict=strict)
+        self._supervisor = ConnectionSupervisor(port, make_ecu, self._context)
+        self._unsupported = UnsupportedParameters(self._context, self._supervisor.identity_check)
+        self._trials = MethodTrials(self._context, self._supervisor.identity_check)
+        self._unit: UnitIdentity | None = None
         self._plan: Plan | None = None
-        self._told: tuple[Wish, Plan] | None = None
+        self._reported: tuple[SamplingRequest, Plan] | None = None
 
     # For any thread
 
     @property
     def state(self) -> LineState | None:
         """How far the way to the ECU is open; None before the start."""
-        return self._approach.state
+        return self._supervisor.state
 
     @property
     def ecu(self) -> Ecu | None:
         """The unit of now, for a look at its model and statistics; requests go through `call`."""
-        return self._approach.ecu
+        return self._supervisor.ecu
 
     @property
     def plan(self) -> Plan | None:
@@ -89,30 +89,32 @@ class Sampler:
         of the next look at the line, within seconds; after the end of `run` with `LinkLost`.
         A job has the line to itself: what takes long should be many jobs.
         """
-        return self._jobs.put(job)
+        return self._jobs.submit(job)
 
-    def want(
+    def reconfigure(
         self,
-        wanted: Sequence[Wanted],
+        parameters: Sequence[PlannedParameter],
         method: FixedMethod | None = None,
         rate: float | None = None,
         *,
-        again: bool = False,
+        retry_refused: bool = False,
     ) -> None:
         """Something else from the next cycle on; told by `PlanChanged`. Raises `UsageError`."""
-        self._session.wish = Wish(tuple(wanted), method, rate, again)
+        self._context.request = SamplingRequest(tuple(parameters), method, rate, retry_refused)
 
-    def price(self, wanted: Sequence[Wanted], method: FixedMethod | None = None) -> Price:
+    def price(
+        self, parameters: Sequence[PlannedParameter], method: FixedMethod | None = None
+    ) -> Price:
         """What a cycle of `wanted` would cost; method None: by the best, as far as is known."""
-        return self._session.learning.price(Plan(tuple(wanted)), method)
+        return self._context.knowledge.price(Plan(tuple(parameters)), method)
 
     def relearn(self) -> None:
         """Forgets what was learnt of the unit, here and for later sessions; all is tried anew."""
-        self._session.relearn = True
+        self._context.relearn = True
 
     def stop(self) -> None:
         """Ends `run` within a second or two, also while it waits for an adapter."""
-        self._session.stopped = True
+        self._context.stopped = True
 
     # The loop
 
@@ -122,128 +124,132 @@ class Sampler:
         Raises `NotAKLineAdapter`, `NotSupported` for a unit that gives nothing from the beginning,
         `RecordingOver` at the end of one that was played, and what `strict` says.
         """
-        self._session.stopped = self._session.begun = False
-        self._told = None
+        self._context.stopped = self._context.has_sampled = False
+        self._reported = None
         self._jobs.open()
         failure: MikasError | None = None
         try:
-            while not self._session.stopped:
-                link = yield from self._approach.open()
+            while not self._context.stopped:
+                link = yield from self._supervisor.open_port()
                 if link is not None:
                     yield from self._on(link)
         except MikasError as error:
             failure = error
             raise
         finally:
-            self._approach.ecu = None
+            self._supervisor.ecu = None
             self._jobs.close(failure)
 
     def _on(self, link: Link) -> Iterator[Event]:
         with link:
             try:
-                while not self._session.stopped:
-                    ecu = yield from self._approach.meet(link)
+                while not self._context.stopped:
+                    ecu = yield from self._supervisor.find_unit(link)
                     if ecu is not None:
                         yield from self._with(ecu)
             except RecordingOver:
                 raise  # it won't come back
             except LinkLost as error:
-                yield from self._approach.lost(error, link.now())
+                yield from self._supervisor.port_lost(error, link.now())
 
     def _with(self, ecu: Ecu) -> Iterator[Event]:
         """Samples from `ecu` until another unit is met, or nobody wants it any more."""
-        unit = self._approach.unit
-        if self._unit is None or unit is None or not same(unit, self._unit):
+        unit = self._supervisor.unit
+        if self._unit is None or unit is None or not is_same_unit(unit, self._unit):
             self._forget()
         self._unit = unit
         there = True
-        while there and not self._session.stopped:
+        while there and not self._context.stopped:
             try:
                 yield from self._sample(ecu)
             except LinkLost:
                 raise
             except (NoConnection, SyncLost) as error:
-                there = yield from self._approach.meet_again(ecu, error)
+                there = yield from self._supervisor.find_unit_again(ecu, error)
 
     def _forget(self) -> None:
-        self._session.another_unit()
-        self._told = None
+        self._context.forget_unit()
+        self._reported = None
 
     def _sample(self, ecu: Ecu) -> Iterator[Event]:
-        session = self._session
-        while not session.stopped:
-            wish = session.wish
-            if session.relearn:
-                session.relearn = False
+        context = self._context
+        while not context.stopped:
+            requested = context.request
+            if context.relearn:
+                context.relearn = False
                 self._forget()
                 ecu.forget_limits()
-            if self._told is None or self._told[0] is not wish:
-                session.begin(wish)
-            plan = yield from self._refusals.accepted(ecu, wish)
-            if not session.is_current(wish):
+            if self._reported is None or self._reported[0] is not requested:
+                context.start_request(requested)
+            plan = yield from self._unsupported.supported_plan(ecu, requested)
+            if not context.is_current(requested):
                 continue
             if plan is None:
-                yield from self._idle(ecu, wish, _LONG)
-                session.refused.clear()
+                yield from self._idle(ecu, requested, _LONG)
+                context.refused.clear()
                 continue
-            yield from self._approach.now_in(LineState.SAMPLING, ecu.tester.link.now())
-            method = yield from self._method(ecu, plan, wish)
-            if not session.is_current(wish):
+            yield from self._supervisor.now_in(LineState.SAMPLING, ecu.tester.link.now())
+            method = yield from self._method(ecu, plan, requested)
+            if not context.is_current(requested):
                 continue
             if method is None:
-                yield from self._idle(ecu, wish, _SHORT)
+                yield from self._idle(ecu, requested, _SHORT)
                 continue
-            yield from self._tell(ecu, wish, plan.by(method))
-            running = Running(
+            yield from self._tell(ecu, requested, plan.with_method(method))
+            running = PlanRunner(
                 ecu,
-                plan.by(method),
-                wish,
-                session=session,
-                refusals=self._refusals,
-                doubt=self._approach.doubt,
+                plan.with_method(method),
+                requested,
+                context=context,
+                unsupported=self._unsupported,
+                identity_check=self._supervisor.identity_check,
             )
             yield from running.events()
 
     def _method(
-        self, ecu: Ecu, plan: Plan, wish: Wish
+        self, ecu: Ecu, plan: Plan, requested: SamplingRequest
     ) -> Generator[Event, None, FixedMethod | None]:
         """The one that is wanted or the best, measured if need be; None: nothing works."""
-        session, learning, baud = self._session, self._session.learning, ecu.tester.link.baud
-        if wish.method is not None and not learning.has_failed(wish.method):
-            return wish.method
-        learning.begin(ecu)
+        context, knowledge, baud = self._context, self._context.knowledge, ecu.tester.link.baud
+        if requested.method is not None and not knowledge.has_failed(requested.method):
+            return requested.method
+        knowledge.begin_trials(ecu)
         measured = False
-        while session.is_current(wish) and (
-            trial := learning.next_to_measure(plan, wish.rate, baud)
+        while context.is_current(requested) and (
+            trial := knowledge.next_to_measure(plan, requested.rate, baud)
         ):
             if not measured:
-                yield from self._tell(ecu, wish, plan)  # by any method, so far
+                yield from self._tell(ecu, requested, plan)  # by any method, so far
             measured = True
             self._jobs.run(ecu)
-            yield from self._measuring.learn(ecu, plan.by(trial), wish)
+            yield from self._trials.learn(ecu, plan.with_method(trial), requested)
         if measured:
-            learning.keep()
-        rates = learning.rates(plan, baud)
-        chosen = best(rates, wish.rate)
+            knowledge.save()
+        rates = knowledge.rates(plan, baud)
+        chosen = best_method(rates, requested.rate)
         if (
-            session.is_current(wish)
+            context.is_current(requested)
             and chosen is not None
-            and (measured or chosen != learning.method)
+            and (measured or chosen != knowledge.method)
         ):
-            learning.method = chosen
-            told = {str(each): rates[each] for each in (*CANDIDATES, LAST) if each in rates}
+            knowledge.method = chosen
+            told = {str(each): rates[each] for each in (*CANDIDATES, FALLBACK) if each in rates}
             yield MethodChosen(ecu.tester.link.now(), chosen, told)
         return chosen
 
-    def _tell(self, ecu: Ecu, wish: Wish, plan: Plan) -> Iterator[Event]:
-        if self._told is None or self._told[0] is not wish or self._told[1] != plan:
-            self._told, self._plan = (wish, plan), plan
-            self._session.keep_only(plan)
+    def _tell(self, ecu: Ecu, requested: SamplingRequest, plan: Plan) -> Iterator[Event]:
+        if (
+            self._reported is None
+            or self._reported[0] is not requested
+            or self._reported[1] != plan
+        ):
+            self._reported, self._plan = (requested, plan), plan
+            self._context.forget_values_outside(plan)
             yield PlanChanged(ecu.tester.link.now(), plan)
 
-    def _idle(self, ecu: Ecu, wish: Wish, seconds: float) -> Iterator[Event]:
+    def _idle(self, ecu: Ecu, requested: SamplingRequest, seconds: float) -> Iterator[Event]:
         """Nothing can be sampled: only jobs are done. It goes on when something else is wanted."""
-        session, due = self._session, ecu.tester.link.now() + seconds
-        yield from self._approach.now_in(LineState.ECU_ALIVE, ecu.tester.link.now())
-        while session.is_current(wish) and not session.waited(ecu, wish, due):
+        context, due = self._context, ecu.tester.link.now() + seconds
+        yield from self._supervisor.now_in(LineState.ECU_ALIVE, ecu.tester.link.now())
+        while context.is_current(requested) and not context.wait_until_due(ecu, requested, due):
             self._jobs.run(ecu)

@@ -15,7 +15,7 @@ from mikas.client.parameters import distinct
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.sampling.derived import DerivedChannels
-from mikas.sampling.plan import Wanted
+from mikas.sampling.plan import PlannedParameter
 
 
 @dataclass(frozen=True)
@@ -26,9 +26,9 @@ class Selection:
     """
 
     channels: tuple[Parameter | Derived, ...]
-    wanted: tuple[Wanted, ...]
+    parameters: tuple[PlannedParameter, ...]
     derived: tuple[str, ...]
-    named: bool
+    explicit: bool
 
 
 def select(catalog: Catalog, names: Iterable[str]) -> Selection:
@@ -59,7 +59,8 @@ def select(catalog: Catalog, names: Iterable[str]) -> Selection:
     return Selection(
         tuple(channels.values()),
         tuple(
-            Wanted(parameter, every[name], name in needed) for name, parameter in parameters.items()
+            PlannedParameter(parameter, every[name], name in needed)
+            for name, parameter in parameters.items()
         ),
         tuple(name for name, channel in channels.items() if isinstance(channel, Derived)),
         bool(named),

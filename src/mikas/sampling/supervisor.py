@@ -24,11 +24,11 @@ from mikas.errors import (
 )
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
+from mikas.sampling.context import SamplingContext
 from mikas.sampling.events import CycleFailed, Event, LineState, StateChanged, UnitFound
 from mikas.sampling.identity_check import IdentityCheck
-from mikas.sampling.session import Session
 
-Unit = tuple[int, Passport]
+UnitIdentity = tuple[int, Passport]
 
 _PORT_LOOK = 1.0  # s between looks for an adapter that is not there
 
@@ -41,53 +41,55 @@ class ConnectionSupervisor:
     """
 
     def __init__(
-        self, plug: ReconnectingPort, make_ecu: Callable[[Link], Ecu], session: Session
+        self, port: ReconnectingPort, make_ecu: Callable[[Link], Ecu], context: SamplingContext
     ) -> None:
         self.state: LineState | None = None
-        self.unit: Unit | None = None
+        self.unit: UnitIdentity | None = None
         self.ecu: Ecu | None = None
         """That of the open link; None until a unit has been met on it."""
-        self.doubt = IdentityCheck(self._compare)
+        self.identity_check = IdentityCheck(self._verify)
         """Whether it is still `unit`."""
-        self._plug = plug
+        self._port = port
         self._make_ecu = make_ecu
-        self._session = session
-        self._told: type[MikasError] | None = None
+        self._context = context
+        self._reported: type[MikasError] | None = None
 
-    def open(self) -> Generator[Event, None, Link | None]:
+    def open_port(self) -> Generator[Event, None, Link | None]:
         """The link; None: nobody wants it any more."""
-        while not self._session.stopped:
+        while not self._context.stopped:
             try:
-                return self._plug.open()
+                return self._port.open()
             except NoConnection as error:
-                yield from self.lost(error, self._plug.now())
-                self._plug.wait(_PORT_LOOK)
+                yield from self.port_lost(error, self._port.now())
+                self._port.wait(_PORT_LOOK)
         return None
 
-    def lost(self, error: NoConnection, time: float) -> Iterator[Event]:
+    def port_lost(self, error: NoConnection, time: float) -> Iterator[Event]:
         """The adapter is gone. Raises `error` in a strict beginning."""
         self.ecu = None
         yield from self._broken(LineState.NO_PORT, time, error)
 
-    def meet(self, link: Link) -> Generator[Event, None, Ecu | None]:
+    def find_unit(self, link: Link) -> Generator[Event, None, Ecu | None]:
         """A connected `Ecu` on `link`; None: nobody wants it any more."""
         ecu = self._make_ecu(link)
-        unit = yield from self._until(ecu, again=False)
+        unit = yield from self._wait_for_answer(ecu, again=False)
         if unit is None:
             return None
-        another = self.unit is not None and not same(unit, self.unit)
+        another = self.unit is not None and not is_same_unit(unit, self.unit)
         self.unit, self.ecu = unit, ecu
         yield UnitFound(link.now(), *unit, another)
         return ecu
 
-    def meet_again(self, ecu: Ecu, error: NoConnection | SyncLost) -> Generator[Event, None, bool]:
+    def find_unit_again(
+        self, ecu: Ecu, error: NoConnection | SyncLost
+    ) -> Generator[Event, None, bool]:
         """After `error`, until a unit answers. False: it is not that of `ecu`, or nobody wants it
         any more.
         """
-        yield from self._not_there(ecu, error)
+        yield from self._no_answer(ecu, error)
         # A unit that can't be brought in step may be one of another version.
-        unit = yield from self._until(ecu, again=not isinstance(error, SyncLost))
-        if unit is None or self.unit is None or not same(unit, self.unit):
+        unit = yield from self._wait_for_answer(ecu, again=not isinstance(error, SyncLost))
+        if unit is None or self.unit is None or not is_same_unit(unit, self.unit):
             return False
         self.unit = unit
         yield UnitFound(ecu.tester.link.now(), *unit, another=False)
@@ -97,53 +99,55 @@ class ConnectionSupervisor:
         self, state: LineState, time: float, error: MikasError | None = None
     ) -> Iterator[Event]:
         """Tells a state that is another one, or has another reason."""
-        if state is not self.state or (error is not None and type(error) is not self._told):
-            self.state, self._told = state, None if error is None else type(error)
+        if state is not self.state or (error is not None and type(error) is not self._reported):
+            self.state, self._reported = state, None if error is None else type(error)
             yield StateChanged(time, state, error)
 
-    def _until(self, ecu: Ecu, *, again: bool) -> Generator[Event, None, Unit | None]:
+    def _wait_for_answer(
+        self, ecu: Ecu, *, again: bool
+    ) -> Generator[Event, None, UnitIdentity | None]:
         """Asks until a unit answers; each attempt waits for it by itself (D14)."""
-        while not self._session.stopped:
+        while not self._context.stopped:
             try:
                 if again and self.unit and ecu.version_code == self.unit[0]:
                     ecu.tester.request(Availability())  # after a short dip that is enough
                     again = False
                 else:
                     ecu.tester.connect()
-                unit = self._who(ecu)
+                unit = self._identify(ecu)
             except (LinkLost, NotAKLineAdapter):
                 raise
             except (NoConnection, LineError) as error:
                 again = False
-                yield from self._not_there(ecu, error)
+                yield from self._no_answer(ecu, error)
             else:
-                self.doubt.clear(ecu)
+                self.identity_check.confirm(ecu)
                 yield from self.now_in(LineState.ECU_ALIVE, ecu.tester.link.now())
                 return unit
         return None
 
-    def _who(self, ecu: Ecu) -> Unit:
+    def _identify(self, ecu: Ecu) -> UnitIdentity:
         """Who answers. Another one than before has to say so twice: a piece may have been lost."""
         unit = ecu.version_code, ecu.passport(again=True)
         if self.unit is None:
             return unit
-        if not same(unit, self.unit):
+        if not is_same_unit(unit, self.unit):
             once, unit = unit, (ecu.version_code, ecu.passport(again=True))
-            if not same(once, unit):
+            if not is_same_unit(once, unit):
                 raise SyncLost(time=ecu.tester.link.now())
             return unit
         return unit[0], unit[1].filled_from(self.unit[1])
 
-    def _compare(self, ecu: Ecu) -> None:
+    def _verify(self, ecu: Ecu) -> None:
         """Raises `SyncLost` if it is not `unit` that answers, or not certain, `NoConnection`."""
         try:
-            unit = self._who(ecu)
+            unit = self._identify(ecu)
         except LineError as error:
             raise SyncLost(time=ecu.tester.link.now()) from error
-        if self.unit is None or not same(unit, self.unit):
+        if self.unit is None or not is_same_unit(unit, self.unit):
             raise SyncLost(time=ecu.tester.link.now())
 
-    def _not_there(self, ecu: Ecu, error: NoConnection | LineError) -> Iterator[Event]:
+    def _no_answer(self, ecu: Ecu, error: NoConnection | LineError) -> Iterator[Event]:
         state = LineState.ECHO_ONLY  # something talks, but it is no use yet
         if isinstance(error, NoEcho) or (
             isinstance(error, NoConnection) and not isinstance(error, EchoOnly)
@@ -154,14 +158,16 @@ class ConnectionSupervisor:
     def _broken(
         self, state: LineState, time: float, error: NoConnection | LineError
     ) -> Iterator[Event]:
-        self._session.jobs.fail(error)
-        if self._session.strict and not self._session.begun:
+        self._context.jobs.fail(error)
+        if self._context.strict and not self._context.has_sampled:
             raise error
-        if self._session.begun:  # at each attempt, about once a second: those who wait see time go
+        if (
+            self._context.has_sampled
+        ):  # at each attempt, about once a second: those who wait see time go
             yield CycleFailed(time, error)
         yield from self.now_in(state, time, error)
 
 
-def same(one: Unit, other: Unit) -> bool:
+def is_same_unit(one: UnitIdentity, other: UnitIdentity) -> bool:
     """Whether both are one unit, as far as is known of each."""
     return one[0] == other[0] and one[1].may_be(other[1])

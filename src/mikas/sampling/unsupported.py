@@ -22,10 +22,10 @@ from mikas.errors import (
     SyncLost,
     WrongLength,
 )
+from mikas.sampling.context import SamplingContext, SamplingRequest, datum_of
 from mikas.sampling.events import CycleFailed, Event, ParameterDropped
 from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
-from mikas.sampling.session import Session, Wish, datum_of
 
 _HOPELESS = 6  # refusals before the first answer: it is not the parameters
 _ATTEMPTS = 3
@@ -35,12 +35,14 @@ _ASKED_AGAIN = 2  # times, before silence is taken for a refusal
 class UnsupportedParameters:
     """Makes plans without what the unit refuses."""
 
-    def __init__(self, session: Session, doubt: IdentityCheck) -> None:
-        self._session = session
-        self._doubt = doubt
-        self._asked_again: Wish | None = None
+    def __init__(self, context: SamplingContext, identity_check: IdentityCheck) -> None:
+        self._context = context
+        self._identity_check = identity_check
+        self._asked_again: SamplingRequest | None = None
 
-    def accepted(self, ecu: Ecu, wish: Wish) -> Generator[Event, None, Plan | None]:
+    def supported_plan(
+        self, ecu: Ecu, requested: SamplingRequest
+    ) -> Generator[Event, None, Plan | None]:
         """The plan of what the unit gives; None: it gives nothing, which was told, or something
         else is wanted by now.
 
@@ -48,71 +50,77 @@ class UnsupportedParameters:
         """
         for attempt in range(1, _ATTEMPTS + 1):
             if attempt > 1:
-                self._session.jobs.run(ecu)  # an attempt takes seconds, where the unit is silent
-            if not self._session.is_current(wish):
+                self._context.jobs.run(ecu)  # an attempt takes seconds, where the unit is silent
+            if not self._context.is_current(requested):
                 return None
-            plan = self._left(wish)
+            plan = self._left(requested)
             if plan is None:
                 break
             try:
-                yield from self._try(ecu, wish, plan)
+                yield from self._try(ecu, requested, plan)
                 break
             except LineError as error:
                 yield CycleFailed(ecu.tester.link.now(), error)
                 if attempt == _ATTEMPTS:
                     return plan  # on such a line there is no telling
             except NotSupported as error:
-                weeded = yield from self.drop_unsupported(ecu, plan, wish)
-                if not weeded and self._session.is_current(wish):
+                weeded = yield from self.drop_unsupported(ecu, plan, requested)
+                if not weeded and self._context.is_current(requested):
                     yield from self._nothing(ecu, error)
                     return None
-        plan = self._left(wish)
+        plan = self._left(requested)
         if plan is None:
-            first = wish.wanted[0].parameter
+            first = requested.parameters[0].parameter
             yield from self._nothing(ecu, refused(first.name, first.code))
         return plan
 
-    def _try(self, ecu: Ecu, wish: Wish, plan: Plan) -> Iterator[Event]:
-        named = [wanted.parameter for wanted in plan.wanted]
-        ecu.parameters.fetch(named, again=wish.again and wish is not self._asked_again)
-        self._asked_again = wish
-        self._session.learning.max_list = ecu.limits().max_list
+    def _try(self, ecu: Ecu, requested: SamplingRequest, plan: Plan) -> Iterator[Event]:
+        named = [wanted.parameter for wanted in plan.parameters]
+        ecu.parameters.fetch(
+            named, again=requested.retry_refused and requested is not self._asked_again
+        )
+        self._asked_again = requested
+        self._context.knowledge.max_list = ecu.limits().max_list
         lost = {datum_of(p) for p in named if ecu.parameters.refuses([p])}
         yield from self._drop(ecu, plan, lost)
 
-    def _left(self, wish: Wish) -> Plan | None:
-        left = tuple(w for w in wish.wanted if datum_of(w.parameter) not in self._session.refused)
-        return Plan(left, max_list=self._session.learning.max_list) if left else None
+    def _left(self, requested: SamplingRequest) -> Plan | None:
+        left = tuple(
+            w for w in requested.parameters if datum_of(w.parameter) not in self._context.refused
+        )
+        return Plan(left, max_list=self._context.knowledge.max_list) if left else None
 
     def _nothing(self, ecu: Ecu, error: MikasError) -> Generator[Event, None, None]:
-        if not self._session.begun:
+        if not self._context.has_sampled:
             raise error
         yield CycleFailed(ecu.tester.link.now(), error)
 
     def drop_unsupported(
-        self, ecu: Ecu, plan: Plan, wish: Wish, *, going: bool = False
+        self, ecu: Ecu, plan: Plan, requested: SamplingRequest, *, going: bool = False
     ) -> Generator[Event, None, bool]:
         """Drops what the unit refuses now; whether that is anything.
 
         A silent one takes a second each time that it is asked; whoever wants something else gets it
         before the next. `going`: then the others have a cycle, lest they wait for it too.
         """
-        session = self._session
-        asked = tuple(plan.every)
+        context = self._context
+        asked = tuple(plan.divisors)
         answered: list[Datum] = []
         left: dict[Datum, int] = {}  # those that did not answer; how often they are asked again
         to_ask = list(dict.fromkeys((*COMMON, *asked)))
         try:
-            while to_ask and session.is_current(wish):
-                session.jobs.run(ecu)
+            while to_ask and context.is_current(requested):
+                context.jobs.run(ecu)
                 datum = to_ask.pop(0)
                 if answered and datum not in asked:
                     continue
-                if (said := _answers(ecu, datum)) is Said.DATUM:
+                if (said := _probe(ecu, datum)) is ProbeResult.DATUM:
                     answered.append(datum)
                     left.pop(datum, None)
                     continue
-                left[datum] = 0 if said is Said.NO else left.get(datum, _ASKED_AGAIN + 1) - 1
+                left[datum] = (
+                    0 if said is ProbeResult.REFUSED else left.get(datum, _ASKED_AGAIN + 1) - 1
+                )
                 if not answered and len(left) == _HOPELESS:
                     return False
                 if left[datum]:
@@ -131,34 +139,34 @@ class UnsupportedParameters:
 
     def _rest(self, ecu: Ecu, plan: Plan, answered: Collection[Datum]) -> Iterator[Event]:
         """A cycle of those that have answered."""
-        named = [w.parameter for w in plan.wanted if datum_of(w.parameter) in answered]
+        named = [w.parameter for w in plan.parameters if datum_of(w.parameter) in answered]
         if not named:
             return
         fresh = ecu.parameters.readings(named, ecu.parameters.fetch(named))
         if fresh:
-            self._doubt.settle(ecu, lambda: None)
-            sampled = self._session.sampled(fresh)
-            if self._session.in_time(sampled):
+            self._identity_check.check(ecu, lambda: None)
+            sampled = self._context.sample_of(fresh)
+            if self._context.is_due(sampled):
                 yield sampled
 
     def _drop(self, ecu: Ecu, plan: Plan, lost: set[Datum]) -> Iterator[Event]:
-        self._session.refused |= lost
-        for wanted in plan.wanted:
+        self._context.refused |= lost
+        for wanted in plan.parameters:
             name = wanted.parameter.name
-            if datum_of(wanted.parameter) in lost and name not in self._session.dropped:
-                self._session.dropped.add(name)
+            if datum_of(wanted.parameter) in lost and name not in self._context.dropped:
+                self._context.dropped.add(name)
                 yield ParameterDropped(ecu.tester.link.now(), name)
 
 
-class Said(Enum):
+class ProbeResult(Enum):
     """What comes of asking for a datum."""
 
     DATUM = "a datum"
-    NO = "a refusal"
-    NOTHING = "nothing, or nothing that is one: it may have been lost"
+    REFUSED = "a refusal"
+    SILENCE = "nothing, or nothing that is one: it may have been lost"
 
 
-def _answers(ecu: Ecu, datum: Datum) -> Said:
+def _probe(ecu: Ecu, datum: Datum) -> ProbeResult:
     """Asked once; damage says nothing. Raises the `LineError` of too much of it."""
     # Asked for twice at once, a datum of 01 can't be taken for a refusal.
     command = ReadParameters((datum,) * (2 if ecu.limits().max_list > 1 else 1))
@@ -167,10 +175,10 @@ def _answers(ecu: Ecu, datum: Datum) -> Said:
             ecu.tester.exchange(command, retries=0, trial=True)
             break
         except NotSupported as error:
-            return Said.NO if error.received else Said.NOTHING
+            return ProbeResult.REFUSED if error.received else ProbeResult.SILENCE
         except (NoResponse, WrongLength):
-            return Said.NOTHING
+            return ProbeResult.SILENCE
         except LineError:
             if attempt == _ATTEMPTS:
                 raise
-    return Said.DATUM
+    return ProbeResult.DATUM

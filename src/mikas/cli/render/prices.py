@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, tr
 from mikas.cli.sampling_run import SamplingOptions
-from mikas.sampling.plan import Plan, Wanted
+from mikas.sampling.plan import Plan, PlannedParameter
 from mikas.sampling.selecting import select
 
 if TYPE_CHECKING:
@@ -24,11 +24,13 @@ _METHODS: tuple[FixedMethod, ...] = ("single", "batch", "list", "stream")
 def tell_prices(context: CommandContext, asked: SamplingOptions) -> None:
     """A line a method, with what one more parameter of one byte would add."""
     catalog = context.catalog()
-    plan = Plan(select(catalog, asked.names).wanted)
+    plan = Plan(select(catalog, asked.names).parameters)
     more = _another(catalog, plan)
-    prices = [_price(plan.by(method), more) for method in _METHODS]
+    prices = [_price(plan.with_method(method), more) for method in _METHODS]
     if context.output.json:
-        context.output.data({"names": [it.parameter.name for it in plan.wanted], "prices": prices})
+        context.output.data(
+            {"names": [it.parameter.name for it in plan.parameters], "prices": prices}
+        )
         return
     headers = [
         tr("method", "способ"), tr("bytes a cycle", "байт на цикл"),
@@ -50,7 +52,7 @@ def _price(plan: Plan, more: Parameter | None) -> dict[str, Any]:
         "one_more": None,
     }
     if more is not None:
-        then = plan.with_added(Wanted(more)).price()
+        then = plan.with_parameter(PlannedParameter(more)).price()
         told["one_more"] = {
             "ms": round((then.seconds - price.seconds) * 1000, 1),
             "sets_per_second": round(then.rate, 1),
@@ -69,6 +71,6 @@ def _row(price: dict[str, Any]) -> list[str]:
 
 def _another(catalog: Catalog, plan: Plan) -> Parameter | None:
     """A parameter of one byte whose code is not asked yet."""
-    asked = {wanted.parameter.code for wanted in plan.wanted}
+    asked = {wanted.parameter.code for wanted in plan.parameters}
     left = (p for p in catalog.parameters if p.code not in asked and p.size == 1)
     return next(left, None)

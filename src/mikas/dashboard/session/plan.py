@@ -34,7 +34,7 @@ class Planning:
         """Samples this from now on, or from the next connection. Raises `UnknownParameter` …"""
         with self._lock:  # two at once: what is sampled is what is said to be
             if (session := self._hub.session) is not None:
-                session.acquisition.want(wish.names, wish.method or "auto", wish.rate)
+                session.acquisition.reconfigure(wish.names, wish.method or "auto", wish.rate)
             else:
                 for name in wish.every:
                     self._hub.catalog.channel(name)

@@ -13,7 +13,7 @@ from mikas.commands import ALL_COMMANDS
 from mikas.i18n import Text
 from mikas.link.urls import parse
 from mikas.sampling.choosing import rates_of
-from mikas.sampling.plan import Plan, Wanted
+from mikas.sampling.plan import Plan, PlannedParameter
 
 _BAUD = 9600  # §1
 
@@ -126,7 +126,7 @@ def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
 def _rates(found: Info, catalog: Catalog) -> dict[str, dict[FixedMethod, float]]:
     """By kind of adapter: sets a second of all parameters, by what was learnt; 0: not taken."""
     lacks = set(found.limits.refused)
-    wanted = tuple(Wanted(p) for p in catalog.parameters if p.code not in lacks)
+    wanted = tuple(PlannedParameter(p) for p in catalog.parameters if p.code not in lacks)
     if not wanted:
         return {}
     plan = Plan(wanted, max_list=found.limits.max_list)

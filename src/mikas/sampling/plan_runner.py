@@ -10,43 +10,45 @@ from contextlib import suppress
 from mikas.client import Ecu, Reading
 from mikas.client.methods import STREAMS
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, SyncLost
+from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.cycles import Asked, Cycles, cycles_of
 from mikas.sampling.events import CycleFailed, Event
 from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
-from mikas.sampling.reasons import reason
-from mikas.sampling.session import Session, Wish
+from mikas.sampling.reasons import explained
 from mikas.sampling.unsupported import UnsupportedParameters
 
 _BAD_LINE = 6  # failed cycles in a row after which another method may do better
 _DOUBTS = 2  # of the unit's refusals in a row after which the method is given up
 
 
-class Running:
-    """Runs `plan`, which is made of `wish`."""
+class PlanRunner:
+    """Runs `plan`, which is made of `requested`."""
 
     def __init__(
         self,
         ecu: Ecu,
         plan: Plan,
-        wish: Wish,
+        requested: SamplingRequest,
         *,
-        session: Session,
-        refusals: UnsupportedParameters,
-        doubt: IdentityCheck,
+        context: SamplingContext,
+        unsupported: UnsupportedParameters,
+        identity_check: IdentityCheck,
     ) -> None:
         self._ecu = ecu
         self._plan = plan
-        self._wish = wish
-        self._session = session
-        self._refusals = refusals
+        self._request = requested
+        self._context = context
+        self._unsupported = unsupported
         self._now = ecu.tester.link.now
-        self._cycles = cycles_of(ecu, plan, doubt)
+        self._cycles = cycles_of(ecu, plan, identity_check)
         self._streams = plan.method in STREAMS
         # Between one-off requests a stream is not begun again: it is asked once, by 61.
-        self._between = Asked(ecu, plan.by("batch"), doubt) if self._streams else self._cycles
-        learning, baud = session.learning, ecu.tester.link.baud
-        self._promise = None if wish.method else learning.rate_estimate(plan, baud)
+        self._between = (
+            Asked(ecu, plan.with_method("batch"), identity_check) if self._streams else self._cycles
+        )
+        knowledge, baud = context.knowledge, ecu.tester.link.baud
+        self._promise = None if requested.method else knowledge.rate_estimate(plan, baud)
         self._length = plan.price(baud=baud).seconds  # of a cycle, until one was measured
         self._failures = 0  # in a row
         self._doubts = 0  # of these, those that may be the unit's answer
@@ -59,11 +61,11 @@ class Running:
         """
         number = 0
         try:
-            while not self._over and self._session.is_current(self._wish):
+            while not self._over and self._context.is_current(self._request):
                 cycles = self._cycles
-                if self._session.jobs:
+                if self._context.jobs:
                     yield from self._pause()
-                    self._session.jobs.run(self._ecu)
+                    self._context.jobs.run(self._ecu)
                     cycles = self._between
                 if not self._is_time_for(cycles):
                     continue
@@ -75,9 +77,9 @@ class Running:
 
     def _cycle(self, cycles: Cycles, number: int) -> Iterator[Event]:
         began = self._now()
-        if not cycles.plan.asks(number):
+        if not cycles.plan.sends_in(number):
             if cycles is self._cycles:
-                self._session.rest(began, self._length)
+                self._context.schedule_empty_cycle(began, self._length)
             return
         try:
             fresh = cycles.run(number)
@@ -85,7 +87,7 @@ class Running:
             raise
         except MikasError as error:
             yield CycleFailed(
-                self._now(), reason(self._ecu, cycles.plan, error, worked=self._worked)
+                self._now(), explained(self._ecu, cycles.plan, error, worked=self._worked)
             )
             yield from self._after(error, cycles)
             return
@@ -95,35 +97,37 @@ class Running:
         if fresh:
             yield from self._sampled(fresh)
         if len(fresh) < cycles.expected(number):
-            wanted = self._plan.wanted
+            wanted = self._plan.parameters
             self._over |= any(self._ecu.parameters.refuses([w.parameter]) for w in wanted)
 
     def _sampled(self, fresh: dict[str, Reading]) -> Iterator[Event]:
         self._failures = self._doubts = 0
         self._worked = True
-        sampled = self._session.sampled(fresh)
-        if self._session.in_time(sampled):
+        sampled = self._context.sample_of(fresh)
+        if self._context.is_due(sampled):
             yield sampled
 
     def _after(self, error: MikasError, cycles: Cycles) -> Iterator[Event]:
         """After `error`: is it the line, a parameter, or the method?"""
-        strict = self._session.strict and not self._session.begun
-        if strict and self._wish.method and not isinstance(error, LineError):
+        strict = self._context.strict and not self._context.has_sampled
+        if strict and self._request.method and not isinstance(error, LineError):
             raise error
         self._failures += 1
         if not isinstance(error, LineError | EcuRefused):
             self._doubts = _DOUBTS  # nobody allowed it
         elif cycles.let_down(error):
             self._doubts += 1
-            weed = self._refusals.drop_unsupported(self._ecu, self._plan, self._wish, going=True)
-            if (yield from weed) or not self._session.is_current(self._wish):
+            weed = self._unsupported.drop_unsupported(
+                self._ecu, self._plan, self._request, going=True
+            )
+            if (yield from weed) or not self._context.is_current(self._request):
                 self._over = True
                 return
         if self._doubts >= _DOUBTS:
-            self._session.learning.record_failure(self._plan.method)
+            self._context.knowledge.record_failure(self._plan.method)
             self._over = True
-        elif self._failures >= _BAD_LINE and self._wish.method is None:
-            self._session.learning.invalidate()
+        elif self._failures >= _BAD_LINE and self._request.method is None:
+            self._context.knowledge.invalidate()
             self._over = True
 
     def _hold_against_promise(self, began: float, *, whole: bool) -> None:
@@ -134,9 +138,9 @@ class Running:
             return
         self._promise = None
         if kept:
-            self._session.learning.confirm()
+            self._context.knowledge.confirm()
         else:
-            self._session.learning.invalidate()
+            self._context.knowledge.invalidate()
             self._over = True
 
     def _is_time_for(self, cycles: Cycles) -> bool:
@@ -145,7 +149,7 @@ class Running:
         """
         if self._streams and cycles is self._cycles:
             return True
-        return self._session.waited(self._ecu, self._wish)
+        return self._context.wait_until_due(self._ecu, self._request)
 
     def _pause(self) -> Generator[Event, None, None]:
         try:

@@ -1,0 +1,109 @@
+"""Finding out how fast a method is, while whoever wants something else gets it: what comes are
+samples, other threads' requests go in between two cycles, and `stop` is heard.
+
+A refusal may only mean that the list is too long (D11). The shortest, tried at once, tells; what is
+refused then is not tried with any other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator
+from contextlib import closing
+from dataclasses import replace
+
+from mikas.client import Ecu, Reading
+from mikas.errors import MikasError, NoConnection, SyncLost
+from mikas.sampling.choosing import WITH_OWN_COMMANDS, TrialResult, run_trial
+from mikas.sampling.context import SamplingContext, SamplingRequest, datum_of
+from mikas.sampling.cycles import cycles_of
+from mikas.sampling.events import CycleFailed, Event
+from mikas.sampling.identity_check import IdentityCheck
+from mikas.sampling.plan import Plan
+
+_SHORTEST = 2  # data: 01 can't be taken for that
+
+
+class MethodTrials:
+    """Measures methods and tells `context.learning`."""
+
+    def __init__(self, context: SamplingContext, identity_check: IdentityCheck) -> None:
+        self._context = context
+        self._identity_check = identity_check
+
+    def learn(self, ecu: Ecu, plan: Plan, requested: SamplingRequest) -> Iterator[Event]:
+        """Learns how fast `plan` is, unless something else than `requested` is wanted meanwhile."""
+        measured = yield from self._try(ecu, plan, requested)
+        if measured is None:
+            return
+        self._context.knowledge.record(measured, plan, ecu.tester.link.baud)
+        if measured.refused and plan.method in WITH_OWN_COMMANDS:
+            yield from self._try_shortest(ecu, plan, requested)
+
+    def _try(
+        self, ecu: Ecu, plan: Plan, requested: SamplingRequest
+    ) -> Generator[Event, None, TrialResult | None]:
+        context, link = self._context, ecu.tester.link
+
+        def run_pending(pause: Callable[[], None]) -> bool:
+            if not context.jobs:
+                return False
+            pause()
+            context.jobs.run(ecu)
+            return True
+
+        with closing(run_trial(ecu, plan, self._identity_check, run_pending)) as found:
+            while context.is_current(requested):
+                try:
+                    came = next(found)
+                except StopIteration as end:
+                    measured: TrialResult = end.value
+                    return measured
+                if isinstance(came, MikasError):
+                    yield CycleFailed(link.now(), came)
+                else:
+                    yield from self._sampled(came)
+        return None
+
+    def _try_shortest(self, ecu: Ecu, plan: Plan, requested: SamplingRequest) -> Iterator[Event]:
+        """Its method was refused: so long a list, or any? Before and after it there are values."""
+        short = yield from self._shortest_answered(ecu, plan)
+        if short is None:
+            return  # it may be the parameters
+        if len(plan.fast) > len(short.fast):
+            self._context.jobs.run(ecu)
+            if not self._refused(ecu, short, requested):
+                return
+            yield from self._shortest_answered(ecu, plan)
+        self._context.knowledge.record_missing(plan.method)
+
+    def _shortest_answered(self, ecu: Ecu, plan: Plan) -> Generator[Event, None, Plan | None]:
+        """A cycle by 61. The shortest plan, by `plan`'s method, of what that brought."""
+        context, now = self._context, ecu.tester.link.now
+        try:
+            fresh = cycles_of(ecu, plan.with_method("batch"), self._identity_check).run(0)
+        except (NoConnection, SyncLost):
+            raise
+        except MikasError as error:
+            yield CycleFailed(now(), error)
+            return None
+        yield from self._sampled(fresh)
+        size = min(_SHORTEST, context.knowledge.max_list)
+        named = {datum_of(w.parameter): w for w in plan.parameters if w.parameter.name in fresh}
+        short = tuple(replace(wanted, divisor=1) for wanted in list(named.values())[:size])
+        return Plan(short, plan.method) if short else None
+
+    def _sampled(self, fresh: dict[str, Reading]) -> Iterator[Event]:
+        if fresh and self._context.is_due(sampled := self._context.sample_of(fresh)):
+            yield sampled
+
+    def _refused(self, ecu: Ecu, short: Plan, requested: SamplingRequest) -> bool:
+        """Whether the unit refuses it, as far as can be told while nothing else is wanted."""
+        with closing(run_trial(ecu, short, self._identity_check)) as found:
+            while self._context.is_current(requested):
+                try:
+                    came = next(found)
+                except StopIteration as end:
+                    return bool(end.value.refused)
+                if came and not isinstance(came, MikasError):
+                    break
+        return False
