@@ -204,7 +204,7 @@ def test_a_trace_is_carried_to_another_pane(dash, visitor):
     _stand(tab, "FREQ,THR,TWAT", "INJ,JAIR", "UOZ", "UACC")
     pressed = tab.find('button:has([data-trace="TWAT"])')
     expect(pressed).to_have_attribute("aria-pressed", "true")
-    _carry(tab, "TWAT", lambda: tab.page.get_by_text("A pane of its own"))
+    _carry(tab, "TWAT", lambda: tab.page.get_by_text("New pane"))
     _stand(tab, "FREQ,THR", "INJ,JAIR", "UOZ", "UACC", "TWAT")
     _carry(tab, "TWAT", lambda: tab.find(".spans"))
     expect(tab.find(".ghost")).to_have_count(0)  # it was let go of

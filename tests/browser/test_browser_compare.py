@@ -90,7 +90,7 @@ def more(tab, name):
 
 
 def place(tab):
-    return tab.page.get_by_role("slider", name="Place in the recording")
+    return tab.page.get_by_role("slider", name="Position in the recording")
 
 
 def moved(tab, seconds):
@@ -158,7 +158,7 @@ def test_it_is_moved_by_buttons_and_keys(compared):
     moved(compared, "−9.9")
     expect(second(compared, "TWAT")).to_have_text("60")
     expect(more(compared, "TWAT")).to_have_text("−27")
-    bar(compared).get_by_role("button", name="Both from their beginning").click()
+    bar(compared).get_by_role("button", name="Both from their start").click()
     moved(compared, "0.0")
     expect(second(compared, "TWAT")).to_have_text("55")
 

@@ -43,9 +43,9 @@ def test_an_adapter_is_one_click_away(off, visitor):
 @pytest.mark.parametrize(
     ("port", "said", "line"),
     [
-        ("/dev/ttyUSB8", "Nothing comes back, not even the echo", "no-echo"),
+        ("/dev/ttyUSB8", "No response, not even an echo", "no-echo"),
         ("/dev/ttyUSB9", "This is an ELM327: the wrong kind of adapter", "off"),
-        ("/dev/ttyUSB6", "The adapter works, the ECU is silent", "echo-only"),
+        ("/dev/ttyUSB6", "The adapter works, the ECU does not answer", "echo-only"),
     ],
 )
 def test_what_hinders_is_told_apart(off, visitor, port, said, line):
@@ -89,7 +89,7 @@ def test_the_examination_is_drawn_step_by_step(deliberate, off, visitor):
     tab = visitor(off.url).show("connection")
     tab.press(f"Connect to {FT232.url}")
     tab.is_line("sampling")
-    tab.press("Examine")
+    tab.press("Run check")
     steps = tab.find("ol[aria-busy] li")
     expect(steps).to_have_count(7)
     for step in ("Port", "Echo"):
@@ -99,7 +99,7 @@ def test_the_examination_is_drawn_step_by_step(deliberate, off, visitor):
     expect(steps.nth(3)).to_contain_class("running")
     tab.is_line("off")
     tab.press("Stop")
-    tab.says("Stopped before its end")
+    tab.says("The check was stopped")
     tab.is_line("sampling")
 
 
@@ -157,4 +157,4 @@ def test_leaving_amid_a_recording_asks(off, visitor):
     tab.press("Disconnect")
     sheet.get_by_role("button", name="Disconnect").click()
     tab.is_line("off")
-    tab.says("Recorded, and kept")
+    tab.says("Recording saved")

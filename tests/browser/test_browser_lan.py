@@ -109,7 +109,7 @@ def test_who_watches_is_told_so_on_every_screen(lan, visitor):
             expect(tab.find("header[data-line]")).to_contain_text("view only")
             if screen in SHUT:
                 expect(tab.button(SHUT[screen])).to_be_disabled()
-                tab.says("You are watching")
+                tab.says("This page can only watch")
         tab.show("live")
         expect(tab.value("TWAT")).to_have_text("87")
         expect(tab.button("Record", exact=True)).to_have_count(0)
@@ -156,7 +156,7 @@ def test_who_comes_while_another_controls_has_values_as_soon_as_that_one_is_gone
     second.says("Controlled by")
     expect(second.value("INJ")).to_have_text("4.64")  # what the first asks for
     expect(second.value("UOZ")).to_have_text("–")
-    expect(second.find('[data-tile="UOZ"]')).to_contain_text("not asked for")
+    expect(second.find('[data-tile="UOZ"]')).to_contain_text("not sampled now")
     first.page.close()
     own.until(lambda: own.state()["viewers"] == 2)  # the second, and who waits here
     expect(second.value("UOZ")).to_have_text("–")  # the first may come back: a reload, a lid
@@ -180,7 +180,7 @@ def test_a_free_seat_is_taken_as_soon_as_nobody_else_looks_on(own, visitor):
         after = visitor(own.url).show("live")
         after.is_line("sampling")
         expect(after.value("INJ")).to_have_text("4.64")
-        expect(after.find('[data-tile="UOZ"]')).to_contain_text("not asked for")
+        expect(after.find('[data-tile="UOZ"]')).to_contain_text("not sampled now")
         assert own.state()["controller"] is None
     expect(after.value("UOZ")).to_have_text("−3.5")
 
@@ -212,7 +212,7 @@ def test_a_page_comes_back_by_itself_when_the_program_is_started_again(visitor, 
         late.page.goto(f"{began.url}/#/live")
         running.close()
         tab.says("Program does not answer")
-        tab.says("Start it again; the page comes back by itself")
+        tab.says("Start it again; this page reconnects by itself")
         expect(tab.value("TWAT")).to_have_text("–")  # nothing on the screen is of now
         garage.set("TWAT", "80")
         running.enter_context(dashboard(tmp_path, port=port, garage=garage)).samples()

@@ -33,7 +33,7 @@ def read(tab, address):
 
 
 def dump(tab, name, first, last, *, verify=False):
-    form = tab.find("form", has=tab.button("Begin the dump"))
+    form = tab.find("form", has=tab.button("Start the dump"))
     form.get_by_label("Space").select_option(label=name)
     form.get_by_label("From").fill(first)
     form.get_by_label("To").fill(last)
@@ -98,7 +98,7 @@ def test_a_dump_is_compared_with_a_file(fast, visitor, tmp_path):
     card.get_by_role("button", name="Compare").click()
     sheet = tab.page.get_by_role("dialog")
     sheet.locator("[type=file]").set_input_files(other)
-    expect(sheet).to_contain_text("They are the same: 256 bytes")
+    expect(sheet).to_contain_text("Identical: 256 bytes")
     other.write_bytes(kept[:5] + b"\x99" + kept[6:])
     sheet.locator("[type=file]").set_input_files([])
     sheet.locator("[type=file]").set_input_files(other)
@@ -152,7 +152,7 @@ def test_writing_is_unlocked_shown_and_confirmed(fast, visitor):
     sheet.get_by_role("button", name="Unlock", exact=True).click()
     tab.press("Write bytes…")
     sheet.get_by_label("Bytes, hex").fill("0D 40")
-    sheet.get_by_role("button", name="Look at it…").click()
+    sheet.get_by_role("button", name="Review…").click()
     expect(sheet.locator("dl")).to_contain_text(before.hex().upper())
     expect(sheet.locator("dl")).to_contain_text("0D40")
     assert fast.garage.memory.read("xram", 0x9000, 2) == before

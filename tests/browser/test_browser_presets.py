@@ -31,7 +31,7 @@ def test_a_preset_is_made_kept_and_deleted(dash, visitor):
     sheet = tab.page.get_by_role("dialog")
     sheet.get_by_role("searchbox").fill("intake")
     expect(sheet.locator("li")).to_have_count(1)
-    expect(sheet.locator(".cost")).to_contain_text("sets/s")  # what it would cost
+    expect(sheet.locator(".cost")).to_contain_text("readings/s")  # what it would cost
     sheet.locator("li button").click()
     tab.page.keyboard.press("Escape")
     expect(tab.page.locator('[data-tile="TAIR"]')).to_be_visible()

@@ -70,7 +70,7 @@ def test_it_is_played_in_the_same_screens(recorded, visitor):
     expect(tab.traced("TWAT")).to_have_text("87")
     tab.page.keyboard.press("Space")
     expect(tab.traced("TWAT")).to_have_text("88")
-    player.get_by_role("button", name="Back to now").click()
+    player.get_by_role("button", name="Close the recording").click()
     expect(tab.traced("TWAT")).to_have_text("55")
 
 
@@ -82,7 +82,7 @@ def test_what_is_played_is_never_taken_for_live(recorded, visitor):
     expect(band).to_have_attribute("data-shown", "recording")
     expect(band).to_contain_text("Recording, not live")
     expect(band).to_contain_text("drive.pcapng")
-    expect(band).not_to_contain_text("sets/s")
+    expect(band).not_to_contain_text("readings/s")
     tab.show("faults")
     tab.says("This recording holds no faults")
     expect(tab.find("ol.cards article")).to_have_count(0)

@@ -16,7 +16,7 @@ def test_language_and_theme_outlive_a_reload(dash, visitor):
     expect(html).to_have_attribute("lang", "en")
     expect(html).to_have_attribute("data-theme", "day")
     tab.press("Русский")
-    tab.press("День или ночь")
+    tab.press("Дневные или ночные цвета")
     for _ in range(2):
         expect(html).to_have_attribute("lang", "ru")
         expect(html).to_have_attribute("data-theme", "night")

@@ -60,7 +60,7 @@ def test_showing_what_is_watched_has_its_price(car, visitor):
     tab.press("Edit")
     tab.press("Add…")
     line = tab.page.get_by_role("dialog").get_by_role("button", name="Coolant temperature, ")
-    expect(line).to_contain_text("sets/s")
+    expect(line).to_contain_text("readings/s")
 
 
 def test_the_loop_has_its_key_on_the_chart_too(own, visitor):
@@ -92,7 +92,7 @@ def test_a_phone_shows_the_recording_while_the_line_is_in_trouble(own, visitor):
     tab.show("chart")
     own.garage.pull()
     told = tab.find("header").get_by_role("alert").get_by_role("button")
-    expect(told).to_contain_text("Воткните его снова: программа продолжит сама.")
+    expect(told).to_contain_text("Подключите его снова, и опрос продолжится.")
     room = tab.find("#screen").bounding_box()
     assert room["height"] > 844 * 0.4
     brief = told.bounding_box()["height"]

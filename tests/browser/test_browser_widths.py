@@ -147,7 +147,7 @@ def test_a_recording_is_begun_and_ended_by_a_thumb(own, visitor, language, width
     begin.tap()
     tab.is_line("recording")
     expect(begin).to_have_count(0)
-    end = tab.button({"en": "Stop recording", "ru": "Стоп: закончить запись"}[language])
+    end = tab.button({"en": "Stop recording", "ru": "Остановить запись"}[language])
     assert tab.page.evaluate(CUT) == []
     box = end.bounding_box()
     assert min(box["width"], box["height"]) >= (44 if width == 390 else 40)

@@ -9,19 +9,7 @@ import Memory from "./memory/Screen.svelte";
 import Passport from "./passport/Screen.svelte";
 import Recordings from "./recordings/Screen.svelte";
 import Report from "./report/Screen.svelte";
-import { dictionary } from "../lib/i18n";
 import type { ScreenName } from "../lib/view/router.svelte";
-
-export const screenTitle = dictionary<ScreenName>({
-  live: { en: "Live", ru: "Приборы" },
-  chart: { en: "Chart", ru: "График" },
-  faults: { en: "Faults", ru: "Ошибки" },
-  passport: { en: "Passport", ru: "Паспорт" },
-  memory: { en: "Memory", ru: "Память" },
-  recordings: { en: "Records", ru: "Записи" },
-  report: { en: "Report", ru: "Отчёт" },
-  connection: { en: "Cable", ru: "Связь" },
-});
 
 export const screens: { name: ScreenName; icon: IconName; component: Component }[] = [
   { name: "live", icon: "live", component: Live },

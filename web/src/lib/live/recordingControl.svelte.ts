@@ -9,15 +9,15 @@ import type { State } from "../api/types";
 
 const t = dictionary({
   started: {
-    en: "Recording {asked} of {all} values: what is asked for now",
-    ru: "Записываются {asked} из {all} величин: что сейчас опрашивается",
+    en: "Recording {asked} of {all} values: those that are sampled now",
+    ru: "Записываются {asked} из {all} величин: те, что сейчас опрашиваются",
   },
-  startedAll: { en: "Recording to {file}: all values", ru: "Идёт запись в {file}: все величины" },
+  startedAll: { en: "Recording all values to {file}", ru: "Идёт запись всех величин в {file}" },
   everything: { en: "Record everything", ru: "Записывать всё" },
   everythingNow: { en: "All values are recorded now, each less often", ru: "Записываются все величины, каждая реже" },
-  stopped: { en: "RecordingData, and kept: {file}", ru: "Записано и сохранено: {file}" },
-  marked: { en: "Marked", ru: "Отмечено" },
-  unrecorded: { en: "Marked on the chart; nothing is being recorded", ru: "Отмечено на графике; запись не идёт" },
+  stopped: { en: "Recording saved: {file}", ru: "Запись сохранена: {file}" },
+  marked: { en: "Marker set", ru: "Отметка поставлена" },
+  unrecorded: { en: "Marker set on the chart; no recording is running", ru: "Отметка поставлена на графике; запись не идёт" },
 });
 
 /** Code of the toast that a recording has started; the toast is dismissed when the recording ends. */
