@@ -1,4 +1,4 @@
-"""Advice in two wordings: for a terminal, and for the dashboard, which has no commands to type."""
+"""Advice after an error: true for everybody, and with the words of each user interface."""
 
 from __future__ import annotations
 
@@ -8,44 +8,100 @@ import re
 import pytest
 
 from mikas import errors
-from mikas.errors import LineNotQuiet, MikasError, NoPortGiven, PortNotFound, UnknownParameter
+from mikas.cli.advice import ADVICE as TERMINAL
+from mikas.cli.advice import DOCTOR_ADVICE
+from mikas.dashboard.advice import ADVICE as DASHBOARD
+from mikas.errors import (
+    DamagedResponse,
+    EngineStopped,
+    LineNotQuiet,
+    MikasError,
+    NoPortGiven,
+    PortNotFound,
+    UnknownParameter,
+)
 from mikas.i18n import Text
 
 _TERMINAL = re.compile(r"`mikas |`?--[a-z]|run the command|повторите команду|replay:FILE\?")
+_SCREEN = re.compile(r"\bscreen\b|экран")
 CLASSES = [
     it for _, it in inspect.getmembers(errors, inspect.isclass) if issubclass(it, MikasError)
 ]
+FIELDS = {
+    "url": "x", "found": "none", "file": "f", "problem": "p", "seconds": 1.0, "damage": "d",
+    "length": 1, "expected": 2, "got": 1, "asked": 2, "command": "02", "name": "N", "wanted": 1,
+    "change": "c", "how": "", "space": "ram", "last": 255, "address": 1, "count": 1, "value": 1,
+    "allowed": "a", "place": "p", "feature": "f", "extra": "e",
+}  # fmt: skip
+
+
+def example(kind: type[MikasError]) -> MikasError:
+    if kind in (errors.CaptureError, errors.ExportError):
+        return kind("f", Text("p", "п"))
+    if kind is errors.CatalogError:
+        return kind("f", 1, Text("p", "п"))
+    return UnknownParameter("N", ["M"]) if kind is UnknownParameter else kind(**FIELDS)
+
+
+@pytest.mark.parametrize("kind", CLASSES)
+def test_an_error_names_no_command_and_no_screen(kind) -> None:
+    for language in example(kind).text:
+        assert not _TERMINAL.search(language), language
+        assert not _SCREEN.search(language), language
 
 
 @pytest.mark.parametrize("kind", CLASSES)
 def test_the_dashboard_names_nothing_to_type(kind) -> None:
-    advice = kind.advice_on_screen or kind.advice
-    for language in advice:
+    for language in DASHBOARD.text(example(kind)):
         assert not _TERMINAL.search(language), language
+        assert "{" not in language
 
 
-def test_the_terminal_keeps_its_words() -> None:
-    assert "`mikas ports`" in PortNotFound(url="x", found="none").text.en
+@pytest.mark.parametrize("kind", CLASSES)
+def test_the_terminal_names_no_screen(kind) -> None:
+    for language in TERMINAL.text(example(kind)):
+        assert not _SCREEN.search(language), language
+        assert "{" not in language
+
+
+def test_the_terminal_names_its_commands() -> None:
+    assert "`mikas ports`" in TERMINAL.text(PortNotFound(url="x", found="none")).en
+    several = NoPortGiven(found="COM3, COM4", example="COM3")
+    assert "--port COM3" in TERMINAL.text(several).en
+    assert "--port COM3" in TERMINAL.text(several).ru
+
+
+def test_a_subclass_has_its_own_advice_or_that_of_its_base() -> None:
+    assert "`mikas doctor`" in TERMINAL.advice(DamagedResponse(damage="d")).en
+    assert TERMINAL.advice(EngineStopped(seconds=2)) == EngineStopped.advice
+    assert TERMINAL.advice(LineNotQuiet()) == LineNotQuiet.advice
+
+
+def test_a_running_doctor_is_not_advised() -> None:
+    assert "mikas doctor" not in DOCTOR_ADVICE.text(DamagedResponse(damage="d")).en
+    assert "`mikas ports`" in DOCTOR_ADVICE.text(PortNotFound(url="x", found="none")).en
 
 
 def test_both_paragraphs_tell_the_same_failure() -> None:
     error = NoPortGiven(found=Text("nothing", "ничего"), request=b"\x02", received=b"")
-    assert error.gui_text.en.startswith(error.reason.en + " (sent 02, received nothing). ")
-    assert "Cable screen" in error.gui_text.en
-    assert "«Связь»" in error.gui_text.ru
+    text = DASHBOARD.text(error)
+    assert text.en.startswith(error.reason.en + " (sent 02, received nothing). ")
+    assert "Connection screen" in text.en
+    assert "«Связь»" in text.ru
 
 
 def test_other_advice_is_shown_everywhere() -> None:
     other = Text("Do that.", "Сделайте это.")
-    assert PortNotFound(url="x", found="", advice=other).gui_advice == other
+    assert DASHBOARD.advice(PortNotFound(url="x", found="", advice=other)) == other
     error = PortNotFound(url="x", found="")
     error.advice = other
-    assert error.gui_text.en.endswith("Do that.")
-    assert LineNotQuiet().gui_advice == LineNotQuiet.advice
+    assert DASHBOARD.text(error).en.endswith("Do that.")
+    assert TERMINAL.text(error).en.endswith("Do that.")
+    assert DASHBOARD.advice(LineNotQuiet()) == LineNotQuiet.advice
 
 
 def test_the_nearest_names_are_told_on_both() -> None:
     error = UnknownParameter("TWTA", ["TWAT"])
-    assert "Did you mean TWAT?" in error.text.en
-    assert "Did you mean TWAT?" in error.gui_text.en
-    assert "Может быть" not in UnknownParameter("X").gui_text.ru
+    assert "Did you mean TWAT?" in TERMINAL.text(error).en
+    assert "Did you mean TWAT?" in DASHBOARD.text(error).en
+    assert "Может быть" not in DASHBOARD.text(UnknownParameter("X")).ru

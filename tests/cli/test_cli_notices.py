@@ -54,7 +54,7 @@ def test_a_lost_cycle_is_no_news():
 def test_many_in_a_row_are_said_once_and_that_it_is_over():
     gaps = [CycleFailed(1 + n / 2, CUT) for n in range(1, 12)]
     first, back = told(well(0), sample(1), *gaps, sample(7))
-    assert first.startswith("The response came damaged: cut. Check ground and plug")
+    assert first.startswith("The response is damaged: cut. Check ground and plug")
     assert first.endswith(" Waiting; it goes on by itself.")
     assert back == "Back after 6 s."
 
@@ -67,7 +67,7 @@ def test_from_the_beginning_too():
         CycleFailed(8, CUT),
         CycleFailed(9, CUT),
     )
-    assert only.startswith("The response came damaged")
+    assert only.startswith("The response is damaged")
 
 
 def test_a_standing_engine_is_said_at_once_with_what_to_do():

@@ -45,7 +45,7 @@ def test_why_no_strokes_come_is_said_recorded_and_does_not_hold_up_the_end(
     ran = mikas("log", "-o", "a.pcapng", *argv, sim=standing)
     assert ran.status == 0
     why = {
-        "en": "No stroke for 2 s: the engine stands",
+        "en": "No stroke for 2 s: the engine is not turning",
         "ru": "Тактов нет 2 с: двигатель не вращается",
     }
     assert all(line["reason"] == why and line["gap"] for line in ran.objects)

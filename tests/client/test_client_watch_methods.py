@@ -154,7 +154,7 @@ def test_a_standing_engine_gives_gaps_that_say_so(method):
     ecu = ecu_on(bench(DATA | {0x29: b"\x00"}, rpm=0.0))
     samples = list(ecu.watch("TWAT", method=method, count=3))
     assert all(isinstance(s.reason, EngineStopped) for s in samples)
-    assert samples[0].reason.reason.en == "No stroke for 2 s: the engine stands"
+    assert samples[0].reason.reason.en == "No stroke for 2 s: the engine is not turning"
     assert "двигатель не вращается" in samples[0].reason.text.ru
     assert samples[2].time - samples[0].time > 4  # it waits for the engine, 2 s each
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dashboard.rig import ADAPTER
 from mikas.catalog import load
+from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.gaps import BY_HAND, JOB, PLAN, SILENT
 from mikas.dashboard.history import History
 from mikas.dashboard.story import Story
@@ -44,7 +45,7 @@ def test_a_gap_that_is_open_when_the_session_ends_ends_with_it():
     sample(told, 1.0)
     told.take(CycleFailed(2.0, EchoOnly()))
     told.over(5.0, None, BY_HAND)
-    assert gaps(told) == [(1.0, 5.0, EchoOnly().gui_text.en)]
+    assert gaps(told) == [(1.0, 5.0, ADVICE.text(EchoOnly()).en)]
     told.begin((), 6.0)
     told.take(
         CycleFailed(7.0, NoResponse(seconds=0.5))
@@ -52,7 +53,7 @@ def test_a_gap_that_is_open_when_the_session_ends_ends_with_it():
     sample(told, 8.0)
     assert gaps(told)[1:] == [
         (5.0, 7.0, BY_HAND.en),
-        (7.0, 8.0, NoResponse(seconds=0.5).gui_text.en),
+        (7.0, 8.0, ADVICE.text(NoResponse(seconds=0.5)).en),
     ]
 
 
@@ -63,7 +64,7 @@ def test_a_session_that_ended_by_itself_says_why():
     told.over(9.0, None, BY_HAND)
     told.begin((), 10.0)
     sample(told, 11.0)
-    assert gaps(told) == [(1.0, 11.0, EchoOnly().gui_text.en)]
+    assert gaps(told) == [(1.0, 11.0, ADVICE.text(EchoOnly()).en)]
 
 
 def test_a_plan_that_pauses_for_long_is_told_and_a_quick_one_not():
@@ -89,7 +90,7 @@ def test_a_gap_that_begins_vaguely_ends_with_what_it_was():
     told.take(CycleFailed(2.0, NoResponse(seconds=0.5)))
     told.take(StateChanged(3.0, LineState.ECHO_ONLY, EchoOnly()))
     sample(told, 9.0)
-    assert gaps(told) == [(1.0, 9.0, EchoOnly().gui_text.en)]
+    assert gaps(told) == [(1.0, 9.0, ADVICE.text(EchoOnly()).en)]
 
 
 def test_silence_is_told_before_it_is_known_what_it_is():
@@ -100,7 +101,7 @@ def test_silence_is_told_before_it_is_known_what_it_is():
     told.busy()
     assert told.silent(3.7) == JOB
     told.take(CycleFailed(4.0, NoResponse(seconds=0.5)))
-    assert told.silent(4.1) == NoResponse(seconds=0.5).gui_text
+    assert told.silent(4.1) == ADVICE.text(NoResponse(seconds=0.5))
     sample(told, 4.2)
     assert told.silent(4.3) is None
     sample(told, 14.2)  # a slow plan

@@ -8,6 +8,7 @@ import socket
 import pytest
 from serial import SerialException
 
+from mikas.cli.advice import ADVICE
 from mikas.errors import NoPortGiven, PortBusy
 from mikas.link.failures import opening_failed
 from mikas.link.ports import choose_port
@@ -43,9 +44,9 @@ def test_an_address_in_the_network_has_nothing_to_unplug(url, reason):
 
 def test_what_is_no_serial_port_at_all_is_a_wrong_name():
     told = opening_failed("/etc/passwd", refused(errno.ENOTTY, "Inappropriate ioctl"))
-    assert "`mikas ports`" in str(told)
+    assert "Serial ports found:" in str(told)
     assert "nplug" not in str(told)
-    assert "`mikas ports`" in told.text.ru
+    assert "Найденные последовательные порты:" in told.text.ru
 
 
 def test_an_adapter_that_fails_is_unplugged_and_plugged_in_again():
@@ -61,7 +62,7 @@ def test_a_busy_port_may_be_our_own_other_window():
 def test_of_several_adapters_one_is_to_be_named():
     with pytest.raises(NoPortGiven) as raised:
         choose_port(lambda: [Listed("/dev/ttyUSB0"), Listed("/dev/ttyUSB1")])
-    told = raised.value.text
+    told = ADVICE.text(raised.value)
     assert "Found: /dev/ttyUSB0 (FT232R), /dev/ttyUSB1 (FT232R)." in told.en
     assert "--port /dev/ttyUSB0" in told.en
     assert "plugged in" not in told.en
@@ -71,6 +72,7 @@ def test_of_several_adapters_one_is_to_be_named():
 def test_where_there_is_none_it_is_to_be_plugged_in_or_named():
     with pytest.raises(NoPortGiven) as raised:
         choose_port(lambda: [Listed("/dev/ttyS0", vid=None)])
-    assert "Plug the adapter in" in raised.value.text.en
-    assert "--port" in raised.value.text.en.replace("--port sim:", "")
-    assert "Воткните адаптер" in raised.value.text.ru
+    told = ADVICE.text(raised.value)
+    assert "Plug the adapter in" in told.en
+    assert "--port" in told.en.replace("--port sim:", "")
+    assert "Подключите адаптер" in told.ru

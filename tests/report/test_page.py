@@ -253,7 +253,7 @@ def test_a_spike_is_drawn_and_a_gap_is_one() -> None:
 @pytest.mark.parametrize("language", ["en", "ru"])
 def test_why_nothing_came_is_told_without_bytes_and_advice(language) -> None:
     error = EchoOnly(request=b"\x01\xff\x0d", received=b"\x01\xff\x0d")
-    gap = Interruption(START + 40, START + 50, error.gui_text)
+    gap = Interruption(START + 40, START + 50, error.text)
     text = page.render(found(rows(60), pauses=(gap,)), language)
     assert f"0:50 ({error.reason.to(language)})" in text
     assert "FF 0D" not in text

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mikas.cli import config
+from mikas.cli.advice import ADVICE
 from mikas.cli.language import localized, tr
 from mikas.cli.render.output import Output
 from mikas.errors import MikasError, NotConfirmed, NotSupported
@@ -131,7 +132,9 @@ class CommandContext:
         """Says if the capture on `link` has broken off."""
         failure = getattr(link, "failure", None)
         if failure is not None and failure is not sys.exception():  # else it is told anyway
-            why = localized(failure.text) if isinstance(failure, MikasError) else str(failure)
+            why = (
+                localized(ADVICE.text(failure)) if isinstance(failure, MikasError) else str(failure)
+            )
             self.output.note(tr(f"The capture stopped early: {why}", f"Запись оборвалась: {why}"))
 
     def confirm(

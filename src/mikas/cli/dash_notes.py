@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mikas.cli.advice import ADVICE
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.errors import UsageError
@@ -27,7 +28,7 @@ def tell_kept(context: CommandContext, hub: Hub) -> None:
             )
         )
     else:
-        context.output.note(localized(kept.failure.text))
+        context.output.note(localized(ADVICE.text(kept.failure)))
 
 
 def tell_if_nothing_can_be_kept(context: CommandContext, settings: Settings) -> None:
@@ -37,7 +38,7 @@ def tell_if_nothing_can_be_kept(context: CommandContext, settings: Settings) -> 
     try:
         check_folder(settings.recordings)
     except UsageError as error:
-        context.output.note(localized(error.text))
+        context.output.note(localized(ADVICE.text(error)))
 
 
 def tell_if_missing(context: CommandContext, url: str) -> None:

@@ -182,7 +182,9 @@ def _failed(error: Exception, *, verbose: bool) -> int:
 
             traceback.print_exception(error)
         return BUG
-    said = localized(error.text)
+    from mikas.cli.advice import ADVICE
+
+    said = localized(ADVICE.text(error))
     ours = error.what.en.startswith("{problem}") or not error.what.en.startswith("{")
     if ours and re.match(r"[^\W\d_]+[ ,]", said):  # a word, not a file's name or a value
         said = said[:1].upper() + said[1:]

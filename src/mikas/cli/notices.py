@@ -10,6 +10,7 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mikas.cli.advice import ADVICE
 from mikas.cli.language import decimal, localized, tr
 from mikas.errors import EngineStopped, MikasError, NoConnection, SyncLost
 from mikas.sampling.alarms import AlarmChanged
@@ -109,7 +110,11 @@ class Notices:
             self._waiting = LineState.SAMPLING
             if self._broken is None:
                 self._broken = event.time if self._sampled is None else self._sampled
-            told = f"{localized(event.error.reason)}.", localized(event.error.advice), _waits()
+            told = (
+                f"{localized(event.error.reason)}.",
+                localized(ADVICE.advice(event.error)),
+                _waits(),
+            )
             yield " ".join(sentence for sentence in told if sentence)
 
     def _planned(self, plan: Plan) -> Iterator[str]:
@@ -139,7 +144,7 @@ class Notices:
                 yield waiting(event)
             self._waiting = event.state
             if self._verbose and event.error is not None:
-                yield localized(event.error.text)
+                yield localized(ADVICE.text(event.error))
 
     def _model(self) -> str:
         model = self._session.model

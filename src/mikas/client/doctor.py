@@ -6,7 +6,6 @@ Steps come one by one, so that they can be shown as they run.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from statistics import median
@@ -43,15 +42,13 @@ _RPM = c.Datum(0x29, 1)
 class Step:
     """One finding. `ok` None: could not be told, or could be better; the rest does not hang on it.
 
-    `detail` says what to do, unless all is well. `to_try`: that part of it, where it stands apart;
-    `on_screen`: the same for whoever has no terminal.
+    `detail` says what to do, unless all is well. `error`: the one that `detail` is the text of.
     """
 
     name: str
     ok: bool | None
     detail: Text
-    to_try: Text | None = None
-    on_screen: Text | None = None
+    error: MikasError | None = None
 
 
 def examine(
@@ -64,7 +61,7 @@ def examine(
     try:
         link = open_port()
     except NoConnection as error:
-        yield Step("port", False, error.text, error.advice, error.gui_advice)
+        yield _failed("port", error)
         return
     with link:
         yield Step("port", True, described(link.description))
@@ -107,20 +104,7 @@ _NO_ECHO = Text(
 
 
 def _failed(name: str, error: MikasError) -> Step:
-    to_try = Text(*map(_without_us, error.advice))
-    return Step(name, False, _advice(error), to_try, error.gui_advice)
-
-
-def _advice(error: MikasError) -> Text:
-    """The error's text without the advice to run what is running."""
-    return Text(*map(_without_us, error.text))
-
-
-def _without_us(text: str) -> str:
-    return _DOCTOR.sub("", text)
-
-
-_DOCTOR = re.compile(r"(?: \(`mikas doctor`\)|[,;.] [^,;.]*`mikas doctor`[^,;.]*)(?=\.)")
+    return Step(name, False, error.text, error)
 
 
 def _measured_baud(tester: Tester) -> float | None:
@@ -224,8 +208,8 @@ def _line(tried: int, spoilt: list[LineError]) -> Step:
         "line",
         False if len(spoilt) > _MANY else None,
         Text(
-            f"{len(spoilt)} of {tried} exchanges were spoilt; the last: {_advice(last).en}",
-            f"испорчено обменов: {len(spoilt)} из {tried}; последний: {_advice(last).ru}",
+            f"{len(spoilt)} of {tried} exchanges were spoilt; the last: {last.text.en}",
+            f"испорчено обменов: {len(spoilt)} из {tried}; последний: {last.text.ru}",
         ),
     )
 

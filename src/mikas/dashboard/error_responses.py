@@ -12,6 +12,7 @@ from typing import Any
 
 from starlette.responses import HTMLResponse, Response
 
+from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.api.errors import answer_to
 from mikas.dashboard.errors import ApiRefusal
 
@@ -39,6 +40,6 @@ def refusal(error: ApiRefusal, scope: Mapping[str, Any]) -> Response:
         return answer_to(error)
     said = "".join(
         f'<p lang="{language}">{escape(text)}</p>'
-        for language, text in zip(("en", "ru"), error.gui_text, strict=True)
+        for language, text in zip(("en", "ru"), ADVICE.text(error), strict=True)
     )
     return HTMLResponse(f"{_HEAD}{said}", error.status, {"Content-Security-Policy": _POLICY})

@@ -6,6 +6,7 @@ from collections import deque
 from heapq import merge
 from typing import Any
 
+from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.api.errors import body_of, in_hex
 from mikas.errors import MikasError
 from mikas.i18n import Text
@@ -52,7 +53,7 @@ def state(event: StateChanged) -> Happening:
         "time": event.time,
         "state": event.state.value,
         "text": both(event.state.text),
-        "reason": both(event.error.gui_text) if event.error else None,
+        "reason": both(ADVICE.text(event.error)) if event.error else None,
         "code": type(event.error).__name__ if event.error else None,
     }
 
@@ -148,5 +149,5 @@ def recording(time: float, file: str, *, on: bool, failure: MikasError | None = 
         "time": time,
         "file": file,
         "on": on,
-        "failure": both(failure.gui_text) if failure else None,
+        "failure": both(ADVICE.text(failure)) if failure else None,
     }

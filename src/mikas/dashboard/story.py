@@ -14,6 +14,7 @@ from math import isfinite
 
 from mikas.catalog import Catalog, Level
 from mikas.dashboard import happenings
+from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.gaps import BY_HAND, JOB, PLAN, Gaps
 from mikas.dashboard.happenings import Happening, Kept
 from mikas.dashboard.history import History, row_of
@@ -173,7 +174,7 @@ class Story:
             self.line, self.since = None, time
             self._because(error)
             self.alarms.clear()
-            self._gaps.part(time, error.gui_text if error else why)
+            self._gaps.part(time, ADVICE.text(error) if error else why)
 
     def _came(self, event: Sampled) -> None:
         values = {name: float(reading.value) for name, reading in event.fresh.items()}
@@ -199,7 +200,7 @@ class Story:
                         self._error(happenings.failure(failure, now))
 
     def _failed(self, event: CycleFailed) -> None:
-        self._gaps.lost(event.time, event.error.gui_text)
+        self._gaps.lost(event.time, ADVICE.text(event.error))
         # Each attempt to find a port or unit again fails alike: that is the gap, no more errors.
         nobody = isinstance(event.error, NoConnection)
         if not (nobody and self._waited):
@@ -227,14 +228,14 @@ class Story:
     def _changed(self, event: StateChanged) -> None:
         if event.error is not None:
             if self.line is LineState.SAMPLING:
-                self._gaps.lost(event.time, event.error.gui_text)
-            self._gaps.because(event.error.gui_text)
+                self._gaps.lost(event.time, ADVICE.text(event.error))
+            self._gaps.because(ADVICE.text(event.error))
         self.line, self.since = event.state, event.time
         self._because(event.error)
         self.tell(happenings.state(event))
 
     def _because(self, error: MikasError | None) -> None:
-        self.reason = error.gui_text if error else None
+        self.reason = ADVICE.text(error) if error else None
         self.reason_code = type(error).__name__ if error else None
 
     def _alarm(self, event: AlarmChanged) -> None:

@@ -1,49 +1,51 @@
 """Everything that can go wrong, as one tree.
 
     MikasError
-    ├── UsageError (ValueError)        the user asked wrongly; the ECU was not touched
+    ├── UsageError (ValueError)        wrong use; nothing was sent to the ECU
     │   ├── UnknownParameter           no such name or code; carries the nearest names
     │   ├── AddressOutOfRange          outside the memory space
     │   ├── ValueDoesNotFit            not representable in the parameter's raw bytes
-    │   ├── BadPortUrl                 the port's URL or one of its options makes no sense
+    │   ├── BadPortUrl                 invalid port URL, or an invalid option in it
     │   ├── CatalogError               a catalog file is wrong: file, line, what was expected
     │   ├── CaptureError               a capture file can't be read, or can't be written
     │   ├── ExportError                an export can't be made
     │   ├── JournalError               the journal of changes can't be written
     │   └── MissingExtra               an optional library is not installed
-    ├── NoConnection (ConnectionError) nobody to talk to
+    ├── NoConnection (ConnectionError) no port, no adapter or no ECU
     │   ├── PortNotFound               no such port, or no adapter at all
-    │   │   └── NoPortGiven            none was named, and not just one is plugged in
-    │   ├── PortBusy                   another program has it
-    │   ├── PortDenied                 the user may not open it
-    │   ├── PortFailed                 the system gave another reason
-    │   ├── LinkLost                   the adapter went away while in use
-    │   │   └── RecordingOver          what `replay:` played has ended
-    │   ├── NoEcho                     nothing came back at all (D1)
-    │   ├── EchoOnly                   the echo came back, the ECU is silent (D1)
-    │   └── NotAKLineAdapter           an ELM327 answered instead of a wire
-    ├── LineError                      the ECU is there, the exchange was spoilt
+    │   │   └── NoPortGiven            no port named, and not exactly one adapter
+    │   ├── PortBusy                   in use by another program
+    │   ├── PortDenied                 no permission to open it
+    │   ├── PortFailed                 not opened for another reason
+    │   ├── LinkLost                   the adapter disconnected while in use
+    │   │   └── RecordingOver          the recording played by `replay:` has ended
+    │   ├── NoEcho                     nothing received, not even the echo (D1)
+    │   ├── EchoOnly                   echo received, no response from the ECU (D1)
+    │   └── NotAKLineAdapter           an ELM327 instead of a plain adapter
+    ├── LineError                      the ECU is there, the exchange failed
     │   ├── NoResponse (TimeoutError)  silence, D14
-    │   │   └── EngineStopped          of a stream by strokes, as there are none (D15)
-    │   ├── EchoDiffers                what came back is not what was sent (D1)
+    │   │   └── EngineStopped          no response to a stream by strokes (D15)
+    │   ├── EchoDiffers                the echo differs from the bytes sent (D1)
     │   ├── DamagedResponse            checksum, cut or over-long frame (§2)
-    │   ├── WrongLength                a good frame, but not this request's (D13)
-    │   ├── WrongAddress               a good frame that echoes another address (D13)
-    │   ├── WrongContent               a good frame that makes no sense in itself (§3)
+    │   ├── WrongLength                a valid frame of a length not requested (D13)
+    │   ├── WrongAddress               a valid frame with another address (D13)
+    │   ├── WrongContent               a valid frame with invalid content (§3)
     │   ├── LineNotQuiet               bytes keep coming (D2, D12)
     │   └── SyncLost                   resynchronisation failed (D13)
-    ├── EcuRefused                     the ECU said no
-    │   ├── WriteRefused               it answered 01 to a write (§3)
-    │   ├── NotSupported               it does not know the command (D10)
-    │   └── ReadBackDiffers            it accepted a write and holds something else
-    └── NotConfirmed                   a change that nobody approved
+    ├── EcuRefused                     the ECU refused
+    │   ├── WriteRefused               response 01 to a write (§3)
+    │   ├── NotSupported               unknown command or parameter (D10)
+    │   └── ReadBackDiffers            write accepted, another value read back
+    └── NotConfirmed                   a change that was not approved
 
-Each error carries what was sent, what came back, and when, and its message ends with what to try:
-`str(error)` is that in English, `error.text` in both languages, `error.gui_text` without the
-words of a terminal. Each is also the matching builtin.
+Each error carries the bytes sent and received and the time; its message ends with what to try:
+`str(error)` in English, `error.text` in both languages. Advice that names a command or a screen is
+added by the command line (`mikas.cli.advice`) or the dashboard (`mikas.dashboard.advice`). Each
+error is also the matching builtin.
 """
 
 from mikas.errors.base import (
+    AdviceTable,
     MikasError,
     hex_dump,
     reason_at,
@@ -96,6 +98,7 @@ from mikas.errors.usage import (
 
 __all__ = [
     "AddressOutOfRange",
+    "AdviceTable",
     "BadPortUrl",
     "CaptureError",
     "CatalogError",

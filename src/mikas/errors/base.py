@@ -1,8 +1,9 @@
-"""The root of the tree, and how an error tells what was on the wire."""
+"""The root of the tree, how an error shows the bytes on the wire, and advice by user interface."""
 
 from __future__ import annotations
 
 import errno
+from collections.abc import Mapping
 from pathlib import Path
 from typing import ClassVar
 
@@ -12,18 +13,13 @@ from mikas.i18n import Language, Text
 class MikasError(Exception):
     """The root. `request` and `received` are bytes as on the wire, `time` is the link's clock.
 
-    `what` says what failed; `advice` gives the likely causes in order and what to try. Both may
-    hold `str.format` fields, filled from the keyword arguments. `advice_on_screen` is the advice in
-    the dashboard, where there is no terminal to run a command in; None: the same words do.
+    `what` names the failure; `advice` lists the likely causes in order and what to try, in words
+    that hold for every user, of the library too. Both may hold `str.format` fields, filled from the
+    keyword arguments. What to try in a terminal or in the dashboard: `AdviceTable`.
     """
 
-    what: ClassVar[Text] = Text("Something failed", "Что-то не получилось")
+    what: ClassVar[Text] = Text("The operation failed", "Операция не выполнена")
     advice: Text = Text("", "")
-    advice_on_screen: ClassVar[Text | None] = None
-
-    def __init_subclass__(cls) -> None:
-        if "advice" in cls.__dict__ and "advice_on_screen" not in cls.__dict__:
-            cls.advice_on_screen = None  # what its base says there is other advice
 
     def __init__(
         self,
@@ -32,7 +28,6 @@ class MikasError(Exception):
         received: bytes | None = None,
         time: float | None = None,
         advice: Text | None = None,
-        on_screen: Text | None = None,
         **fields: object,
     ) -> None:
         self.request = request
@@ -40,36 +35,30 @@ class MikasError(Exception):
         self.time = time
         self.fields = fields
         self.reason = self.what.filled(**fields)
-        self.advice = (advice or self.advice).filled(**fields)
-        screen = on_screen or advice or self.advice_on_screen
-        self._first_advice = self.advice
-        self._on_screen = screen.filled(**fields) if screen else self.advice
+        self._class_advice = type(self).advice.filled(**fields)
+        self.advice = advice.filled(**fields) if advice else self._class_advice
         super().__init__(self.reason.en)
 
     def __str__(self) -> str:
-        # Not fixed when raised: a higher layer may still add what was on the wire.
+        # Not fixed when raised: a higher layer may still add the bytes on the wire.
         return self.text.en
 
     @property
     def text(self) -> Text:
-        """One short paragraph: what failed, what was sent and received (hex), what to try."""
+        """One short paragraph: the failure, bytes sent and received (hex), what to try."""
+        return self.text_with(self.advice)
+
+    def text_with(self, advice: Text) -> Text:
+        """Return the same paragraph with other advice."""
         return Text(
-            _paragraph(self.reason.en, self.advice.en, *self._wire("en")),
-            _paragraph(self.reason.ru, self.advice.ru, *self._wire("ru")),
+            _paragraph(self.reason.en, advice.en, *self._wire("en")),
+            _paragraph(self.reason.ru, advice.ru, *self._wire("ru")),
         )
 
     @property
-    def gui_advice(self) -> Text:
-        """What to try, in the dashboard's words, unless a higher layer gave other advice."""
-        return self._on_screen if self.advice is self._first_advice else self.advice
-
-    @property
-    def gui_text(self) -> Text:
-        """The same paragraph as `text`, for whoever looks at the dashboard."""
-        return Text(
-            _paragraph(self.reason.en, self.gui_advice.en, *self._wire("en")),
-            _paragraph(self.reason.ru, self.gui_advice.ru, *self._wire("ru")),
-        )
+    def has_class_advice(self) -> bool:
+        """Whether the advice is that of the class, not one given for this case."""
+        return self.advice is self._class_advice
 
     def _wire(self, language: Language) -> list[str]:
         sent, received, nothing, unit = _WIRE[language]
@@ -90,7 +79,7 @@ _LONGEST = 48
 
 
 def hex_dump(data: bytes, unit: str = "bytes") -> str:
-    """`01 FF 0D`, cut only when it would fill the screen."""
+    """Return `01 FF 0D`; longer data are cut."""
     if len(data) <= _LONGEST:
         return data.hex(" ").upper()
     return f"{data[:_LONGEST].hex(' ').upper()} … ({len(data)} {unit})"
@@ -102,27 +91,61 @@ def _paragraph(reason: str, advice: str, *wire: str) -> str:
     return f"{text} {advice}".strip()
 
 
+class AdviceTable:
+    """What else to try in one user interface, by the error's class: its commands, screens, keys.
+
+    An entry follows the class's own advice and holds for subclasses that inherit this advice. An
+    error with advice for its case (`has_class_advice` false) gets no entry.
+    """
+
+    def __init__(self, entries: Mapping[type[MikasError], Text]) -> None:
+        self._entries = entries
+
+    def advice(self, error: MikasError) -> Text:
+        """Return the error's advice with the entry for its class."""
+        entry = self._entry(type(error)) if error.has_class_advice else None
+        if entry is None:
+            return error.advice
+        hint = entry.filled(**error.fields)
+        return Text(
+            f"{error.advice.en} {hint.en}".strip(),
+            f"{error.advice.ru} {hint.ru}".strip(),
+        )
+
+    def text(self, error: MikasError) -> Text:
+        """Return the error's paragraph with this advice."""
+        return error.text_with(self.advice(error))
+
+    def _entry(self, kind: type[MikasError]) -> Text | None:
+        for base in kind.__mro__:
+            if base in self._entries:
+                return self._entries[base]
+            if "advice" in base.__dict__:
+                return None
+        return None
+
+
 _IN_RUSSIAN = {
     errno.ENOENT: "нет такого файла или папки",
-    errno.EACCES: "система не разрешает",
-    errno.EPERM: "система не разрешает",
-    errno.EROFS: "запись туда невозможна",
+    errno.EACCES: "нет прав доступа",
+    errno.EPERM: "нет прав доступа",
+    errno.EROFS: "только для чтения",
     errno.EISDIR: "это папка",
     errno.ENOTDIR: "часть пути — не папка",
     errno.EEXIST: "уже существует",
     errno.ENOSPC: "диск заполнен",
     errno.EADDRINUSE: "этот адрес уже занят",
-    errno.EADDRNOTAVAIL: "у этой машины нет такого адреса",
+    errno.EADDRNOTAVAIL: "у этого компьютера нет такого адреса",
 }
 
 
 def reason_of(error: OSError) -> Text:
-    """Why the system refused, in its own words; in Russian where they are known."""
+    """Return the system's reason; in Russian where a translation is known."""
     words = error.strerror or str(error)
     return Text(words, _IN_RUSSIAN.get(error.errno or 0, words))
 
 
 def reason_at(file: Path, error: OSError) -> Text:
-    """The same, with the file that it is about."""
+    """Return the system's reason with the file before it."""
     why = reason_of(error)
     return Text(f"{file}: {why.en}", f"{file}: {why.ru}")

@@ -1,4 +1,4 @@
-"""The ECU said no, or nobody said yes (D10, §3)."""
+"""The ECU refused, or a change was not approved (D10, §3)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from mikas.i18n import Text
 
 
 class EcuRefused(MikasError):
-    """The ECU understood, or did not know the request, and said no."""
+    """The ECU refused the request, or does not know it."""
 
 
 class WriteRefused(EcuRefused):
@@ -15,42 +15,38 @@ class WriteRefused(EcuRefused):
 
     what = Text("The ECU refused the write", "Блок отверг запись")
     advice = Text(
-        "This unit does not let this cell or parameter be written; nothing was changed.",
-        "Этот блок не даёт записать эту ячейку или параметр; ничего не изменено.",
+        "This unit does not allow this cell or parameter to be written; nothing was changed.",
+        "Этот блок не разрешает запись этой ячейки или параметра; ничего не изменено.",
     )
 
 
 class NotSupported(EcuRefused):
-    """The ECU does not know the command or the parameter: silence, or 01 where it can't be data
-    (D10).
-    """
+    """Unknown command or parameter: silence, or 01 where that can't be data (D10)."""
 
     what = Text("This ECU does not know {command}", "Этот блок не знает {command}")
     advice = Text(
-        "Not every unit has every command; `mikas info` shows what this one has.",
-        "Не каждый блок знает все команды; что знает этот, показывает `mikas info`.",
-    )
-    advice_on_screen = Text(
-        "Not every unit has every command; the Passport screen shows what this one has.",
-        "Не каждый блок знает все команды; что знает этот, показывает экран «Паспорт».",
+        "Not every unit has every command.",
+        "Не каждый блок знает все команды.",
     )
 
 
 class ReadBackDiffers(EcuRefused):
-    """The write was accepted, but the cell then held something else."""
+    """The write was accepted, but another value was read back."""
 
     what = Text(
-        "{name} was written with {wanted} but then held {got}",
-        "В {name} записано {wanted}, а читается {got}",
+        "{name}: {wanted} was written, {got} was read back",
+        "{name}: записано {wanted}, прочитано {got}",
     )
     advice = Text(
-        "The cell may be read-only or driven by the program; read it again before relying on it.",
-        "Ячейка может быть только для чтения или её меняет программа; прочтите её ещё раз.",
+        "The cell may be read-only, or the unit's program changes it; read it again before you "
+        "rely on it.",
+        "Возможно, ячейка доступна только для чтения или её меняет программа блока; прочтите её "
+        "ещё раз.",
     )
 
 
 class NotConfirmed(MikasError):
-    """A change that nobody approved; nothing was sent."""
+    """A change that was not approved; nothing was sent."""
 
     what = Text(
         "Not confirmed, nothing was changed: {change}",

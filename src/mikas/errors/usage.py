@@ -1,4 +1,4 @@
-"""What the user asked wrongly; nothing was sent."""
+"""Wrong use; nothing was sent."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from mikas.i18n import Text
 
 
 class UsageError(MikasError, ValueError):
-    """The user asked for something that makes no sense; nothing was sent."""
+    """Wrong use of a command or function; nothing was sent."""
 
     what = Text("{problem}", "{problem}")
 
@@ -19,40 +19,24 @@ class UnknownParameter(UsageError):
 
     what = Text("There is no parameter “{name}”", "Нет параметра «{name}»")
     advice = Text(
-        "`mikas params` lists them all; a raw code is written 0x1A, or 0x3F:2 for two bytes.",
-        "Все параметры показывает `mikas params`; код без имени пишется 0x1A, двухбайтовый 0x3F:2.",
-    )
-    advice_on_screen = Text(
-        "The names are those of the list of parameters; a raw code is written 0x1A, or 0x3F:2 for "
-        "two bytes.",
-        "Имена — из списка параметров; код без имени пишется 0x1A, двухбайтовый 0x3F:2.",
+        "{nearest}A raw code is written 0x1A, or 0x3F:2 for two bytes.",
+        "{nearest}Код без имени пишется 0x1A, двухбайтовый 0x3F:2.",
     )
 
     def __init__(self, name: str, suggestions: Sequence[str] = ()) -> None:
         self.name = name
         self.suggestions = tuple(suggestions)
-        nearest = ", ".join(self.suggestions)
-        if not nearest:
-            super().__init__(name=name)
-            return
-
-        def guessed(advice: Text) -> Text:
-            return Text(
-                f"Did you mean {nearest}? {advice.en}", f"Может быть, {nearest}? {advice.ru}"
-            )
-
-        super().__init__(
-            name=name, advice=guessed(self.advice), on_screen=guessed(self.advice_on_screen)
-        )
+        listed = ", ".join(self.suggestions)
+        nearest = Text(f"Did you mean {listed}? ", f"Может быть, {listed}? ")
+        super().__init__(name=name, nearest=nearest if listed else "")
 
 
 class AddressOutOfRange(UsageError):
     """The address, or the last one of a range, lies outside the memory space."""
 
     what = Text(
-        "{space} has addresses 0 to {last:#06x}; the bytes from {address:#x} on ({count} in all) "
-        "are not all inside",
-        "Адреса {space} — от 0 до {last:#06x}; байты с {address:#x} (всего {count}) не все внутри",
+        "{space} has addresses 0 to {last:#06x}; {count} byte(s) from {address:#x} exceed them",
+        "Адреса {space} — от 0 до {last:#06x}; байты с {address:#x} (всего {count}) выходят за них",
     )
     advice = Text(
         "Nothing was sent. Correct the address or the count.",
@@ -61,7 +45,7 @@ class AddressOutOfRange(UsageError):
 
 
 class ValueDoesNotFit(UsageError):
-    """The value can't be represented in the raw bytes that the parameter or the cell has."""
+    """The value can't be represented in the raw bytes of the parameter or the cell."""
 
     what = Text(
         "{value} does not fit {name}: {allowed}", "{value} не подходит для {name}: {allowed}"
@@ -70,9 +54,9 @@ class ValueDoesNotFit(UsageError):
 
 
 class BadPortUrl(UsageError):
-    """The port's URL or one of its options makes no sense."""
+    """Invalid port URL, or an invalid option in it."""
 
-    what = Text("“{url}” is not a port: {problem}", "«{url}» — не порт: {problem}")
+    what = Text("Invalid port “{url}”: {problem}", "Неверный порт «{url}»: {problem}")
     advice = Text(
         "Ports look like /dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: or "
         "replay:FILE.",
@@ -106,9 +90,7 @@ class CaptureError(UsageError):
 
 
 class ExportError(UsageError):
-    """An export can't be made: its name, what is in its way, or the disk. Nothing was left
-    behind.
-    """
+    """An export can't be made: its name, an existing file, or the disk. No partial file stays."""
 
     what = Text("{file}: {problem}", "{file}: {problem}")
     advice = Text(
@@ -125,12 +107,14 @@ class JournalError(UsageError):
     """The journal of changes can't be written, so no change is made."""
 
     what = Text(
-        "The journal {file} can't be written: {problem}", "Журнал {file} не записывается: {problem}"
+        "The journal {file} can't be written: {problem}",
+        "Не удаётся записать журнал {file}: {problem}",
     )
     advice = Text(
-        "A change that leaves no trace is not made. Free some space or correct the folder's "
-        "rights.",
-        "Изменения без записи в журнал не делаются. Освободите место или исправьте права папки.",
+        "Changes without a journal entry are not made. Free disk space or correct the folder's "
+        "permissions.",
+        "Изменения без записи в журнал не делаются. Освободите место на диске или исправьте права "
+        "на папку.",
     )
 
 
@@ -139,7 +123,7 @@ class MissingExtra(UsageError, ImportError):
 
     what = Text(
         "{feature} needs a library that is not installed",
-        "Для «{feature}» не установлена библиотека",
+        "Для «{feature}» нужна библиотека, которая не установлена",
     )
     advice = Text(
         'Install it with: pip install "mikas[{extra}]".',

@@ -44,12 +44,7 @@ _CHECK_ADDRESS = Text(
     "Check the host and the port number, and that what shares the adapter is running there.",
     "Проверьте имя и порт, и работает ли там то, что раздаёт адаптер.",
 )
-_CHECK_NAME = Text(
-    "`mikas ports` lists those that there are.", "Какие порты есть, показывает `mikas ports`."
-)
-_CHOOSE = Text(
-    "The Cable screen lists those that there are.", "Какие порты есть, показывает экран «Связь»."
-)
+_CHECK_NAME = Text("Serial ports found: {found}.", "Найденные последовательные порты: {found}.")
 
 
 def opening_failed(url: str, error: Exception) -> NoConnection:
@@ -61,13 +56,13 @@ def opening_failed(url: str, error: Exception) -> NoConnection:
         return PortBusy(url=url)
     if code in _DENIED:
         return PortDenied(url=url)
-    advice = on_screen = None
+    advice = None
     if parse(url).scheme in ("socket", "rfc2217"):
         advice = _CHECK_ADDRESS
     elif code in _NO_TTY:
-        advice, on_screen = _CHECK_NAME, _CHOOSE
+        advice = _CHECK_NAME.filled(found=listed(find_ports()))
     problem = _why_not_opened(error, code)
-    return PortFailed(url=url, problem=problem, advice=advice, on_screen=on_screen)
+    return PortFailed(url=url, problem=problem, advice=advice)
 
 
 def why_lost(error: Exception) -> Text:

@@ -42,15 +42,8 @@ _COUNTERFEIT = Text(
     "out»): поставьте старый драйвер или возьмите другой кабель",
 )
 _UNKNOWN = Text(
-    "an unknown USB device: is it an adapter? Examining it (`mikas doctor`) tells what it does",
-    "неизвестное устройство USB: адаптер ли это? Что оно умеет, покажет проверка (`mikas doctor`)",
-)
-
-_SEVERAL = Text(
-    "Found: {found}. Say which one is the adapter, as --port {first}; `mikas ports` tells more of "
-    "each.",
-    "Найдены: {found}. Укажите, который из них адаптер: --port {first}; подробнее о каждом — "
-    "`mikas ports`.",
+    "an unknown USB device: possibly an adapter; the connection check shows whether it works",
+    "неизвестное устройство USB: возможно, адаптер; работает ли он, покажет проверка связи",
 )
 
 _FTDI, _CH340, _PROLIFIC = (_LATENCY,), (_LUMPS, _CLONES), (_COUNTERFEIT,)
@@ -153,12 +146,7 @@ def choose_port(lister: Lister = system_ports) -> str:
     if not likely:
         raise NoPortGiven(found=listed(ports))
     if len(likely) > 1:
-        raise NoPortGiven(
-            found=listed(ports),
-            first=likely[0],
-            advice=_SEVERAL,
-            on_screen=NoPortGiven.advice_on_screen,
-        )
+        raise NoPortGiven(found=listed(ports), example=likely[0])
     return likely[0]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 
+from mikas.cli.advice import DOCTOR_ADVICE
 from mikas.cli.click_extensions import command
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
@@ -33,12 +34,16 @@ def doctor(context: CommandContext) -> int:
             if not context.output.json:
                 context.output.line(_line(step))
     if context.output.json:
-        listed = [{"name": s.name, "ok": s.ok, "detail": localized(s.detail)} for s in steps]
+        listed = [{"name": s.name, "ok": s.ok, "detail": localized(_detail(s))} for s in steps]
         context.output.data({"steps": listed})
     failed = any(step.ok is False for step in steps)
     if not failed and not context.output.json:
         context.output.line(_end(all(step.ok for step in steps)))
     return NO_CONNECTION if failed else 0
+
+
+def _detail(step: Step) -> Text:
+    return step.detail if step.error is None else DOCTOR_ADVICE.text(step.error)
 
 
 def _end(well: bool) -> str:
@@ -77,4 +82,4 @@ def _line(step: Step) -> str:
             strict=True,
         )
     )
-    return f"{mark} {names[step.name]}: {localized(step.detail)}"
+    return f"{mark} {names[step.name]}: {localized(_detail(step))}"

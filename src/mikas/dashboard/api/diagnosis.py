@@ -14,6 +14,7 @@ from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, Field
 
 from mikas.client.doctor import Step
+from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.api.dependencies import Controller, TheHub
 from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
 from mikas.dashboard.api.state import state_of
@@ -112,18 +113,20 @@ async def _examine(
         async with hub.switch.lent():
             await asyncio.to_thread(examination.run, tell)
     except MikasError as error:
-        told.put_nowait(_line(Step("port", False, error.gui_text)))
+        told.put_nowait(_line(Step("port", False, ADVICE.text(error))))
     finally:
         hub.examination = None
         told.put_nowait(None)
 
 
 def _line(step: Step) -> DoctorStep:
-    to_try = step.to_try or Text("", "")
+    advice, to_try = Text("", ""), None
+    if step.error is not None:
+        advice, to_try = step.error.advice, ADVICE.advice(step.error)
     found = Text(
         *(
-            detail.removesuffix(advice).strip()
-            for detail, advice in zip(step.detail, to_try, strict=True)
+            detail.removesuffix(shown).strip()
+            for detail, shown in zip(step.detail, advice, strict=True)
         )
     )
     return DoctorStep(
@@ -131,5 +134,5 @@ def _line(step: Step) -> DoctorStep:
         title=two(_TITLES[step.name]),
         ok=step.ok,
         detail=two(found),
-        to_try=two_or_none(step.on_screen or to_try),
+        to_try=two_or_none(to_try),
     )

@@ -16,6 +16,7 @@ from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 
 from mikas.dashboard import not_valid
+from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.errors import ApiRefusal, BadRequest, InternalError, NotFound
 from mikas.errors import (
     EcuRefused,
@@ -101,7 +102,7 @@ def status_of(error: MikasError) -> int:
 
 def body_of(error: MikasError) -> dict[str, Any]:
     """`error` as the value of "error" in an answer, or in an event."""
-    text = error.gui_text
+    text = ADVICE.text(error)
     return {
         "code": type(error).__name__,
         "en": text.en,

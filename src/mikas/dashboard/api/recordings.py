@@ -12,6 +12,7 @@ from fastapi import APIRouter, Query
 from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
+from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.api import exports, report
 from mikas.dashboard.api.broadcaster import dumps
 from mikas.dashboard.api.dependencies import Asker, TheHub
@@ -112,7 +113,7 @@ def _problem(desk: Desk) -> TwoTexts | None:
     try:
         check_folder(desk.hub.settings.recordings)
     except UsageError as error:
-        return two(error.gui_text)
+        return two(ADVICE.text(error))
     return None
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mikas.catalog import Level
+from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.api.errors import two, two_or_none
 from mikas.dashboard.dashboard import Hub
 from mikas.dashboard.happenings import passport
@@ -104,7 +105,7 @@ def _recording(hub: Hub) -> RecordingOfState | None:
         bytes=status.bytes,
         samples=status.samples,
         gaps=status.gaps,
-        failure=two_or_none(status.failure.gui_text if status.failure else None),
+        failure=two_or_none(ADVICE.text(status.failure) if status.failure else None),
     )
 
 

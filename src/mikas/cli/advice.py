@@ -1,0 +1,68 @@
+"""What to try in a terminal after an error: the commands and options that help, by its class."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from mikas.errors import (
+    AdviceTable,
+    EchoDiffers,
+    LineError,
+    LinkLost,
+    NoEcho,
+    NoPortGiven,
+    NoResponse,
+    NotSupported,
+    PortNotFound,
+    RecordingOver,
+    UnknownParameter,
+)
+from mikas.i18n import Text
+
+_DOCTOR = Text(
+    "`mikas doctor` checks the connection step by step.",
+    "`mikas doctor` проверит связь по шагам.",
+)
+_HINTS = {
+    PortNotFound: Text(
+        "`mikas ports` lists the ports; `--port sim:` needs no adapter at all.",
+        "Список портов: `mikas ports`; без адаптера работает `--port sim:`.",
+    ),
+    NoPortGiven: Text(
+        "For example: --port {example}. `mikas ports` lists the ports; `--port sim:` needs no "
+        "adapter at all.",
+        "Например: --port {example}. Список портов: `mikas ports`; без адаптера работает "
+        "`--port sim:`.",
+    ),
+    LinkLost: Text("Then run the command again.", "Затем повторите команду."),
+    RecordingOver: Text(
+        "With replay:FILE?loop=1 it repeats, with replay:FILE?seek=60 it starts 60 s later.",
+        "replay:FILE?loop=1 повторяет её по кругу, replay:FILE?seek=60 начинает с 60-й секунды.",
+    ),
+    NoEcho: Text(
+        "`mikas ports` lists the ports, `mikas doctor` checks the connection step by step.",
+        "Список портов: `mikas ports`; проверка связи по шагам: `mikas doctor`.",
+    ),
+    NoResponse: Text(
+        "`mikas info` shows the commands that the unit knows, `mikas doctor` checks the line; "
+        "`--timeout` sets a longer wait.",
+        "Какие команды знает блок: `mikas info`; проверка линии: `mikas doctor`; ждать дольше: "
+        "`--timeout`.",
+    ),
+    EchoDiffers: Text(
+        "The option is `--echo`; `mikas doctor` checks the connection step by step.",
+        "Эхо настраивает ключ `--echo`; `mikas doctor` проверит связь по шагам.",
+    ),
+    LineError: _DOCTOR,
+    NotSupported: Text(
+        "`mikas info` shows the commands of this one.",
+        "Команды этого блока показывает `mikas info`.",
+    ),
+    UnknownParameter: Text(
+        "`mikas params` lists all parameters.", "Все параметры: `mikas params`."
+    ),
+}
+
+ADVICE: Final = AdviceTable(_HINTS)
+DOCTOR_ADVICE: Final = AdviceTable({kind: _HINTS[kind] for kind in (PortNotFound, NoPortGiven)})
+"""While `mikas doctor` runs, it is not advised."""
