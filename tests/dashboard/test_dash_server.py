@@ -81,7 +81,7 @@ def test_every_route_says_what_it_takes_gives_and_refuses(shared_off):
             for status, answer in route["responses"].items():
                 if status >= "400":
                     schema = answer["content"]["application/json"]["schema"]
-                    assert schema == {"$ref": "#/components/schemas/ErrorAnswer"}, said
+                    assert schema == {"$ref": "#/components/schemas/ErrorResponse"}, said
             if method in ("post", "put"):
                 json = good["content"].get("application/json", {"schema": {"$ref": ""}})
                 assert "$ref" in json["schema"], said

@@ -7,7 +7,7 @@ import re
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from mikas.dashboard.api.dumps import DumpWish
+from mikas.dashboard.api.dumps import DumpRequest
 from mikas.dashboard.api.presets import Preset
 from mikas.dashboard.changes_wishes import WriteParameter
 from mikas.dashboard.not_valid import told
@@ -22,7 +22,7 @@ def errors_of(kind, value):
 @pytest.mark.parametrize(
     ("kind", "value"),
     [(WriteParameter, {}), (WriteParameter, {"kind": "x", "name": 3}), (WriteParameter, 3),
-     (DumpWish, {"space": "rom", "first": -1, "last": "x"}), (Preset, {"name": 3}),
+     (DumpRequest, {"space": "rom", "first": -1, "last": "x"}), (Preset, {"name": 3}),
      (list[int], "x"), (int, 1.5), (bool, "maybe")],
 )  # fmt: skip
 def test_in_both_languages(kind, value) -> None:

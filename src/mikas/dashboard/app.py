@@ -17,7 +17,14 @@ from fastapi import APIRouter, FastAPI
 
 from mikas.dashboard import page
 from mikas.dashboard.api import errors
+from mikas.dashboard.api.diagnosis import DiagnosisStep
 from mikas.dashboard.api.live import Broadcaster
+from mikas.dashboard.api.messages import (
+    FieldsMessage,
+    LiveMessage,
+    PingMessage,
+    component_schemas,
+)
 from mikas.dashboard.dashboard import Hub
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.security.middleware import Doorkeeper
@@ -38,8 +45,11 @@ class _Application(FastAPI):
         for methods in described["paths"].values():
             for route in methods.values():
                 route["responses"].pop("422", None)
+        schemas = described["components"]["schemas"]
         for name in ("HTTPValidationError", "ValidationError"):
-            described["components"]["schemas"].pop(name, None)
+            schemas.pop(name, None)
+        schemas.update(component_schemas(LiveMessage, PingMessage, FieldsMessage, DiagnosisStep))
+        described["components"]["schemas"] = dict(sorted(schemas.items()))
         return described
 
 

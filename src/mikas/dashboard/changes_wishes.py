@@ -50,7 +50,7 @@ class DeleteDump(BaseModel):
     id: str = Field(max_length=100)
 
 
-ChangeWish = Annotated[
+ChangeRequest = Annotated[
     EraseFaults | WriteParameter | WriteMemory | DeleteRecording | DeleteDump,
     Field(discriminator="kind"),
 ]

@@ -9,13 +9,14 @@ from typing import Any
 from pydantic import BaseModel, Field
 
 from mikas.dashboard.api.errors import TwoTexts, two_or_none
+from mikas.dashboard.api.messages import RecordedEvent
 from mikas.dashboard.library.folder import Shelved
 from mikas.recording.happened import MethodChosen
 from mikas.recording.opening import Recording
 from mikas.recording.summary import Summary
 
 
-class RecordingOut(BaseModel):
+class RecordingInfo(BaseModel):
     """One recording. Null is what is not known of it; `problem`: why it can't be read."""
 
     id: str = Field(description="the file's name")
@@ -35,7 +36,7 @@ class RecordingOut(BaseModel):
     problem: TwoTexts | None
 
 
-class ProblemOut(BaseModel):
+class RecordingProblem(BaseModel):
     """A place that can't be read."""
 
     en: str
@@ -43,27 +44,27 @@ class ProblemOut(BaseModel):
     offset: int
 
 
-class RecordingDetail(RecordingOut):
+class RecordingDetail(RecordingInfo):
     """One recording with all that happened in it. `first`, `last`: its rows lie between them."""
 
     channels: list[str]
     first: float | None
     last: float | None
-    events: list[dict[str, Any]]
-    problems: list[ProblemOut]
+    events: list[RecordedEvent]
+    problems: list[RecordingProblem]
     method: str | None
 
 
-class RecordingList(BaseModel):
+class RecordingsResponse(BaseModel):
     """The latest first. `problem`: why none can be kept in the folder, if so."""
 
-    recordings: list[RecordingOut]
+    recordings: list[RecordingInfo]
     problem: TwoTexts | None
 
 
-def listed(it: Shelved, summary: Summary, *, growing: bool) -> RecordingOut:
+def listed(it: Shelved, summary: Summary, *, growing: bool) -> RecordingInfo:
     """As the list shows it."""
-    return RecordingOut(
+    return RecordingInfo(
         id=it.id,
         bytes=it.bytes,
         date=summary.date,
@@ -84,25 +85,25 @@ def listed(it: Shelved, summary: Summary, *, growing: bool) -> RecordingOut:
 
 def detailed(
     it: Shelved, summary: Summary, recording: Recording | None, *, growing: bool
-) -> RecordingDetail:
-    """All of it; `recording` None: it can't be read."""
-    base = listed(it, summary, growing=growing).model_dump()
+) -> dict[str, Any]:
+    """Return a `RecordingDetail` as JSON, not validated: its events are what the file holds.
+
+    `recording` None: it can't be read.
+    """
+    detail: dict[str, Any] = listed(it, summary, growing=growing).model_dump(mode="json")
+    detail |= {"channels": [], "events": [], "problems": [], "method": None}
     if recording is None:
-        empty: dict[str, Any] = {"channels": [], "events": [], "problems": []}
-        return RecordingDetail(**base, **empty, first=None, last=None, method=None)
-    first, last = _span(summary, recording)
+        return detail | {"first": None, "last": None}
+    detail["first"], detail["last"] = _span(summary, recording)
+    detail["channels"] = [channel.name for channel in recording.channels]
+    detail["events"] = [event.as_json() for event in recording.events]
+    detail["problems"] = [
+        {"en": it.text.en, "ru": it.text.ru, "offset": it.offset} for it in recording.problems
+    ]
     methods = [event.method for event in recording.events if isinstance(event, MethodChosen)]
-    return RecordingDetail(
-        **base,
-        channels=[channel.name for channel in recording.channels],
-        first=first,
-        last=last,
-        events=[event.as_json() for event in recording.events],
-        problems=[
-            ProblemOut(en=it.text.en, ru=it.text.ru, offset=it.offset) for it in recording.problems
-        ],
-        method=methods[-1] if methods else summary.unit.method if summary.unit else None,
-    )
+    unit = summary.unit
+    detail["method"] = methods[-1] if methods else unit.method if unit else None
+    return detail
 
 
 def _span(summary: Summary, recording: Recording) -> tuple[float | None, float | None]:

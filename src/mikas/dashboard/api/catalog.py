@@ -6,17 +6,18 @@ from __future__ import annotations
 
 import io
 from importlib.metadata import version
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
-from mikas.catalog import Catalog, Derived, Parameter
+from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter
 from mikas.dashboard.api import presets as stored
 from mikas.dashboard.api.broadcaster import dumps
 from mikas.dashboard.api.dependencies import Asker, TheHub, Viewer
 from mikas.dashboard.api.errors import TwoTexts, errors, two
+from mikas.dashboard.api.messages import LiveEvent
 from mikas.dashboard.api.presets import Preset
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.history import decimated
@@ -25,7 +26,7 @@ from mikas.dashboard.security.access import Access
 router = APIRouter(tags=["about"])
 
 
-class About(BaseModel):
+class AboutResponse(BaseModel):
     """Who this is. `lan_url` has the token in it, and is told to those with full rights only."""
 
     version: str
@@ -53,7 +54,7 @@ class LampTexts(BaseModel):
     off: TwoTexts
 
 
-class ErratumOfChannel(BaseModel):
+class ChannelErratum(BaseModel):
     """A doubtful place of the source that bears on this channel."""
 
     id: str
@@ -76,14 +77,14 @@ class Channel(BaseModel):
     reference: tuple[float, float] | None = Field(description="warm idle of a sound engine")
     limits: Limits | None
     lamp: LampTexts | None
-    alarm_when_true: Literal["none", "warning", "danger"]
+    alarm_when_true: Level
     inputs: list[str] | None
-    errata: list[ErratumOfChannel]
-    confidence: str
+    errata: list[ChannelErratum]
+    confidence: Confidence
     writable: bool
 
 
-class CatalogAnswer(BaseModel):
+class CatalogResponse(BaseModel):
     """Everything that can be shown, and the presets that come with the program."""
 
     version: str
@@ -92,26 +93,26 @@ class CatalogAnswer(BaseModel):
     presets: list[Preset]
 
 
-class PresetsAnswer(BaseModel):
+class PresetList(BaseModel):
     """The user's own."""
 
     presets: list[Preset] = Field(max_length=100)
 
 
-class HistoryAnswer(BaseModel):
+class HistoryResponse(BaseModel):
     """Columns over time as in live data, and what happened. null: not fresh in that row."""
 
     names: list[str]
     times: list[float]
     values: list[list[float | None]]
-    events: list[dict[str, Any]]
+    events: list[LiveEvent]
 
 
 @router.get("/about", responses=errors())
-def about(request: Request, hub: TheHub, client: Viewer) -> About:
+def about(request: Request, hub: TheHub, client: Viewer) -> AboutResponse:
     """Who this is."""
     access: Access = request.app.state.access
-    return About(
+    return AboutResponse(
         version=version("mikas"),
         rights="control" if client.may_control else "view",
         demo=hub.is_demo,
@@ -122,7 +123,11 @@ def about(request: Request, hub: TheHub, client: Viewer) -> About:
     )
 
 
-@router.get("/about/qr.svg", responses={**errors(404), 200: {"content": {"image/svg+xml": {}}}})
+@router.get(
+    "/about/qr.svg",
+    response_class=Response,
+    responses={**errors(404), 200: {"content": {"image/svg+xml": {}}}},
+)
 def qr(request: Request, client: Viewer) -> Response:
     """The link for others in the network as a QR code."""
     import segno
@@ -136,10 +141,10 @@ def qr(request: Request, client: Viewer) -> Response:
 
 
 @router.get("/catalog", responses=errors())
-def catalog(hub: TheHub) -> CatalogAnswer:
+def catalog(hub: TheHub) -> CatalogResponse:
     """Every channel."""
     known = hub.catalog
-    return CatalogAnswer(
+    return CatalogResponse(
         version=known.version,
         parameters=[_channel(known, it) for it in known.parameters],
         derived=[_channel(known, it) for it in known.derived.values()],
@@ -148,19 +153,19 @@ def catalog(hub: TheHub) -> CatalogAnswer:
 
 
 @router.get("/presets", responses=errors())
-def presets(hub: TheHub) -> PresetsAnswer:
+def presets(hub: TheHub) -> PresetList:
     """The user's own presets."""
-    return PresetsAnswer(presets=stored.own(hub.settings.presets))
+    return PresetList(presets=stored.own(hub.settings.presets))
 
 
 @router.put("/presets", responses=errors())
-def keep_presets(hub: TheHub, _: Asker, wish: PresetsAnswer) -> PresetsAnswer:
+def keep_presets(hub: TheHub, _: Asker, wish: PresetList) -> PresetList:
     """Keeps the user's presets, instead of those that were there."""
     stored.keep(hub.settings.presets, wish.presets)
     return presets(hub)
 
 
-@router.get("/history", responses=errors(), response_model=HistoryAnswer)
+@router.get("/history", responses=errors(), response_model=HistoryResponse)
 def history(
     hub: TheHub,
     seconds: Annotated[float, Query(gt=0, le=86400)] = 900,
@@ -200,12 +205,12 @@ def _channel(known: Catalog, it: Parameter | Derived) -> Channel:
         if limits is not None and limits.for_number
         else None,
         lamp=LampTexts(on=two(lamp.on), off=two(lamp.off)) if lamp else None,
-        alarm_when_true=limits.when_true.value if limits else "none",
+        alarm_when_true=limits.when_true if limits else Level.NONE,
         inputs=None if isinstance(it, Parameter) else list(it.inputs),
         errata=[
-            ErratumOfChannel(id=name, text=two(known.errata[name].reason))
+            ChannelErratum(id=name, text=two(known.errata[name].reason))
             for name in (parameter.errata if parameter else ())
         ],
-        confidence=it.confidence.value,
+        confidence=it.confidence,
         writable=parameter is not None and not parameter.is_flag,
     )

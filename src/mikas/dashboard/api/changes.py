@@ -6,15 +6,15 @@ does it, if that still stands.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, Path
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel
 
 from mikas.dashboard.api.dependencies import Controller, TheHub
 from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
 from mikas.dashboard.changes_wishes import (
-    ChangeWish,
+    ChangeRequest,
     DeleteDump,
     DeleteRecording,
     EraseFaults,
@@ -31,35 +31,70 @@ from mikas.dashboard.session.changes import erase, write_memory, write_parameter
 router = APIRouter(tags=["changes"])
 
 
-class Asked(BaseModel):
-    """What would happen; to be shown to a person, who then confirms with the nonce."""
+class FaultShown(BaseModel):
+    """A stored fault that would be erased."""
+
+    code: int
+    en: str
+    ru: str
+
+
+class ValueShown(BaseModel):
+    """A parameter's value. `raw`: hex."""
+
+    value: bool | int | float
+    unit: str
+    raw: str
+
+
+class RecordingShown(BaseModel):
+    """A recording that would be deleted."""
+
+    id: str
+    bytes: int
+
+
+class DumpShown(BaseModel):
+    """A dump that would be deleted."""
+
+    id: str
+    file: str
+    done: int
+    total: int
+
+
+Content = list[int] | ValueShown | RecordingShown | DumpShown | str | None
+"""Of faults: their codes. Of memory: hex. null: not readable, or deleted."""
+
+
+class ChangeProposal(BaseModel):
+    """The effect of a change, to be shown to a person, who then confirms it by the nonce."""
 
     nonce: str
     expires: float
     what: TwoTexts
-    before: Any
-    after: Any
+    before: Content
+    after: Content
     danger: bool
-    lost: list[Any]
+    lost: list[FaultShown | RecordingShown | DumpShown]
     meaning: TwoTexts | None
 
 
-class Done(BaseModel):
-    """What was there, and what is there now, read back."""
+class ChangeResult(BaseModel):
+    """The content before the change, and the content that was read back after it."""
 
-    model_config = ConfigDict(extra="allow")
-    before: Any
-    after: Any
+    before: Content
+    after: Content
     done: Literal[True] = True
 
 
 @router.post("/changes", responses=errors(404, 409, 502, 503))
-async def ask(hub: TheHub, client: Controller, wish: ChangeWish) -> Asked:
+async def ask(hub: TheHub, client: Controller, wish: ChangeRequest) -> ChangeProposal:
     """Reads what is there and says what would become of it; changes nothing."""
     prepared = await _prepared(hub, wish)
     _check_lock(hub, prepared)
     nonce = hub.nonces.keep(client, prepared)
-    return Asked(
+    return ChangeProposal(
         nonce=nonce,
         expires=hub.now() + LIFETIME,
         what=two(prepared.what),
@@ -74,14 +109,14 @@ async def ask(hub: TheHub, client: Controller, wish: ChangeWish) -> Asked:
 @router.post("/changes/{nonce}", responses=errors(409, 410, 502, 503))
 async def confirm(
     hub: TheHub, client: Controller, nonce: Annotated[str, Path(max_length=64)]
-) -> Done:
+) -> ChangeResult:
     """Does what was shown, if it still stands; once."""
     prepared = hub.nonces.use(client, nonce)
     _check_lock(hub, prepared)
-    return Done(**await prepared.make())
+    return ChangeResult(**await prepared.make())
 
 
-async def _prepared(hub: Hub, wish: ChangeWish) -> Prepared:
+async def _prepared(hub: Hub, wish: ChangeRequest) -> Prepared:
     match wish:
         case EraseFaults():
             return await erase(hub)

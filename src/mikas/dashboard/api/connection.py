@@ -12,9 +12,8 @@ from mikas.catalog import Catalog
 from mikas.client.methods import Method
 from mikas.dashboard.api.dependencies import Asker, Controller, TheHub, Viewer
 from mikas.dashboard.api.errors import TwoTexts, errors, two
-from mikas.dashboard.api.state import state_of
+from mikas.dashboard.api.state import PlannedChannel, State, state_of
 from mikas.dashboard.security.ports import TheReach
-from mikas.dashboard.state import State, WantedOne
 from mikas.dashboard.wishes import Wish
 
 router = APIRouter(tags=["connection"])
@@ -22,7 +21,7 @@ router = APIRouter(tags=["connection"])
 _LONGEST_URL = 500
 
 
-class PortFound(BaseModel):
+class PortInfo(BaseModel):
     """A serial port of this computer. `likely`: an adapter may be behind it."""
 
     url: str
@@ -32,13 +31,13 @@ class PortFound(BaseModel):
     quirks: list[TwoTexts]
 
 
-class PortsFound(BaseModel):
+class PortsResponse(BaseModel):
     """The best guess first."""
 
-    ports: list[PortFound]
+    ports: list[PortInfo]
 
 
-class ConnectWish(BaseModel):
+class ConnectRequest(BaseModel):
     """`port` null: the one likely adapter."""
 
     port: str | None = Field(None, max_length=_LONGEST_URL, examples=["/dev/ttyUSB0", "sim:"])
@@ -47,39 +46,39 @@ class ConnectWish(BaseModel):
     rate: float | None = Field(None, gt=0, le=1000)
 
 
-class PlanWish(BaseModel):
+class PlanRequest(BaseModel):
     """What to sample, derived channels among it."""
 
-    wanted: list[WantedOne] = Field(min_length=1, max_length=200)
+    wanted: list[PlannedChannel] = Field(min_length=1, max_length=200)
     method: Method = "auto"
     rate: float | None = Field(None, gt=0, le=1000)
 
 
-class PriceWish(BaseModel):
+class PriceRequest(BaseModel):
     """A plan to be priced; `method` auto: that in use."""
 
-    wanted: list[WantedOne] = Field(min_length=1, max_length=200)
+    wanted: list[PlannedChannel] = Field(min_length=1, max_length=200)
     method: Method = "auto"
 
 
-class PriceOfOne(BaseModel):
+class ChannelPrice(BaseModel):
     """What a channel would add to each set, and the rate with it."""
 
     seconds: float
     rate: float
 
 
-class PriceTag(BaseModel):
+class PriceResponse(BaseModel):
     """What a set costs on average; `more`: of every channel that is not in it yet."""
 
     bytes: float
     requests: float
     seconds: float
     rate: float
-    more: dict[str, PriceOfOne]
+    more: dict[str, ChannelPrice]
 
 
-class TakeWish(BaseModel):
+class TakeControlRequest(BaseModel):
     """`force`: also from another."""
 
     force: bool = False
@@ -93,11 +92,11 @@ def state(hub: TheHub, client: Viewer) -> State:
 
 
 @router.get("/ports", responses=errors())
-def ports(hub: TheHub) -> PortsFound:
+def ports(hub: TheHub) -> PortsResponse:
     """The serial ports that the system sees."""
-    return PortsFound(
+    return PortsResponse(
         ports=[
-            PortFound(
+            PortInfo(
                 url=port.url,
                 description=port.description,
                 chip=port.chip,
@@ -110,7 +109,7 @@ def ports(hub: TheHub) -> PortsFound:
 
 
 @router.post("/connect", responses=errors(409, 503))
-async def connect(hub: TheHub, client: Controller, reach: TheReach, wish: ConnectWish) -> State:
+async def connect(hub: TheHub, client: Controller, reach: TheReach, wish: ConnectRequest) -> State:
     """Connects; how far it comes is told by the state."""
     await asyncio.to_thread(reach.check, wish.port)
     method = None if wish.method == "auto" else wish.method
@@ -126,7 +125,7 @@ async def disconnect(hub: TheHub, client: Controller) -> State:
 
 
 @router.put("/plan", responses=errors(409))
-async def plan(hub: TheHub, client: Controller, wish: PlanWish) -> State:
+async def plan(hub: TheHub, client: Controller, wish: PlanRequest) -> State:
     """Samples these channels from now on."""
     await asyncio.to_thread(
         hub.planning.want, _wish(hub.catalog, wish.wanted, wish.method, wish.rate)
@@ -135,7 +134,7 @@ async def plan(hub: TheHub, client: Controller, wish: PlanWish) -> State:
 
 
 @router.post("/plan/price", responses=errors())
-def price(hub: TheHub, wish: PriceWish) -> PriceTag:
+def price(hub: TheHub, wish: PriceRequest) -> PriceResponse:
     """What a set of these would cost, and what one more would add."""
     names = _wish(hub.catalog, wish.wanted, wish.method, None)
     base = hub.planning.price(names.names, wish.method)
@@ -143,8 +142,8 @@ def price(hub: TheHub, wish: PriceWish) -> PriceTag:
     for channel in hub.planning.channels:
         if channel not in names.every:
             with_it = hub.planning.price([*names.names, channel], wish.method)
-            more[channel] = PriceOfOne(seconds=with_it.seconds - base.seconds, rate=with_it.rate)
-    return PriceTag(
+            more[channel] = ChannelPrice(seconds=with_it.seconds - base.seconds, rate=with_it.rate)
+    return PriceResponse(
         bytes=base.bytes,
         requests=base.requests,
         seconds=base.seconds,
@@ -161,7 +160,7 @@ async def relearn(hub: TheHub, client: Controller) -> State:
 
 
 @router.post("/control/take", responses=errors(409))
-def take(hub: TheHub, client: Asker, wish: TakeWish) -> State:
+def take(hub: TheHub, client: Asker, wish: TakeControlRequest) -> State:
     """Takes the controller's seat; with `force` also from another."""
     hub.seat.demand(client, force=wish.force)
     return state_of(hub, client)
@@ -174,7 +173,9 @@ def release(hub: TheHub, client: Asker) -> State:
     return state_of(hub, client)
 
 
-def _wish(catalog: Catalog, wanted: list[WantedOne], method: Method, rate: float | None) -> Wish:
+def _wish(
+    catalog: Catalog, wanted: list[PlannedChannel], method: Method, rate: float | None
+) -> Wish:
     every: dict[str, int] = {}
     for one in wanted:
         every.setdefault(catalog.channel(one.name).name, one.every)

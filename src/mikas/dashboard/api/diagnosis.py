@@ -17,13 +17,12 @@ from mikas.client.doctor import Step
 from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.api.dependencies import Controller, TheHub
 from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
-from mikas.dashboard.api.state import state_of
+from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.dashboard import Hub
 from mikas.dashboard.errors import Busy
 from mikas.dashboard.security.ports import TheReach
 from mikas.dashboard.session.diagnosis import Examination
 from mikas.dashboard.session.manager import CHANGING
-from mikas.dashboard.state import State
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.link.urls import parse
@@ -41,13 +40,13 @@ _TITLES = {
 }
 
 
-class DoctorWish(BaseModel):
+class DiagnosisRequest(BaseModel):
     """`port` null: that of the connection, or the one likely adapter."""
 
     port: str | None = Field(None, max_length=500)
 
 
-class DoctorStep(BaseModel):
+class DiagnosisStep(BaseModel):
     """One line of the answer. `ok` null: could not be told, or could be better."""
 
     name: str
@@ -58,8 +57,7 @@ class DoctorStep(BaseModel):
 
 
 _NDJSON = "application/x-ndjson"
-_LINE = DoctorStep.model_json_schema(ref_template="#/components/schemas/{model}")
-_LINE.pop("$defs")  # described elsewhere in the API
+_LINE = {"$ref": "#/components/schemas/DiagnosisStep"}
 
 
 @router.post(
@@ -68,9 +66,9 @@ _LINE.pop("$defs")  # described elsewhere in the API
     responses={**errors(409, 503), 200: {"content": {_NDJSON: {"schema": _LINE}}}},
 )
 async def doctor(
-    hub: TheHub, _: Controller, reach: TheReach, wish: DoctorWish
+    hub: TheHub, _: Controller, reach: TheReach, wish: DiagnosisRequest
 ) -> StreamingResponse:
-    """Examines the connection; a line of JSON (`DoctorStep`) for each step as it ends."""
+    """Examines the connection; a line of JSON (`DiagnosisStep`) for each step as it ends."""
     await asyncio.to_thread(reach.check, wish.port)
     port = wish.port or (hub.way.url if hub.way else None)
     if port is None:
@@ -78,7 +76,7 @@ async def doctor(
     parse(port)
     if hub.switch.changing or hub.examination is not None:
         raise Busy(problem=CHANGING)
-    told: asyncio.Queue[DoctorStep | None] = asyncio.Queue()
+    told: asyncio.Queue[DiagnosisStep | None] = asyncio.Queue()
     examination = Examination(port, hub.settings)
     hub.examination = examination
     examination.task = asyncio.create_task(_examine(hub, examination, told))
@@ -102,7 +100,7 @@ async def stop(hub: TheHub, client: Controller) -> State:
 
 
 async def _examine(
-    hub: Hub, examination: Examination, told: asyncio.Queue[DoctorStep | None]
+    hub: Hub, examination: Examination, told: asyncio.Queue[DiagnosisStep | None]
 ) -> None:
     loop = asyncio.get_running_loop()
 
@@ -119,7 +117,7 @@ async def _examine(
         told.put_nowait(None)
 
 
-def _line(step: Step) -> DoctorStep:
+def _line(step: Step) -> DiagnosisStep:
     advice, to_try = Text("", ""), None
     if step.error is not None:
         advice, to_try = step.error.advice, ADVICE.advice(step.error)
@@ -129,7 +127,7 @@ def _line(step: Step) -> DoctorStep:
             for detail, shown in zip(step.detail, advice, strict=True)
         )
     )
-    return DoctorStep(
+    return DiagnosisStep(
         name=step.name,
         title=two(_TITLES[step.name]),
         ok=step.ok,

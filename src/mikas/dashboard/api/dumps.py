@@ -32,7 +32,7 @@ _SHOWN = 1000
 DumpId = Annotated[str, Path(max_length=100)]
 
 
-class DumpWish(BaseModel):
+class DumpRequest(BaseModel):
     """What to read; `last` is inclusive. `verify`: read all of it twice."""
 
     space: Space
@@ -42,7 +42,7 @@ class DumpWish(BaseModel):
     verify: bool = False
 
 
-class CellOfDump(BaseModel):
+class DumpCell(BaseModel):
     """A cell of the map."""
 
     first: int
@@ -50,7 +50,7 @@ class CellOfDump(BaseModel):
     state: Literal["todo", "done", "retried", "failed"]
 
 
-class DumpAnswer(BaseModel):
+class DumpResponse(BaseModel):
     """How far a dump has come. With `verify`, `total` counts both passes."""
 
     id: str
@@ -63,7 +63,7 @@ class DumpAnswer(BaseModel):
     total: int
     speed: float = Field(description="bytes a second")
     left: float | None = Field(description="seconds")
-    blocks: list[CellOfDump]
+    blocks: list[DumpCell]
     error: ErrorBody | None = Field(description="what holds it up, or ended it")
     file: str
     differences: int | None = Field(
@@ -72,13 +72,13 @@ class DumpAnswer(BaseModel):
     )
 
 
-class DumpsAnswer(BaseModel):
+class DumpsResponse(BaseModel):
     """The newest first."""
 
-    dumps: list[DumpAnswer]
+    dumps: list[DumpResponse]
 
 
-class DifferenceOfDump(BaseModel):
+class ByteDifference(BaseModel):
     """Two bytes that differ; null: one side has no byte there."""
 
     address: int
@@ -86,15 +86,15 @@ class DifferenceOfDump(BaseModel):
     b: str | None
 
 
-class DifferencesAnswer(BaseModel):
+class DifferencesResponse(BaseModel):
     """The first 1000 of `count`."""
 
-    differences: list[DifferenceOfDump]
+    differences: list[ByteDifference]
     count: int
 
 
 @router.post("/dumps", responses=errors(409, 502, 503))
-async def start(hub: TheHub, _: Controller, wish: DumpWish) -> DumpAnswer:
+async def start(hub: TheHub, _: Controller, wish: DumpRequest) -> DumpResponse:
     """Begins to read a range of memory into a file."""
     check_range(wish.space, last_of(wish.space), wish.first, wish.last - wish.first + 1)
     manifest = await hub.ask(lambda ecu: _manifest(ecu, wish))
@@ -109,20 +109,20 @@ async def start(hub: TheHub, _: Controller, wish: DumpWish) -> DumpAnswer:
 
 
 @router.get("/dumps", responses=errors())
-async def dumps(hub: TheHub) -> DumpsAnswer:
+async def dumps(hub: TheHub) -> DumpsResponse:
     """All that there are."""
     jobs = sorted(hub.dumping.jobs.values(), key=lambda job: job.begun, reverse=True)
-    return DumpsAnswer(dumps=[_answer(job) for job in jobs])
+    return DumpsResponse(dumps=[_answer(job) for job in jobs])
 
 
 @router.get("/dumps/{id}", responses=errors(404))
-async def dump(hub: TheHub, id: DumpId) -> DumpAnswer:  # noqa: A002  (the API's name)
+async def dump(hub: TheHub, id: DumpId) -> DumpResponse:  # noqa: A002  (the API's name)
     """One of them."""
     return _answer(_job(hub, id))
 
 
 @router.post("/dumps/{id}/pause", responses=errors(404, 409))
-async def pause(hub: TheHub, _: Controller, id: DumpId) -> DumpAnswer:  # noqa: A002  (as above)
+async def pause(hub: TheHub, _: Controller, id: DumpId) -> DumpResponse:  # noqa: A002  (as above)
     """Stops reading; nothing that was read is lost."""
     job = _job(hub, id)
     await hub.dumping.pause(job)
@@ -130,7 +130,7 @@ async def pause(hub: TheHub, _: Controller, id: DumpId) -> DumpAnswer:  # noqa: 
 
 
 @router.post("/dumps/{id}/resume", responses=errors(404, 409))
-async def resume(hub: TheHub, _: Controller, id: DumpId) -> DumpAnswer:  # noqa: A002  (as above)
+async def resume(hub: TheHub, _: Controller, id: DumpId) -> DumpResponse:  # noqa: A002  (as above)
     """Goes on behind what was read."""
     job = _job(hub, id)
     if job.phase != "done":
@@ -157,24 +157,24 @@ async def compare(
     id: DumpId,  # noqa: A002  (the API's name)
     other: Annotated[bytes, Body(media_type="application/octet-stream")],
     first: Annotated[int | None, Query(ge=0, le=0xFFFF)] = None,
-) -> DifferencesAnswer:
+) -> DifferencesResponse:
     """Where this dump (`a`) and the body (`b`, beginning at `first`) differ."""
     job = _job(hub, id)
     begin = job.manifest.first if first is None else first
 
-    def work() -> DifferencesAnswer:
+    def work() -> DifferencesResponse:
         try:
             own = job.file.read_bytes()
         except FileNotFoundError:
             raise NotFound(name=id) from None
         found = differences(own, job.manifest.first, other, begin)
         shown = [_difference(it) for it in islice(found, _SHOWN)]
-        return DifferencesAnswer(differences=shown, count=len(shown) + sum(1 for _ in found))
+        return DifferencesResponse(differences=shown, count=len(shown) + sum(1 for _ in found))
 
     return await asyncio.to_thread(work)
 
 
-def _manifest(ecu: Ecu, wish: DumpWish) -> Manifest:
+def _manifest(ecu: Ecu, wish: DumpRequest) -> Manifest:
     return Manifest(
         wish.space,
         wish.first,
@@ -193,10 +193,10 @@ def _job(hub: Hub, name: str) -> Job:
     return job
 
 
-def _answer(job: Job) -> DumpAnswer:
+def _answer(job: Job) -> DumpResponse:
     manifest, speed = job.manifest, job.speed
     left = (job.total - job.done) / speed if speed > 0 else None
-    return DumpAnswer(
+    return DumpResponse(
         id=job.id,
         space=_space(manifest.space),
         first=manifest.first,
@@ -218,7 +218,7 @@ def _space(name: str) -> Any:  # noqa: ANN401  (a manifest's; checked when it wa
     return name
 
 
-def _map(job: Job) -> list[CellOfDump]:
+def _map(job: Job) -> list[DumpCell]:
     manifest, cells = job.manifest, []
     for index, offset in enumerate(range(0, manifest.size, job.cell)):
         count = min(job.cell, manifest.size - offset)
@@ -227,12 +227,12 @@ def _map(job: Job) -> list[CellOfDump]:
             state = "retried" if index in job.retried else "done"
         elif job.phase == "failed" and offset <= manifest.bytes_read:
             state = "failed"
-        cells.append(CellOfDump(first=manifest.first + offset, count=count, state=state))
+        cells.append(DumpCell(first=manifest.first + offset, count=count, state=state))
     return cells
 
 
-def _difference(it: Difference) -> DifferenceOfDump:
-    return DifferenceOfDump(
+def _difference(it: Difference) -> ByteDifference:
+    return ByteDifference(
         address=it.address,
         a=None if it.a is None else f"{it.a:02X}",
         b=None if it.b is None else f"{it.b:02X}",

@@ -48,7 +48,7 @@ class ErrorBody(BaseModel):
     received: str | None = None
 
 
-class ErrorAnswer(BaseModel):
+class ErrorResponse(BaseModel):
     """Every answer of 400 and above."""
 
     error: ErrorBody
@@ -78,7 +78,7 @@ def errors(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """For a route's `responses`: these statuses, and those that every route may answer with."""
     every = (400, 401, 403, 413)
     return {
-        status: {"model": ErrorAnswer, "description": _MEANINGS[status]}
+        status: {"model": ErrorResponse, "description": _MEANINGS[status]}
         for status in sorted({*every, *statuses})
     }
 

@@ -20,10 +20,9 @@ from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from mikas.dashboard.api.broadcaster import Fields, Listener, dumps, understood
 from mikas.dashboard.api.dependencies import client_of
 from mikas.dashboard.api.errors import answer_to
-from mikas.dashboard.api.state import holder_of, state_of
+from mikas.dashboard.api.state import OWN, holder_of, state_of
 from mikas.dashboard.dashboard import Hub
 from mikas.dashboard.errors import ApiRefusal
-from mikas.dashboard.state import OWN
 from mikas.dashboard.story import Row
 
 _log = logging.getLogger("mikas.dashboard")

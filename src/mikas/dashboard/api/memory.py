@@ -7,15 +7,15 @@ import os
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query
+from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
 
 from mikas.client import Ecu
 from mikas.commands import WriteList
 from mikas.dashboard.api.dependencies import Controller, TheHub
-from mikas.dashboard.api.errors import errors, in_hex
-from mikas.dashboard.api.state import state_of
+from mikas.dashboard.api.errors import TwoTexts, errors, in_hex
+from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.errors import NotConnected
-from mikas.dashboard.state import State
 
 router = APIRouter(tags=["memory"])
 
@@ -26,7 +26,7 @@ _TAIL = 1 << 20  # bytes of the journal that are looked at
 _ENTRIES = 200
 
 
-class MemoryAnswer(BaseModel):
+class MemoryResponse(BaseModel):
     """What was there at `time`."""
 
     space: Space
@@ -35,16 +35,34 @@ class MemoryAnswer(BaseModel):
     time: float
 
 
-class UnlockWish(BaseModel):
+class UnlockRequest(BaseModel):
     """For how long."""
 
     minutes: float = Field(5, gt=0, le=30)
 
 
-class JournalAnswer(BaseModel):
-    """Changes, the newest first; each stands there twice: begun, and with its outcome."""
+class JournalEntry(BaseModel):
+    """A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure.
 
-    entries: list[dict[str, Any]]
+    Described, not validated: the file may hold lines of older programs.
+    """
+
+    time: float
+    port: str | None = None
+    model: str | None = None
+    change: TwoTexts
+    command: str | None = None
+    safety: str | None = None
+    before: str | None = None
+    after: str | None = None
+    state: Literal["started", "done", "failed", "interrupted"] | None = None
+    outcome: str | None = None
+
+
+class JournalResponse(BaseModel):
+    """Changes, the newest first; each has two entries: `started`, and one with its outcome."""
+
+    entries: list[JournalEntry]
 
 
 @router.get("/memory/{space}", responses=errors(409, 502, 503))
@@ -54,7 +72,7 @@ async def memory(
     space: Space,
     address: Address,
     count: Annotated[int, Query(ge=1, le=1024)] = 256,
-) -> MemoryAnswer:
+) -> MemoryResponse:
     """Reads `count` bytes; of sfr one by one."""
     first = int(address, 0) if address.lower().startswith("0x") else int(address)
 
@@ -62,11 +80,11 @@ async def memory(
         return ecu.memory[space].read_block(first, count), ecu.tester.link.now()
 
     data, time = await hub.ask(read)
-    return MemoryAnswer(space=space, address=first, data=in_hex(data) or "", time=time)
+    return MemoryResponse(space=space, address=first, data=in_hex(data) or "", time=time)
 
 
 @router.post("/unlock", responses=errors(409, 503))
-def unlock(hub: TheHub, client: Controller, wish: UnlockWish) -> State:
+def unlock(hub: TheHub, client: Controller, wish: UnlockRequest) -> State:
     """Lets memory and parameters be written for some minutes, on this connection."""
     if hub.session is None:
         raise NotConnected
@@ -81,8 +99,8 @@ def lock(hub: TheHub, client: Controller) -> State:
     return state_of(hub, client)
 
 
-@router.get("/journal", responses=errors())
-def journal(hub: TheHub) -> JournalAnswer:
+@router.get("/journal", responses=errors(), response_model=JournalResponse)
+def journal(hub: TheHub) -> Response:
     """What was changed in which unit, from this computer: the last 200 lines.
 
     That a unit was told what to send (64) is in the file, and no change of a car: not here.
@@ -93,7 +111,7 @@ def journal(hub: TheHub) -> JournalAnswer:
             file.seek(max(0, size - _TAIL))
             lines = file.read().decode("utf-8", "replace").splitlines()
     except OSError:
-        return JournalAnswer(entries=[])
+        return JSONResponse({"entries": []})
     entries: list[dict[str, Any]] = []
     for line in reversed(lines):
         if len(entries) == _ENTRIES:
@@ -104,7 +122,7 @@ def journal(hub: TheHub) -> JournalAnswer:
             continue  # cut by the look at the tail only, or by somebody's editor
         if isinstance(entry, dict) and entry.get("command") != WriteList.SOURCE_NAME:
             entries.append(_in_two_languages(entry))
-    return JournalAnswer(entries=entries)
+    return JSONResponse({"entries": entries})
 
 
 def _in_two_languages(entry: dict[str, Any]) -> dict[str, Any]:

@@ -7,44 +7,43 @@ from pydantic import BaseModel, Field
 
 from mikas.dashboard.api.dependencies import Controller, TheHub
 from mikas.dashboard.api.errors import errors
-from mikas.dashboard.api.state import state_of
-from mikas.dashboard.state import State
+from mikas.dashboard.api.state import State, state_of
 
 router = APIRouter(prefix="/recording", tags=["recording"])
 
 
-class StartWish(BaseModel):
+class StartRecordingRequest(BaseModel):
     """`name` null: the date and time."""
 
     name: str | None = Field(None, max_length=200)
 
 
-class MarkerWish(BaseModel):
+class MarkerRequest(BaseModel):
     """What the moment is to be called."""
 
     label: str = Field("", max_length=1000)
 
 
-class MarkerAnswer(BaseModel):
+class MarkerResponse(BaseModel):
     """When it was."""
 
     time: float
 
 
-class NoteWish(BaseModel):
+class NoteRequest(BaseModel):
     """A person's words."""
 
     text: str = Field(max_length=100_000)
 
 
-class NoteAnswer(BaseModel):
+class NoteResponse(BaseModel):
     """It is in the recording."""
 
     kept: bool
 
 
 @router.post("/start", responses=errors(409, 503))
-async def start(hub: TheHub, client: Controller, wish: StartWish) -> State:
+async def start(hub: TheHub, client: Controller, wish: StartRecordingRequest) -> State:
     """Records everything on the wire to a new file from here on."""
     await hub.recording.start(wish.name)
     return state_of(hub, client)
@@ -58,13 +57,13 @@ def stop(hub: TheHub, client: Controller) -> State:
 
 
 @router.post("/marker", responses=errors(409))
-def marker(hub: TheHub, _: Controller, wish: MarkerWish) -> MarkerAnswer:
+def marker(hub: TheHub, _: Controller, wish: MarkerRequest) -> MarkerResponse:
     """Marks this moment."""
-    return MarkerAnswer(time=hub.recording.marker(wish.label))
+    return MarkerResponse(time=hub.recording.marker(wish.label))
 
 
 @router.post("/note", responses=errors(409))
-def note(hub: TheHub, _: Controller, wish: NoteWish) -> NoteAnswer:
+def note(hub: TheHub, _: Controller, wish: NoteRequest) -> NoteResponse:
     """Words into the recording that is being made."""
     hub.recording.note(wish.text)
-    return NoteAnswer(kept=True)
+    return NoteResponse(kept=True)

@@ -22,8 +22,8 @@ from mikas.dashboard.library.folder import Shelved
 from mikas.dashboard.library.service import Desk, TheDesk
 from mikas.dashboard.recordings_told import (
     RecordingDetail,
-    RecordingList,
-    RecordingOut,
+    RecordingInfo,
+    RecordingsResponse,
     detailed,
     listed,
 )
@@ -34,7 +34,7 @@ from mikas.recording.about import LONGEST, about_note, write_about
 router = APIRouter(tags=["recordings"])
 
 
-class RowsAnswer(BaseModel):
+class RowsResponse(BaseModel):
     """Columns over time. null: nothing came in that row. `decimated`: of each piece of time the
     least and the greatest value of each column.
     """
@@ -45,35 +45,36 @@ class RowsAnswer(BaseModel):
     decimated: bool
 
 
-class NoteWish(BaseModel):
+class RecordingNoteRequest(BaseModel):
     """A person's words about the whole recording; they take the place of those before."""
 
     text: str = Field(max_length=LONGEST)
 
 
 @router.get("/recordings", responses=errors())
-def recordings(desk: TheDesk) -> RecordingList:
+def recordings(desk: TheDesk) -> RecordingsResponse:
     """All recordings in the folder, the latest first."""
     there = desk.shelf.all()
     desk.summaries.forget_all_but(there)
-    return RecordingList(
+    return RecordingsResponse(
         recordings=[_listed(desk, it) for it in there],
         problem=_problem(desk),
     )
 
 
-@router.get("/recordings/{identity}", responses=errors(404))
-def recording(desk: TheDesk, identity: str) -> RecordingDetail:
-    """One recording, with its channels and all that happened in it."""
+@router.get("/recordings/{identity}", responses=errors(404), response_model=RecordingDetail)
+def recording(desk: TheDesk, identity: str) -> Response:
+    """One recording, with its channels and its events."""
     it = desk.shelf.one(identity)
     summary, growing = desk.summaries.of(it), desk.is_growing(it)
     if summary.problem is not None:
-        return detailed(it, summary, None, growing=growing)
+        return _json(detailed(it, summary, None, growing=growing))
     with desk.opened.using:
-        return detailed(it, summary, desk.opened.one(it, growing=growing), growing=growing)
+        opened = desk.opened.one(it, growing=growing)
+        return _json(detailed(it, summary, opened, growing=growing))
 
 
-@router.get("/recordings/{identity}/rows", responses=errors(404), response_model=RowsAnswer)
+@router.get("/recordings/{identity}/rows", responses=errors(404), response_model=RowsResponse)
 def rows(
     desk: TheDesk,
     identity: str,
@@ -95,11 +96,13 @@ def rows(
         "values": [plain(column) for column in found.values.values()],
         "decimated": decimated,
     }
-    return Response(dumps(told), media_type="application/json")
+    return _json(told)
 
 
 @router.put("/recordings/{identity}/note", responses=errors(404))
-def note(hub: TheHub, desk: TheDesk, _: Asker, identity: str, wish: NoteWish) -> RecordingOut:
+def note(
+    hub: TheHub, desk: TheDesk, _: Asker, identity: str, wish: RecordingNoteRequest
+) -> RecordingInfo:
     """Keeps words about the recording, in its own file."""
     it = desk.shelf.one(identity)
     if desk.is_growing(it):
@@ -117,7 +120,11 @@ def _problem(desk: Desk) -> TwoTexts | None:
     return None
 
 
-def _listed(desk: Desk, it: Shelved) -> RecordingOut:
+def _json(content: object) -> Response:
+    return Response(dumps(content), media_type="application/json")
+
+
+def _listed(desk: Desk, it: Shelved) -> RecordingInfo:
     return listed(it, desk.summaries.of(it), growing=desk.is_growing(it))
 
 

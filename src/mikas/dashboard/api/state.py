@@ -1,24 +1,106 @@
-"""The state, made of what the hub knows; and what of it belongs to one client."""
+"""The state of everything as the band at the top of the page shows it: models and their values."""
 
 from __future__ import annotations
 
+from typing import Literal
+
+from pydantic import BaseModel, Field
+
 from mikas.catalog import Level
+from mikas.client.methods import Method
 from mikas.dashboard.advice import ADVICE
-from mikas.dashboard.api.errors import two, two_or_none
+from mikas.dashboard.api.errors import TwoTexts, two, two_or_none
 from mikas.dashboard.dashboard import Hub
 from mikas.dashboard.happenings import passport
 from mikas.dashboard.security.control import Client
-from mikas.dashboard.state import (
-    AlarmOfState,
-    Holder,
-    Line,
-    PlanOfState,
-    RecordingOfState,
-    State,
-    WantedOne,
-)
 from mikas.i18n import Text
-from mikas.sampling.alarms import AlarmChanged
+from mikas.sampling.alarms import AlarmChanged, Side
+
+Line = Literal["off", "no-port", "no-echo", "echo-only", "ecu-alive", "sampling"]
+
+
+class PlannedChannel(BaseModel):
+    """A channel, and in which cycles it is asked: 1 is every one, 10 every tenth."""
+
+    name: str = Field(min_length=1, max_length=40, examples=["TWAT"])
+    every: int = Field(1, ge=1, le=1000)
+
+
+class PlanInfo(BaseModel):
+    """What is asked."""
+
+    wanted: list[PlannedChannel]
+    method: Method
+    rate: float | None = Field(description="sets a second at most; null: as fast as it goes")
+
+
+class RunningRecording(BaseModel):
+    """The recording that is being made."""
+
+    file: str
+    since: float | None
+    bytes: int
+    samples: int
+    gaps: int
+    failure: TwoTexts | None = Field(description="why it broke off, if it did")
+
+
+class ActiveAlarm(BaseModel):
+    """A channel that is beyond a limit now."""
+
+    name: str
+    level: Literal["warning", "danger"]
+    side: Side
+    value: float
+    limit: float
+    since: float
+
+
+class ControlHolder(BaseModel):
+    """Who decides what the line does."""
+
+    id: str
+    name: str
+    you: bool
+
+
+class State(BaseModel):
+    """Everything at a glance. Times are UNIX seconds of the link's clock."""
+
+    line: Line
+    text: TwoTexts
+    reason: TwoTexts | None = Field(description="what is wrong and what to try, while it is")
+    reason_code: str | None = Field(description="the same as the class of the error: NoEcho…")
+    since: float
+    port: str | None
+    adapter: str
+    model: TwoTexts | None
+    version_code: int | None
+    passport: list[str | None] | None
+    method: str | None = Field(description="in use; plan.method is what was asked for")
+    rates: dict[str, float] = Field(description="sets a second of each method that was measured")
+    rate: float
+    bus_load: float
+    errors_minute: int
+    errors: int
+    samples: int
+    plan: PlanInfo
+    dropped_parameters: list[str]
+    recording: RunningRecording | None
+    alarms: list[ActiveAlarm]
+    alarm_count: int = Field(description="alarms that began since the connection was made")
+    fault_count: int | None = Field(description="when they were last read; null: not yet")
+    unlocked_until: float | None
+    demo: bool
+    lan: bool
+    controller: ControlHolder | None = None
+    rights: Literal["control", "view"] = "view"
+    viewers: int = 0
+    now: float = 0.0
+
+
+OWN = ("controller", "rights", "viewers", "now")
+"""What differs from client to client, or from moment to moment."""
 
 _NO_LINE: Line = "off"
 _OFF = Text("not connected", "не подключено")
@@ -37,12 +119,12 @@ def state_of(hub: Hub, client: Client | None = None) -> State:
     return state
 
 
-def holder_of(hub: Hub, client: Client) -> Holder | None:
+def holder_of(hub: Hub, client: Client) -> ControlHolder | None:
     """Who has the seat; `client` is told whether it is itself."""
     held = hub.seat.holder
     if held is None:
         return None
-    return Holder(id=held.id, name=held.name, you=held.id == client.id)
+    return ControlHolder(id=held.id, name=held.name, you=held.id == client.id)
 
 
 def _shared(hub: Hub) -> State:
@@ -79,8 +161,8 @@ def _shared(hub: Hub) -> State:
             errors_minute=story.meters.errors_minute(now),
             errors=story.meters.errors,
             samples=story.meters.samples,
-            plan=PlanOfState(
-                wanted=[WantedOne(name=n, every=every) for n, every in hub.wish.every.items()],
+            plan=PlanInfo(
+                wanted=[PlannedChannel(name=n, every=every) for n, every in hub.wish.every.items()],
                 method=hub.wish.method or "auto",
                 rate=hub.wish.rate,
             ),
@@ -95,11 +177,11 @@ def _shared(hub: Hub) -> State:
         )
 
 
-def _recording(hub: Hub) -> RecordingOfState | None:
+def _recording(hub: Hub) -> RunningRecording | None:
     status = hub.recording.recorder.status
     if status is None:
         return None
-    return RecordingOfState(
+    return RunningRecording(
         file=status.path.name,
         since=status.since,
         bytes=status.bytes,
@@ -109,12 +191,12 @@ def _recording(hub: Hub) -> RecordingOfState | None:
     )
 
 
-def _alarm(hub: Hub, event: AlarmChanged) -> AlarmOfState:
+def _alarm(hub: Hub, event: AlarmChanged) -> ActiveAlarm:
     name = event.channel.name
-    return AlarmOfState(
+    return ActiveAlarm(
         name=name,
         level="danger" if event.level is Level.DANGER else "warning",
-        side=event.side.value,
+        side=event.side,
         value=hub.story.latest.get(name, event.value),
         limit=event.limit,
         since=event.time,

@@ -27,12 +27,12 @@ router = APIRouter(tags=["unit"])
 _PROBE = 120.0  # s: a second for each command that is left unanswered
 
 
-class FaultOfUnit(BaseModel):
+class StoredFault(BaseModel):
     """A stored fault; one with an empty text is not known to the catalog."""
 
     code: int
     text: TwoTexts
-    confidence: str
+    confidence: Confidence
     certain: bool = Field(description="the text was confirmed on real units")
     informational: bool = Field(description="a message, not a fault")
     check: TwoTexts | None
@@ -40,15 +40,15 @@ class FaultOfUnit(BaseModel):
     first_seen: float
 
 
-class FaultsAnswer(BaseModel):
+class FaultsResponse(BaseModel):
     """As read at `time`."""
 
     time: float
-    faults: list[FaultOfUnit]
+    faults: list[StoredFault]
     count: int
 
 
-class LimitsOfUnit(BaseModel):
+class UnitLimits(BaseModel):
     """What this unit was found to take and to lack."""
 
     max_list: int
@@ -56,7 +56,7 @@ class LimitsOfUnit(BaseModel):
     refused: list[int]
 
 
-class CommandOfUnit(BaseModel):
+class UnitCommand(BaseModel):
     """A command; `supported` null: not tried, or no telling."""
 
     code: int
@@ -66,7 +66,7 @@ class CommandOfUnit(BaseModel):
     supported: bool | None
 
 
-class PassportAnswer(BaseModel):
+class PassportResponse(BaseModel):
     """Who the unit is, and through what it is asked."""
 
     model: TwoTexts
@@ -79,20 +79,20 @@ class PassportAnswer(BaseModel):
     echo: bool
     baud: int
     latency_ms: int | None = Field(description="of the adapter's chip, where the system tells")
-    limits: LimitsOfUnit
+    limits: UnitLimits
     method: str | None
     rates: dict[str, float]
-    supported: list[CommandOfUnit] | None
+    supported: list[UnitCommand] | None
 
 
 @router.get("/faults", responses=errors(409, 502, 503))
-async def faults(hub: TheHub, client: Viewer) -> FaultsAnswer:
+async def faults(hub: TheHub, client: Viewer) -> FaultsResponse:
     """Reads the stored faults. Without control: as they were last read."""
     return faults_answer(await _latest(hub, client, hub.fault_book.page, hub.read_faults))
 
 
 @router.get("/passport", responses=errors(409, 502, 503))
-async def passport(hub: TheHub, client: Viewer) -> PassportAnswer:
+async def passport(hub: TheHub, client: Viewer) -> PassportResponse:
     """Who the unit is. Without control: as it was last read."""
 
     def read(ecu: Ecu) -> Info:
@@ -103,7 +103,7 @@ async def passport(hub: TheHub, client: Viewer) -> PassportAnswer:
 
 
 @router.post("/passport/probe", responses=errors(409, 502, 503))
-async def probe(hub: TheHub, _: Controller) -> PassportAnswer:
+async def probe(hub: TheHub, _: Controller) -> PassportResponse:
     """Tries every harmless command once; a second for each that is left unanswered."""
 
     def read(ecu: Ecu) -> tuple[Info, list[Support]]:
@@ -126,21 +126,21 @@ async def _latest(hub: Hub, client: Client, known: T | None, job: Callable[[Ecu]
     return await hub.ask(job)
 
 
-def faults_answer(page: Page) -> FaultsAnswer:
+def faults_answer(page: Page) -> FaultsResponse:
     """As the API tells them."""
-    return FaultsAnswer(
+    return FaultsResponse(
         time=page.time,
         faults=[fault_of(fault, page.first_seen[fault.code]) for fault in page.faults],
         count=len(page.faults),
     )
 
 
-def fault_of(fault: Fault, first_seen: float) -> FaultOfUnit:
+def fault_of(fault: Fault, first_seen: float) -> StoredFault:
     """As the API tells it."""
-    return FaultOfUnit(
+    return StoredFault(
         code=fault.code,
         text=two(fault.text),
-        confidence=fault.confidence.value,
+        confidence=fault.confidence,
         certain=fault.confidence is Confidence.CONFIRMED,
         informational=fault.informational,
         check=two_or_none(fault.check),
@@ -149,10 +149,10 @@ def fault_of(fault: Fault, first_seen: float) -> FaultOfUnit:
     )
 
 
-def _passport_answer(hub: Hub, info: Info, supported: list[Support] | None) -> PassportAnswer:
+def _passport_answer(hub: Hub, info: Info, supported: list[Support] | None) -> PassportResponse:
     session = hub.session
     port = session.url if session else ""
-    return PassportAnswer(
+    return PassportResponse(
         model=two(info.model.text),
         version_code=info.version_code,
         program_passport=list(info.passport.program),
@@ -163,7 +163,7 @@ def _passport_answer(hub: Hub, info: Info, supported: list[Support] | None) -> P
         echo=info.echo,
         baud=session.baud if session else 9600,
         latency_ms=next((p.latency_ms for p in hub.settings.find() if p.url == port), None),
-        limits=LimitsOfUnit(
+        limits=UnitLimits(
             max_list=info.limits.max_list,
             max_block=dict(info.limits.max_block),
             refused=list(info.limits.refused),
@@ -187,9 +187,9 @@ def _used(hub: Hub) -> frozenset[int]:
     return frozenset(code for name in methods for code in _USED_BY.get(name, ()))
 
 
-def _command(support: Support, used: frozenset[int]) -> CommandOfUnit:
+def _command(support: Support, used: frozenset[int]) -> UnitCommand:
     command: Any = support.command
-    return CommandOfUnit(
+    return UnitCommand(
         code=command.CODES[0],
         name=command.__name__,
         title=two(command.TITLE),

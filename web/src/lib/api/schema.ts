@@ -10,7 +10,7 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         /** @description Who this is. `lan_url` has the token in it, and is told to those with full rights only. */
-        About: {
+        AboutResponse: {
             version: string;
             /** @enum {string} */
             rights: "control" | "view";
@@ -21,40 +21,64 @@ export interface components {
             recordings_folder: string;
         };
         /** @description A channel that is beyond a limit now. */
-        AlarmOfState: {
+        ActiveAlarm: {
             name: string;
             /** @enum {string} */
             level: "warning" | "danger";
-            /** @enum {string} */
-            side: "low" | "high";
+            side: components["schemas"]["Side"];
             value: number;
             limit: number;
             since: number;
         };
-        /** @description What would happen; to be shown to a person, who then confirms with the nonce. */
-        Asked: {
-            nonce: string;
-            expires: number;
-            what: components["schemas"]["TwoTexts"];
-            before: unknown;
-            after: unknown;
-            danger: boolean;
-            lost: unknown[];
-            meaning: components["schemas"]["TwoTexts"] | null;
+        /** @description A value crossed a limit, in either direction. `level` none: the alarm is over. */
+        AlarmEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "alarm";
+            time: number;
+            name: string;
+            level: components["schemas"]["Level"];
+            before: components["schemas"]["Level"] | null;
+            side: components["schemas"]["Side"] | null;
+            value: number | null;
+            limit: number | null;
+            text: components["schemas"]["TwoTexts"] | null;
+        };
+        /** @description Two bytes that differ; null: one side has no byte there. */
+        ByteDifference: {
+            address: number;
+            a: string | null;
+            b: string | null;
         };
         /** @description Everything that can be shown, and the presets that come with the program. */
-        CatalogAnswer: {
+        CatalogResponse: {
             version: string;
             parameters: components["schemas"]["Channel"][];
             derived: components["schemas"]["Channel"][];
             presets: components["schemas"]["Preset"][];
         };
-        /** @description A cell of the map. */
-        CellOfDump: {
-            first: number;
-            count: number;
-            /** @enum {string} */
-            state: "todo" | "done" | "retried" | "failed";
+        /** @description The effect of a change, to be shown to a person, who then confirms it by the nonce. */
+        ChangeProposal: {
+            nonce: string;
+            expires: number;
+            what: components["schemas"]["TwoTexts"];
+            before: number[] | components["schemas"]["ValueShown"] | components["schemas"]["RecordingShown"] | components["schemas"]["DumpShown"] | string | null;
+            after: number[] | components["schemas"]["ValueShown"] | components["schemas"]["RecordingShown"] | components["schemas"]["DumpShown"] | string | null;
+            danger: boolean;
+            lost: (components["schemas"]["FaultShown"] | components["schemas"]["RecordingShown"] | components["schemas"]["DumpShown"])[];
+            meaning: components["schemas"]["TwoTexts"] | null;
+        };
+        /** @description The content before the change, and the content that was read back after it. */
+        ChangeResult: {
+            before: number[] | components["schemas"]["ValueShown"] | components["schemas"]["RecordingShown"] | components["schemas"]["DumpShown"] | string | null;
+            after: number[] | components["schemas"]["ValueShown"] | components["schemas"]["RecordingShown"] | components["schemas"]["DumpShown"] | string | null;
+            /**
+             * @default true
+             * @constant
+             */
+            done: true;
         };
         /** @description A parameter, or a derived channel (`inputs`; no code and no size). */
         Channel: {
@@ -78,23 +102,29 @@ export interface components {
             ] | null;
             limits: components["schemas"]["Limits"] | null;
             lamp: components["schemas"]["LampTexts"] | null;
-            /** @enum {string} */
-            alarm_when_true: "none" | "warning" | "danger";
+            alarm_when_true: components["schemas"]["Level"];
             inputs: string[] | null;
-            errata: components["schemas"]["ErratumOfChannel"][];
-            confidence: string;
+            errata: components["schemas"]["ChannelErratum"][];
+            confidence: components["schemas"]["Confidence"];
             writable: boolean;
         };
-        /** @description A command; `supported` null: not tried, or no telling. */
-        CommandOfUnit: {
-            code: number;
-            name: string;
-            title: components["schemas"]["TwoTexts"];
-            source_name: string;
-            supported: boolean | null;
+        /** @description A doubtful place of the source that bears on this channel. */
+        ChannelErratum: {
+            id: string;
+            text: components["schemas"]["TwoTexts"];
         };
+        /** @description What a channel would add to each set, and the rate with it. */
+        ChannelPrice: {
+            seconds: number;
+            rate: number;
+        };
+        /**
+         * @description How well a statement is known.
+         * @enum {string}
+         */
+        Confidence: "confirmed" | "reported" | "unconfirmed" | "unknown";
         /** @description `port` null: the one likely adapter. */
-        ConnectWish: {
+        ConnectRequest: {
             /**
              * @example /dev/ttyUSB0
              * @example sim:
@@ -112,6 +142,12 @@ export interface components {
             method: "auto" | "single" | "batch" | "list" | "stream" | "stroke0" | "stroke1" | "stroke2" | "stroke3" | "stroke4";
             rate?: number | null;
         };
+        /** @description Who decides what the line does. */
+        ControlHolder: {
+            id: string;
+            name: string;
+            you: boolean;
+        };
         /** @description Deletes a dump's file, and what is known of it. */
         DeleteDump: {
             /** @constant */
@@ -124,35 +160,53 @@ export interface components {
             kind: "delete_recording";
             id: string;
         };
-        /** @description Two bytes that differ; null: one side has no byte there. */
-        DifferenceOfDump: {
-            address: number;
-            a: string | null;
-            b: string | null;
-        };
-        /** @description The first 1000 of `count`. */
-        DifferencesAnswer: {
-            differences: components["schemas"]["DifferenceOfDump"][];
-            count: number;
-        };
         /** @description `port` null: that of the connection, or the one likely adapter. */
-        DoctorWish: {
+        DiagnosisRequest: {
             port?: string | null;
         };
-        /** @description What was there, and what is there now, read back. */
-        Done: {
-            before: unknown;
-            after: unknown;
+        /** @description One line of the answer. `ok` null: could not be told, or could be better. */
+        DiagnosisStep: {
+            name: string;
+            title: components["schemas"]["TwoTexts"];
+            ok: boolean | null;
+            detail: components["schemas"]["TwoTexts"];
+            to_try: components["schemas"]["TwoTexts"] | null;
+        };
+        /** @description The first 1000 of `count`. */
+        DifferencesResponse: {
+            differences: components["schemas"]["ByteDifference"][];
+            count: number;
+        };
+        /** @description The unit does not support this parameter. */
+        DroppedEvent: {
             /**
-             * @default true
-             * @constant
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
              */
-            done: true;
-        } & {
-            [key: string]: unknown;
+            kind: "dropped";
+            time: number;
+            name: string;
+        };
+        /** @description A cell of the map. */
+        DumpCell: {
+            first: number;
+            count: number;
+            /** @enum {string} */
+            state: "todo" | "done" | "retried" | "failed";
+        };
+        /** @description What to read; `last` is inclusive. `verify`: read all of it twice. */
+        DumpRequest: {
+            /** @enum {string} */
+            space: "ram" | "xram" | "code" | "sfr";
+            /** @default 0 */
+            first: number;
+            last: number;
+            block?: number | null;
+            /** @default false */
+            verify: boolean;
         };
         /** @description How far a dump has come. With `verify`, `total` counts both passes. */
-        DumpAnswer: {
+        DumpResponse: {
             id: string;
             /** @enum {string} */
             space: "ram" | "xram" | "code" | "sfr";
@@ -167,41 +221,28 @@ export interface components {
             speed: number;
             /** @description seconds */
             left: number | null;
-            blocks: components["schemas"]["CellOfDump"][];
+            blocks: components["schemas"]["DumpCell"][];
             /** @description what holds it up, or ended it */
             error: components["schemas"]["ErrorBody"] | null;
             file: string;
             /** @description that the second pass has found so far; null: none was wanted, or it has not begun */
             differences: number | null;
         };
-        /** @description What to read; `last` is inclusive. `verify`: read all of it twice. */
-        DumpWish: {
-            /** @enum {string} */
-            space: "ram" | "xram" | "code" | "sfr";
-            /** @default 0 */
-            first: number;
-            last: number;
-            block?: number | null;
-            /** @default false */
-            verify: boolean;
+        /** @description A dump that would be deleted. */
+        DumpShown: {
+            id: string;
+            file: string;
+            done: number;
+            total: number;
         };
         /** @description The newest first. */
-        DumpsAnswer: {
-            dumps: components["schemas"]["DumpAnswer"][];
+        DumpsResponse: {
+            dumps: components["schemas"]["DumpResponse"][];
         };
         /** @description Erases the stored faults. */
         EraseFaults: {
             /** @constant */
             kind: "erase_faults";
-        };
-        /** @description A doubtful place of the source that bears on this channel. */
-        ErratumOfChannel: {
-            id: string;
-            text: components["schemas"]["TwoTexts"];
-        };
-        /** @description Every answer of 400 and above. */
-        ErrorAnswer: {
-            error: components["schemas"]["ErrorBody"];
         };
         /** @description What went wrong, what was on the wire, what to try. */
         ErrorBody: {
@@ -212,52 +253,89 @@ export interface components {
             sent?: string | null;
             received?: string | null;
         };
-        /** @description A stored fault; one with an empty text is not known to the catalog. */
-        FaultOfUnit: {
-            code: number;
+        /** @description An exchange failed, also one that a repetition cured. `sent`, `received`: hex. */
+        ErrorEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "error";
+            time: number;
+            code: string;
             text: components["schemas"]["TwoTexts"];
-            confidence: string;
-            /** @description the text was confirmed on real units */
-            certain: boolean;
-            /** @description a message, not a fault */
-            informational: boolean;
-            check: components["schemas"]["TwoTexts"] | null;
-            /** @description channels that bear on it */
-            related: string[];
-            first_seen: number;
+            sent: string | null;
+            received: string | null;
+        };
+        /** @description Every answer of 400 and above. */
+        ErrorResponse: {
+            error: components["schemas"]["ErrorBody"];
+        };
+        /** @description A stored fault that would be erased. */
+        FaultShown: {
+            code: number;
+            en: string;
+            ru: string;
         };
         /** @description As read at `time`. */
-        FaultsAnswer: {
+        FaultsResponse: {
             time: number;
-            faults: components["schemas"]["FaultOfUnit"][];
+            faults: components["schemas"]["StoredFault"][];
             count: number;
         };
+        /** @description Send only these columns from here on; null: all. */
+        FieldsMessage: {
+            fields: string[] | null;
+        };
+        /** @description No values came. Sent when the gap begins (`ended` null) and once more when it has ended. */
+        GapEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "gap";
+            time: number;
+            began: number;
+            ended: number | null;
+            reason: components["schemas"]["TwoTexts"] | null;
+        };
         /** @description Columns over time as in live data, and what happened. null: not fresh in that row. */
-        HistoryAnswer: {
+        HistoryResponse: {
             names: string[];
             times: number[];
             values: (number | null)[][];
-            events: {
-                [key: string]: unknown;
-            }[];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["RecordingEvent"])[];
         };
-        /** @description Who decides what the line does. */
-        Holder: {
-            id: string;
-            name: string;
-            you: boolean;
+        /**
+         * @description A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure.
+         *
+         *     Described, not validated: the file may hold lines of older programs.
+         */
+        JournalEntry: {
+            time: number;
+            port?: string | null;
+            model?: string | null;
+            change: components["schemas"]["TwoTexts"];
+            command?: string | null;
+            safety?: string | null;
+            before?: string | null;
+            after?: string | null;
+            state?: ("started" | "done" | "failed" | "interrupted") | null;
+            outcome?: string | null;
         };
-        /** @description Changes, the newest first; each stands there twice: begun, and with its outcome. */
-        JournalAnswer: {
-            entries: {
-                [key: string]: unknown;
-            }[];
+        /** @description Changes, the newest first; each has two entries: `started`, and one with its outcome. */
+        JournalResponse: {
+            entries: components["schemas"]["JournalEntry"][];
         };
         /** @description What stands on a flag's lamp. */
         LampTexts: {
             on: components["schemas"]["TwoTexts"];
             off: components["schemas"]["TwoTexts"];
         };
+        /**
+         * @description How bad it is.
+         * @enum {string}
+         */
+        Level: "none" | "warning" | "danger";
         /** @description Beyond them is an alarm. */
         Limits: {
             danger_low: number | null;
@@ -265,25 +343,49 @@ export interface components {
             warning_high: number | null;
             danger_high: number | null;
         };
-        /** @description What this unit was found to take and to lack. */
-        LimitsOfUnit: {
-            max_list: number;
-            max_block: {
-                [key: string]: number;
-            };
-            refused: number[];
+        /**
+         * @description How far the way to the ECU is open, from worst to best.
+         * @enum {string}
+         */
+        LineState: "no-port" | "no-echo" | "echo-only" | "ecu-alive" | "sampling";
+        /** @description One message of the server. `dropped`: messages lost before this one. */
+        LiveMessage: {
+            seq: number;
+            now: number;
+            dropped: number;
+            /** @description in the first, and when it has changed */
+            state?: components["schemas"]["State"];
+            data?: components["schemas"]["LiveRows"];
+            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["RecordingEvent"])[];
+            pong?: number | string;
         };
-        /** @description When it was. */
-        MarkerAnswer: {
+        /** @description Columns over time. null: no value came in that row. */
+        LiveRows: {
+            names: string[];
+            times: number[];
+            values: (number | null)[][];
+        };
+        /** @description Somebody marked this moment. */
+        MarkerEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "marker";
             time: number;
+            label: string;
         };
         /** @description What the moment is to be called. */
-        MarkerWish: {
+        MarkerRequest: {
             /** @default  */
             label: string;
         };
+        /** @description When it was. */
+        MarkerResponse: {
+            time: number;
+        };
         /** @description What was there at `time`. */
-        MemoryAnswer: {
+        MemoryResponse: {
             /** @enum {string} */
             space: "ram" | "xram" | "code" | "sfr";
             address: number;
@@ -291,12 +393,39 @@ export interface components {
             data: string;
             time: number;
         };
+        /** @description The sampling method was chosen. `rates`: readings a second of each measured method. */
+        MethodEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "method";
+            time: number;
+            method: string;
+            rates: {
+                [key: string]: number;
+            };
+        };
+        /** @description A note that somebody wrote; in recordings only. */
+        NoteEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "note";
+            time: number;
+            text: string;
+        };
+        /** @description A person's words. */
+        NoteRequest: {
+            text: string;
+        };
         /** @description It is in the recording. */
-        NoteAnswer: {
+        NoteResponse: {
             kept: boolean;
         };
         /** @description Who the unit is, and through what it is asked. */
-        PassportAnswer: {
+        PassportResponse: {
             model: components["schemas"]["TwoTexts"];
             version_code: number;
             program_passport: (string | null)[];
@@ -308,24 +437,28 @@ export interface components {
             baud: number;
             /** @description of the adapter's chip, where the system tells */
             latency_ms: number | null;
-            limits: components["schemas"]["LimitsOfUnit"];
+            limits: components["schemas"]["UnitLimits"];
             method: string | null;
             rates: {
                 [key: string]: number;
             };
-            supported: components["schemas"]["CommandOfUnit"][] | null;
+            supported: components["schemas"]["UnitCommand"][] | null;
+        };
+        /** @description Answered by `pong` in the next message. */
+        PingMessage: {
+            ping: number | string;
         };
         /** @description What is asked. */
-        PlanOfState: {
-            wanted: components["schemas"]["WantedOne"][];
+        PlanInfo: {
+            wanted: components["schemas"]["PlannedChannel"][];
             /** @enum {string} */
             method: "auto" | "single" | "batch" | "list" | "stream" | "stroke0" | "stroke1" | "stroke2" | "stroke3" | "stroke4";
             /** @description sets a second at most; null: as fast as it goes */
             rate: number | null;
         };
         /** @description What to sample, derived channels among it. */
-        PlanWish: {
-            wanted: components["schemas"]["WantedOne"][];
+        PlanRequest: {
+            wanted: components["schemas"]["PlannedChannel"][];
             /**
              * @default auto
              * @enum {string}
@@ -333,8 +466,15 @@ export interface components {
             method: "auto" | "single" | "batch" | "list" | "stream" | "stroke0" | "stroke1" | "stroke2" | "stroke3" | "stroke4";
             rate?: number | null;
         };
+        /** @description A channel, and in which cycles it is asked: 1 is every one, 10 every tenth. */
+        PlannedChannel: {
+            /** @example TWAT */
+            name: string;
+            /** @default 1 */
+            every: number;
+        };
         /** @description A serial port of this computer. `likely`: an adapter may be behind it. */
-        PortFound: {
+        PortInfo: {
             url: string;
             description: string;
             chip: string;
@@ -342,8 +482,8 @@ export interface components {
             quirks: components["schemas"]["TwoTexts"][];
         };
         /** @description The best guess first. */
-        PortsFound: {
-            ports: components["schemas"]["PortFound"][];
+        PortsResponse: {
+            ports: components["schemas"]["PortInfo"][];
         };
         /** @description One page of tiles. */
         Preset: {
@@ -354,38 +494,27 @@ export interface components {
             tiles: components["schemas"]["Tile"][];
         };
         /** @description The user's own. */
-        PresetsAnswer: {
+        PresetList: {
             presets: components["schemas"]["Preset"][];
         };
-        /** @description What a channel would add to each set, and the rate with it. */
-        PriceOfOne: {
-            seconds: number;
-            rate: number;
-        };
-        /** @description What a set costs on average; `more`: of every channel that is not in it yet. */
-        PriceTag: {
-            bytes: number;
-            requests: number;
-            seconds: number;
-            rate: number;
-            more: {
-                [key: string]: components["schemas"]["PriceOfOne"];
-            };
-        };
         /** @description A plan to be priced; `method` auto: that in use. */
-        PriceWish: {
-            wanted: components["schemas"]["WantedOne"][];
+        PriceRequest: {
+            wanted: components["schemas"]["PlannedChannel"][];
             /**
              * @default auto
              * @enum {string}
              */
             method: "auto" | "single" | "batch" | "list" | "stream" | "stroke0" | "stroke1" | "stroke2" | "stroke3" | "stroke4";
         };
-        /** @description A place that can't be read. */
-        ProblemOut: {
-            en: string;
-            ru: string;
-            offset: number;
+        /** @description What a set costs on average; `more`: of every channel that is not in it yet. */
+        PriceResponse: {
+            bytes: number;
+            requests: number;
+            seconds: number;
+            rate: number;
+            more: {
+                [key: string]: components["schemas"]["ChannelPrice"];
+            };
         };
         /** @description One recording with all that happened in it. `first`, `last`: its rows lie between them. */
         RecordingDetail: {
@@ -412,29 +541,24 @@ export interface components {
             channels: string[];
             first: number | null;
             last: number | null;
-            events: {
-                [key: string]: unknown;
-            }[];
-            problems: components["schemas"]["ProblemOut"][];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["NoteEvent"])[];
+            problems: components["schemas"]["RecordingProblem"][];
             method: string | null;
         };
-        /** @description The latest first. `problem`: why none can be kept in the folder, if so. */
-        RecordingList: {
-            recordings: components["schemas"]["RecordingOut"][];
-            problem: components["schemas"]["TwoTexts"] | null;
-        };
-        /** @description The recording that is being made. */
-        RecordingOfState: {
+        /** @description A recording began, ended or broke off (`failure`). */
+        RecordingEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "recording";
+            time: number;
             file: string;
-            since: number | null;
-            bytes: number;
-            samples: number;
-            gaps: number;
-            /** @description why it broke off, if it did */
+            on: boolean;
             failure: components["schemas"]["TwoTexts"] | null;
         };
         /** @description One recording. Null is what is not known of it; `problem`: why it can't be read. */
-        RecordingOut: {
+        RecordingInfo: {
             /** @description the file's name */
             id: string;
             bytes: number;
@@ -456,18 +580,53 @@ export interface components {
             open: boolean;
             problem: components["schemas"]["TwoTexts"] | null;
         };
+        /** @description A person's words about the whole recording; they take the place of those before. */
+        RecordingNoteRequest: {
+            text: string;
+        };
+        /** @description A place that can't be read. */
+        RecordingProblem: {
+            en: string;
+            ru: string;
+            offset: number;
+        };
+        /** @description A recording that would be deleted. */
+        RecordingShown: {
+            id: string;
+            bytes: number;
+        };
+        /** @description The latest first. `problem`: why none can be kept in the folder, if so. */
+        RecordingsResponse: {
+            recordings: components["schemas"]["RecordingInfo"][];
+            problem: components["schemas"]["TwoTexts"] | null;
+        };
         /**
          * @description Columns over time. null: nothing came in that row. `decimated`: of each piece of time the
          *     least and the greatest value of each column.
          */
-        RowsAnswer: {
+        RowsResponse: {
             names: string[];
             times: number[];
             values: (number | null)[][];
             decimated: boolean;
         };
+        /** @description The recording that is being made. */
+        RunningRecording: {
+            file: string;
+            since: number | null;
+            bytes: number;
+            samples: number;
+            gaps: number;
+            /** @description why it broke off, if it did */
+            failure: components["schemas"]["TwoTexts"] | null;
+        };
+        /**
+         * @description On which side the value is beyond its limit; a flag that is set is HIGH.
+         * @enum {string}
+         */
+        Side: "low" | "high";
         /** @description `name` null: the date and time. */
-        StartWish: {
+        StartRecordingRequest: {
             name?: string | null;
         };
         /** @description Everything at a glance. Times are UNIX seconds of the link's clock. */
@@ -496,10 +655,10 @@ export interface components {
             errors_minute: number;
             errors: number;
             samples: number;
-            plan: components["schemas"]["PlanOfState"];
+            plan: components["schemas"]["PlanInfo"];
             dropped_parameters: string[];
-            recording: components["schemas"]["RecordingOfState"] | null;
-            alarms: components["schemas"]["AlarmOfState"][];
+            recording: components["schemas"]["RunningRecording"] | null;
+            alarms: components["schemas"]["ActiveAlarm"][];
             /** @description alarms that began since the connection was made */
             alarm_count: number;
             /** @description when they were last read; null: not yet */
@@ -507,7 +666,8 @@ export interface components {
             unlocked_until: number | null;
             demo: boolean;
             lan: boolean;
-            controller?: components["schemas"]["Holder"] | null;
+            /** @default null */
+            controller: components["schemas"]["ControlHolder"] | null;
             /**
              * @default view
              * @enum {string}
@@ -518,8 +678,39 @@ export interface components {
             /** @default 0 */
             now: number;
         };
+        /** @description The line changed to `state`. `code`: the class of the error that caused it. */
+        StateEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "state";
+            time: number;
+            state: components["schemas"]["LineState"];
+            text: components["schemas"]["TwoTexts"] | null;
+            reason: components["schemas"]["TwoTexts"] | null;
+            /**
+             * @description not in recordings
+             * @default null
+             */
+            code: string | null;
+        };
+        /** @description A stored fault; one with an empty text is not known to the catalog. */
+        StoredFault: {
+            code: number;
+            text: components["schemas"]["TwoTexts"];
+            confidence: components["schemas"]["Confidence"];
+            /** @description the text was confirmed on real units */
+            certain: boolean;
+            /** @description a message, not a fault */
+            informational: boolean;
+            check: components["schemas"]["TwoTexts"] | null;
+            /** @description channels that bear on it */
+            related: string[];
+            first_seen: number;
+        };
         /** @description `force`: also from another. */
-        TakeWish: {
+        TakeControlRequest: {
             /** @default false */
             force: boolean;
         };
@@ -536,17 +727,45 @@ export interface components {
             en: string;
             ru: string;
         };
+        /** @description A command; `supported` null: not tried, or no telling. */
+        UnitCommand: {
+            code: number;
+            name: string;
+            title: components["schemas"]["TwoTexts"];
+            source_name: string;
+            supported: boolean | null;
+        };
+        /** @description A unit answers. `another`: not the one before, on this connection or the last. */
+        UnitEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "unit";
+            time: number;
+            model: components["schemas"]["TwoTexts"] | null;
+            version_code: number | null;
+            passport: (string | null)[] | null;
+            another: boolean;
+        };
+        /** @description What this unit was found to take and to lack. */
+        UnitLimits: {
+            max_list: number;
+            max_block: {
+                [key: string]: number;
+            };
+            refused: number[];
+        };
         /** @description For how long. */
-        UnlockWish: {
+        UnlockRequest: {
             /** @default 5 */
             minutes: number;
         };
-        /** @description A channel, and in which cycles it is asked: 1 is every one, 10 every tenth. */
-        WantedOne: {
-            /** @example TWAT */
-            name: string;
-            /** @default 1 */
-            every: number;
+        /** @description A parameter's value. `raw`: hex. */
+        ValueShown: {
+            value: boolean | number;
+            unit: string;
+            raw: string;
         };
         /** @description Writes bytes from an address on. */
         WriteMemory: {
@@ -564,14 +783,6 @@ export interface components {
             name: string;
             value?: number | null;
             raw?: string | null;
-        };
-        /** @description A person's words. */
-        mikas__dashboard__recording_routes__NoteWish: {
-            text: string;
-        };
-        /** @description A person's words about the whole recording; they take the place of those before. */
-        mikas__dashboard__recordings__NoteWish: {
-            text: string;
         };
     };
     responses: never;

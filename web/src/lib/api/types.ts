@@ -11,34 +11,34 @@ export type ErrorBody = Schemas["ErrorBody"];
 export type State = Schemas["State"];
 export type Line = State["line"];
 export type Rights = State["rights"];
-export type Alarm = Schemas["AlarmOfState"];
+export type Alarm = Schemas["ActiveAlarm"];
 export type Level = Alarm["level"];
-export type Plan = Schemas["PlanOfState"];
+export type Plan = Schemas["PlanInfo"];
 export type Method = Plan["method"];
-export type Wanted = Schemas["WantedOne"];
-export type RecordingNow = Schemas["RecordingOfState"];
-export type About = Schemas["About"];
+export type Wanted = Schemas["PlannedChannel"];
+export type RecordingNow = Schemas["RunningRecording"];
+export type About = Schemas["AboutResponse"];
 
-export type Catalog = Schemas["CatalogAnswer"];
+export type Catalog = Schemas["CatalogResponse"];
 export type Channel = Schemas["Channel"];
 export type Limits = Schemas["Limits"];
 export type Preset = Schemas["Preset"];
-export type Presets = Schemas["PresetsAnswer"];
+export type Presets = Schemas["PresetList"];
 export type Tile = Schemas["Tile"];
 export type TileKind = Tile["kind"];
 
-export type Port = Schemas["PortFound"];
-export type Ports = Schemas["PortsFound"];
-export type Price = Schemas["PriceTag"];
+export type Port = Schemas["PortInfo"];
+export type Ports = Schemas["PortsResponse"];
+export type Price = Schemas["PriceResponse"];
 
-export type Fault = Schemas["FaultOfUnit"];
-export type Faults = Schemas["FaultsAnswer"];
-export type Passport = Schemas["PassportAnswer"];
-export type MemoryRead = Schemas["MemoryAnswer"];
+export type Fault = Schemas["StoredFault"];
+export type Faults = Schemas["FaultsResponse"];
+export type Passport = Schemas["PassportResponse"];
+export type MemoryRead = Schemas["MemoryResponse"];
 export type Space = MemoryRead["space"];
-export type Dump = Schemas["DumpAnswer"];
-export type Dumps = Schemas["DumpsAnswer"];
-export type Differences = Schemas["DifferencesAnswer"];
+export type Dump = Schemas["DumpResponse"];
+export type Dumps = Schemas["DumpsResponse"];
+export type Differences = Schemas["DifferencesResponse"];
 
 export type Change =
   | Schemas["EraseFaults"]
@@ -47,17 +47,17 @@ export type Change =
   | Schemas["DeleteRecording"]
   | Schemas["DeleteDump"];
 /** What a change would do; shown before a person confirms it with its nonce. */
-export type ChangeProposal = Schemas["Asked"];
-export type ChangeResult = Pick<Schemas["Done"], "before" | "after">;
-export type Journal = Schemas["JournalAnswer"];
+export type ChangeProposal = Schemas["ChangeProposal"];
+export type ChangeResult = Pick<Schemas["ChangeResult"], "before" | "after">;
+export type Journal = Schemas["JournalResponse"];
 
-export type Recording = Schemas["RecordingOut"];
-export type Recordings = Schemas["RecordingList"];
-export type RecordingRows = Schemas["RowsAnswer"];
+export type Recording = Schemas["RecordingInfo"];
+export type Recordings = Schemas["RecordingsResponse"];
+export type RecordingRows = Schemas["RowsResponse"];
 export type Rows = Pick<RecordingRows, "names" | "times" | "values">;
 export type RecordingDetail = Omit<Schemas["RecordingDetail"], "events"> & { events: LineEvent[] };
-export type History = Omit<Schemas["HistoryAnswer"], "events"> & { events: LineEvent[] };
-export type Marker = Schemas["MarkerAnswer"];
+export type History = Omit<Schemas["HistoryResponse"], "events"> & { events: LineEvent[] };
+export type Marker = Schemas["MarkerResponse"];
 
 // Written by hand from here on.
 
