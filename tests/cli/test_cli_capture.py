@@ -219,4 +219,4 @@ def test_a_capture_cut_short(mikas, tmp_path):
 def test_decode_uses_the_reading_and_the_catalog_asked_for(mikas):
     mikas("read", "UACC", "--capture", "wire.pcapng")
     assert "UACC=14" in mikas("decode", "wire.pcapng").out
-    assert "UACC=-11" in mikas("decode", "wire.pcapng", "--reading", "literal").out
+    assert "UACC=-11" in mikas("decode", "wire.pcapng", "--interpretation", "literal").out

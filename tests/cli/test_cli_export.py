@@ -216,7 +216,7 @@ def test_a_changed_formula_changes_an_old_recording(mikas, tmp_path, drive):
 
 
 def test_the_reading(mikas, tmp_path, drive):
-    mikas("export", "drive.pcapng", "-o", "a.csv", "--reading", "literal")
+    mikas("export", "drive.pcapng", "-o", "a.csv", "--interpretation", "literal")
     mikas("export", "drive.pcapng", "-o", "b.csv")
     literal, corrected = cells(tmp_path / "a.csv"), cells(tmp_path / "b.csv")
     assert any("(1/s)" in title for title in literal[0])  # E1

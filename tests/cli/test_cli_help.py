@@ -41,7 +41,7 @@ def test_help(mikas, path, command):
     assert "Examples:" in english.out
     assert not re.search("[а-яА-Я]", english.out)
     assert max(map(len, english.lines)) <= 80 or "--line-fault" in english.out
-    for option in ("--port", "--echo", "--timeout", "--retries", "--capture", "--reading",
+    for option in ("--port", "--echo", "--timeout", "--retries", "--capture", "--interpretation",
                    "--lang", "--json", "--verbose"):  # fmt: skip
         assert option in english.out
 

@@ -42,7 +42,9 @@ def test_the_command_line_wins_over_the_environment_and_that_over_the_file(mikas
 
 def test_the_config_file(mikas, monkeypatch):
     monkeypatch.delenv("MIKAS_PORT")
-    config(mikas, f'port = "{FIVE}"\ntimeout = 1\nretries = 0\necho = "on"\nreading = "literal"')
+    config(
+        mikas, f'port = "{FIVE}"\ntimeout = 1\nretries = 0\necho = "on"\ninterpretation = "literal"'
+    )
     assert model(mikas("info", "--quick", "--json")) == "Mikas 5.4"
 
 
@@ -69,7 +71,7 @@ def test_an_empty_port_in_the_environment_is_none(mikas, monkeypatch):
         ("port = ''", "port has to be"),
         ("echo = 'maybe'", "auto, on, off"),
         ("echo = true", "auto, on, off"),
-        ("reading = 'other'", "corrected, literal, alternative"),
+        ("interpretation = 'other'", "corrected, literal, alternative"),
         ("lang = 'de'", "en, ru"),
         ("timeout = 'long'", "seconds"),
         ("timeout = true", "seconds"),
@@ -138,10 +140,12 @@ def test_the_language(mikas, monkeypatch, argv, environment, file, russian):
 
 def test_literal_and_corrected_readings(mikas):
     corrected = mikas("read", "UACC", "--json").object["readings"]["UACC"]
-    literal = mikas("read", "UACC", "--reading", "literal", "--json").object["readings"]["UACC"]
+    literal = mikas("read", "UACC", "--interpretation", "literal", "--json").object["readings"][
+        "UACC"
+    ]
     assert corrected["value"] > 13
     assert literal["value"] < 0
-    assert mikas("params", "--reading", "literal").out != mikas("params").out
+    assert mikas("params", "--interpretation", "literal").out != mikas("params").out
 
 
 OWN = """

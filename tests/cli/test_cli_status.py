@@ -22,7 +22,7 @@ USAGE = [
     ["read", "--retries", "-1"],
     ["read", "--retries", "many"],
     ["read", "--echo", "maybe"],
-    ["read", "--reading", "other"],
+    ["read", "--interpretation", "other"],
     ["params", "extra", "more"],
     ["faults", "zap"],
     ["watch", "--method", "foo"],

@@ -181,7 +181,10 @@ def command(
     examples: tuple[str, ...] = (),
     **settings: Any,
 ) -> Callable[[Callable[..., Any]], LocalizedCommand]:
-    """Makes a function a command with the common options. It gets `run`, then its own arguments."""
+    """Make a function a command with the common options.
+
+    It is called with a `CommandContext`, then with its own arguments.
+    """
 
     def decorate(function: Callable[..., Any]) -> LocalizedCommand:
         made = click.command(name, cls=LocalizedCommand, text=text, examples=examples, **settings)(
@@ -200,6 +203,12 @@ def _with_run(function: Callable[..., Any]) -> Callable[..., Any]:
     def call(ctx: click.Context, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401  (the command's)
         from mikas.cli.context import CommandContext
 
-        return function(CommandContext.of(ctx.find_root().ensure_object(dict)), *args, **kwargs)
+        context = CommandContext.of(ctx.find_root().ensure_object(dict))
+        if not context.logs:
+            return function(context, *args, **kwargs)
+        from mikas.cli.log_lines import log_to_stderr
+
+        with log_to_stderr():
+            return function(context, *args, **kwargs)
 
     return call

@@ -14,16 +14,16 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from mikas.cli.options import ECHO, LANGUAGES, LONGEST_TIMEOUT, MOST_RETRIES, READING
+from mikas.cli.options import ECHO, INTERPRETATIONS, LANGUAGES, LONGEST_TIMEOUT, MOST_RETRIES
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Text
 
 _WORDS = {
     "echo": ECHO,
-    "reading": READING,
+    "interpretation": INTERPRETATIONS,
     "lang": LANGUAGES,
 }
-_KNOWN = ("port", "echo", "timeout", "retries", "reading", "lang", "catalog")
+_KNOWN = ("port", "echo", "timeout", "retries", "interpretation", "lang", "catalog")
 
 
 def path() -> Path:

@@ -39,20 +39,15 @@ _NOT_RECORDED = Text(
 )
 
 
-_CONNECTION = {
-    "echo": "echo",
-    "timeout": "timeout",
-    "retries": "retries",
-    "reading": "interpretation",
-}
-"""Options of the command line that are a field of `ConnectionOptions`, and that field."""
+_CONNECTION = ("echo", "timeout", "retries", "interpretation")
+"""Options of the command line that are fields of `ConnectionOptions`."""
 
 
 @dataclass
 class CommandContext:
     """Settings of this run. `port` None: the one likely adapter.
 
-    `connection`: the fields of `ConnectionOptions` that the user has set.
+    `connection`: the fields of `ConnectionOptions` that the user has set. `logs`: show the log.
     """
 
     port: str | None = None
@@ -60,18 +55,18 @@ class CommandContext:
     catalogs: tuple[Path, ...] = ()
     connection: dict[str, Any] = field(default_factory=dict)
     output: Output = field(default_factory=Output)
+    logs: bool = False
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> CommandContext:
         """From the command line's common options, the environment and the config file."""
         stored = config.load()
         settings = {**stored, **_environment(), **given}
-        json, verbose = bool(given.get("json")), bool(given.get("verbose"))
-        context = cls(output=Output(json=json, verbose=verbose))
+        verbosity = given.get("verbose", 0)
+        output = Output(json=bool(given.get("json")), verbose=verbosity > 0)
+        context = cls(output=output, logs=verbosity > 1)
         context.port = settings.get("port")
-        context.connection = {
-            name: settings[option] for option, name in _CONNECTION.items() if option in settings
-        }
+        context.connection = {name: settings[name] for name in _CONNECTION if name in settings}
         context.catalogs = tuple(map(Path, [*stored.get("catalog", ()), *given.get("catalog", ())]))
         context.capture = Path(given["capture"]) if given.get("capture") else None
         return context

@@ -94,7 +94,7 @@ def run(argv: list[str]) -> int:
         _tell(_usage(error))
         return USAGE
     except Exception as error:  # ours, or a bug that is said to be one
-        return _failed(error, verbose="-v" in argv or "--verbose" in argv)
+        return _failed(error, verbose=any(word in ("-v", "-vv", "--verbose") for word in argv))
 
 
 def _tell(text: str) -> None:

@@ -44,7 +44,7 @@ def _keep(ctx: click.Context, option: click.Parameter, value: object) -> object:
 
 
 ECHO = ("auto", "on", "off")
-READING = ("corrected", "literal", "alternative")
+INTERPRETATIONS = ("corrected", "literal", "alternative")
 LANGUAGES = ("en", "ru")
 LONGEST_TIMEOUT = 60
 MOST_RETRIES = 100
@@ -103,11 +103,11 @@ _COMMON = (
     ),
     partial(
         CommonOption,
-        ["--reading"],
-        type=OneOf(READING),
+        ["--interpretation"],
+        type=OneOf(INTERPRETATIONS),
         text=Text(
-            "how the source's doubtful places are read (corrected)",
-            "как понимать сомнительные места источника (corrected)",
+            "how the doubtful places of the protocol's source are interpreted (corrected)",
+            "как толковать сомнительные места описания протокола (corrected)",
         ),
     ),
     partial(
@@ -130,8 +130,11 @@ _COMMON = (
     partial(
         CommonOption,
         ["-v", "--verbose"],
-        is_flag=True,
-        text=Text("more details (on stderr)", "больше подробностей (в stderr)"),
+        count=True,
+        text=Text(
+            "more details (on stderr); -vv: the log too, with every frame",
+            "больше подробностей (в stderr); -vv — ещё и журнал с каждым кадром",
+        ),
     ),
 )
 

@@ -138,6 +138,8 @@ def shown_on(context: CommandContext, current: SamplingRun) -> Shown:
     """What fits where the output goes."""
     if context.output.json:
         return JsonLines(current, context.output)
-    if sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown"):
+    log_on_screen = context.logs and sys.stderr.isatty()  # its lines would tear the table
+    drawable = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
+    if drawable and not log_on_screen:
         return LiveTable(current, context.output)
     return PlainLines(current, context.output)

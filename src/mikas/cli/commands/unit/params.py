@@ -20,7 +20,7 @@ from mikas.i18n import Text
         "Показывает все известные параметры: код, единицу, формулу, пределы, сомнительные места; "
         "затем каналы, которые из них выводятся. Порт не нужен.",
     ),
-    examples=("mikas params", "mikas params --reading literal", "mikas params --json"),
+    examples=("mikas params", "mikas params --interpretation literal", "mikas params --json"),
 )
 def params(context: CommandContext) -> None:
     catalog = context.catalog()
