@@ -18,7 +18,7 @@ from bench.recorded import recorded
 from bench.rows import Row, Scope, Theme
 from mikas.framing import Decoder, encode
 from mikas.recording.exchanges.frames import BulkDecoder
-from mikas.recording.replay import load
+from mikas.replay import load
 
 PIECE = 1 << 18
 _SUFFIXES = ("parquet", "csv", "mf4")

@@ -7,7 +7,7 @@ import pytest
 from mikas.cli.main import run
 from mikas.dashboard.virtual_cars import VirtualCars
 from mikas.errors import RecordingOver
-from mikas.recording.replay import playing
+from mikas.replay import playing
 
 
 @pytest.fixture

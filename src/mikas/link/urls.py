@@ -34,7 +34,7 @@ _openers: dict[str, Opener | str] = {
     "socket": "mikas.link.serial:open_socket",
     "rfc2217": "mikas.link.serial:open_rfc2217",
     "sim": "mikas.link.virtual:open_sim",
-    "replay": "mikas.recording.replay:open_replay",  # a higher layer's: known by its name only
+    "replay": "mikas.replay.port:open_replay",  # a higher layer's: known by its name only
 }
 
 

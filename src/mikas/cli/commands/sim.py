@@ -22,7 +22,7 @@ from mikas.virtual.ecu import EcuEvent
 from mikas.virtual.fault_injector import LineFault
 
 if TYPE_CHECKING:
-    from mikas.recording.replay import ReplayCar
+    from mikas.replay import ReplayCar
 
 _TROUBLES = ", ".join(it.value for it in LineFault if it is not LineFault.DAMAGED)
 
@@ -119,7 +119,7 @@ def sim(
 
 def _recorded(context: CommandContext, path: Path, wanted: Mapping[str, str]) -> Bus:
     """The unit of a recording; it begins when the first request comes."""
-    from mikas.recording.replay import car_on, replay_bus
+    from mikas.replay import car_on, replay_bus
 
     for name in CAR_SETTINGS:
         if name in wanted:

@@ -11,6 +11,7 @@ import numpy as np
 from mikas.link.tee import Direction
 from mikas.recording import pcapng
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, joined
+from mikas.recording.exchanges.result import JUMP
 from mikas.recording.reader import FLAGS, Blocks, Packet, Source
 from mikas.recording.scan import LARGEST, RawBlock
 
@@ -142,9 +143,13 @@ class PacketColumns:
         self._source[index] = self._number(packet.source)
 
     def packets(self, start: int, stop: int) -> Iterator[Packets]:
-        """Yield the packets from block `start` to before `stop`, a port at a time, in order."""
+        """Yield the packets from block `start` to before `stop`, in order.
+
+        Another begins where the port changes, and where the clock was set back.
+        """
         known = (self._source[start:stop] >= 0).nonzero()[0] + start
-        edges = np.diff(self._source[known]).nonzero()[0] + 1
+        edges = np.diff(self._source[known]) != 0
+        edges = (edges | (np.diff(self._times[known]) < -JUMP)).nonzero()[0] + 1
         for chosen in np.split(known, edges):
             if chosen.size:
                 yield Packets(

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Protocol, TypeVar
 
-from mikas.recording.exchanges.result import Exchanges
+from mikas.recording.exchanges.result import JUMP, Exchanges
 from mikas.recording.exchanges.scalar import ScalarMatcher
 from mikas.recording.reader import CaptureReader, Packet, Problem, Source
 
@@ -71,8 +71,7 @@ def matched(
 def _stretches(items: Iterable[Packet | Problem]) -> Iterator[Sequence[Packet] | Problem]:
     waiting: list[Packet] = []
     for item in items:
-        is_other = isinstance(item, Problem) or (waiting and item.source != waiting[0].source)
-        if waiting and (is_other or len(waiting) == _STRETCH):
+        if waiting and (len(waiting) == _STRETCH or not _continues(waiting[-1], item)):
             yield waiting
             waiting = []
         if isinstance(item, Problem):
@@ -81,3 +80,9 @@ def _stretches(items: Iterable[Packet | Problem]) -> Iterator[Sequence[Packet] |
             waiting.append(item)
     if waiting:
         yield waiting
+
+
+def _continues(last: Packet, item: Packet | Problem) -> bool:
+    if isinstance(item, Problem):
+        return False
+    return item.source == last.source and item.time >= last.time - JUMP

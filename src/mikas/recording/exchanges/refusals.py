@@ -97,9 +97,18 @@ class RefusalResolver(Generic[T]):
         if is_twice(request):
             self._twice.add(request[1])
 
-    def is_indifferent(self, layout: Layout) -> bool:
-        """Return whether a response of this layout, to several codes, decides nothing."""
-        return not self._followed(layout)
+    def follows(self, code: int) -> bool:
+        """Return whether the code was asked for alone, or twice at once."""
+        return code in self._codes
+
+    def followed(self, layout: Layout) -> list[tuple[int, int]]:
+        """Return where data of followed codes begin in this layout, and their sizes."""
+        return [(begin, size) for _, begin, size in self._followed(layout)]
+
+    def is_quiet(self, layout: Layout) -> bool:
+        """Return whether a response of this layout without 01s changes nothing."""
+        lone = [self._codes[code][0] for code, _, _ in self._followed(layout)]
+        return not any(it.is_sure or it.waiting < it.count for it in lone)
 
     def take(self, item: T, request: bytes, serial: int, layout: Layout, body: bytes) -> bool:
         """Return whether `body` is data for certain; if not, it is doubtful, or has no data."""

@@ -7,15 +7,21 @@ result, a stretch of packets at a time. Tables, exports, replay, summary and rep
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, Final, Protocol, TypeVar, overload
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from mikas.recording.reader import Source
 
-GAP = 0.5
+GAP: Final = 0.5
 """s without a packet that `Exchanges.gaps` lists."""
+
+JUMP: Final = 1.0
+"""s by which times run back where a clock was set; less is jitter. A stretch ends there."""
 
 T = TypeVar("T")
 
@@ -25,7 +31,11 @@ class Column(Protocol[T]):
 
     def __len__(self) -> int: ...
 
+    @overload
     def __getitem__(self, index: int, /) -> T: ...
+
+    @overload
+    def __getitem__(self, index: slice, /) -> Column[T]: ...
 
     def tolist(self) -> list[T]:
         """Return the values as a list."""
@@ -59,18 +69,17 @@ class Responses:
     requests: Column[int]
     numbers: Column[int]
     after: Column[int]
-    bodies: bytes | Column[int]
+    bodies: bytes | NDArray[np.uint8]
     starts: Column[int]
     lengths: Column[int]
     wire_lengths: Column[int]
 
     def of(self, numbers: Collection[int]) -> Iterator[tuple[float, int, bytes]]:
         """Yield (time, number, body) of those that answer one of these requests."""
-        data = memoryview(self.bodies)  # type: ignore[arg-type]
         for row, number in enumerate(self.numbers.tolist()):
             if number in numbers:
                 start = self.starts[row]
-                yield self.times[row], number, bytes(data[start : start + self.lengths[row]])
+                yield self.times[row], number, bytes(self.bodies[start : start + self.lengths[row]])
 
 
 @dataclass(frozen=True, slots=True)

@@ -75,7 +75,7 @@ def info(context: CommandContext, *, quick: bool) -> None:
 
 def _told_by_recording(ecu: Ecu) -> list[Support]:
     """By what was asked then: trying it now would only tell what is not in the recording."""
-    from mikas.recording.replay import playing
+    from mikas.replay import playing
 
     car = playing(ecu.tester.link)
     return [] if car is None else [Support(each, car.recorded.knows(each)) for each in ALL_COMMANDS]

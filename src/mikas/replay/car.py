@@ -17,7 +17,7 @@ from typing import Final
 from mikas.catalog import Catalog
 from mikas.errors import MikasError
 from mikas.link.base import BITS_PER_BYTE
-from mikas.recording.replay_recorded import Recorded
+from mikas.replay.model import ReplayData
 from mikas.virtual.responder import Identity
 
 UNKNOWN_VERSION: Final = 0xFF
@@ -44,7 +44,7 @@ class ReplayCar:
 
     def __init__(
         self,
-        recorded: Recorded,
+        recorded: ReplayData,
         catalog: Catalog,
         *,
         start: float | None = None,

@@ -10,7 +10,7 @@ from replay_bench import NAMES, RECEIVED, SENT, again, do, linger, session, sim
 from mikas.errors import EchoOnly, MikasError, RecordingOver
 from mikas.framing import encode
 from mikas.recording import CaptureWriter, write_session_header
-from mikas.recording.replay import load, playing
+from mikas.replay import load, playing
 from mikas.virtual.quirks import LongList, Unknown
 
 # Who it was, and what it could do

@@ -14,21 +14,21 @@ from collections.abc import Iterable, Sequence
 from statistics import median
 from typing import Final
 
+from mikas.recording.exchanges.result import GAP
 from mikas.recording.notes import Kind, Note
-from mikas.recording.replay_recorded import Series
+from mikas.replay.model import Series
 
 Stretch = tuple[float, float]
 
 SILENT_FOR: Final = 2.0  # s with requests and no answer: then the unit had no supply
 _JUST_BEFORE: Final = 0.001  # s; the supply is there when a request comes
 _EARLY: Final = 0.05  # s; a hole ends so much before its end, whose time is not so sure
-SHORTEST: Final = 0.5  # s of a hole, if there is a note of it
 _CYCLES: Final = 5  # usual ones: a stretch of more without any packet is a hole, note or not
 _STEADY: Final = 20  # responses with the same parameters, or there is no usual cycle
 _MOST_STEPS: Final = 1000
 
 
-class Silences:
+class Outages:
     """Collects them. `failing_since`: the first of the requests that are without answer so far."""
 
     def __init__(self, notes: Iterable[Note] = ()) -> None:
@@ -58,7 +58,7 @@ class Silences:
 
     def passed(self, recording: int, begin: float, end: float, shift: float) -> None:
         """No packet between two times. `shift`: from the recording's own times to these."""
-        if end - begin > SHORTEST:
+        if end - begin > GAP:
             noted = self._noted.get(recording, [])
             before = bisect_left(noted, (end - shift,))
             is_noted = before > 0 and begin - shift < noted[before - 1][1]

@@ -1,38 +1,34 @@
-"""`replay:` — a recording as a port: a virtual unit that answers as the recorded one did.
+"""`replay:`: a recording as a port, on which a virtual ECU answers as the recorded one did.
 
-The unit stands on the usual virtual wire: 9600 baud, an echo if the recorded adapter gave one, line
-faults if asked for. Only the car's time is another one: it can be scaled, and moved while it runs.
-At the end the port says that the recording is over, lest anybody waits for the ignition.
+The ECU is on the usual virtual wire: 9600 baud, an echo if the recorded adapter gave one, line
+faults on request. Only the car has a time of its own: it can be scaled, and moved while it runs. A
+client waits for an ECU that falls silent, but not for a recording that has ended: at the end the
+port raises `RecordingOver`. After a `seek` it continues.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mikas.catalog import Catalog, shipped
-from mikas.errors import CaptureError, MissingExtra, UsageError
+from mikas.errors import RecordingOver, UsageError
 from mikas.i18n import Text
 from mikas.link.base import Link
 from mikas.link.tee import CaptureTee
 from mikas.link.urls import take_clock
+from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
 from mikas.options import OptionParser, check_names
-from mikas.recording.notes import Kind, Note
-from mikas.recording.reader import CaptureReader
-from mikas.recording.replay_car import ReplayCar
-from mikas.recording.replay_index import index
-from mikas.recording.replay_link import RealTimeReplayLink, ReplayLink
-from mikas.recording.replay_recorded import Recorded
-from mikas.recording.replay_unit import ReplayResponder
+from mikas.replay.build import load
+from mikas.replay.car import ReplayCar
+from mikas.replay.model import ReplayData
+from mikas.replay.responder import ReplayResponder
 from mikas.virtual.build import WIRE_SETTINGS, wired
 
 if TYPE_CHECKING:
     from mikas.virtual.bus import Bus
     from mikas.virtual.ecu import EcuEvent
-
-__all__ = ["SETTINGS", "ReplayCar", "car_on", "load", "open_replay", "playing", "replay_bus"]
 
 SETTINGS: Final = ("speed", "seek", "loop", *WIRE_SETTINGS)
 """Names of all settings, as texts: those of this module, and those of `mikas.virtual.build`.
@@ -42,29 +38,6 @@ end. `echo`, `baud` and the switches of `EcuQuirks` are as recorded unless given
 """
 _FASTEST: Final = 1000.0
 _BAUDS: Final = range(50, 4_000_001)
-
-
-def load(path: str | os.PathLike[str], catalog: Catalog | None = None) -> Recorded:
-    """What can be replayed of a capture. Raises `CaptureError` if that is nothing at all.
-
-    Damaged parts are passed over; `problems` counts them.
-    """
-    reader = CaptureReader(path)
-    notes = list(reader.notes())
-    recorded = _indexed(reader, catalog or shipped(), notes)
-    if not recorded.frames:
-        raise CaptureError(str(Path(path)), _NOTHING)
-    _add_noted_identity(recorded, notes)
-    return recorded
-
-
-def _indexed(reader: CaptureReader, catalog: Catalog, notes: list[Note]) -> Recorded:
-    """By numpy where it is installed: ten hours in seconds, not minutes; else packet by packet."""
-    try:
-        from mikas.recording.replay_bulk import index_file
-    except MissingExtra:
-        return index(reader, catalog, notes)
-    return index_file(reader.path, catalog, notes)
 
 
 def replay_bus(
@@ -97,7 +70,7 @@ def replay_bus(
 
 
 def _bus_of(
-    recorded: Recorded,
+    recorded: ReplayData,
     settings: Mapping[str, str],
     catalog: Catalog,
     *,
@@ -159,26 +132,32 @@ def car_on(bus: object) -> ReplayCar | None:
     return car if isinstance(car, ReplayCar) else None
 
 
-def _add_noted_identity(recorded: Recorded, notes: list[Note]) -> None:
-    """What a note tells of the unit, where the wire does not: it may have been asked before."""
-    for note in notes:
-        if note.kind != Kind.UNIT:
-            continue
-        version = note.data.get("version_code")
-        if isinstance(version, int) and 0 <= version <= 0xFF and not recorded.version.values:
-            recorded.version.add(0.0, version)
-        pieces = note.data.get("passports")
-        if not isinstance(pieces, list):  # not what `unit_note` writes
-            recorded.problems += pieces is not None
-            continue
-        codes = range(0x51, 0x59)
-        for code, piece, known in zip(codes, pieces, recorded.passports, strict=False):
-            if isinstance(piece, str) and not known.values:
-                known.add(0.0, piece)
-                recorded.refusals.pop(code, None)
+class ReplayLink(VirtualLink):
+    """On simulated time. `file`: as the user wrote it."""
+
+    def __init__(self, bus: Bus, *, url: str, start: float, file: str) -> None:
+        super().__init__(bus, url=url, start=start)
+        self._file = file
+
+    def _check(self) -> None:
+        super()._check()
+        _raise_if_over(self.bus, self._file, self.now())
 
 
-_NOTHING: Final = Text(
-    "there is no response of an ECU in it, so there is nothing to replay",
-    "в записи нет ни одного ответа блока, воспроизводить нечего",
-)
+class RealTimeReplayLink(RealTimeVirtualLink):
+    """In real time. `file`: as the user wrote it."""
+
+    def __init__(self, bus: Bus, *, url: str, file: str) -> None:
+        super().__init__(bus, url=url)
+        self._file = file
+
+    def _check(self) -> None:
+        super()._check()
+        _raise_if_over(self.bus, self._file, self.now())
+
+
+def _raise_if_over(bus: Bus, file: str, now: float) -> None:
+    car = bus.ecu.responder.car
+    if isinstance(car, ReplayCar) and car.is_over(now):
+        car.look(now)
+        raise RecordingOver(file=file, time=now)

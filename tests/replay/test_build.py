@@ -1,4 +1,4 @@
-"""Putting a capture in order by runs comes to the same as packet by packet."""
+"""The arrays with routine runs and the reference, exchange by exchange, build the same replay."""
 
 from __future__ import annotations
 
@@ -14,10 +14,12 @@ from replay_bench import METHODS, NAMES, RECEIVED, SENT, do, session, sim
 from mikas.catalog import shipped
 from mikas.errors import MikasError
 from mikas.framing import encode
-from mikas.recording import CaptureReader, CaptureWriter, replay_habits
-from mikas.recording.replay_bulk import _stretch, index_file
-from mikas.recording.replay_index import index
-from mikas.recording.replay_recorded import Latest, Series
+from mikas.recording import CaptureWriter
+from mikas.recording.exchanges.capture import column_exchanges
+from mikas.recording.exchanges.reading import scalar_exchanges
+from mikas.replay import behaviour as replay_habits
+from mikas.replay.build import ReplayBuilder, build
+from mikas.replay.model import Latest, Series
 
 FEW = 3  # delays that are enough, so that runs begin early
 
@@ -26,7 +28,7 @@ def plain(value):
     """`value` made of what can be compared."""
     if isinstance(value, Series):
         return (
-            value.layout,
+            value.layout.places,
             value.times.tolist(),
             [value.datum(index, 0, value.size) for index in range(len(value.times))],
         )
@@ -40,7 +42,8 @@ def plain(value):
 
 
 def same(path):
-    by_runs, one_by_one = index_file(path, shipped()), index(CaptureReader(path), shipped())
+    by_runs = build(column_exchanges(path), shipped())
+    one_by_one = build(scalar_exchanges(path), shipped())
     for each in fields(one_by_one):
         name = each.name
         assert plain(getattr(by_runs, name)) == plain(getattr(one_by_one, name)), name
@@ -89,19 +92,17 @@ def test_most_of_a_long_session_is_not_looked_at_one_by_one(few, tmp_path, monke
     path = tmp_path / "a.pcapng"
     with session(sim(), tmp_path, path) as ecu:
         do(ecu, [("list", NAMES, 200, 0.0)])
-    seen = []
-    from mikas.recording import replay_bulk
+    heard = []
 
-    def counted(packets, indexer):
-        for packet in _stretch(packets, indexer):
-            seen.append(packet)
-            yield packet
+    def counted(self, *response):
+        heard.append(response)
+        return hear(self, *response)
 
-    monkeypatch.setattr(replay_bulk, "_stretch", counted)
-    found = index_file(path, shipped())
-    packets = sum(1 for _ in CaptureReader(path))
+    hear = ReplayBuilder.hear
+    monkeypatch.setattr(ReplayBuilder, "hear", counted)
+    found = build(column_exchanges(path), shipped())
     assert found.frames > 200
-    assert len(seen) < packets / 3
+    assert len(heard) < found.frames / 3
 
 
 def test_two_ports_in_turns_keep_their_order(tmp_path):
@@ -141,5 +142,5 @@ def test_a_clock_that_is_set_back_and_a_list_that_changes(few, tmp_path):
             for number in range(20):
                 ask(b"\x63", bytes([number + 60]) * (size if number != 11 else size + 1))
     same(path)
-    indexed = index_file(path, shipped())
+    indexed = build(column_exchanges(path), shipped())
     assert indexed.frames == 3 * 41

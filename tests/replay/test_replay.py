@@ -15,7 +15,7 @@ from mikas.framing import encode
 from mikas.link import open_link
 from mikas.link.virtual import VirtualLink
 from mikas.recording import CaptureWriter, Coalescer
-from mikas.recording.replay import load, playing, replay_bus
+from mikas.replay import load, playing, replay_bus
 
 
 def a_step(*methods):

@@ -10,17 +10,19 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from replay_bench import RECEIVED, SENT, again, session, sim
-from test_replay_bulk import FEW, same
+from test_build import FEW, same
 
 from mikas.catalog import shipped
 from mikas.errors import CaptureError, MikasError
 from mikas.framing import encode
 from mikas.i18n import Text
-from mikas.recording import CaptureWriter, replay_habits
+from mikas.recording import CaptureWriter
+from mikas.recording.exchanges.capture import column_exchanges
 from mikas.recording.exchanges.table import TableReader
 from mikas.recording.notes import Kind, Note, gap_note, state_note
-from mikas.recording.replay import load, playing
-from mikas.recording.replay_bulk import index_file
+from mikas.replay import behaviour as replay_habits
+from mikas.replay import load, playing
+from mikas.replay.build import build
 from mikas.sampling.events import LineState
 
 THR = 0x20
@@ -46,7 +48,7 @@ def played(path, code=THR):
     """The data of a code; of a response that has two, the last one."""
     found = []
     for series in {id(place[0]): place[0] for place in load(path).places.get(code, [])}.values():
-        place = series.last_of(code)
+        place = series.layout.last_of(code)
         found += [series.datum(at, *place).hex() for at in range(len(series.times))]
     return sorted(found)
 
@@ -210,7 +212,7 @@ def test_holes_among_what_is_taken_by_runs(tmp_path, monkeypatch):
     path = tmp_path / "a.pcapng"
     steady(path)
     same(path)
-    assert len(index_file(path, shipped()).holes) == 1
+    assert len(build(column_exchanges(path), shipped()).holes) == 1
 
 
 # Odd notes

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import inf
 from typing import Any, Generic, TypeVar
 
 from mikas import commands as c
+from mikas.recording.exchanges.layouts import Layout
 from mikas.virtual.quirks import EcuQuirks
 
 T = TypeVar("T")
@@ -42,33 +43,28 @@ class Latest(Generic[T]):
 
 
 class Series:
-    """Responses with the same parameters in them. `begins`: where in a body each one's datum is."""
+    """Responses of the same layout."""
 
-    def __init__(self, layout: tuple[c.Datum, ...]) -> None:
+    def __init__(self, layout: Layout) -> None:
         self.layout = layout
-        self.size = sum(datum.size for datum in layout)
+        self.size = layout.length
         self.times = array("d")
         self._bodies = bytearray()
 
+    @property
+    def latest(self) -> float:
+        """The time of the latest response."""
+        return self.times[-1] if self.times else -inf
+
     def add(self, time: float, body: bytes) -> None:
-        """The response of `time`, never before the one before."""
-        self.times.append(max(time, self.times[-1]) if self.times else time)
+        """Add the response of `time`, never before the latest."""
+        self.times.append(max(time, self.latest))
         self._bodies += body
 
-    def extend(self, times: Iterable[float], bodies: bytes) -> None:
-        """Many responses at once; their times rise."""
-        latest = self.times[-1] if self.times else -inf
-        self.times.extend(max(time, latest) for time in times)
+    def extend(self, times: bytes, bodies: bytes) -> None:
+        """Add many responses at once. `times`: 64-bit floats that rise from the latest one."""
+        self.times.frombytes(times)
         self._bodies += bodies
-
-    def last_of(self, code: int) -> tuple[int, int] | None:
-        """Where the code's last datum begins, and its size; None: there is none."""
-        found, begin = None, 0
-        for datum in self.layout:
-            if datum.code == code:
-                found = begin, datum.size
-            begin += datum.size
-        return found
 
     def datum(self, index: int, begin: int, size: int) -> bytes:
         """The bytes from `begin` of response number `index`."""
@@ -87,7 +83,7 @@ class Cells:
 
 
 @dataclass(slots=True)
-class Recorded:
+class ReplayData:
     """Everything that can be played back.
 
     `places`: by parameter code, where its data are: series, place in the body, size. `silences`:

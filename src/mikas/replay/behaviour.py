@@ -26,7 +26,7 @@ _LISTS: Final = frozenset(
 _BLOCKS: Final = frozenset([0x21, 0x23, 0x25])  # the count is the last byte
 
 
-class Habits:
+class EcuBehaviour:
     """Counts what becomes of requests."""
 
     def __init__(self) -> None:

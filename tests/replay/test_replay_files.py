@@ -16,7 +16,7 @@ from mikas.link import open_link
 from mikas.link.tee import CaptureTee
 from mikas.link.virtual import RealTimeVirtualLink
 from mikas.recording import CaptureWriter
-from mikas.recording.replay import load, playing, replay_bus
+from mikas.replay import load, playing, replay_bus
 
 # Several recordings, damage, what is no recording
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mikas import commands as c
-from mikas.recording.replay_car import ReplayCar
+from mikas.replay.car import ReplayCar
 from mikas.virtual.memory import EcuMemory
 from mikas.virtual.responder import Answer, Responder
 

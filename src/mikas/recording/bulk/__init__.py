@@ -1,1 +1,0 @@
-"""Runs of regular exchanges, for replay."""

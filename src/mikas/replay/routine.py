@@ -1,0 +1,117 @@
+"""Routine exchanges, taken in runs: an exchange after another is the same but for its data.
+
+An exchange is routine if its request is known so well that one more response brings only data: the
+same result as exchange by exchange, in a fraction of the time. The first and the last of a run go
+the usual way, so that the builder's state before and behind a run is the usual one.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from mikas import commands as c
+from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, joined
+from mikas.recording.exchanges.layouts import STREAMS
+from mikas.recording.exchanges.refusals import is_lone, is_twice
+from mikas.recording.exchanges.result import Exchanges
+from mikas.replay.contents import ROUNDING, Port, Request
+from mikas.replay.model import Series
+
+if TYPE_CHECKING:
+    from mikas.replay.build import ReplayBuilder
+
+_LEAST: Final = 16  # exchanges
+_NOT_BEFORE: Final = 64  # rows between two attempts where no run was found
+
+
+class Routine:
+    """The routine exchanges of one stretch."""
+
+    def __init__(self, builder: ReplayBuilder, port: Port, exchanges: Exchanges) -> None:
+        self._builder = builder
+        self._port = port
+        self._exchanges = exchanges
+        responses = exchanges.responses
+        self._numbers: Index = np.asarray(responses.numbers)
+        self._serials: Index = np.asarray(responses.requests)
+        self._starts: Index = np.asarray(responses.starts)
+        self._lengths: Index = np.asarray(responses.lengths)
+        self._bodies: Bytes = np.asarray(responses.bodies)
+        self._usual: Mask = self._serials == np.asarray(responses.after)
+        self._usual &= ~np.isin(self._serials, np.asarray(exchanges.damaged))
+        self._again = 0
+
+    def take(self, row: int) -> int:
+        """Keep the routine exchanges from `row` on, but for the last one; return how many."""
+        asked = self._port.asked
+        steady = asked and asked.answered and self._builder.outages.failing_since is None
+        if row < self._again or not asked or not steady:
+            return 0
+        fits, series = self._fitting(row, asked)
+        count = (int(fits.argmin()) if not fits.all() else fits.size) - 1
+        if count < _LEAST:
+            self._again = row + _NOT_BEFORE
+            return 0
+        rows = np.arange(row, row + count)
+        if asked.body[0] in STREAMS:
+            times = np.asarray(self._exchanges.responses.times)[rows] - ROUNDING
+        else:
+            sent = self._serials[rows] - self._exchanges.requests.first
+            times = np.asarray(self._exchanges.requests.times)[sent]
+        times = times + self._builder.timeline.shift
+        self._keep(rows, times, series)
+        self._builder.data.frames += count
+        return count
+
+    def _fitting(self, row: int, asked: Request) -> tuple[Mask, dict[int, Series]]:
+        """Return which rows from `row` on are routine, and the series by the request's number."""
+        numbers, serials = self._numbers[row:], self._serials[row:]
+        streamed = asked.body[0] in STREAMS
+        expected = asked.serial + (0 if streamed else 1 + np.arange(serials.size))
+        fits: Mask = self._usual[row:] & (serials == expected)
+        sizes = np.full(len(self._exchanges.bodies) + 1, -1)  # of -1, too
+        found: dict[int, Series] = {}
+        for number in np.unique(numbers[fits]).tolist():
+            body = self._exchanges.bodies[number] if number >= 0 else b""
+            if body and (body[0] in STREAMS) == streamed and (series := self._series_of(body)):
+                found[number], sizes[number] = series, series.layout.length
+        fits &= sizes[numbers] == self._lengths[row:]
+        for number, series in found.items():
+            for begin, size in self._port.resolver.followed(series.layout):
+                if size == 1:
+                    mine = (fits & (numbers == number)).nonzero()[0]
+                    fits[mine] = self._bodies[self._starts[row:][mine] + begin] != 1
+        return fits, found
+
+    def _series_of(self, body: bytes) -> Series | None:
+        """Return the series of a request of which one more response brings only data."""
+        builder = self._builder
+        series = builder.contents.series_of(body, self._port)
+        if series is None or is_twice(body) or body[0] in c.StreamAtStroke.CODES:
+            return None
+        if body[0] in STREAMS:
+            known = builder.behaviour.knows_gaps
+        else:
+            is_new = is_lone(body, series.layout) and not self._port.resolver.follows(body[1])
+            known = builder.behaviour.is_known(body) and not is_new
+        return series if known and builder.contents.is_routine(series, self._port) else None
+
+    def _keep(self, rows: Index, times: Floats, series: dict[int, Series]) -> None:
+        chosen_by: dict[int, tuple[Series, list[int]]] = {}
+        for number, each in series.items():
+            chosen_by.setdefault(id(each), (each, []))[1].append(number)
+        latest: list[tuple[int, Series]] = []
+        for each, numbers in chosen_by.values():
+            chosen = np.isin(self._numbers[rows], numbers).nonzero()[0]
+            if chosen.size:
+                mine = rows[chosen]
+                bodies = joined(self._bodies, self._starts[mine], self._lengths[mine])
+                rising = np.maximum.accumulate(np.maximum(times[chosen], each.latest))
+                each.extend(rising.tobytes(), bodies.tobytes())
+                latest.append((int(mine[-1]), each))
+        for row, each in sorted(latest, key=lambda it: it[0]):
+            start = int(self._starts[row])
+            body = self._bodies[start : start + each.layout.length].tobytes()
+            self._port.resolver.pass_over(each.layout, body)
