@@ -65,7 +65,7 @@ class TestEveryMethod:
         for sample in ecu.watch("TWAT", "INJ", method=method, count=12):
             states.append("gap" if sample.gap else "data")
             assert bool(sample.readings) is not sample.gap
-            assert (sample.reason is None) is not sample.gap
+            assert (sample.error is None) is not sample.gap
             if len(states) == 3:
                 it.car.on = False
             if len(states) == 6:
@@ -82,7 +82,7 @@ class TestEveryMethod:
         for n, sample in enumerate(ecu.watch("TWAT", method=method, count=4)):
             it.car.on = False
             if n:
-                reasons.append(type(sample.reason))
+                reasons.append(type(sample.error))
         assert EchoOnly in reasons
 
     def test_every_cycle_takes_time_whatever_happens(self, method):

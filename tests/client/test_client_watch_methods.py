@@ -153,9 +153,9 @@ class TestTheList:
 def test_a_standing_engine_gives_gaps_that_say_so(method):
     ecu = ecu_on(bench(DATA | {0x29: b"\x00"}, rpm=0.0))
     samples = list(ecu.watch("TWAT", method=method, count=3))
-    assert all(isinstance(s.reason, EngineStopped) for s in samples)
-    assert samples[0].reason.reason.en == "No stroke for 2 s: the engine is not turning"
-    assert "двигатель не вращается" in samples[0].reason.text.ru
+    assert all(isinstance(s.error, EngineStopped) for s in samples)
+    assert samples[0].error.reason.en == "No stroke for 2 s: the engine is not turning"
+    assert "двигатель не вращается" in samples[0].error.text.ru
     assert samples[2].time - samples[0].time > 4  # it waits for the engine, 2 s each
 
 
@@ -168,11 +168,11 @@ def test_a_stream_that_falls_silent_tells_how_long_it_was_waited_for(method):
         it.power_cycle(ecu)
         gap = next(sample for sample in samples if sample.gap)
         assert next(samples).readings
-    assert isinstance(gap.reason, NoResponse)
-    seconds = gap.reason.fields["seconds"]
+    assert isinstance(gap.error, NoResponse)
+    seconds = gap.error.fields["seconds"]
     assert seconds == (0.5 if method == "stream" else 2)
     assert gap.time - before.time >= seconds
-    assert f"within {seconds:g} s" in gap.reason.reason.en
+    assert f"within {seconds:g} s" in gap.error.reason.en
 
 
 @pytest.mark.parametrize("method", STREAMS)
@@ -216,6 +216,6 @@ def test_a_damaged_response_of_a_stream_is_a_gap_and_the_stream_goes_on():
         next(samples)
         it.trouble(None, LineFault.DAMAGED, None, LineFault.FOREIGN)
         came = list(islice(samples, 12))
-    assert [type(s.reason) for s in came if s.gap] == [DamagedResponse, WrongLength]
-    assert all(s.reason.received for s in came if s.gap)
+    assert [type(s.error) for s in came if s.gap] == [DamagedResponse, WrongLength]
+    assert all(s.error.received for s in came if s.gap)
     assert len(it.requests(0x71)) == 1  # it was not begun again

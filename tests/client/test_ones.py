@@ -20,7 +20,7 @@ GOOD = {code: raw for code, raw in DATA.items() if code not in {d.code for d in 
 
 
 def single(ecu, *names):
-    return ecu.parameters.fetch(ecu.parameters.named(names), "single")
+    return ecu._parameters.fetch(ecu._parameters.named(names), "single")
 
 
 @pytest.mark.parametrize("before", [b"\x7d", b"\x01"])
@@ -33,7 +33,7 @@ def test_a_lone_code_that_is_refused_midway_is_no_value(before, method):
     del it.car._data[0x1A]
     for _ in range(3):
         with pytest.raises(NotSupported):
-            ecu.parameters.fetch(ecu.parameters.named(["TWAT"]), method)
+            ecu._parameters.fetch(ecu._parameters.named(["TWAT"]), method)
 
 
 def test_a_datum_that_becomes_01_costs_one_request_more():
@@ -63,13 +63,13 @@ def test_a_unit_that_takes_one_at_a_time_is_not_asked_for_two_again_and_again():
         assert ecu.limits().refused == []
         it.forget()
         for _ in range(9):
-            assert not ecu.parameters.refuses(ecu.parameters.named(["TWAT"]))
+            assert not ecu._parameters.refuses(ecu._parameters.named(["TWAT"]))
             assert list(single(ecu, "FREQ", "TWAT")) == [0x29]
         assert it.requests(0x61) == [b"\x61\x29", TWAT] * 9
-        assert ecu.parameters.refuses(ecu.parameters.named(["TWAT"]))
+        assert ecu._parameters.refuses(ecu._parameters.named(["TWAT"]))
         it.car.__init__(DATA)  # so it was no refusal for ever
         assert single(ecu, "TWAT")[0x1A].raw == DATA[0x1A]
-        assert not ecu.parameters.refuses(ecu.parameters.named(["TWAT"]))
+        assert not ecu._parameters.refuses(ecu._parameters.named(["TWAT"]))
 
 
 def test_a_bad_line_at_that_moment_is_no_limit():
@@ -126,6 +126,9 @@ def test_whatever_happens_on_the_line_a_refusal_is_no_value(troubles, takes, lon
     del it.car._data[0x1A]
     it.trouble(*troubles)
     for names in (("TWAT",), ("FREQ", "TWAT", "INJ"), ("TWAT", "THR")):
-        for way in (single, lambda ecu, *names: ecu.parameters.fetch(ecu.parameters.named(names))):
+        for way in (
+            single,
+            lambda ecu, *names: ecu._parameters.fetch(ecu._parameters.named(names)),
+        ):
             with suppress(LineError, NoConnection, NotSupported):
                 assert 0x1A not in way(ecu, *names)

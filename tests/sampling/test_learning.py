@@ -23,7 +23,7 @@ from sampling_bench import (
 
 from mikas.catalog import shipped
 from mikas.client.limits import LimitsStore, MethodTiming
-from mikas.client.methods import STREAMS
+from mikas.client.polling import STREAMS
 from mikas.link.virtual import VirtualLink
 from mikas.sampling.choosing import (
     CANDIDATES,

@@ -17,7 +17,7 @@ from sampling_bench import (
     take,
 )
 
-from mikas.client.methods import FIXED_METHODS
+from mikas.client.polling import FIXED_METHODS
 from mikas.errors import EchoOnly, LinkLost, NotSupported, UnknownParameter
 from mikas.sampling.events import (
     CycleFailed,

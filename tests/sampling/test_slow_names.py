@@ -21,7 +21,7 @@ from sampling_bench import (
     wishes,
 )
 
-from mikas.sampling.cycles import Asked
+from mikas.sampling.cycles import PlanCycles
 from mikas.sampling.events import CycleFailed, MethodChosen, Sampled
 from mikas.sampling.plan import Plan
 from mikas.virtual.quirks import GROUPS, EcuQuirks
@@ -38,13 +38,13 @@ def apart(events, name: str = "TWAT") -> list[float]:
 def ran(monkeypatch):
     """How many cycles were run by 61 or 63."""
     numbers: list[int] = []
-    through = Asked.run
+    through = PlanCycles.run
 
     def counted(self, number):
         numbers.append(number)
         return through(self, number)
 
-    monkeypatch.setattr(Asked, "run", counted)
+    monkeypatch.setattr(PlanCycles, "run", counted)
     return numbers
 
 

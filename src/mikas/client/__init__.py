@@ -13,8 +13,8 @@ from mikas.client.gate import Change, Confirm
 from mikas.client.identity import Info, Passport, Support
 from mikas.client.limits import Limits
 from mikas.client.memory.spaces import Memory, MemorySpace, Written
-from mikas.client.methods import METHODS, Method
 from mikas.client.parameters import WrittenParameter
+from mikas.client.polling import METHODS, Method
 from mikas.client.reading import Reading, Sample
 
 if TYPE_CHECKING:

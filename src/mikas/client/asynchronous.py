@@ -171,6 +171,7 @@ class AsyncEcu:
     read = _Delegated(Ecu.read)
     set_list = _Delegated(Ecu.set_list)
     read_list = _Delegated(Ecu.read_list)
+    forget_list = _Delegated(Ecu.forget_list)
     write_parameter = _Delegated(Ecu.write_parameter)
     faults = _Delegated(Ecu.faults)
     erase_faults = _Delegated(Ecu.erase_faults)

@@ -6,14 +6,14 @@ change goes through the gate. Several threads may use one `Ecu`.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
 
 from mikas import commands as c
-from mikas.catalog import Catalog, Fault, Model
+from mikas.catalog import Catalog, Fault, Model, Parameter
 from mikas.catalog.model import check_interpretation
 from mikas.client.data import DataReader
 from mikas.client.gate import Change, Confirm, Gate, hex_or_none
@@ -29,10 +29,16 @@ from mikas.client.journal import Journal
 from mikas.client.limits import Limits, LimitsStore, MethodTiming
 from mikas.client.limits_cache import LimitsCache
 from mikas.client.memory.spaces import Memory
-from mikas.client.methods import Method
 from mikas.client.parameters import Parameters, WrittenParameter
+from mikas.client.polling import (
+    FixedMethod,
+    Method,
+    Poller,
+    Watcher,
+    create_poller,
+    fixed_method,
+)
 from mikas.client.reading import Reading, Sample
-from mikas.client.watching import Watcher
 from mikas.errors import NoResponse, NotSupported, UsageError
 from mikas.i18n import Text, counted
 from mikas.tester import Tester
@@ -78,7 +84,7 @@ class Ecu:
             ready=tester.check_free,
         )
         data = DataReader(tester, self._learnt.limits, self._learnt.keep)
-        self.parameters = Parameters(tester, catalog, self._gate, data, interpretation)
+        self._parameters = Parameters(tester, catalog, self._gate, data, interpretation)
         self.memory = Memory(tester, self._gate, self._learnt.limits, self._learnt.keep)
 
     @property
@@ -132,7 +138,7 @@ class Ecu:
         A raw code is written `0x1A`, or `0x3F:2`. Raises `UnknownParameter`, `NotSupported` for a
         named one that the unit does not know, or if it knows none, a `LineError`, `NoConnection`.
         """
-        return self.parameters.read(names)
+        return self._parameters.read(names)
 
     def watch(
         self,
@@ -153,7 +159,8 @@ class Ecu:
         what is returned is closed, or has given `count` samples. What is the fastest on a unit is
         found by `mikas.sampling`.
         """
-        return Watcher(self.tester, self.parameters, names, rate).samples(method, count)
+        fixed = fixed_method(method) or "batch"
+        return Watcher(self.tester, self._parameters, names, fixed, rate).samples(count)
 
     def stream(
         self, *names: str, stroke: int | None = None
@@ -162,21 +169,25 @@ class Ecu:
 
         `stroke`: 0 … 4 for one response an engine cycle (D15). Leaving the `with` ends it (D12).
         """
-        return self.parameters.stream(names, stroke=stroke)
+        return self._parameters.stream(names, stroke=stroke)
 
     def set_list(self, *names: str) -> tuple[str, ...]:
         """Sets the list that `read_list` reads (64); returns the names in it.
 
         Raises `UnknownParameter`, `NotConfirmed`, `WriteRefused`, `NotSupported`.
         """
-        return self.parameters.set_list(names)
+        return self._parameters.set_list(names)
 
     def read_list(self) -> dict[str, Reading]:
         """One reading of each parameter in the list (63), which `set_list` sets.
 
         Raises `UsageError` without a list, and after silence, for then the unit may have lost it.
         """
-        return self.parameters.read_list()
+        return self._parameters.read_list()
+
+    def forget_list(self) -> None:
+        """Take the unit's list for lost, as after its supply was off: it has to be set again."""
+        self._parameters.forget_list()
 
     def write_parameter(
         self, name: str, value: float | None = None, *, raw: bytes | None = None
@@ -185,7 +196,7 @@ class Ecu:
 
         Raises `ValueDoesNotFit`, `NotConfirmed`, `WriteRefused`, `ReadBackDiffers`.
         """
-        return self.parameters.write(name, value, raw)
+        return self._parameters.write(name, value, raw)
 
     # Faults
 
@@ -254,7 +265,7 @@ class Ecu:
 
         def act() -> bytes | None:
             if command is c.WriteList:
-                self.parameters.forget_list()
+                self.forget_list()
             return self.tester.raw(body)
 
         return self._gate.make(change, act, hex_or_none)
@@ -293,3 +304,14 @@ class Ecu:
         traceback: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def poller_of(
+    ecu: Ecu, method: FixedMethod, streamed: Sequence[Parameter] = (), *, again: bool = False
+) -> Poller:
+    """Create a poller of `ecu` by `method`; `streamed`: what a stream sends.
+
+    `again`: ask once more for parameters that the unit has refused before.
+    """
+    parameters = ecu._parameters  # noqa: SLF001  (what samples an ECU belongs to it as its methods)
+    return create_poller(ecu.tester, parameters, method, streamed, again=again)

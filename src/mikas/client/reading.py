@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from mikas.catalog import Parameter
+from mikas.errors import MikasError
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,14 +50,14 @@ def decode(parameter: Parameter, raw: bytes, time: float, interpretation: str) -
 class Sample:
     """What one cycle of `watch` brought. A parameter that could not be read is missing.
 
-    `gap`: nothing at all came, `reason` says why. A value is never repeated from the cycle before.
+    `gap`: nothing at all came, `error` says why. A value is never repeated from the cycle before.
     """
 
     time: float
     readings: Mapping[str, Reading] = field(default_factory=lambda: MappingProxyType({}))
-    reason: Exception | None = None
+    error: MikasError | None = None
 
     @property
     def gap(self) -> bool:
-        """Whether nothing came; `reason` then says why."""
-        return self.reason is not None
+        """Whether nothing came; `error` then says why."""
+        return self.error is not None

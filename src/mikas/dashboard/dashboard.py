@@ -40,7 +40,7 @@ from mikas.sampling.supervisor import UnitIdentity, is_same_unit
 
 if TYPE_CHECKING:
     from mikas.client import Ecu, Info, Support
-    from mikas.client.methods import FixedMethod
+    from mikas.client.polling import FixedMethod
     from mikas.dashboard.session.diagnosis import Examination
     from mikas.sampling.alarms import AlarmChanged
     from mikas.sampling.events import Event

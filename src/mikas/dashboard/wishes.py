@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mikas.client.methods import FixedMethod
+from mikas.client.polling import FixedMethod
 
 
 @dataclass(frozen=True, slots=True)

@@ -281,7 +281,7 @@ def begin_anew(ecu: Ecu) -> None:
 
     That there is a job ends a running stream; a list that was set is set again (64).
     """
-    ecu.parameters.forget_list()
+    ecu.forget_list()
 
 
 def _next(named: Path) -> Path:

@@ -16,9 +16,8 @@ from typing import TypeVar
 
 from mikas.catalog import AlarmLimits, Catalog, Derived, Parameter
 from mikas.client import Ecu
-from mikas.client.methods import METHODS, FixedMethod
+from mikas.client.polling import fixed_method
 from mikas.errors import UsageError
-from mikas.i18n import Text
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.alarms import AlarmChanged, Alarms, AlarmState, Value
@@ -179,17 +178,3 @@ class Acquisition:
         Raises `UnknownParameter` and `UsageError`.
         """
         return self._sampler.price(select(self._catalog, names).parameters, fixed_method(method))
-
-
-def fixed_method(method: str) -> FixedMethod | None:
-    """None for auto. Raises `UsageError` for what is no method."""
-    for known in METHODS:
-        if method == known:
-            return None if known == "auto" else known
-    listed = ", ".join(METHODS)
-    raise UsageError(
-        problem=Text(
-            f"there is no method “{method}”; there are {listed}",
-            f"метода «{method}» нет; есть {listed}",
-        )
-    )

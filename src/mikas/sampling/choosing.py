@@ -18,10 +18,10 @@ from statistics import median
 
 from mikas.client import Ecu, Reading
 from mikas.client.limits import MethodTiming
-from mikas.client.methods import STREAMS, FixedMethod
+from mikas.client.polling import STREAMS, FixedMethod
 from mikas.commands import Availability
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, SyncLost
-from mikas.sampling.cycles import Cycles, cycles_of
+from mikas.sampling.cycles import PlanCycles
 from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
 
@@ -80,7 +80,7 @@ def run_trial(
     returns whether it did. Raises a `NoConnection` if the unit goes away meanwhile, `SyncLost` if
     another one comes.
     """
-    cycles = cycles_of(ecu, plan, identity_check)
+    cycles = PlanCycles(ecu, plan, identity_check)
     clock = ecu.tester.link.now
     turns = filter(plan.sends_in, count())  # an empty cycle says nothing of the method
     turn = next(turns)
@@ -100,7 +100,7 @@ def run_trial(
                 free = True
                 failures += 1
                 if failures == _PATIENCE:
-                    return TrialResult(plan.method, 0.0, refused=cycles.let_down(error))
+                    return TrialResult(plan.method, 0.0, refused=cycles.is_refusal(error))
                 yield error
                 continue
             except MikasError as error:  # refused, or nobody allowed it
@@ -119,7 +119,7 @@ def run_trial(
     return TrialResult(plan.method, _rate(spans) if ended else 0.0)
 
 
-def _ended(cycles: Cycles) -> bool:
+def _ended(cycles: PlanCycles) -> bool:
     try:
         cycles.pause()
     except LineError:

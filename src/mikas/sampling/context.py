@@ -7,10 +7,8 @@ from math import inf
 
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
-from mikas.client.methods import FixedMethod
+from mikas.client.polling import FixedMethod, check_rate, next_due
 from mikas.commands import Datum
-from mikas.errors import UsageError
-from mikas.i18n import Text
 from mikas.sampling.events import Sampled
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.method_knowledge import MethodKnowledge
@@ -30,10 +28,7 @@ class SamplingRequest:
 
     def __post_init__(self) -> None:
         Plan(self.parameters).check()
-        if self.rate is not None and not 0 < self.rate < inf:
-            raise UsageError(
-                problem=Text("a rate is more than 0 a second", "частота должна быть больше 0")
-            )
+        check_rate(self.rate)
 
 
 class SamplingContext:
@@ -100,9 +95,7 @@ class SamplingContext:
             self.due = time + length
 
     def _schedule_after(self, time: float, period: float) -> None:
-        # After a delay it goes on from now, lest it runs after what can't be caught up.
-        due = time if self.due == -inf else self.due
-        self.due = max(due, time - period) + period
+        self.due = next_due(time if self.due == -inf else self.due, time, period)
 
     def forget_values_outside(self, plan: Plan) -> None:
         """What is not asked any more is not stale, but gone."""

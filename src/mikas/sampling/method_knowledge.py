@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from mikas.client import Ecu
 from mikas.client.limits import STARTING_LIST, MethodTiming
-from mikas.client.methods import FixedMethod
+from mikas.client.polling import FixedMethod
 from mikas.errors import LineError
 from mikas.sampling.choosing import (
     CANDIDATES,

@@ -15,7 +15,7 @@ from mikas.client import Ecu, Reading
 from mikas.errors import MikasError, NoConnection, SyncLost
 from mikas.sampling.choosing import WITH_OWN_COMMANDS, TrialResult, run_trial
 from mikas.sampling.context import SamplingContext, SamplingRequest, datum_of
-from mikas.sampling.cycles import cycles_of
+from mikas.sampling.cycles import PlanCycles
 from mikas.sampling.events import CycleFailed, Event
 from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
@@ -80,7 +80,7 @@ class MethodTrials:
         """A cycle by 61. The shortest plan, by `plan`'s method, of what that brought."""
         context, now = self._context, ecu.tester.link.now
         try:
-            fresh = cycles_of(ecu, plan.with_method("batch"), self._identity_check).run(0)
+            fresh = PlanCycles(ecu, plan.with_method("batch"), self._identity_check).run(0)
         except (NoConnection, SyncLost):
             raise
         except MikasError as error:

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from mikas.catalog import Parameter
-from mikas.client.methods import STREAMS, FixedMethod
 from mikas.client.parameters import distinct
+from mikas.client.polling import STREAMS, FixedMethod
 from mikas.commands import Datum
 from mikas.errors import UsageError
 from mikas.framing import encode

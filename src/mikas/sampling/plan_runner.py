@@ -8,10 +8,10 @@ from collections.abc import Generator, Iterator
 from contextlib import suppress
 
 from mikas.client import Ecu, Reading
-from mikas.client.methods import STREAMS
+from mikas.client.polling import STREAMS
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, SyncLost
 from mikas.sampling.context import SamplingContext, SamplingRequest
-from mikas.sampling.cycles import Asked, Cycles, cycles_of
+from mikas.sampling.cycles import PlanCycles
 from mikas.sampling.events import CycleFailed, Event
 from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
@@ -41,11 +41,13 @@ class PlanRunner:
         self._context = context
         self._unsupported = unsupported
         self._now = ecu.tester.link.now
-        self._cycles = cycles_of(ecu, plan, identity_check)
+        self._cycles = PlanCycles(ecu, plan, identity_check)
         self._streams = plan.method in STREAMS
         # Between one-off requests a stream is not begun again: it is asked once, by 61.
         self._between = (
-            Asked(ecu, plan.with_method("batch"), identity_check) if self._streams else self._cycles
+            PlanCycles(ecu, plan.with_method("batch"), identity_check)
+            if self._streams
+            else self._cycles
         )
         knowledge, baud = context.knowledge, ecu.tester.link.baud
         self._promise = None if requested.method else knowledge.rate_estimate(plan, baud)
@@ -75,7 +77,7 @@ class PlanRunner:
             with suppress(LineError):  # who comes next finds out how the line is
                 self._cycles.pause()
 
-    def _cycle(self, cycles: Cycles, number: int) -> Iterator[Event]:
+    def _cycle(self, cycles: PlanCycles, number: int) -> Iterator[Event]:
         began = self._now()
         if not cycles.plan.sends_in(number):
             if cycles is self._cycles:
@@ -98,7 +100,7 @@ class PlanRunner:
             yield from self._sampled(fresh)
         if len(fresh) < cycles.expected(number):
             wanted = self._plan.parameters
-            self._over |= any(self._ecu.parameters.refuses([w.parameter]) for w in wanted)
+            self._over |= any(cycles.refuses(w.parameter) for w in wanted)
 
     def _sampled(self, fresh: dict[str, Reading]) -> Iterator[Event]:
         self._failures = self._doubts = 0
@@ -107,7 +109,7 @@ class PlanRunner:
         if self._context.is_due(sampled):
             yield sampled
 
-    def _after(self, error: MikasError, cycles: Cycles) -> Iterator[Event]:
+    def _after(self, error: MikasError, cycles: PlanCycles) -> Iterator[Event]:
         """After `error`: is it the line, a parameter, or the method?"""
         strict = self._context.strict and not self._context.has_sampled
         if strict and self._request.method and not isinstance(error, LineError):
@@ -115,7 +117,7 @@ class PlanRunner:
         self._failures += 1
         if not isinstance(error, LineError | EcuRefused):
             self._doubts = _DOUBTS  # nobody allowed it
-        elif cycles.let_down(error):
+        elif cycles.is_refusal(error):
             self._doubts += 1
             weed = self._unsupported.drop_unsupported(
                 self._ecu, self._plan, self._request, going=True
@@ -143,7 +145,7 @@ class PlanRunner:
             self._context.knowledge.invalidate()
             self._over = True
 
-    def _is_time_for(self, cycles: Cycles) -> bool:
+    def _is_time_for(self, cycles: PlanCycles) -> bool:
         """Waits for the next cycle's time; False: somebody wants something before. A stream keeps
         its own time, and what comes too early is left out.
         """

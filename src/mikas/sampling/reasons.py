@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from mikas.client import Ecu
 from mikas.client.data import refused
-from mikas.client.methods import STREAMS
+from mikas.client.polling import STREAMS
 from mikas.commands import ReadParameters
 from mikas.errors import MikasError, NotSupported
 from mikas.framing import Decoder, Frame

@@ -15,7 +15,7 @@ from concurrent.futures import Future
 from typing import TypeVar
 
 from mikas.client import Ecu
-from mikas.client.methods import FixedMethod
+from mikas.client.polling import FixedMethod
 from mikas.errors import LinkLost, MikasError, NoConnection, RecordingOver, SyncLost
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort

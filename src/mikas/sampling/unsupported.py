@@ -13,6 +13,7 @@ from enum import Enum
 from mikas.client import Ecu
 from mikas.client.asking import COMMON
 from mikas.client.data import refused
+from mikas.client.ecu import poller_of
 from mikas.commands import Datum, ReadParameters
 from mikas.errors import (
     LineError,
@@ -76,12 +77,12 @@ class UnsupportedParameters:
 
     def _try(self, ecu: Ecu, requested: SamplingRequest, plan: Plan) -> Iterator[Event]:
         named = [wanted.parameter for wanted in plan.parameters]
-        ecu.parameters.fetch(
-            named, again=requested.retry_refused and requested is not self._asked_again
-        )
+        again = requested.retry_refused and requested is not self._asked_again
+        poller = poller_of(ecu, "batch", again=again)
+        poller.cycle([named])
         self._asked_again = requested
         self._context.knowledge.max_list = ecu.limits().max_list
-        lost = {datum_of(p) for p in named if ecu.parameters.refuses([p])}
+        lost = {datum_of(p) for p in named if poller.refuses([p])}
         yield from self._drop(ecu, plan, lost)
 
     def _left(self, requested: SamplingRequest) -> Plan | None:
@@ -142,7 +143,7 @@ class UnsupportedParameters:
         named = [w.parameter for w in plan.parameters if datum_of(w.parameter) in answered]
         if not named:
             return
-        fresh = ecu.parameters.readings(named, ecu.parameters.fetch(named))
+        fresh = poller_of(ecu, "batch").cycle([named])
         if fresh:
             self._identity_check.check(ecu, lambda: None)
             sampled = self._context.sample_of(fresh)

@@ -16,7 +16,7 @@ from mikas.sampling.selecting import select
 
 if TYPE_CHECKING:
     from mikas.catalog import Catalog, Parameter
-    from mikas.client.methods import FixedMethod
+    from mikas.client.polling import FixedMethod
 
 _METHODS: tuple[FixedMethod, ...] = ("single", "batch", "list", "stream")
 

@@ -9,7 +9,7 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog
-from mikas.client.methods import Method
+from mikas.client.polling import Method
 from mikas.dashboard.api.dependencies import Asker, Controller, TheHub, Viewer
 from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.api.state import PlannedChannel, State, state_of

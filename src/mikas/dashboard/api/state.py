@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import BaseModel, Field
 
 from mikas.catalog import Level
-from mikas.client.methods import Method
+from mikas.client.polling import Method
 from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.api.errors import TwoTexts, two, two_or_none
 from mikas.dashboard.dashboard import Hub

@@ -26,7 +26,7 @@ from mikas.sampling.acquisition import Acquisition
 
 if TYPE_CHECKING:
     from mikas.client import Ecu
-    from mikas.client.methods import FixedMethod
+    from mikas.client.polling import FixedMethod
     from mikas.sampling.events import Event
 
 T = TypeVar("T")

@@ -8,7 +8,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, localized, tr
 from mikas.client import Ecu, Info, Support
 from mikas.client.limits import STARTING_LIST
-from mikas.client.methods import FixedMethod
+from mikas.client.polling import FixedMethod
 from mikas.commands import ALL_COMMANDS
 from mikas.i18n import Text
 from mikas.link.urls import parse
