@@ -66,7 +66,7 @@ def drive(hours: int) -> Iterator[dict[str, float]]:
     url = f"sim:?clock=simulated&scenario=city{faults}"
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "drive.pcapng"
-        recorder = Recorder(ecu=lambda: acquisition.ecu)
+        recorder = Recorder()
         acquisition = Acquisition(
             ReconnectingPort(url, sink=recorder), _make_ecu, shipped(), method="list", rate=RATE
         )

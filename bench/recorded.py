@@ -19,19 +19,11 @@ from mikas.client.polling import Method
 from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording import CaptureWriter, Coalescer, pcapng
+from mikas.recording.annotations.events import note_of, write_session_header
 from mikas.recording.note_blocks import block_of
-from mikas.recording.notes import (
-    Kind,
-    Note,
-    alarm_note,
-    gap_note,
-    marker_note,
-    state_note,
-    text_note,
-    write_session_header,
-)
+from mikas.recording.notes import Kind, Note
 from mikas.sampling.alarms import Alarms
-from mikas.sampling.events import LineState
+from mikas.sampling.events import Gap, LineState, Marker, StateChanged, TextNote
 
 PORT = "sim:?clock=simulated&scenario=city"
 START = 1_760_000_000  # UNIX time of the begin
@@ -59,14 +51,14 @@ def recorded(
             file.write(words.tobytes())
             shift += int(period)
             now = (int(ticks[0]) + shift) / 1e6
-            file.write(_block(marker_note(now, f"lap {shift // int(period)}")))
+            file.write(_block(note_of(Marker(now, f"lap {shift // int(period)}"))))
             if shift // 3_600_000_000 > hour:
                 hour = shift // 3_600_000_000
-                file.write(_block(state_note(now, LineState.ECHO_ONLY, _REASON)))
-                file.write(_block(gap_note(now, now + _GAP, _REASON)))
-                file.write(_block(state_note(now + _GAP, LineState.SAMPLING)))
+                file.write(_block(note_of(StateChanged(now, LineState.ECHO_ONLY, reason=_REASON))))
+                file.write(_block(note_of(Gap(now, now, now + _GAP, _REASON))))
+                file.write(_block(note_of(StateChanged(now + _GAP, LineState.SAMPLING))))
                 shift += round(_GAP * 1e6)
-        file.write(_block(text_note(now, "the end of a long way")))
+        file.write(_block(note_of(TextNote(now, "the end of a long way"))))
     return path
 
 
@@ -98,7 +90,7 @@ def _session(
             sink.flush()
             steady = path.stat().st_size if steady is None else steady
             events = watching.update(sample.readings, sample.time)
-            alarms += [alarm_note(event) for event in events]
+            alarms += [note_of(event) for event in events]
             if sample.time >= end:
                 break
         sink.flush()

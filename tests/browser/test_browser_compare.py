@@ -12,7 +12,8 @@ from browser.rig import CAR, dashboard
 from mikas.catalog import shipped
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter, write_session_header
-from mikas.recording.notes import gap_note, marker_note
+from mikas.recording.annotations.events import note_of
+from mikas.sampling.events import Gap, Marker
 
 BOTH = ("FREQ", "THR", "INJ", "JAIR", "TWAT", "UACC")
 REASON = Text(
@@ -39,11 +40,11 @@ def _drive(path, scenario, names, raws, gap=0.0):
         )
         for number, raw in enumerate(raws):
             if number:
-                sink.note(marker_note(link.now(), "changed"))
+                sink.note(note_of(Marker(link.now(), "changed")))
                 if gap:
                     began = link.now()
                     link.gather(began + gap)
-                    sink.note(gap_note(began, link.now(), REASON))
+                    sink.note(note_of(Gap(began, began, link.now(), REASON)))
             link.link.bus.ecu.responder.car.write(coolant, bytes([raw]))
             until = link.now() + 5
             for _ in ecu.watch(*names, method="batch"):

@@ -15,9 +15,10 @@ from pyarrow import parquet
 from mikas.catalog import shipped
 from mikas.cli.commands.recordings.export import MOST_PROBLEMS
 from mikas.recording import pcapng
+from mikas.recording.annotations.events import note_of
 from mikas.recording.note_blocks import block_of
-from mikas.recording.notes import marker_note
 from mikas.recording.opening import Recording
+from mikas.sampling.events import Marker
 
 SUFFIXES = ("csv", "mf4", "parquet", "msl", "mlg")
 NAMES = ("TWAT", "FREQ", "INJ", "RXX")
@@ -59,7 +60,7 @@ def test_every_format(mikas, tmp_path, drive, suffix):
 def test_a_marker_is_in_the_table(mikas, tmp_path, drive):
     times = np.concatenate([rows.times for rows in Recording(drive, shipped()).rows()])
     with drive.open("ab") as file:
-        file.write(pcapng.encode(block_of(marker_note(float(times[20]), "knock")), "<"))
+        file.write(pcapng.encode(block_of(note_of(Marker(float(times[20]), "knock"))), "<"))
     assert mikas("export", "drive.pcapng", "-o", "drive.msl").status == 0
     lines = (tmp_path / "drive.msl").read_text("utf-8").splitlines()
     assert lines.index("MARK 000 - knock") == 4 + 20  # behind the heading and twenty rows

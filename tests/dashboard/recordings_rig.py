@@ -5,7 +5,8 @@ from __future__ import annotations
 import mikas
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter, write_session_header
-from mikas.recording.notes import gap_note, marker_note
+from mikas.recording.annotations.events import note_of
+from mikas.sampling.events import Gap, Marker
 
 SIM = "sim:?clock=simulated"
 
@@ -25,8 +26,8 @@ def record(path, settings="", count=100):
         for _ in ecu.watch(method="batch", count=count // 2):
             pass
         now = ecu.tester.link.now()
-        sink.note(marker_note(now, "here"))
-        sink.note(gap_note(now, now + 0.1, Text("no echo", "нет эха")))
+        sink.note(note_of(Marker(now, "here")))
+        sink.note(note_of(Gap(now, now, now + 0.1, Text("no echo", "нет эха"))))
         for _ in ecu.watch(method="batch", count=count - count // 2):
             pass
     return path

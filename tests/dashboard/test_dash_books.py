@@ -8,7 +8,7 @@ from mikas.catalog import shipped
 from mikas.dashboard.errors import NonceUnknown
 from mikas.dashboard.security.confirmations import LIFETIME, Nonces, Prepared
 from mikas.dashboard.security.control import Client
-from mikas.dashboard.session.fault_history import FaultBook
+from mikas.dashboard.session.fault_history import FaultHistory
 from mikas.i18n import Text
 
 ME = Client("me", "Me", True)
@@ -45,9 +45,9 @@ def test_a_confirmation_that_is_over_takes_no_place():
 
 
 def test_of_very_many_readings_of_the_faults_the_latest_are_kept():
-    book, faults = FaultBook(), [shipped().fault(code) for code in (1, 2)]
+    history, faults = FaultHistory(), [shipped().fault(code) for code in (1, 2)]
     for time in range(250):
-        book.keep([faults[time % 2]], float(time))
-    assert [heard.time for heard in book.heard] == [*map(float, range(150, 250)), 249.0]
-    book.keep([faults[1]], 260.0)  # the same again
-    assert [heard.time for heard in book.heard][-2:] == [249.0, 260.0]
+        history.add([faults[time % 2]], float(time))
+    assert [reading.time for reading in history.readings] == [*map(float, range(150, 250)), 249.0]
+    history.add([faults[1]], 260.0)  # the same again
+    assert [reading.time for reading in history.readings][-2:] == [249.0, 260.0]

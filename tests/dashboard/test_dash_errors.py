@@ -5,23 +5,22 @@ from __future__ import annotations
 import pytest
 
 from dashboard.rig import rig
-from mikas.catalog import load
-from mikas.dashboard import happenings
-from mikas.dashboard.history import History
-from mikas.dashboard.story import Story
+from mikas.dashboard.session.event_log import ExchangeFailed, page_json
+from mikas.dashboard.session.history import History
+from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.errors import LinkLost, NoResponse, NotSupported, PortNotFound
-from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
+from mikas.sampling.events import CycleFailed, LineState, Marker, Sampled, StateChanged
 from mikas.tester import Statistics
 
 
-def story():
-    told = Story(load(), History())
-    told.take(StateChanged(0.0, LineState.SAMPLING, None))
-    return told
+def connected():
+    monitor = ConnectionMonitor(History())
+    monitor.take(StateChanged(0.0, LineState.SAMPLING, None))
+    return monitor
 
 
-def errors(told):
-    return [event for event in told.events if event["kind"] == "error"]
+def errors(monitor):
+    return [event for event in map(page_json, monitor.events) if event["kind"] == "error"]
 
 
 def spoilt(time, kind=NoResponse):
@@ -29,79 +28,81 @@ def spoilt(time, kind=NoResponse):
 
 
 def test_what_a_repetition_cured_is_told_with_its_bytes():
-    told, statistics = story(), Statistics()
+    monitor, statistics = connected(), Statistics()
     statistics.fail(spoilt(5.0))
-    told.spoilt(tuple(statistics.failures), 6.0)
-    told.spoilt(tuple(statistics.failures), 7.0)
-    (error,) = errors(told)
+    monitor.count_failures(tuple(statistics.failures), 6.0)
+    monitor.count_failures(tuple(statistics.failures), 7.0)
+    (error,) = errors(monitor)
     assert (error["time"], error["code"]) == (5.0, "NoResponse")
     assert (error["sent"], error["received"]) == ("0102", "03")
     assert error["text"]["ru"]
-    assert (told.meters.errors, told.meters.errors_minute(10.0)) == (1, 1)
+    assert (monitor.meters.errors, monitor.meters.errors_minute(10.0)) == (1, 1)
 
 
 def test_an_error_that_ended_a_cycle_too_is_told_once():
-    told, statistics = story(), Statistics()
+    monitor, statistics = connected(), Statistics()
     cured, last = spoilt(5.0), spoilt(5.5)
     for error in (cured, last):
         statistics.fail(error)
-    told.spoilt(tuple(statistics.failures), 5.6)
-    told.take(CycleFailed(5.6, last))
-    told.spoilt(tuple(statistics.failures), 6.0)
-    assert [error["time"] for error in errors(told)] == [5.0, 5.5]
-    assert told.meters.errors == 2
+    monitor.count_failures(tuple(statistics.failures), 5.6)
+    monitor.take(CycleFailed(5.6, last))
+    monitor.count_failures(tuple(statistics.failures), 6.0)
+    assert [error["time"] for error in errors(monitor)] == [5.0, 5.5]
+    assert monitor.meters.errors == 2
 
 
 def test_a_verdict_on_exchanges_that_were_told_is_no_more_errors():
-    told, statistics = story(), Statistics()
+    monitor, statistics = connected(), Statistics()
     last = spoilt(5.5)
     statistics.fail(last)
     verdict = NotSupported(command="x", request=b"\x01", received=b"", time=5.5)
     verdict.__cause__ = last
-    told.take(CycleFailed(5.6, verdict))
-    told.spoilt(tuple(statistics.failures), 6.0)
-    assert [error["code"] for error in errors(told)] == ["NotSupported"]
+    monitor.take(CycleFailed(5.6, verdict))
+    monitor.count_failures(tuple(statistics.failures), 6.0)
+    assert [error["code"] for error in errors(monitor)] == ["NotSupported"]
 
 
 @pytest.mark.parametrize("received", [b"", b"\x01"])
 def test_what_the_unit_does_not_know_is_told_but_is_no_error_of_the_line(received):
-    told = story()
+    monitor = connected()
     verdict = NotSupported(command="x", request=b"\x71", received=received, time=5.5)
     verdict.__cause__ = None if received else spoilt(5.5)
-    told.take(CycleFailed(5.6, verdict))
-    assert [error["code"] for error in errors(told)] == ["NotSupported"]
-    assert told.meters.errors == 0
+    monitor.take(CycleFailed(5.6, verdict))
+    assert [error["code"] for error in errors(monitor)] == ["NotSupported"]
+    assert monitor.meters.errors == 0
 
 
 def test_another_look_finds_only_what_is_new_though_the_tester_forgets():
-    told, statistics = story(), Statistics()
+    monitor, statistics = connected(), Statistics()
     for time in range(100):
         statistics.fail(spoilt(float(time)))
-        told.spoilt(tuple(statistics.failures), float(time))
-    assert [error["time"] for error in errors(told)] == [float(time) for time in range(100)]
-    assert told.meters.errors_minute(99.0) == 61
+        monitor.count_failures(tuple(statistics.failures), float(time))
+    assert [error["time"] for error in errors(monitor)] == [float(time) for time in range(100)]
+    assert monitor.meters.errors_minute(99.0) == 61
 
 
 def test_a_port_that_is_waited_for_is_one_error_and_a_gap():
-    told = story()
+    monitor = connected()
     for time in range(1, 50):
-        told.take(CycleFailed(float(time), PortNotFound(url="x", found="none", time=float(time))))
-    assert len(errors(told)) == 1
-    told.take(Sampled(50.0, {}, {}))
-    told.take(CycleFailed(51.0, PortNotFound(url="x", found="none", time=51.0)))
-    assert len(errors(told)) == 2
+        monitor.take(
+            CycleFailed(float(time), PortNotFound(url="x", found="none", time=float(time)))
+        )
+    assert len(errors(monitor)) == 1
+    monitor.take(Sampled(50.0, {}, {}))
+    monitor.take(CycleFailed(51.0, PortNotFound(url="x", found="none", time=51.0)))
+    assert len(errors(monitor)) == 2
 
 
 def test_many_errors_push_out_nothing_else():
-    told = story()
-    told.tell(happenings.marker(1.0, "knock"))
+    monitor = connected()
+    monitor.log(Marker(1.0, "knock"))
     for number in range(6000):
-        told.tell(happenings.error(2.0 + number, spoilt(2.0 + number)))
-    told.tell(happenings.marker(9000.0, "again"))
-    kinds = [event["kind"] for event in told.events]
+        monitor.log(ExchangeFailed.of_error(2.0 + number, spoilt(2.0 + number)))
+    monitor.log(Marker(9000.0, "again"))
+    kinds = [event.kind for event in monitor.events]
     assert kinds[:3] == ["state", "marker", "error"]
     assert kinds[-2:] == ["error", "marker"]
-    assert len(errors(told)) == 5000
+    assert len(errors(monitor)) == 5000
 
 
 def test_a_bad_line_shows_its_errors_with_bytes(tmp_path):
@@ -117,10 +118,10 @@ def test_a_bad_line_shows_its_errors_with_bytes(tmp_path):
 
 
 def test_an_adapter_that_is_out_is_one_error_whatever_it_is_called_meanwhile():
-    told = story()
-    told.take(Sampled(0.5, {}, {}))
-    told.take(CycleFailed(1.0, LinkLost(url="x", problem="gone", time=1.0)))
+    monitor = connected()
+    monitor.take(Sampled(0.5, {}, {}))
+    monitor.take(CycleFailed(1.0, LinkLost(url="x", problem="gone", time=1.0)))
     for time in range(2, 12):
-        told.take(CycleFailed(float(time), PortNotFound(url="x", found="none")))
-    assert [error["code"] for error in errors(told)] == ["LinkLost"]
-    assert told.meters.errors == 1
+        monitor.take(CycleFailed(float(time), PortNotFound(url="x", found="none")))
+    assert [error["code"] for error in errors(monitor)] == ["LinkLost"]
+    assert monitor.meters.errors == 1

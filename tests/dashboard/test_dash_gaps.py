@@ -3,81 +3,85 @@
 from __future__ import annotations
 
 from dashboard.rig import ADAPTER
-from mikas.catalog import load
 from mikas.dashboard.advice import ADVICE
-from mikas.dashboard.gaps import BY_HAND, JOB, PLAN, SILENT
-from mikas.dashboard.history import History
-from mikas.dashboard.story import Story
+from mikas.dashboard.session.history import History
+from mikas.dashboard.session.monitor import (
+    DISCONNECTED,
+    OTHER_PLAN,
+    OTHER_REQUEST,
+    SILENT,
+    ConnectionMonitor,
+)
 from mikas.errors import EchoOnly, NoResponse
 from mikas.sampling.events import CycleFailed, LineState, PlanChanged, Sampled, StateChanged
 
 
-def story():
-    told = Story(load(), History())
-    told.take(StateChanged(0.0, LineState.SAMPLING, None))
-    return told
+def connected():
+    monitor = ConnectionMonitor(History())
+    monitor.take(StateChanged(0.0, LineState.SAMPLING, None))
+    return monitor
 
 
-def gaps(told):
+def gaps(monitor):
     return [
-        (it["began"], it["ended"], it["reason"]["en"])
-        for it in told.events
-        if it["kind"] == "gap" and it["ended"] is not None
+        (it.began, it.ended, it.reason.en)
+        for it in monitor.events
+        if it.kind == "gap" and it.ended is not None
     ]
 
 
-def sample(told, *times):
+def sample(monitor, *times):
     for time in times:
-        told.take(Sampled(time, {}, {}))
+        monitor.take(Sampled(time, {}, {}))
 
 
 def test_two_sessions_have_a_gap_between_them_and_its_reason():
-    told = story()
-    sample(told, 1.0, 1.1)
-    told.over(1.5, None, BY_HAND)
-    told.begin((), 60.0)
-    sample(told, 61.0, 61.1)
-    assert gaps(told) == [(1.1, 61.0, BY_HAND.en)]
+    monitor = connected()
+    sample(monitor, 1.0, 1.1)
+    monitor.end(1.5, None, DISCONNECTED)
+    monitor.begin((), 60.0)
+    sample(monitor, 61.0, 61.1)
+    assert gaps(monitor) == [(1.1, 61.0, DISCONNECTED.en)]
 
 
 def test_a_gap_that_is_open_when_the_session_ends_ends_with_it():
-    told = story()
-    sample(told, 1.0)
-    told.take(CycleFailed(2.0, EchoOnly()))
-    told.over(5.0, None, BY_HAND)
-    assert gaps(told) == [(1.0, 5.0, ADVICE.text(EchoOnly()).en)]
-    told.begin((), 6.0)
-    told.take(
+    monitor = connected()
+    sample(monitor, 1.0)
+    monitor.take(CycleFailed(2.0, EchoOnly()))
+    monitor.end(5.0, None, DISCONNECTED)
+    assert gaps(monitor) == [(1.0, 5.0, ADVICE.text(EchoOnly()).en)]
+    monitor.begin((), 6.0)
+    monitor.take(
         CycleFailed(7.0, NoResponse(seconds=0.5))
     )  # a cycle that failed before the first sample
-    sample(told, 8.0)
-    assert gaps(told)[1:] == [
-        (5.0, 7.0, BY_HAND.en),
+    sample(monitor, 8.0)
+    assert gaps(monitor)[1:] == [
+        (5.0, 7.0, DISCONNECTED.en),
         (7.0, 8.0, ADVICE.text(NoResponse(seconds=0.5)).en),
     ]
 
 
 def test_a_session_that_ended_by_itself_says_why():
-    told = story()
-    sample(told, 1.0)
-    told.over(2.0, EchoOnly())
-    told.over(9.0, None, BY_HAND)
-    told.begin((), 10.0)
-    sample(told, 11.0)
-    assert gaps(told) == [(1.0, 11.0, ADVICE.text(EchoOnly()).en)]
+    monitor = connected()
+    sample(monitor, 1.0)
+    monitor.end(2.0, EchoOnly())
+    monitor.end(9.0, None, DISCONNECTED)
+    monitor.begin((), 10.0)
+    sample(monitor, 11.0)
+    assert gaps(monitor) == [(1.0, 11.0, ADVICE.text(EchoOnly()).en)]
 
 
 def test_a_plan_that_pauses_for_long_is_told_and_a_quick_one_not():
-    told = story()
-    sample(told, 1.0, 1.1)
-    told.take(PlanChanged(1.3, _Plan()))
-    sample(told, 1.5)
-    assert gaps(told) == []
-    told.take(PlanChanged(2.7, _Plan()))
-    sample(told, 2.8)
-    assert gaps(told) == [(1.5, 2.8, PLAN.en)]
-    sample(told, 9.0)  # seldom, and nobody has done anything
-    assert len(gaps(told)) == 1
+    monitor = connected()
+    sample(monitor, 1.0, 1.1)
+    monitor.take(PlanChanged(1.3, _Plan()))
+    sample(monitor, 1.5)
+    assert gaps(monitor) == []
+    monitor.take(PlanChanged(2.7, _Plan()))
+    sample(monitor, 2.8)
+    assert gaps(monitor) == [(1.5, 2.8, OTHER_PLAN.en)]
+    sample(monitor, 9.0)  # seldom, and nobody has done anything
+    assert len(gaps(monitor)) == 1
 
 
 class _Plan:
@@ -85,29 +89,29 @@ class _Plan:
 
 
 def test_a_gap_that_begins_vaguely_ends_with_what_it_was():
-    told = story()
-    sample(told, 1.0)
-    told.take(CycleFailed(2.0, NoResponse(seconds=0.5)))
-    told.take(StateChanged(3.0, LineState.ECHO_ONLY, EchoOnly()))
-    sample(told, 9.0)
-    assert gaps(told) == [(1.0, 9.0, ADVICE.text(EchoOnly()).en)]
+    monitor = connected()
+    sample(monitor, 1.0)
+    monitor.take(CycleFailed(2.0, NoResponse(seconds=0.5)))
+    monitor.take(StateChanged(3.0, LineState.ECHO_ONLY, EchoOnly()))
+    sample(monitor, 9.0)
+    assert gaps(monitor) == [(1.0, 9.0, ADVICE.text(EchoOnly()).en)]
 
 
 def test_silence_is_told_before_it_is_known_what_it_is():
-    told = story()
-    sample(told, 1.0, 1.2)
-    assert told.silent(3.0) is None
-    assert told.silent(3.7) == SILENT
-    told.busy()
-    assert told.silent(3.7) == JOB
-    told.take(CycleFailed(4.0, NoResponse(seconds=0.5)))
-    assert told.silent(4.1) == ADVICE.text(NoResponse(seconds=0.5))
-    sample(told, 4.2)
-    assert told.silent(4.3) is None
-    sample(told, 14.2)  # a slow plan
-    assert told.silent(30.0) is None
-    told.take(StateChanged(50.0, LineState.ECHO_ONLY, EchoOnly()))
-    assert told.silent(99.0) is None  # the state itself says it
+    monitor = connected()
+    sample(monitor, 1.0, 1.2)
+    assert monitor.silent(3.0) is None
+    assert monitor.silent(3.7) == SILENT
+    monitor.busy()
+    assert monitor.silent(3.7) == OTHER_REQUEST
+    monitor.take(CycleFailed(4.0, NoResponse(seconds=0.5)))
+    assert monitor.silent(4.1) == ADVICE.text(NoResponse(seconds=0.5))
+    sample(monitor, 4.2)
+    assert monitor.silent(4.3) is None
+    sample(monitor, 14.2)  # a slow plan
+    assert monitor.silent(30.0) is None
+    monitor.take(StateChanged(50.0, LineState.ECHO_ONLY, EchoOnly()))
+    assert monitor.silent(99.0) is None  # the state itself says it
 
 
 def test_while_nothing_comes_the_state_says_so(idle):
@@ -142,4 +146,4 @@ def test_disconnected_and_connected_again(idle):
     idle.post("/connect", {"port": "sim:?scenario=warm-idle"})
     idle.sampling()
     (gap,) = _closed(idle)
-    assert gap["reason"] == {"en": BY_HAND.en, "ru": BY_HAND.ru}
+    assert gap["reason"] == {"en": DISCONNECTED.en, "ru": DISCONNECTED.ru}

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.dashboard.history import History, Rows, decimated, plain
+from mikas.dashboard.session.history import History, Rows, decimated, plain
 
 NAN = float("nan")
 COLUMN = st.lists(st.one_of(st.just(NAN), st.integers(-1000, 1000).map(float)), min_size=1)
@@ -83,8 +83,8 @@ def test_two_hours_stay_however_often_the_plan_changes():
 
 
 def test_the_oldest_goes_when_there_are_too_many_values(monkeypatch):
-    monkeypatch.setattr("mikas.dashboard.history._ROWS", 10)
-    monkeypatch.setattr("mikas.dashboard.history._MOST_VALUES", 100)
+    monkeypatch.setattr("mikas.dashboard.session.history._ROWS", 10)
+    monkeypatch.setattr("mikas.dashboard.session.history._MOST_VALUES", 100)
     history = History()
     for number in range(200):
         history.add(float(number), ("A", "B"), [number, number])

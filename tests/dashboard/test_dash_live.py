@@ -11,15 +11,14 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from dashboard.rig import rig
-from mikas.catalog import load
 from mikas.dashboard.api.broadcaster import QUEUE, Listener, understood
 from mikas.dashboard.api.live import Broadcaster, _send
 from mikas.dashboard.api.state import state_of
 from mikas.dashboard.dashboard import Hub
-from mikas.dashboard.history import History
 from mikas.dashboard.security.control import Client
+from mikas.dashboard.session.history import History
+from mikas.dashboard.session.monitor import _ROWS, ConnectionMonitor
 from mikas.dashboard.settings import Settings
-from mikas.dashboard.story import _ROWS, Story
 from mikas.sampling.events import Sampled
 
 
@@ -166,8 +165,8 @@ def test_when_the_last_has_gone_nothing_is_gathered_for_nobody(tmp_path):
     hub = Hub(Settings(tmp_path, state=tmp_path))
 
     def gathered():
-        hub.story.take(Sampled(1.0, {}, {}))
-        return len(hub.story.drain().rows)
+        hub.monitor.take(Sampled(1.0, {}, {}))
+        return len(hub.monitor.drain().rows)
 
     async def come_and_go():
         broadcaster, one, another = Broadcaster(hub), listener("one"), listener("another")
@@ -175,21 +174,21 @@ def test_when_the_last_has_gone_nothing_is_gathered_for_nobody(tmp_path):
         broadcaster.join(another)
         broadcaster.leave(one)
         assert gathered() == 1
-        hub.story.take(Sampled(2.0, {}, {}))
+        hub.monitor.take(Sampled(2.0, {}, {}))
         broadcaster.leave(another)
 
     assert gathered() == 0
     asyncio.run(come_and_go())
-    assert hub.story.drain().rows == []
+    assert hub.monitor.drain().rows == []
     assert gathered() == 0
 
 
 def test_what_is_gathered_is_bounded():
-    story = Story(load(), History())
-    story.listened = True
+    monitor = ConnectionMonitor(History())
+    monitor.listened = True
     for number in range(_ROWS + 10):
-        story.take(Sampled(float(number), {}, {}))
-    assert len(story.drain().rows) == _ROWS
+        monitor.take(Sampled(float(number), {}, {}))
+    assert len(monitor.drain().rows) == _ROWS
 
 
 def test_a_bug_in_one_message_does_not_end_the_others(idle, monkeypatch, caplog):

@@ -7,7 +7,7 @@ import pytest
 from mikas.dashboard.api.state import state_of
 from mikas.dashboard.dashboard import Hub
 from mikas.dashboard.session.diagnosis import Examination
-from mikas.dashboard.session.fault_history import Page
+from mikas.dashboard.session.fault_history import StoredFaults
 from mikas.dashboard.session.thread import Session
 from mikas.dashboard.settings import Settings
 from mikas.errors import LinkLost
@@ -35,10 +35,10 @@ def test_what_a_session_of_before_tells_is_not_of_this_one(tmp_path):
     hub.switch.session, before = OneThat(), OneThat()
     hub._told(before, StateChanged(1.0, LineState.NO_ECHO, None))
     hub._ended(before, None)
-    assert hub.story.line is None
-    assert hub.story.events == []
+    assert hub.monitor.line is None
+    assert hub.monitor.events == []
     hub._told(hub.session, StateChanged(2.0, LineState.SAMPLING, None))
-    assert hub.story.line is LineState.SAMPLING
+    assert hub.monitor.line is LineState.SAMPLING
 
 
 class Opening:
@@ -64,7 +64,7 @@ def test_a_port_that_opens_when_nobody_samples_any_more_is_closed_at_once(tmp_pa
         echo="auto",
         method=None,
         rate=None,
-        sink=Recorder(ecu=lambda: None, interpretation="corrected"),
+        sink=Recorder(),
         confirm=lambda _: False,
         tell=lambda *_: None,
         ended=lambda *_: None,
@@ -92,9 +92,9 @@ def test_a_lock_that_closes_while_it_is_looked_at_is_open_or_closed(tmp_path):
 
 def test_faults_that_are_forgotten_while_they_are_looked_at_are_counted_or_not(tmp_path):
     class Forgetful:
-        pages = iter((Page(1.0, (), {}), None))
-        page = property(lambda self: next(self.pages))
+        pages = iter((StoredFaults(1.0, (), {}), None))
+        latest = property(lambda self: next(self.pages))
 
     hub = hub_of(tmp_path)
-    hub.fault_book = Forgetful()
+    hub.fault_history = Forgetful()
     assert state_of(hub).fault_count == 0

@@ -16,7 +16,7 @@ from dashboard.recordings_rig import record
 from dashboard.rig import ME, OTHER, rig
 from mikas.dashboard.library import service
 from mikas.recording import CaptureReader
-from mikas.recording.about import about_of
+from mikas.recording.annotations.comment import comment_of
 
 
 @pytest.fixture(scope="module")
@@ -239,7 +239,7 @@ def test_a_note_is_kept_in_the_file_itself(desk, folder) -> None:
         "после замены свечей"
     )
     assert path.read_bytes().startswith(before)
-    assert about_of(CaptureReader(path).notes()) == "после замены свечей"
+    assert comment_of(CaptureReader(path).notes()) == "после замены свечей"
     desk.put("/recordings/drive.pcapng/note", {"text": "before the plugs"})
     assert desk.get("/recordings/drive.pcapng")["note"] == "before the plugs"
     assert len(mikas.open(path).to_pandas().dropna(how="all")) == 400

@@ -6,12 +6,15 @@ import numpy as np
 
 from dashboard.rig import rig
 from mikas.catalog import shipped
+from mikas.client import Passport
 from mikas.dashboard.api.report import _judged, _pauses, _since
-from mikas.dashboard.history import Rows
+from mikas.dashboard.session.history import Rows
+from mikas.i18n import Text
+from mikas.sampling.events import Gap, LineState, Marker, StateChanged, UnitFound
 
 
 def unit(time, *, another=False):
-    return {"kind": "unit", "time": time, "another": another}
+    return UnitFound(time, 10, Passport(("A", "B"), ()), another)
 
 
 ROWS = Rows(np.arange(10.0), {"TWAT": np.arange(10.0), "UACC": np.arange(10.0)})
@@ -25,7 +28,9 @@ def test_what_is_shown_in_another_sense_is_not_judged() -> None:
 def test_the_car_before_does_not_count() -> None:
     assert len(_since(ROWS, []).times) == 10
     assert len(_since(ROWS, [unit(3.0)]).times) == 10
-    assert len(_since(ROWS, [unit(1.0), {"kind": "state", "time": 2.0}, unit(5.0)]).times) == 10
+    assert (
+        len(_since(ROWS, [unit(1.0), StateChanged(2.0, LineState.SAMPLING), unit(5.0)]).times) == 10
+    )
     changed = _since(ROWS, [unit(1.0), unit(4.0, another=True), unit(6.0)])
     assert changed.times.tolist() == [4, 5, 6, 7, 8, 9]
     assert changed.values["TWAT"].tolist() == [4, 5, 6, 7, 8, 9]
@@ -34,19 +39,19 @@ def test_the_car_before_does_not_count() -> None:
 
 
 def test_a_passport_that_was_read_with_a_hole_is_no_other_car() -> None:
-    whole = {**unit(1.0), "version_code": 10, "passport": ["A", "B"]}
-    hole = {**unit(5.0), "version_code": 10, "passport": ["A", None]}
+    whole = unit(1.0)
+    hole = UnitFound(5.0, 10, Passport(("A", None), ()))
     assert len(_since(ROWS, [whole, hole]).times) == 10
 
 
 def test_each_gap_once_and_none_from_before() -> None:
-    reason = {"en": "no echo", "ru": "нет эха"}
+    reason = Text("no echo", "нет эха")
     events = [
-        {"kind": "gap", "time": 3.0, "began": 3.0, "ended": None, "reason": reason},
-        {"kind": "gap", "time": 5.0, "began": 3.0, "ended": 5.0, "reason": reason},
-        {"kind": "gap", "time": 0.5, "began": 0.1, "ended": 0.5, "reason": None},
-        {"kind": "gap", "time": 2.0, "began": 0.1, "ended": 2.0, "reason": None},
-        {"kind": "marker", "time": 4.0, "label": ""},
+        Gap(3.0, 3.0, None, reason),
+        Gap(5.0, 3.0, 5.0, reason),
+        Gap(0.5, 0.1, 0.5, None),
+        Gap(2.0, 0.1, 2.0, None),
+        Marker(4.0),
     ]
     pauses = list(_pauses(events, 1.0))
     assert [(pause.began, pause.ended) for pause in pauses] == [(3.0, 5.0), (1.0, 2.0)]

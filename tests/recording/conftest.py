@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from recorder_bench import ecu
 
 from mikas.recording.recorder import Recorder
 
@@ -15,4 +14,4 @@ def path(tmp_path):
 
 @pytest.fixture
 def recorder():
-    return Recorder(ecu=ecu)
+    return Recorder()

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import errno
 from pathlib import Path
-from types import SimpleNamespace
 
 from mikas.catalog import load
-from mikas.client import Limits, Passport
+from mikas.client import Passport
 from mikas.errors import EchoOnly, NoResponse
 from mikas.link.tee import Direction
 from mikas.recording import CaptureReader, CaptureWriter
@@ -33,16 +32,12 @@ PASSPORT = Passport(("A", "B", None), ("C", "D", "E", "F", "G"))
 OTHER = Passport(("Z", "B", None), ("C", "D", "E", "F", "G"))
 
 
-def ecu(*, echoes: bool = True):
-    """As much of an `Ecu` as a recorder looks at."""
-    link = SimpleNamespace(description="an adapter", baud=9600)
-    return SimpleNamespace(
-        tester=SimpleNamespace(link=link, echoes=echoes), catalog=CATALOG, limits=Limits
+def unit(
+    time: float, passport: Passport = PASSPORT, *, another: bool = False, echo: bool = True
+) -> UnitFound:
+    return UnitFound(
+        time, 0x0A, passport, another, adapter="an adapter", echo=echo, catalog=CATALOG.version
     )
-
-
-def unit(time: float, passport: Passport = PASSPORT, *, another: bool = False) -> UnitFound:
-    return UnitFound(time, 0x0A, passport, another)
 
 
 def sampled(time: float) -> Sampled:

@@ -10,9 +10,11 @@ import pytest
 from mikas.errors import CaptureError
 from mikas.link.tee import Direction
 from mikas.recording import CaptureReader, CaptureWriter, pcapng
-from mikas.recording.about import LONGEST, about_note, about_of, write_about
-from mikas.recording.notes import Note, text_note
+from mikas.recording.annotations.comment import LONGEST, comment_note, comment_of, write_comment
+from mikas.recording.annotations.events import note_of
+from mikas.recording.notes import Note
 from mikas.recording.reader import Packet, Problem
+from mikas.sampling.events import TextNote
 
 
 @pytest.fixture
@@ -20,13 +22,13 @@ def drive(tmp_path: Path) -> Path:
     path = tmp_path / "drive.pcapng"
     with CaptureWriter(path, url="sim:") as writer:
         writer.record(Direction.SENT, b"\x01\xff\x0d", 1.0)
-        writer.note(text_note(2.0, "a word in between"))
+        writer.note(note_of(TextNote(2.0, "a word in between")))
         writer.record(Direction.RECEIVED, b"\x0a\xf6\x0d", 3.0)
     return path
 
 
 def said(path: Path) -> str:
-    return about_of(CaptureReader(path).notes())
+    return comment_of(CaptureReader(path).notes())
 
 
 def test_the_last_words_count_and_nothing_else_changes(drive: Path) -> None:
@@ -34,7 +36,7 @@ def test_the_last_words_count_and_nothing_else_changes(drive: Path) -> None:
     packets = [item for item in CaptureReader(drive) if isinstance(item, Packet)]
     assert said(drive) == ""
     for text in ("первые", "вторые\nна двух строках", ""):
-        write_about(drive, text, 10.0)
+        write_comment(drive, text, 10.0)
         assert said(drive) == text
     assert drive.read_bytes().startswith(before)
     assert list(CaptureReader(drive)) == packets
@@ -42,7 +44,7 @@ def test_the_last_words_count_and_nothing_else_changes(drive: Path) -> None:
 
 def test_behind_a_cut_end_they_are_found_all_the_same(drive: Path) -> None:
     drive.write_bytes(drive.read_bytes()[:-5])
-    write_about(drive, "cut", 10.0)
+    write_comment(drive, "cut", 10.0)
     assert said(drive) == "cut"
     items = list(CaptureReader(drive))
     assert sum(isinstance(item, Packet) for item in items) == 1
@@ -52,14 +54,14 @@ def test_behind_a_cut_end_they_are_found_all_the_same(drive: Path) -> None:
 def test_in_the_file_s_own_byte_order(tmp_path: Path) -> None:
     path = tmp_path / "big.pcapng"
     path.write_bytes(pcapng.encode(pcapng.Section(), ">"))
-    write_about(path, "big", 1.0)
+    write_comment(path, "big", 1.0)
     assert said(path) == "big"
     assert not any(isinstance(item, Problem) for item in CaptureReader(path))
 
 
 def test_somebody_else_s_note_of_that_kind() -> None:
-    assert about_of([Note("about", 1.0, {"text": 5}), Note("about", 1.0, {})]) == ""
-    assert len(about_note(1.0, "x" * 99_999).data["text"]) == LONGEST
+    assert comment_of([Note("about", 1.0, {"text": 5}), Note("about", 1.0, {})]) == ""
+    assert len(comment_note(1.0, "x" * 99_999).data["text"]) == LONGEST
 
 
 def test_what_can_not_be_written_leaves_the_file_as_it_was(
@@ -94,14 +96,14 @@ def test_what_can_not_be_written_leaves_the_file_as_it_was(
 
     monkeypatch.setattr(Path, "open", full)
     with pytest.raises(CaptureError) as caught:
-        write_about(drive, "too much", 1.0)
+        write_comment(drive, "too much", 1.0)
     assert "диск" in caught.value.text.ru
     monkeypatch.undo()
     assert drive.read_bytes() == before
     empty = tmp_path / "empty.pcapng"
     empty.write_bytes(b"")
     with pytest.raises(CaptureError):
-        write_about(empty, "x", 1.0)
+        write_comment(empty, "x", 1.0)
     assert empty.read_bytes() == b""
     with pytest.raises(CaptureError):
-        write_about(tmp_path / "none.pcapng", "x", 1.0)
+        write_comment(tmp_path / "none.pcapng", "x", 1.0)

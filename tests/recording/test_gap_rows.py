@@ -8,16 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.recording.gap_rows import with_gaps
-from mikas.recording.happened import GapSeen
 from mikas.recording.table import Rows, calendar
+from mikas.sampling.events import Gap
 
 
 def rows(*times: float) -> Rows:
     return Rows(np.array(times, float), {"TWAT": np.array(times, float) + 100})
 
 
-def gap(began: float, ended: float | None) -> GapSeen:
-    return GapSeen(began, began=began, ended=ended)
+def gap(began: float, ended: float | None) -> Gap:
+    return Gap(began, began=began, ended=ended)
 
 
 def told(stretches, events) -> list[tuple[float, float | None]]:

@@ -18,17 +18,27 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.catalog import shipped
-from mikas.client import Limits
+from mikas.client import Limits, Passport
 from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording import CaptureReader, CaptureWriter, Kind, Note, pcapng, write_session_header
 from mikas.recording import note_blocks as blocks
-from mikas.recording import notes as n
+from mikas.recording.annotations.events import catalog_note, faults_note, note_of, unit_of
 from mikas.recording.reader import Packet
 from mikas.recording.scan import LARGEST
 from mikas.sampling.alarms import Alarms
-from mikas.sampling.events import LineState
+from mikas.sampling.events import (
+    FaultReading,
+    Gap,
+    LineState,
+    Marker,
+    ParameterDropped,
+    PlanChanged,
+    StateChanged,
+    TextNote,
+    UnitFound,
+)
 from mikas.sampling.plan import Plan, PlannedParameter
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
@@ -80,7 +90,7 @@ def test_notes_and_packets_are_both_read_back_and_do_not_see_each_other(items):
 
 def test_the_enterprise_number_is_the_one_for_documentation_and_editors_may_copy_the_block(path):
     with CaptureWriter(path, url="sim:") as writer:
-        writer.note(n.marker_note(2.5, "hill"))
+        writer.note(note_of(Marker(2.5, "hill")))
     found = next(CaptureReader(path).notes())
     block = path.read_bytes()[found.offset :]
     kind, length, enterprise = struct.unpack_from("<III", block)
@@ -94,19 +104,20 @@ def test_the_enterprise_number_is_the_one_for_documentation_and_editors_may_copy
 def test_what_each_kind_holds():
     parameters = [shipped().parameter(name) for name in ("FREQ", "TWAT")]
     plan = Plan((PlannedParameter(parameters[0]), PlannedParameter(parameters[1], 10)), "list")
-    [event] = Alarms(shipped()).update({"TWAT": 150.0}, 7.0)
+    [alarm] = Alarms(shipped()).update({"TWAT": 150.0}, 7.0)
+    passport = Passport(("A", None), ())
     why = Text("silence", "тишина")
     made = [
-        n.unit_note(1, version_code=10, passports=("A", None), adapter="FT232", echo=True),
-        n.catalog_note(1, "2.1"),
-        n.plan_note(1, plan),
-        n.text_note(2, "гора"),
-        n.marker_note(3),
-        n.gap_note(4.0, 6.0, why),
-        n.state_note(5.0, LineState.ECHO_ONLY, why),
-        n.alarm_note(event),
-        n.learnt_note(8.0, Limits(max_list=8, refused=[0x99])),
-        n.faults_note(9.0, [(7.0, (13, 53), False), (8.5, (), True)]),
+        note_of(UnitFound(1, 10, passport, adapter="FT232", echo=True)),
+        catalog_note(1, "2.1"),
+        note_of(PlanChanged(1, plan)),
+        note_of(TextNote(2, "гора")),
+        note_of(Marker(3)),
+        note_of(Gap(4.0, 4.0, 6.0, why)),
+        note_of(StateChanged(5.0, LineState.ECHO_ONLY, reason=why)),
+        note_of(alarm),
+        note_of(ParameterDropped(8.0, "TAIR", Limits(max_list=8, refused=[0x99]))),
+        faults_note(9.0, [FaultReading(7.0, (13, 53)), FaultReading(8.5, (), erased=True)]),
     ]
     assert {note.kind for note in made} == set(Kind)
     data = {note.kind: note.data for note in made}
@@ -142,18 +153,22 @@ def test_the_head_of_each_session_in_a_file_is_found(path):
                 plan=plan if session else None,
             )
             writer.record(SENT, b"\x01\xff\x0d", 5.0)
-            writer.note(n.catalog_note(9.0, "2"))
-    first, second = n.session_headers(CaptureReader(path).notes())
-    assert (first.recording, second.recording) == (0, 1)
-    assert (first.unit.data["version_code"], second.unit.data["version_code"]) == (9, 10)
-    assert first.plan is None
-    assert second.plan.data["method"] == "stream"
-    assert second.catalog.data == {"version": "1"}  # the head is what was written first
-    assert n.session_headers([]) == []
+            writer.note(catalog_note(9.0, "2"))
+    found = notes(path)
+    assert {note.recording for note in found} == {0, 1}
+    first, second = (
+        unit_of((note for note in found if note.recording == number), shipped())
+        for number in range(2)
+    )
+    assert (first.version_code, second.version_code) == (9, 10)
+    assert (first.method, first.names) == (None, ())
+    assert second.method == "stream"
+    assert second.catalog == "1"  # the head is what was written first
+    assert unit_of([], shipped()) is None
 
 
 def test_foreign_damaged_and_unknown_ones(path):
-    good = n.text_note(1.0, "kept")
+    good = note_of(TextNote(1.0, "kept"))
     later = Note("weather", 2.0, {"rain": True})  # of a version to come
     tagged = [
         b"not json",
@@ -183,7 +198,7 @@ def test_foreign_damaged_and_unknown_ones(path):
 
 
 def test_a_big_endian_section_and_one_of_another_version(path):
-    here, there = n.text_note(1.0, "here"), n.text_note(2.0, "there")
+    here, there = note_of(TextNote(1.0, "here")), note_of(TextNote(2.0, "there"))
     own = (pcapng.Section(), pcapng.Interface(), blocks.block_of(here))
     other = (pcapng.Section(version=(2, 0)), blocks.block_of(there))
     big, small = [b"".join(pcapng.encode(it, order) for it in own) for order in "><"]
@@ -196,7 +211,7 @@ def test_a_big_endian_section_and_one_of_another_version(path):
 def test_damage_costs_only_the_notes_that_it_hits(damage, place):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "line.pcapng"
-        made = [n.text_note(float(number), f"note {number}") for number in range(20)]
+        made = [note_of(TextNote(float(number), f"note {number}")) for number in range(20)]
         with CaptureWriter(path, url="sim:") as writer:
             for note in made:
                 writer.note(note)
@@ -219,7 +234,7 @@ def test_a_note_that_lies_across_the_windows_of_the_search():
         room = (1 << 20) - 64 + shift - len(section) - 32
         filler = pcapng.encode(pcapng.EnhancedPacket(0, 0, bytes(room)))
         assert len(filler) == room + 32
-        note = n.text_note(1.0, "seam")
+        note = note_of(TextNote(1.0, "seam"))
         file = io.BytesIO(section + filler + pcapng.encode(blocks.block_of(note)) * 2)
         assert list(blocks.find(file)) == [note, note]
 
@@ -233,7 +248,7 @@ def test_what_json_can_not_hold_is_refused_and_nothing_is_written(path, value):
         with pytest.raises(ValueError, match="JSON compliant"):
             writer.note(Note("note", nan))
         with pytest.raises(ValueError, match="too long"):
-            writer.note(n.text_note(0.0, "x" * (LARGEST // 2)))
+            writer.note(note_of(TextNote(0.0, "x" * (LARGEST // 2))))
         assert path.stat().st_size == before
 
 
@@ -241,17 +256,18 @@ def test_after_the_end_there_is_no_note(path):
     with CaptureWriter(path, url="sim:") as writer:
         pass
     with pytest.raises(CaptureError, match="over"):
-        writer.note(n.marker_note(0.0))
+        writer.note(note_of(Marker(0.0)))
 
 
 KILLED = """
 import itertools, sys
 from mikas.recording import CaptureWriter
-from mikas.recording.notes import marker_note
+from mikas.recording.annotations.events import note_of
+from mikas.sampling.events import Marker
 
 writer = CaptureWriter(sys.argv[1], url="sim:")
 for number in itertools.count(1):
-    writer.note(marker_note(number / 8, str(number)))
+    writer.note(note_of(Marker(number / 8, str(number))))
     print(number, flush=True)
 """
 
@@ -284,7 +300,7 @@ def test_tshark_passes_over_them_cleanly(path):
             writer, 0.0, version_code=10, passports=("МИКАС",) * 8, catalog_version="1"
         )
         writer.record(SENT, b"\x01\xff\x0d", 0.0)
-        writer.note(n.marker_note(0.005, "между"))
+        writer.note(note_of(Marker(0.005, "между")))
         writer.record(RECEIVED, b"\x0a\xf6\x0d", 0.01)
     shown = run("tshark", "-r", path, "-T", "fields", "-e", "frame.time_epoch", "-e", "data.data")
     lines = [line.split("\t") for line in shown.splitlines()]
@@ -297,7 +313,7 @@ def test_tshark_passes_over_them_cleanly(path):
 @tshark
 def test_an_editor_of_captures_keeps_them(path, tmp_path):
     copy = tmp_path / "copy.pcapng"
-    made = [n.marker_note(0.005, "x" * length) for length in range(4)]
+    made = [note_of(Marker(0.005, "x" * length)) for length in range(4)]
     with CaptureWriter(path, url="sim:") as writer:
         for note in made:
             writer.record(RECEIVED, b"\x0a\xf6\x0d", 0.01)

@@ -13,7 +13,8 @@ from mikas.framing import encode
 from mikas.link.tee import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
 from mikas.recording import CaptureReader, CaptureWriter, Coalescer
-from mikas.recording.notes import marker_note
+from mikas.recording.annotations.events import note_of
+from mikas.sampling.events import Marker
 from mikas.virtual.adapter import AdapterKind
 from virtual_bench import make_bus
 
@@ -149,7 +150,7 @@ def test_what_waits_goes_before_a_note_before_what_is_sent_and_after_a_second():
     kept = Kept()
     coalescer = Coalescer(kept)
     coalescer.record(RECEIVED, b"a", 1.0)
-    coalescer.note(marker_note(1.0))
+    coalescer.note(note_of(Marker(1.0)))
     coalescer.record(RECEIVED, b"b", 1.1)
     coalescer.record(SENT, b"c", 1.1)
     coalescer.record(RECEIVED, b"d", 1.2)

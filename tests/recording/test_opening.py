@@ -17,12 +17,12 @@ from mikas.errors import CaptureError, CatalogError, MissingExtra, UnknownParame
 from mikas.i18n import Text
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording import CaptureWriter, write_session_header
+from mikas.recording.annotations.events import note_of
 from mikas.recording.deriving import FRESH, Deriver
 from mikas.recording.notebook import Table, arrow_table, pandas_frame, polars_frame
-from mikas.recording.notes import learnt_note
 from mikas.recording.table import Channel, Rows
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.events import Sampled
+from mikas.sampling.events import MethodChosen, Sampled
 from mikas.sampling.plan import Plan, PlannedParameter
 
 NAN = np.nan
@@ -273,6 +273,6 @@ def test_it_tells_the_methods_that_were_used_not_the_first_guess(tmp_path):
             sink, 1.0, version_code=10, passports=[None] * 8, catalog_version="1",
             plan=Plan(wanted, "batch"),
         )  # fmt: skip
-        sink.note(learnt_note(2.0, Limits(), method="stream", rates={"stream": 34.0}))
-        sink.note(learnt_note(9.0, Limits(), method="list", rates={"list": 29.0}))
+        sink.note(note_of(MethodChosen(2.0, "stream", {"stream": 34.0}, Limits())))
+        sink.note(note_of(MethodChosen(9.0, "list", {"list": 29.0}, Limits())))
     assert mikas.open(path).about["method"] == "stream, list"

@@ -14,7 +14,6 @@ from recorder_bench import (
     SENT,
     SmallDisk,
     begin_session,
-    ecu,
     gap,
     kinds,
     notes,
@@ -25,6 +24,7 @@ from recorder_bench import (
 )
 
 from mikas.catalog import AlarmLimits
+from mikas.client import Limits
 from mikas.errors import CaptureError
 from mikas.recording.recorder import Recorder
 from mikas.sampling.alarms import Alarms
@@ -183,8 +183,8 @@ def test_alarms_what_was_learnt_markers_and_words(recorder, tmp_path):
     alarms = Alarms(CATALOG, {"TWAT": AlarmLimits(warning_high=100)})
     for event in alarms.update({"TWAT": 120.0}, 3.0):
         recorder.take(event)
-    recorder.take(MethodChosen(4.0, "stream", {"stream": 33.0, "list": 0.0}))
-    recorder.take(ParameterDropped(4.5, "DET"))
+    recorder.take(MethodChosen(4.0, "stream", {"stream": 33.0, "list": 0.0}, Limits()))
+    recorder.take(ParameterDropped(4.5, "DET", Limits()))
     assert recorder.marker(label="hill") == 4.5
     assert recorder.marker(5.0) == 5.0
     recorder.text(text="smoke")
@@ -208,7 +208,7 @@ def test_a_marker_before_anything_was_seen_has_no_time(recorder):
 
 def test_another_car_gets_a_file_of_its_own(tmp_path):
     files = []
-    recorder = Recorder(ecu=ecu, on_file=files.append)
+    recorder = Recorder(on_file=files.append)
     (tmp_path / "a-2.pcapng").write_bytes(b"somebody's")
     recorder.start(tmp_path / "a.pcapng", url="sim:")
     begin_session(recorder)
@@ -235,7 +235,7 @@ def test_another_car_gets_a_file_of_its_own(tmp_path):
 
 def test_the_next_file_begins_with_a_head(tmp_path):
     files = []
-    recorder = Recorder(ecu=ecu, on_file=files.append)
+    recorder = Recorder(on_file=files.append)
     recorder.next_file()  # nothing is recorded: nothing happens
     recorder.start(tmp_path / "a.pcapng", url="sim:")
     begin_session(recorder)
@@ -248,7 +248,7 @@ def test_the_next_file_begins_with_a_head(tmp_path):
 
 def test_no_room_for_the_next_file(tmp_path, monkeypatch):
     disk = SmallDisk(monkeypatch)
-    recorder = Recorder(ecu=ecu)
+    recorder = Recorder()
     recorder.start(tmp_path / "a.pcapng", url="sim:")
     begin_session(recorder)
     disk.room = 10
@@ -278,14 +278,15 @@ def test_a_clock_that_jumps_loses_nothing(recorder, tmp_path):
 
 @pytest.mark.parametrize(("echoes", "carried"), [(True, 6), (False, 9)])
 def test_an_echo_is_not_counted_twice(echoes, carried):
-    recorder = Recorder(ecu=lambda: ecu(echoes=echoes))
+    recorder = Recorder()
+    recorder.take(unit(0.5, echo=echoes))
     recorder.record(SENT, b"\x01\xff\x0d", 1.0)
     recorder.record(RECEIVED, b"\x01\xff\x0d\x0a\xf6\x0d", 1.1)
     assert recorder.wire_bytes == carried
 
 
 def test_other_threads_may_mark_and_start_and_stop(tmp_path):
-    recorder = Recorder(ecu=ecu)
+    recorder = Recorder()
     begin_session(recorder)
 
     def others(number: int) -> None:

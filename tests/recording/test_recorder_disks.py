@@ -8,7 +8,6 @@ from recorder_bench import (
     SENT,
     SmallDisk,
     begin_session,
-    ecu,
     gap,
     kinds,
     sampled,
@@ -32,7 +31,7 @@ def _session(recorder) -> None:
 
 def test_a_disk_that_is_full_at_any_byte_hurts_nothing_written(tmp_path, monkeypatch):
     disk = SmallDisk(monkeypatch)
-    recorder = Recorder(ecu=ecu)
+    recorder = Recorder()
     recorder.start(tmp_path / "whole.pcapng", url="sim:")
     begun = recorder.status.bytes
     _session(recorder)
@@ -42,7 +41,7 @@ def test_a_disk_that_is_full_at_any_byte_hurts_nothing_written(tmp_path, monkeyp
     for room in range(begun, whole):
         file = tmp_path / f"{room}.pcapng"
         disk.room = room
-        recorder = Recorder(ecu=ecu)
+        recorder = Recorder()
         recorder.start(file, url="sim:")
         _session(recorder)
         status = recorder.status

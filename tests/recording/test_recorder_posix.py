@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import sys
 
-from recorder_bench import RECEIVED, SENT, begin_session, ecu, sampled, wire
+from recorder_bench import RECEIVED, SENT, begin_session, sampled, wire
 
 from mikas.recording.recorder import Recorder
 
@@ -36,7 +36,7 @@ def test_a_file_that_may_not_grow(tmp_path):
 def test_a_folder_that_is_gone(tmp_path):
     folder = tmp_path / "stick"
     folder.mkdir()
-    recorder = Recorder(ecu=ecu)
+    recorder = Recorder()
     recorder.start(folder / "a.pcapng", url="sim:")
     begin_session(recorder)
     recorder.record(SENT, b"\x01\xff\x0d", 2.0)

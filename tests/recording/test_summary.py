@@ -11,11 +11,18 @@ from mikas.catalog import shipped
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter, Coalescer, Note, write_session_header
 from mikas.recording import summary as summaries
-from mikas.recording.about import write_about
-from mikas.recording.happened import GapSeen, MarkerSet, events_of, unit_of
-from mikas.recording.notes import gap_note, learnt_note, marker_note, state_note, text_note
+from mikas.recording.annotations.comment import write_comment
+from mikas.recording.annotations.events import events_of, note_of, unit_of
 from mikas.recording.summary import summarise
-from mikas.sampling.events import LineState
+from mikas.sampling.events import (
+    Gap,
+    LineState,
+    Marker,
+    MethodChosen,
+    ParameterDropped,
+    StateChanged,
+    TextNote,
+)
 
 PORT = "sim:?clock=simulated&faults=13,53"
 WHY = Text("no answer", "нет ответа")
@@ -34,8 +41,8 @@ def record(path, *, count=60, erase=False, append=False):
         ecu.faults()
         for _ in ecu.watch(method="list", count=count):
             pass
-        sink.note(marker_note(2.0, "hill"))
-        sink.note(gap_note(1.0, 1.5, WHY))
+        sink.note(note_of(Marker(2.0, "hill")))
+        sink.note(note_of(Gap(1.0, 1.0, 1.5, WHY)))
         if erase:
             ecu.erase_faults()
             ecu.faults()
@@ -72,7 +79,7 @@ def test_a_persons_words_are_added_and_the_wire_stays(tmp_path):
     path = record(tmp_path / "a.pcapng", count=5)
     before = path.read_bytes()
     for words in ("холодный пуск", "cold start, then hot"):
-        write_about(path, words, 9.0)
+        write_comment(path, words, 9.0)
         assert summarise(path).note == words
     assert path.read_bytes().startswith(before)
     assert summarise(path).samples == summarise(record(tmp_path / "b.pcapng", count=5)).samples
@@ -162,8 +169,8 @@ def test_a_recording_tells_whose_it_is_and_what_happened(tmp_path):
     assert recording.about["passport"] == "MIKAS"
     assert [event.kind for event in recording.events] == ["unit", "marker", "gap"]
     _, marker, gap = recording.events
-    assert marker == MarkerSet(2.0, "hill")
-    assert gap == GapSeen(1.0, 1.0, 1.5, WHY)
+    assert marker == Marker(2.0, "hill")
+    assert gap == Gap(1.0, 1.0, 1.5, WHY)
     assert gap.as_json() == {
         "kind": "gap",
         "time": 1.0,
@@ -175,10 +182,10 @@ def test_a_recording_tells_whose_it_is_and_what_happened(tmp_path):
 
 def test_each_kind():
     notes = [
-        state_note(1.0, LineState.ECHO_ONLY, WHY),
-        text_note(2.0, "words"),
-        learnt_note(3.0, None, method="list", rates={"list": 29.5}),
-        learnt_note(4.0, None, dropped="TAIR"),
+        note_of(StateChanged(1.0, LineState.ECHO_ONLY, reason=WHY)),
+        note_of(TextNote(2.0, "words")),
+        note_of(MethodChosen(3.0, "list", {"list": 29.5})),
+        note_of(ParameterDropped(4.0, "TAIR")),
         Note("unit", 5.0, {"version_code": 9}),
         Note("unit", 6.0, {"version_code": 9}),
         Note("unit", 7.0, {"version_code": 10}),

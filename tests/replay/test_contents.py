@@ -17,13 +17,14 @@ from mikas.errors import CaptureError, MikasError
 from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter
+from mikas.recording.annotations.events import note_of
 from mikas.recording.exchanges.capture import column_exchanges
 from mikas.recording.exchanges.table import TableReader
-from mikas.recording.notes import Kind, Note, gap_note, state_note
+from mikas.recording.notes import Kind, Note
 from mikas.replay import behaviour as replay_habits
 from mikas.replay import load, playing
 from mikas.replay.build import build
-from mikas.sampling.events import LineState
+from mikas.sampling.events import Gap, LineState, StateChanged
 
 THR = 0x20
 
@@ -166,8 +167,8 @@ def steady(path, notes=(), *, hole=20.0):
                  apart=0.05)  # fmt: skip
 
 
-GAP = gap_note(1.95, 21.95, Text("unplugged", "вынут"))
-NO_PORT = state_note(2.5, LineState.NO_PORT)
+GAP = note_of(Gap(1.95, 1.95, 21.95, Text("unplugged", "вынут")))
+NO_PORT = note_of(StateChanged(2.5, LineState.NO_PORT))
 
 
 @pytest.mark.parametrize("notes", [[], [GAP], [NO_PORT]])
@@ -191,7 +192,11 @@ def test_where_nobody_listened_no_old_value_is_played(tmp_path, notes):
 
 
 @pytest.mark.parametrize(
-    "notes", [[gap_note(2.0, 2.9, Text("a", "b"))], [state_note(2.5, LineState.NO_PORT)]]
+    "notes",
+    [
+        [note_of(Gap(2.0, 2.0, 2.9, Text("a", "b")))],
+        [note_of(StateChanged(2.5, LineState.NO_PORT))],
+    ],
 )
 def test_a_short_hole_is_one_if_there_is_a_note_of_it(tmp_path, notes):
     path = tmp_path / "a.pcapng"

@@ -11,7 +11,7 @@ from report_bench import found as found_in
 import mikas
 from mikas.catalog import shipped
 from mikas.recording import CaptureWriter
-from mikas.recording.notes import faults_note
+from mikas.recording.annotations.events import faults_note
 from mikas.report.fault_history import ClearedFaults, FaultReading, cleared_faults
 from mikas.report.findings import Findings, Outcome, find
 from mikas.report.from_recording import of_recording
@@ -109,7 +109,11 @@ def test_a_recording_of_it(erased) -> None:
 def test_what_was_read_before_the_recording_began(tmp_path) -> None:
     path = tmp_path / "later.pcapng"
     with CaptureWriter(path, url=IDLE) as sink, mikas.connect(IDLE, sink=sink) as ecu:
-        readings = [(1.0, (13, 53), False), (2.0, (53,), True), (3.0, (53,), False)]
+        readings = [
+            FaultReading(1.0, (13, 53)),
+            FaultReading(2.0, (53,), True),
+            FaultReading(3.0, (53,)),
+        ]
         sink.note(faults_note(ecu.tester.link.now(), readings))
         for _ in ecu.watch(method="batch", count=20):
             pass

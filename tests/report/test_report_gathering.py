@@ -12,11 +12,12 @@ from mikas.catalog import load, shipped
 from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter, write_session_header
-from mikas.recording.notes import gap_note, marker_note, text_note
+from mikas.recording.annotations.events import note_of
 from mikas.report.findings import BandPosition, Outcome
 from mikas.report.formatting import date_of
 from mikas.report.from_recording import of_recording
 from mikas.report.page import render
+from mikas.sampling.events import Gap, Marker, TextNote
 
 IDLE = "sim:?clock=simulated&scenario=warm-idle"
 
@@ -139,10 +140,10 @@ def test_what_the_notes_tell(tmp_path: Path) -> None:
     with CaptureWriter(path, url=IDLE) as sink, mikas.connect(IDLE, sink=sink) as ecu:
         for _ in ecu.watch(count=5):
             pass
-        sink.note(text_note(1.0, "after the new plugs"))
-        sink.note(marker_note(2.0, "here"))
-        sink.note(gap_note(3.0, 5.0, Text("no echo", "нет эха")))
-        sink.note(gap_note(6.0, None, Text("no echo", "нет эха")))
+        sink.note(note_of(TextNote(1.0, "after the new plugs")))
+        sink.note(note_of(Marker(2.0, "here")))
+        sink.note(note_of(Gap(3.0, 3.0, 5.0, Text("no echo", "нет эха"))))
+        sink.note(note_of(Gap(6.0, 6.0, None, Text("no echo", "нет эха"))))
     found = of_recording(path, shipped())
     assert found.subject.notes == ("after the new plugs",)
     pauses = found.subject.how.pauses

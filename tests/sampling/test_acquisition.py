@@ -11,8 +11,8 @@ from sampling_bench import SimulatedPlug, assert_values_are_the_units, ecu_facto
 from mikas.catalog import AlarmLimits, shipped
 from mikas.errors import NotSupported, UnknownParameter, UsageError
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.alarms import AlarmChanged
 from mikas.sampling.events import (
+    AlarmChanged,
     CycleFailed,
     LineState,
     ParameterDropped,
@@ -141,7 +141,7 @@ def test_what_came_in_a_cycle_is_fresh_however_long_it_lasts():
     (first, *_) = of(Sampled, told)
     assert first.fresh["TAIR"].time > first.time + 2
     assert first.derived["DUTY"].value > 0
-    assert {alarm.channel.name for alarm in of(AlarmChanged, told)} >= {"TAIR", "DUTY"}
+    assert {alarm.name for alarm in of(AlarmChanged, told)} >= {"TAIR", "DUTY"}
 
 
 def test_it_says_whether_a_sample_has_alarms_behind_it():
@@ -158,7 +158,7 @@ def test_it_says_whether_a_sample_has_alarms_behind_it():
         asked, behind = plug.bus.bytes_carried, []
         while made.has_more:
             behind.append(next(events))
-        assert {alarm.channel.name for alarm in behind} == {"TWAT", "FREQ"}
+        assert {alarm.name for alarm in behind} == {"TWAT", "FREQ"}
         assert plug.bus.bytes_carried == asked
         take(events, lambda e: bool(of(Sampled, e)))
         assert not made.has_more
@@ -171,11 +171,11 @@ def test_alarms_come_behind_the_sample_that_shows_them():
     data = plug.bus.ecu.responder.car._data
     with closing(made.run()) as events:
         data[0x1A] = bytes([40 + 90])
-        assert not [a for a in of(AlarmChanged, take(events, enough)) if a.channel.name == "TWAT"]
+        assert not [a for a in of(AlarmChanged, take(events, enough)) if a.name == "TWAT"]
         assert not made.alarms["TWAT"].stale
         data[0x1A] = bytes([40 + 112])
         told = take(events, enough)
-        (alarm,) = [a for a in of(AlarmChanged, told) if a.channel.name == "TWAT"]
+        (alarm,) = [a for a in of(AlarmChanged, told) if a.name == "TWAT"]
         before = told[told.index(alarm) - 1]
         assert isinstance(before, Sampled)
         assert before.fresh["TWAT"].value == alarm.value == 112

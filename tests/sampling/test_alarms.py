@@ -14,8 +14,9 @@ from mikas.catalog import AlarmLimits, Level, load, shipped
 from mikas.client.reading import decode
 from mikas.errors import UnknownParameter, UsageError
 from mikas.i18n import Text
-from mikas.sampling.alarms import AlarmChanged, Alarms, AlarmState, Side
+from mikas.sampling.alarms import Alarms, AlarmState, Side
 from mikas.sampling.derived import DerivedChannels
+from mikas.sampling.events import AlarmChanged
 
 NONE, WARNING, DANGER = Level
 BOTH = AlarmLimits(danger_low=9, warning_low=11, warning_high=15, danger_high=16, hysteresis=0.5)
@@ -81,7 +82,7 @@ def test_events() -> None:
         Text("Board voltage 8.0 V is below 9 V: danger",
              "Напряжение бортсети 8.0 В ниже 9 В: опасность"),
     ]  # fmt: skip
-    assert all(each.channel is shipped().parameter("UACC") for each in events)
+    assert all(each.name == "UACC" for each in events)
 
 
 def test_state_for_a_display() -> None:
@@ -110,7 +111,7 @@ def test_the_catalog_s_limits() -> None:
     assert [each.name for each in alarms.channels] == ["TWAT", "FREQ", "UACC", "DUTY"]
     assert list(alarms.current()) == ["TWAT", "FREQ", "UACC", "DUTY"]
     events = alarms.update({"TWAT": 101, "FREQ": 840, "UACC": 9.5, "THR": 999}, 0.0)
-    assert [(each.channel.name, each.level) for each in events] == [
+    assert [(each.name, each.level) for each in events] == [
         ("TWAT", WARNING),
         ("UACC", WARNING),
     ]
@@ -133,7 +134,7 @@ def test_a_flag(tmp_path: Path) -> None:
     events = []
     for time, raw in enumerate([b"\0", b"\x40", b"\x40", b"\0"]):
         events += alarms.update({"DET": decode(knock, raw, time, "corrected"), "RXX": True}, time)
-    assert [(each.time, each.channel.name, each.level, each.side) for each in events] == [
+    assert [(each.time, each.name, each.level, each.side) for each in events] == [
         (0, "RXX", WARNING, Side.HIGH),
         (1, "DET", DANGER, Side.HIGH),
         (3, "DET", NONE, Side.HIGH),
@@ -163,7 +164,7 @@ def test_a_derived_channel() -> None:
         for parameter in [shipped().parameter(name)]
     }
     (event,) = alarms.update(derived.update(sample, 0), 0)
-    assert event.channel is shipped().derived["DUTY"]
+    assert event.name == "DUTY"
     assert event.text.en == "Injector duty 108.3 % is above 100 %: danger"
 
 

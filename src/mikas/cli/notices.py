@@ -1,11 +1,11 @@
-"""What happens beside the values, in one sentence each: the line's state, a drop, an alarm.
+"""Events beside the values in one sentence each: the line's state, a drop, an alarm.
 
 On stderr for plain lines and JSON; in the live table's last line, and under it at its end.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 from mikas.cli.advice import ADVICE
 from mikas.cli.language import decimal, localized, tr
 from mikas.errors import EngineStopped, MikasError, NoConnection, SyncLost
-from mikas.sampling.alarms import AlarmChanged
 from mikas.sampling.events import (
+    AlarmChanged,
     CycleFailed,
+    Gap,
     LineState,
     MethodChosen,
     ParameterDropped,
@@ -24,6 +25,7 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
+from mikas.sampling.gaps import GapTracker
 
 if TYPE_CHECKING:
     from mikas.cli.sampling_run import SamplingRun
@@ -32,30 +34,29 @@ if TYPE_CHECKING:
 
 Tell = Callable[[str], None]
 
-_LASTING = 3.0  # s without a sample, though the line is well, that are worth a word
+_LASTING = 3.0  # s without a sample on a working line that are worth a notice
 
 
 class Notices:
     """Follows a session's events and hands each sentence to `tell`. `verbose`: more of them.
 
-    Nothing is said while all is well: the values speak.
+    While all is well nothing is said: the values are enough.
     """
 
     def __init__(self, session: SamplingRun, tell: Tell, *, verbose: bool = False) -> None:
         self._session = session
         self._tell = tell
         self._verbose = verbose
-        self._sampled: float | None = None  # when the latest sample came
-        self._began: float | None = None  # when the line was last found well
-        self._broken: float | None = None  # since when: from the last sample, as a gap is recorded
-        self._waiting: LineState | None = None  # told; SAMPLING: the line is well, nothing comes
+        self._gaps = GapTracker()
+        self._well_since = -inf  # when the line was last found well
+        self._waiting: str | None = None  # the state that was said; SAMPLING: no values on it
         self._plan: Plan | None = None
-        self._method: str | None = None  # that was chosen
+        self._method: str | None = None  # the chosen one
         self._failure: MikasError | None = None
         session.recorder.on_file = self._new_file
 
     def take(self, event: Event) -> None:
-        """Says what there is to say of `event`."""
+        """Say what there is to say of `event`."""
         for sentence in self._of(event):
             self._tell(sentence)
         failure = self._session.recorder.failure
@@ -64,20 +65,21 @@ class Notices:
             self._tell(stopped(failure))
 
     def end(self) -> None:
-        """Says why it has ended, if nobody asked for that."""
+        """Say why the session has ended, if it ended by itself."""
         if self._session.over is not None:
             self._tell(f"{localized(self._session.over.reason)}.")
 
     def _of(self, event: Event) -> Iterator[str]:
+        gaps = self._gaps.take(event)
         match event:
             case Sampled():
-                yield from self._came(event)
+                yield from self._came_back(gaps)
             case CycleFailed():
-                yield from self._lost(event)
+                yield from self._failed(event)
             case StateChanged():
                 yield from self._state(event)
             case UnitFound(another=True):
-                self._broken = self._waiting = None  # the other one is not back
+                self._waiting = None  # what was there before is not back
                 yield tr(
                     f"Another unit answers: {self._model()}. Everything from here on is its own.",
                     f"Отвечает другой блок: {self._model()}. Всё дальнейшее относится к нему.",
@@ -94,22 +96,21 @@ class Notices:
             case PlanChanged() if self._verbose:
                 yield from self._planned(event.plan)
 
-    def _came(self, event: Sampled) -> Iterator[str]:
-        self._sampled = event.time
-        if self._broken is not None:
-            seconds = f"{max(0.0, event.time - self._broken):.0f}"
-            yield tr(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
-        self._broken = self._waiting = None
+    def _came_back(self, gaps: Iterable[Gap]) -> Iterator[str]:
+        for gap in gaps:
+            if gap.ended is not None and self._waiting is not None:
+                seconds = f"{gap.ended - gap.began:.0f}"
+                yield tr(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
+        self._waiting = None
 
-    def _lost(self, event: CycleFailed) -> Iterator[str]:
-        """A cycle that failed is no news, unless it is one of many: then why is."""
+    def _failed(self, event: CycleFailed) -> Iterator[str]:
+        """Say why cycles fail, if they have failed for a while; a single one is no news."""
         if isinstance(event.error, NoConnection | SyncLost) or self._waiting is LineState.SAMPLING:
-            return  # the line's state tells it, or it was told
-        since = max((it for it in (self._sampled, self._began) if it is not None), default=inf)
+            return  # the line's state says it, or it was said
+        assert self._gaps.open is not None
+        since = max(self._gaps.open.began, self._well_since)
         if isinstance(event.error, EngineStopped) or event.time - since >= _LASTING:
             self._waiting = LineState.SAMPLING
-            if self._broken is None:
-                self._broken = event.time if self._sampled is None else self._sampled
             told = (
                 f"{localized(event.error.reason)}.",
                 localized(ADVICE.advice(event.error)),
@@ -131,15 +132,12 @@ class Notices:
         self._method = event.method
         yield chosen(event, self._session.asked.rate)
         if self._plan is not None and self._plan.method == event.method:
-            yield priced(self._plan)  # it is not told anew
+            yield priced(self._plan)  # no event repeats it
 
     def _state(self, event: StateChanged) -> Iterator[str]:
-        well = event.state in (LineState.SAMPLING, LineState.ECU_ALIVE)
-        if well:
-            self._began = event.time
-        if not well and self._session.connected:
-            if self._broken is None:
-                self._broken = event.time if self._sampled is None else self._sampled
+        if not event.is_broken:
+            self._well_since = event.time
+        elif self._session.connected:
             if event.state is not self._waiting:  # the same with another reason is no news
                 yield waiting(event)
             self._waiting = event.state
@@ -155,8 +153,8 @@ class Notices:
 
 
 def waiting(event: StateChanged) -> str:
-    """The state in words, and that nobody need do anything in this window."""
-    state = capital(localized(event.state.text))
+    """Return the state in words, and that sampling goes on by itself."""
+    state = capital(localized(event.text))
     state += "" if state.endswith("?") else "."
     return f"{state} {_waits()}"
 
@@ -166,7 +164,7 @@ def _waits() -> str:
 
 
 def stopped(failure: MikasError) -> str:
-    """That nothing more is recorded, and what of it is left."""
+    """Return that nothing more is recorded, and why."""
     why = localized(failure.reason)
     return tr(
         f"NOT RECORDING any more. {why}. Sampling goes on.",
@@ -175,7 +173,7 @@ def stopped(failure: MikasError) -> str:
 
 
 def priced(plan: Plan) -> str:
-    """What the plan in force costs a cycle."""
+    """Return the cost of a cycle of the plan in force."""
     price = plan.price()
     size, milliseconds = f"{price.bytes:.0f}", f"{price.seconds * 1000:.0f}"
     rate = decimal(f"{price.rate:.1f}")
@@ -186,9 +184,9 @@ def priced(plan: Plan) -> str:
 
 
 def chosen(event: MethodChosen, enough: float | None = None) -> str:
-    """The method, and what each gave that was measured; a dash: it does not work.
+    """Return the method and the rates of those that were measured; a dash: it does not work.
 
-    `enough`: the rate that is wanted, for which a slower one may have been taken.
+    `enough`: the wanted rate, for which a slower method may have been taken.
     """
     rates = ", ".join(
         f"{name} {rate:.1f}" if rate else f"{name} –" for name, rate in event.rates.items()
@@ -207,5 +205,5 @@ def chosen(event: MethodChosen, enough: float | None = None) -> str:
 
 
 def capital(text: str) -> str:
-    """`text` with its first letter as at the beginning of a sentence."""
+    """Return `text` with a capital first letter."""
     return text[:1].upper() + text[1:]

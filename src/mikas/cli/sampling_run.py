@@ -154,10 +154,7 @@ def session(
 ) -> Iterator[SamplingRun]:
     """A session on this run's port, with everything on the wire recorded to `out`, if named."""
     port = context.port or choose_port()
-    # Two that need each other: the recorder asks the acquisition which unit is there.
-    recorder = Recorder(
-        ecu=lambda: acquisition.ecu, interpretation=context.interpretation, joined=joined
-    )
+    recorder = Recorder(interpretation=context.interpretation, joined=joined)
     acquisition = Acquisition(
         ReconnectingPort(port, sink=recorder),
         context.options.create_ecu,

@@ -17,32 +17,29 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 from mikas.dashboard.errors import NotConnected
-from mikas.dashboard.gaps import AGAIN, DOCTOR
-from mikas.dashboard.history import History
 from mikas.dashboard.security.approval import Approval
 from mikas.dashboard.security.confirmations import Nonces
 from mikas.dashboard.security.control import Seat
 from mikas.dashboard.security.write_lock import WritingLock
 from mikas.dashboard.session.connection import turn
 from mikas.dashboard.session.dump_jobs import Dumping
-from mikas.dashboard.session.fault_history import FaultBook, Page
+from mikas.dashboard.session.fault_history import FaultHistory, StoredFaults
+from mikas.dashboard.session.history import History
 from mikas.dashboard.session.manager import Switch
+from mikas.dashboard.session.monitor import DIAGNOSIS, RECONNECTED, ConnectionMonitor
 from mikas.dashboard.session.plan import Planning
 from mikas.dashboard.session.recorder import RecordingDesk
 from mikas.dashboard.session.thread import Session
 from mikas.dashboard.settings import Settings
-from mikas.dashboard.story import Story
 from mikas.dashboard.wishes import Way, Wish
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.sampling.events import LineState, StateChanged, UnitFound
-from mikas.sampling.supervisor import UnitIdentity, is_same_unit
 
 if TYPE_CHECKING:
     from mikas.client import Ecu, Info, Support
     from mikas.client.polling import FixedMethod
     from mikas.dashboard.session.diagnosis import Examination
-    from mikas.sampling.alarms import AlarmChanged
     from mikas.sampling.events import Event
 
 T = TypeVar("T")
@@ -70,10 +67,10 @@ class Hub:
         self.lock = WritingLock(clock)
         self.seat = Seat(clock, changed=self.lock.close)
         self.history = History()
-        self.story = Story(self.catalog, self.history)
-        self.fault_book = FaultBook()
+        self.monitor = ConnectionMonitor(self.history)
+        self.fault_history = FaultHistory()
         self.approval = Approval()
-        self._unit: UnitIdentity | None = None
+        self._unit: UnitFound | None = None
         self.recording = RecordingDesk(self)
         self.dumping = Dumping(self)
         self.nonces = Nonces(clock)
@@ -151,23 +148,23 @@ class Hub:
             tell=self._told,
             ended=self._ended,
         )
-        self.story.begin(self.wish.every, session.now())
+        self.monitor.begin(self.wish.every, session.now())
         return session
 
     def _over(self, session: Session, why: Text) -> None:
-        if why in (AGAIN, DOCTOR):
+        if why in (RECONNECTED, DIAGNOSIS):
             self.recording.pause(session.now(), why)
-        self.story.over(session.now(), None, why)
+        self.monitor.end(session.now(), None, why)
         self._forget_unit()
 
     def _forget_unit(self) -> None:
         """What was read of one unit, or confirmed for it, is nothing to another."""
-        self.fault_book.clear()
+        self.fault_history.disconnect()
         self.nonces.clear()
         self.info = self.supported = None
         self.lock.close()
 
-    def _told(self, session: Session, event: Event | AlarmChanged) -> None:
+    def _told(self, session: Session, event: Event) -> None:
         """In the sampling thread."""
         if session is not self.session:
             return
@@ -175,11 +172,11 @@ class Hub:
             event = self._met(event)
         self.recording.take(event, session)
         self._measure(session)
-        self.story.take(event)
+        self.monitor.take(event)
         if isinstance(event, UnitFound):
             if event.another:
                 self._forget_unit()
-                self.fault_book.forget()
+                self.fault_history.forget()
             session.call(self.read_faults)
         if isinstance(event, StateChanged):
             self.switch.heard()
@@ -187,15 +184,13 @@ class Hub:
     def _ended(self, session: Session, error: MikasError | None) -> None:
         """In the sampling thread: it ended by itself."""
         if session is self.session:
-            self.story.over(session.now(), error)
+            self.monitor.end(session.now(), error)
             self.switch.heard()
 
     def _met(self, event: UnitFound) -> UnitFound:
         """`event`, also comparing with the unit of the connection before."""
-        before, self._unit = self._unit, (unit := (event.version_code, event.passport))
-        return (
-            event if before is None or is_same_unit(unit, before) else replace(event, another=True)
-        )
+        before, self._unit = self._unit, event
+        return event if before is None or event.may_be(before) else replace(event, another=True)
 
     # What is asked
 
@@ -204,18 +199,18 @@ class Hub:
         `Busy` if its turn did not come within `seconds`.
         """
         session = self.session
-        if session is None or self.story.line not in _ALIVE:
+        if session is None or self.monitor.line not in _ALIVE:
             raise self.nobody()
 
         def in_turn(ecu: Ecu) -> T:
-            self.story.busy()
+            self.monitor.busy()
             return job(ecu)
 
         return await turn(session, in_turn, seconds)
 
-    def read_faults(self, ecu: Ecu) -> Page:
+    def read_faults(self, ecu: Ecu) -> StoredFaults:
         """A job: reads the stored faults into the book."""
-        return self.fault_book.keep(ecu.faults(), ecu.tester.link.now())
+        return self.fault_history.add(ecu.faults(), ecu.tester.link.now())
 
     def look(self) -> None:
         """Sees what nobody tells; a few times a second, while anybody looks."""
@@ -224,11 +219,11 @@ class Hub:
             self._measure(session)
 
     def _measure(self, session: Session) -> None:
-        now, ecu, meters = session.now(), session.ecu, self.story.meters
-        with self.story.lock:
+        now, ecu, meters = session.now(), session.ecu, self.monitor.meters
+        with self.monitor.lock:
             meters.wire(now, self.recording.recorder.wire_bytes)
             if ecu is not None:
-                self.story.spoilt(tuple(ecu.tester.statistics.failures.copy()), now)
+                self.monitor.count_failures(tuple(ecu.tester.statistics.failures.copy()), now)
 
     def now(self) -> float:
         """The link's clock; without a link, the computer's."""
@@ -248,5 +243,5 @@ class Hub:
     def nobody(self) -> NotConnected:
         """There is nobody to ask, and why."""
         error = NotConnected()
-        reason = self.story.reason
+        reason = self.monitor.reason
         return NotConnected(advice=reason) if reason else error

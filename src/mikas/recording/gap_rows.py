@@ -11,18 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mikas.recording.happened import GapSeen, Happened
 from mikas.recording.table import Rows
+from mikas.sampling.events import Event, Gap
 
 
-def with_gaps(rows: Iterable[Rows], events: Iterable[Happened]) -> Iterator[Rows]:
+def with_gaps(rows: Iterable[Rows], events: Iterable[Event]) -> Iterator[Rows]:
     """`rows`, times rising within a stretch, with a row of NaN in each gap of `events`.
 
     It stands half-way from where the gap begins to where it ends, or to the next row if that comes
     first. A gap before the first row of all has none.
     """
     left = sorted(
-        (_Span(e.began, e.ended) for e in events if isinstance(e, GapSeen)),
+        (_Span(e.began, e.ended) for e in events if isinstance(e, Gap)),
         key=lambda span: span.began,
     )
     if not left:

@@ -18,12 +18,13 @@ from typing import TYPE_CHECKING, Any
 from mikas.catalog import Catalog, load
 from mikas.errors import UsageError
 from mikas.i18n import Text
+from mikas.recording.annotations.events import RecordedUnit, events_of, unit_of
 from mikas.recording.capture import CaptureReader
 from mikas.recording.columns import all_channels, is_recorded, named
-from mikas.recording.happened import Happened, MethodChosen, Unit, events_of, unit_of
 from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import Packet, Problem, Source
 from mikas.recording.table import Rows, calendar
+from mikas.sampling.events import Event, MethodChosen
 
 if TYPE_CHECKING:
     from mikas.recording.exchanges.table import TableReader
@@ -100,13 +101,13 @@ class Recording:
         return list(dict.fromkeys(chosen))
 
     @cached_property
-    def unit(self) -> Unit | None:
+    def unit(self) -> RecordedUnit | None:
         """Who was recorded, by the notes of the file's first recording that tells; else None."""
         first = next((note.recording for note in self._notes if note.kind == Kind.UNIT), 0)
         return unit_of((it for it in self._notes if it.recording == first), self.catalog)
 
     @cached_property
-    def events(self) -> tuple[Happened, ...]:
+    def events(self) -> tuple[Event, ...]:
         """What happened beside the wire: markers, gaps, states, alarms …, in the file's order."""
         return tuple(events_of(self._notes, self.catalog))
 
@@ -264,7 +265,7 @@ def _reader(path: Path, catalog: Catalog, interpretation: str) -> TableReader:
 
 
 def _about(
-    capture: CaptureReader, unit: Unit | None, catalog: Catalog, interpretation: str
+    capture: CaptureReader, unit: RecordedUnit | None, catalog: Catalog, interpretation: str
 ) -> dict[str, str]:
     source = next((it.source for it in capture if isinstance(it, Packet)), Source(0))
     facts = {

@@ -1,10 +1,10 @@
-"""The recorder of a session: always at the wire, it writes when it is asked to, and never stops it.
+"""The recorder of a session: always at the wire, writing from `start` to `stop`, never in the way.
 
     link ──► CaptureTee ──► Recorder ──► Coalescer ──► CaptureWriter ──► NAME.pcapng
     events ──────────────────┘  take: notes in between
 
-A full disk, a folder that is gone, a stick that was pulled out: the file ends with its last whole
-block, `failure` says why, and sampling goes on. Another car gets a file of its own, NAME-2.pcapng.
+On a full disk, or if the folder or the stick is gone, the file ends with its last whole block,
+`failure` has the reason, and sampling goes on. Another car gets its own file, NAME-2.pcapng.
 """
 
 from __future__ import annotations
@@ -18,28 +18,29 @@ from typing import TYPE_CHECKING, Final
 
 from mikas.errors import CaptureError, MikasError
 from mikas.link.tee import Direction
+from mikas.recording.annotations.annotator import SessionAnnotator
+from mikas.recording.annotations.events import note_of
 from mikas.recording.capture import CaptureWriter
-from mikas.recording.chronicle import Chronicle
 from mikas.recording.coalescing import Coalescer, NotedSink
-from mikas.recording.notes import Note, marker_note, text_note
+from mikas.recording.notes import Note
 from mikas.recording.reader import reason_of
-from mikas.sampling.events import UnitFound
+from mikas.sampling.events import Event, Marker, TextNote, UnitFound
 
 if TYPE_CHECKING:
     import os
 
     from mikas.client import Ecu
-    from mikas.sampling.events import Event
+    from mikas.i18n import Text
 
 _LONGEST_TEXT: Final = 100_000
 
 
 @dataclass(frozen=True, slots=True)
 class RecordingStatus:
-    """How far one recording has come. `since`: on the link's clock, once anything was seen.
+    """The progress of one recording. `since`: on the link's clock; None before any byte or event.
 
-    `samples` are those in the file; `gaps` counts holes, not the cycles lost in them. With a
-    `failure` nothing more is written; `lost`: samples that came since, or went with the file.
+    `samples`: those in the file; `gaps`: stretches, not the cycles that failed in them. After a
+    `failure` nothing more is written; `lost`: samples since then, or lost with the file.
     """
 
     path: Path
@@ -53,46 +54,44 @@ class RecordingStatus:
 
 @dataclass(slots=True)
 class _Open:
-    """One recording: its file, until that is closed, and how it came to its name."""
+    """One recording: its file, until that is closed, and where its name is from."""
 
     path: Path
-    named: Path  # by the user; `path` has a number in it if there were others before
+    named: Path  # by the user; `path` has a number in it, if other files came before
     url: str
     baud: int
     writer: CaptureWriter
     sink: NotedSink
     since: float | None
     failure: MikasError | None = None
-    kept: int = 0  # samples that were in the file at the failure
+    kept: int = 0  # samples in the file at the failure
 
 
 class Recorder:
-    """Takes what passes on the wire and what the sampler tells; writes between `start` and `stop`.
+    """Takes the bytes on the wire and the sampler's events; writes from `start` to `stop`.
 
-    `ecu`: the unit of now, for the head of a recording and to know whether the line echoes.
-    `joined`: a packet a response, not one a chunk. `on_file`: told of each file that another one
-    led to, in whatever thread that happened. Nothing but `start` raises; any thread may call.
+    `interpretation`: of values, for the notes of plans. `joined`: a packet for each response, not
+    for each chunk. `on_file`: called with each file that follows another one, in the thread that
+    caused it. Only `start` and `note` raise; any thread may call.
     """
 
     def __init__(
         self,
         *,
-        ecu: Callable[[], Ecu | None] = lambda: None,
         interpretation: str = "corrected",
         joined: bool = True,
         on_file: Callable[[Path], None] | None = None,
     ) -> None:
         self.wire_bytes = 0
-        """What the wire carried since this recorder was made; an echo is not counted twice."""
+        """Bytes on the wire since this recorder was made; an echo is not counted twice."""
         self.on_file = on_file
-        self._ecu = ecu
         self._joined = joined
-        self._chronicle = Chronicle(ecu, interpretation)
+        self._annotator = SessionAnnotator(interpretation)
         self._lock = threading.RLock()
         self._open: _Open | None = None
-        self._time: float | None = None  # the latest that was seen on the link's clock
+        self._time: float | None = None  # the latest of a byte or an event, on the link's clock
 
-    # What is asked of it
+    # For its users
 
     def start(
         self,
@@ -102,12 +101,13 @@ class Recorder:
         baud: int = 9600,
         overwrite: bool = False,
     ) -> None:
-        """Records to `path` from here on; a recording that runs is ended first.
+        """Record to `path` from here on; end a running recording first.
 
-        In mid-session a stream or a list that runs was asked for before: `begin_anew`, given to
-        `Acquisition.call`, makes the sampler ask again, or this file can't be read without another.
+        In mid-session the request of a running stream or list was sent before: give `ask_in_full`
+        to `Acquisition.call`, so that it is sent again and this file can be read by itself.
 
-        Raises `CaptureError` if `path` is there already or can't be written; what runs goes on.
+        Raises `CaptureError` if `path` exists already or can't be written; a running recording
+        goes on then.
         """
         with self._lock:
             named = Path(path)
@@ -116,10 +116,10 @@ class Recorder:
             self._begin(opened)
 
     def stop(self) -> RecordingStatus | None:
-        """Ends the recording; returns how far it came, None if there was none."""
+        """End the recording; return its progress, None if there was none."""
         with self._lock:
             if self._open is not None and self._open.failure is None:
-                self._write(self._chronicle.end())
+                self._write(self._annotator.end())
             if self._open is not None and self._open.failure is None:
                 self._close()
             status = self.status
@@ -127,40 +127,45 @@ class Recorder:
             return status
 
     def next_file(self) -> None:
-        """Goes on in another file, NAME-2.pcapng after NAME.pcapng.
+        """Go on in another file, NAME-2.pcapng after NAME.pcapng.
 
-        To be called between two cycles, by a job of `Acquisition.call`, after `begin_anew`.
+        To be called between two cycles, by a job of `Acquisition.call`, after `ask_in_full`.
         """
         with self._lock:
             if self._open is not None and self._open.failure is None:
                 self._move_on(None)
 
     def marker(self, time: float | None = None, label: str = "") -> float | None:
-        """A moment worth finding again; None: now. Returns its time, None if nothing was seen."""
+        """Mark a moment; None: now. Return its time, None if no byte or event came yet."""
         with self._lock:
             time = self._time if time is None else time
             if time is not None:
-                self._write([marker_note(time, label[:_LONGEST_TEXT])])
+                self._write([note_of(Marker(time, label[:_LONGEST_TEXT]))])
             return time
 
     def text(self, time: float | None = None, text: str = "") -> None:
-        """A person's words."""
+        """Write a person's words."""
         with self._lock:
             time = self._time if time is None else time
             if time is not None:
-                self._write([text_note(time, text[:_LONGEST_TEXT])])
+                self._write([note_of(TextNote(time, text[:_LONGEST_TEXT]))])
+
+    def interrupt(self, time: float, reason: Text) -> None:
+        """Begin a gap: the connection is left for a while, for `reason`."""
+        with self._lock:
+            self._write(self._annotator.interrupt(time, reason))
 
     @property
     def status(self) -> RecordingStatus | None:
-        """How far the recording has come, also after a failure; None if there is none."""
+        """The recording's progress, also after a failure; None if there is none."""
         with self._lock:
             it = self._open
             if it is None:
                 return None
-            told, gaps = self._chronicle.samples, self._chronicle.gaps
-            kept = it.kept if it.failure else told
+            samples, gaps = self._annotator.samples, self._annotator.gaps
+            kept = it.kept if it.failure else samples
             size = 0 if it.writer.deleted else it.writer.size
-            return RecordingStatus(it.path, it.since, size, kept, gaps, it.failure, told - kept)
+            return RecordingStatus(it.path, it.since, size, kept, gaps, it.failure, samples - kept)
 
     @property
     def failure(self) -> MikasError | None:
@@ -168,13 +173,13 @@ class Recorder:
         with self._lock:
             return self._open.failure if self._open else None
 
-    # What it is told
+    # For the wire and the sampler
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
-        """One piece of the wire's history; of `mikas.link.tee.Sink`."""
+        """Take bytes that passed on the wire; of `mikas.link.tee.Sink`."""
         with self._lock:
-            self._seen(time)
-            if direction is Direction.RECEIVED or not self._echoes():
+            self._advance(time)
+            if direction is Direction.RECEIVED or not self._annotator.echoes:
                 self.wire_bytes += len(data)
             if self._open is not None and self._open.failure is None:
                 try:
@@ -183,21 +188,21 @@ class Recorder:
                     self._fail(error)
 
     def note(self, note: Note) -> None:
-        """A note of somebody else's. Raises `ValueError` for data that JSON can't hold."""
+        """Write a note of the caller. Raises `ValueError` for data that JSON can't hold."""
         with self._lock:
-            self._seen(note.time)
+            self._advance(note.time)
             self._write([note])
 
     def take(self, event: Event) -> None:
-        """What the sampler tells."""
+        """Take an event of the sampler."""
         with self._lock:
             if self._time is None or event.time > self._time:  # a sample began before it was read
-                self._seen(event.time)
+                self._advance(event.time)
             recording = self._open is not None and self._open.failure is None
             if isinstance(event, UnitFound) and event.another and recording:
                 self._move_on(event)
                 return
-            self._write(self._chronicle.take(event))
+            self._write(self._annotator.take(event))
             if self._open is not None and isinstance(self._open.sink, Coalescer):
                 self._guarded(lambda sink: sink.tick(event.time), self._open.sink)
 
@@ -213,30 +218,31 @@ class Recorder:
     def _begin(self, opened: _Open) -> None:
         self._open = opened
         time = 0.0 if self._time is None else self._time
-        self._write(self._chronicle.head(time))
+        self._write(self._annotator.head(time))
 
     def _move_on(self, another: UnitFound | None) -> None:
-        """Goes on in the next file; `another`: because of that unit."""
+        """Go on in the next file; `another`: because of that unit."""
         before = self._open
         assert before is not None
-        self._write(self._chronicle.end(another.time if another else None))
+        self._write(self._annotator.end(another.time if another else None))
         if before.failure is None:
             self._close()
         if another is not None:
-            list(self._chronicle.take(another))  # its notes are the new file's head
+            list(self._annotator.take(another))  # its notes are the new file's head
         try:
             path = _next(before.named)
             opened = self._opened(path, before.named, before.url, before.baud)
         except (CaptureError, OSError) as error:
             if before.failure is None:
-                before.failure, before.kept = _as_ours(error, before.named), self._chronicle.samples
+                before.failure = _capture_error(error, before.named)
+                before.kept = self._annotator.samples
             return
         self._begin(opened)
         if self.on_file is not None:
             self.on_file(path)
 
     def _write(self, notes: Iterable[Note]) -> None:
-        for note in notes:  # all of them, since making them is what keeps the story up to date
+        for note in notes:  # all of them: making them is what keeps the annotator up to date
             if self._open is not None and self._open.failure is None:
                 try:
                     self._open.sink.note(note)
@@ -252,8 +258,8 @@ class Recorder:
     def _fail(self, error: MikasError) -> None:
         assert self._open is not None
         self._open.failure = error
-        # What was told as sampled is written; unless the file itself is gone.
-        self._open.kept = 0 if self._open.writer.deleted else self._chronicle.samples
+        # All samples so far are written; unless the file itself is gone.
+        self._open.kept = 0 if self._open.writer.deleted else self._annotator.samples
         with suppress(CaptureError):
             self._open.writer.close()
 
@@ -266,33 +272,29 @@ class Recorder:
         except CaptureError as error:
             self._fail(error)
 
-    def _seen(self, time: float) -> None:
+    def _advance(self, time: float) -> None:
         self._time = time
         if self._open is not None and self._open.since is None:
             self._open.since = time
 
-    def _echoes(self) -> bool:
-        ecu = self._ecu()
-        return ecu is None or ecu.tester.echoes
 
+def ask_in_full(ecu: Ecu) -> None:
+    """A job for `Acquisition.call`: later requests are sent in full, so a new file can be read.
 
-def begin_anew(ecu: Ecu) -> None:
-    """A job for `Acquisition.call`: what follows is asked for in full, and so can be read alone.
-
-    That there is a job ends a running stream; a list that was set is set again (64).
+    Any job ends a running stream; a list that was set is set again (64).
     """
     ecu.forget_list()
 
 
 def _next(named: Path) -> Path:
-    """NAME-2.pcapng, or the first number behind it that is free."""
+    """Return NAME-2.pcapng, or with the first higher number that is free."""
     number = 2
     while (path := named.with_name(f"{named.stem}-{number}{named.suffix}")).exists():
         number += 1
     return path
 
 
-def _as_ours(error: CaptureError | OSError, path: Path) -> CaptureError:
+def _capture_error(error: CaptureError | OSError, path: Path) -> CaptureError:
     if isinstance(error, CaptureError):
         return error
     return CaptureError(str(path), reason_of(error))

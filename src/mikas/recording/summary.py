@@ -24,14 +24,15 @@ from mikas.errors import CaptureError, MikasError
 from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording import pcapng
-from mikas.recording.about import about_of
+from mikas.recording.annotations.comment import comment_of
+from mikas.recording.annotations.events import RecordedUnit, events_of, unit_of
 from mikas.recording.exchanges.scalar import ScalarMatcher
-from mikas.recording.happened import GapSeen, Unit, events_of, unit_of
 from mikas.recording.note_blocks import TAG, read_block
 from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import Blocks, CaptureReader, Packet, reason_of
 from mikas.recording.scan import RawBlock, is_headless, scan
 from mikas.recording.table import PLAINLY_UNIX
+from mikas.sampling.events import Gap
 
 _WINDOW: Final = 1 << 20
 _BEFORE_TAG: Final = 12  # bytes of a note's block
@@ -59,7 +60,7 @@ class Summary:
     date: float | None = None
     first: float | None = None
     length: float | None = None
-    unit: Unit | None = None
+    unit: RecordedUnit | None = None
     samples: int | None = None
     samples_exact: bool = True
     rate: float | None = None
@@ -102,7 +103,7 @@ def _summed_up(path: Path, file: BinaryIO, catalog: Catalog) -> Summary:
     notes = list(_notes(file, places))
     spans = list(_spans(file, places))
     events = events_of(notes, catalog)
-    gaps = [event for event in events if isinstance(event, GapSeen)]
+    gaps = [event for event in events if isinstance(event, Gap)]
     first = spans[0][0] if spans else None
     length = sum(last - begin for begin, last in spans) if spans else None
     samples, exact = _samples(path, file, places, catalog)
@@ -122,7 +123,7 @@ def _summed_up(path: Path, file: BinaryIO, catalog: Catalog) -> Summary:
         gaps=len(gaps),
         faults=_faults(file, places),
         markers=sum(note.kind == Kind.MARKER for note in notes),
-        note=about_of(notes) or _first_words(notes),
+        note=comment_of(notes) or _first_words(notes),
         recordings=len(places.sections),
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -12,17 +12,8 @@ from mikas.commands import ERASE_FAULTS, ReadFaults
 from mikas.errors import MikasError
 from mikas.recording.exchanges.reading import read_exchanges
 from mikas.recording.exchanges.result import Exchanges
-from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import Problem, Source
-
-
-@dataclass(frozen=True, slots=True)
-class FaultReading:
-    """The numbers that the unit told at `time`, in its order. `erased`: shortly before."""
-
-    time: float
-    codes: tuple[int, ...]
-    erased: bool = False
+from mikas.sampling.events import FaultReading
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,24 +50,6 @@ def faults_heard(path: Path) -> Mapping[Source, Sequence[FaultReading]]:
             for each in listener.listen(item):
                 heard.setdefault(item.source, []).append(each)
     return heard
-
-
-def faults_noted(notes: Iterable[Note]) -> Iterator[FaultReading]:
-    """What had been told before the recording began, by the same unit to the same program."""
-    for note in notes:
-        if note.kind == Kind.FAULTS and isinstance(told := note.data.get("readings"), list):
-            yield from filter(None, map(_heard, told))
-
-
-def _heard(told: object) -> FaultReading | None:
-    """A file may hold anything."""
-    if not isinstance(told, dict):
-        return None
-    time, codes = told.get("time"), told.get("codes")
-    if not isinstance(time, (int, float)) or not isinstance(codes, list):
-        return None
-    known = all(isinstance(code, int) and 0 <= code <= 0xFF for code in codes)
-    return FaultReading(float(time), tuple(codes), told.get("erased") is True) if known else None
 
 
 class _Listener:

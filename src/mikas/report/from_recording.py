@@ -10,20 +10,20 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from mikas.catalog import Catalog
-from mikas.recording.about import about_of
+from mikas.recording.annotations.comment import comment_of
+from mikas.recording.annotations.events import RecordedUnit, events_of, recorded_faults, unit_of
 from mikas.recording.deriving import Deriver
 from mikas.recording.exchanges.table import TableReader
-from mikas.recording.happened import GapSeen, MethodChosen, NoteTaken, events_of, unit_of
-from mikas.recording.happened import Unit as RecordedUnit
 from mikas.recording.notes import Note
 from mikas.recording.reader import CaptureReader, Source
 from mikas.recording.table import Rows
-from mikas.report.fault_history import cleared_faults, faults_heard, faults_noted
+from mikas.report.fault_history import cleared_faults, faults_heard
 from mikas.report.findings import Findings, find
 from mikas.report.formatting import date_of
 from mikas.report.measurements import MeasurementCollector, Measurements
 from mikas.report.subject import Conditions, Interruption, ReportSubject, UnitIdentity
 from mikas.sampling.derived import DerivedChannels
+from mikas.sampling.events import Gap, MethodChosen, TextNote
 
 
 def of_recording(
@@ -45,10 +45,10 @@ def of_recording(
     last = max((source.recording for source in sessions), default=_last_noted(notes))
     mine = [note for note in notes if note.recording == last]
     source, measured = _fullest(sessions, last, catalog)
-    heard = [*faults_noted(mine), *faults_heard(capture.path).get(source, ())]
+    heard = [*recorded_faults(mine), *faults_heard(capture.path).get(source, ())]
     recorded, events = unit_of(mine, catalog), events_of(mine, catalog)
     methods = [event.method for event in events if isinstance(event, MethodChosen)]
-    words = [event.text for event in events if isinstance(event, NoteTaken)]
+    words = [event.text for event in events if isinstance(event, TextNote)]
     subject = ReportSubject(
         catalog=catalog,
         unit=_unit(recorded, catalog),
@@ -65,13 +65,13 @@ def of_recording(
             pauses=tuple(
                 Interruption(event.began, event.ended, event.reason)
                 for event in events
-                if isinstance(event, GapSeen)
+                if isinstance(event, Gap)
             ),
             errors=errors,
             sessions=1 + last,
             damaged=table.problem_count,
         ),
-        notes=tuple(filter(None, (about_of(mine), *words))),
+        notes=tuple(filter(None, (comment_of(mine), *words))),
     )
     return find(subject, measured)
 

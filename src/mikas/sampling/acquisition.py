@@ -20,9 +20,17 @@ from mikas.client.polling import fixed_method
 from mikas.errors import UsageError
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.sampling.alarms import AlarmChanged, Alarms, AlarmState, Value
+from mikas.sampling.alarms import Alarms, AlarmState, Value
 from mikas.sampling.derived import DerivedChannels, number_of
-from mikas.sampling.events import CycleFailed, Event, LineState, PlanChanged, Sampled, UnitFound
+from mikas.sampling.events import (
+    AlarmChanged,
+    CycleFailed,
+    Event,
+    LineState,
+    PlanChanged,
+    Sampled,
+    UnitFound,
+)
 from mikas.sampling.plan import Plan, Price
 from mikas.sampling.sampler import Sampler
 from mikas.sampling.selecting import select

@@ -1,6 +1,6 @@
 """Alarms: which channel is beyond its limits, since when, and the moments at which that changed.
 
-    values ──► Alarms.update ──► AlarmEvents       at each change of level
+    values ──► Alarms.update ──► AlarmChanged      at each change of level
                      └── Alarms.current()          for a display, at any time
 
 A level begins beyond its limit and ends only when the value is back inside by the hysteresis, so
@@ -21,6 +21,7 @@ from mikas.client.reading import Reading
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.sampling.derived import DerivedValue, number_of
+from mikas.sampling.events import AlarmChanged
 
 Value: TypeAlias = Reading | DerivedValue | float | None
 """A bare number is one in the corrected reading, read just now."""
@@ -59,49 +60,6 @@ class AlarmState:
     time: float | None = None
     since: float | None = None
     stale: bool = True
-
-
-@dataclass(frozen=True, slots=True)
-class AlarmChanged:
-    """A change of level, from `before`, at `time`.
-
-    `side` and `limit` are of the limit that was crossed: the new level's, or, when it got `better`,
-    that of the level that is over. A flag's limit is 1.
-    """
-
-    channel: Parameter | Derived
-    level: Level
-    before: Level
-    better: bool
-    side: Side
-    value: float
-    limit: float
-    time: float
-
-    @property
-    def text(self) -> Text:
-        """One sentence for a person."""
-        level, before = _LEVEL_TEXTS[self.level], _LEVEL_TEXTS[self.before]
-        name, unit = self.channel.text, self.channel.unit_text
-        if self.channel.is_flag:
-            if self.level is Level.NONE:
-                return Text(f"{name.en}: over", f"{name.ru}: прекратилось")
-            return Text(f"{name.en}: {level.en}", f"{name.ru}: {level.ru}")
-        value, limit = f"{self.value:.{self.channel.decimals}f}", f"{self.limit:.10g}"
-        en, ru = f"{name.en} {value} {unit.en}".rstrip(), f"{name.ru} {value} {unit.ru}".rstrip()
-        limit_en, limit_ru = f"{limit} {unit.en}".rstrip(), f"{limit} {unit.ru}".rstrip()
-        if not self.better:
-            where = _BEYOND[self.side]
-            return Text(
-                f"{en} is {where.en} {limit_en}: {level.en}",
-                f"{ru} {where.ru} {limit_ru}: {level.ru}",
-            )
-        if self.level is Level.NONE:
-            return Text(f"{en}: back within {limit_en}", f"{ru}: снова в пределах {limit_ru}")
-        return Text(
-            f"{en}: no longer {before.en}, still {level.en}",
-            f"{ru}: уже не {before.ru}, но ещё {level.ru}",
-        )
 
 
 class Alarms:
@@ -193,14 +151,41 @@ def _event(before: AlarmState, after: AlarmState, value: float, time: float) -> 
     assert crossed.side is not None
     assert crossed.limit is not None
     return AlarmChanged(
-        channel=after.channel,
-        level=after.level,
-        before=before.level,
-        better=better,
-        side=crossed.side,
-        value=value,
-        limit=crossed.limit,
-        time=time,
+        time,
+        after.channel.name,
+        after.level,
+        before.level,
+        crossed.side,
+        value,
+        crossed.limit,
+        _sentence(before.level, replace(crossed, level=after.level, value=value), better=better),
+        better,
+    )
+
+
+def _sentence(before: Level, now: AlarmState, *, better: bool) -> Text:
+    """Return the change as one sentence; `now` has the side and the limit that were crossed."""
+    level, previous = _LEVEL_TEXTS[now.level], _LEVEL_TEXTS[before]
+    name, unit = now.channel.text, now.channel.unit_text
+    if now.channel.is_flag:
+        if now.level is Level.NONE:
+            return Text(f"{name.en}: over", f"{name.ru}: прекратилось")
+        return Text(f"{name.en}: {level.en}", f"{name.ru}: {level.ru}")
+    assert now.side is not None
+    value, limit = f"{now.value:.{now.channel.decimals}f}", f"{now.limit:.10g}"
+    en, ru = f"{name.en} {value} {unit.en}".rstrip(), f"{name.ru} {value} {unit.ru}".rstrip()
+    limit_en, limit_ru = f"{limit} {unit.en}".rstrip(), f"{limit} {unit.ru}".rstrip()
+    if not better:
+        where = _BEYOND[now.side]
+        return Text(
+            f"{en} is {where.en} {limit_en}: {level.en}",
+            f"{ru} {where.ru} {limit_ru}: {level.ru}",
+        )
+    if now.level is Level.NONE:
+        return Text(f"{en}: back within {limit_en}", f"{ru}: снова в пределах {limit_ru}")
+    return Text(
+        f"{en}: no longer {previous.en}, still {level.en}",
+        f"{ru}: уже не {previous.ru}, но ещё {level.ru}",
     )
 
 

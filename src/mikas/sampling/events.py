@@ -1,24 +1,33 @@
-"""What sampling tells: samples, gaps, and the state of the line in words.
+"""Events: what sampling reports, what a recording's notes hold, what live data and exports show.
 
-A value is fresh (it came in this cycle), stale (from an earlier one, with its own time) or missing.
-A stale one never stands among the fresh: a wrong reading is worse than a hole.
+    sampling ──► events ──► SessionAnnotator ──► notes in the file ──► the same events
+                    └──► GapTracker, the dashboard's ConnectionMonitor, the lines of `watch`
+
+One JSON form (`Event.as_json`): `kind`, `time` and the class's fields by name; texts in both
+languages. Events that are read from a file may lack any field: they have None in its place.
+
+A value is fresh (of this cycle), stale (of an earlier cycle, with its own time) or missing. A stale
+value is never among the fresh ones: a wrong value is worse than a gap.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from enum import Enum
+from dataclasses import dataclass, field, fields
+from enum import StrEnum
+from typing import Any, ClassVar, Final
 
-from mikas.client import Passport, Reading
+from mikas.client import Limits, Passport, Reading
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.sampling.alarms import AlarmChanged
 from mikas.sampling.derived import DerivedValue
 from mikas.sampling.plan import Plan
 
+_NO_TEXT: Final = Text("", "")
+_NOT_IN_JSON: Final = {"json": False}
 
-class LineState(Enum):
+
+class LineState(StrEnum):
     """How far the way to the ECU is open, from worst to best."""
 
     NO_PORT = "no-port"
@@ -33,7 +42,7 @@ class LineState(Enum):
         return _WORDS[self]
 
 
-_WORDS = {
+_WORDS: Final = {
     LineState.NO_PORT: Text("no adapter", "нет адаптера"),
     LineState.NO_ECHO: Text(
         "no echo: no 12 V at the adapter, or the wrong port",
@@ -49,82 +58,192 @@ _WORDS = {
 
 
 @dataclass(frozen=True, slots=True)
-class StateChanged:
-    """The line's state is another one since `time`; `error` is what showed it, if anything did."""
+class Event:
+    """Something at a `time` of the link's clock. `recording`: its number in the file, if read."""
 
+    kind: ClassVar[str]
     time: float
-    state: LineState
-    error: MikasError | None = None
+    recording: int = field(default=0, kw_only=True, metadata=_NOT_IN_JSON)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return `kind` and the fields by name; texts in both languages, an empty one is None."""
+        shown = (each.name for each in fields(self) if each.metadata.get("json", True))
+        return {"kind": self.kind} | {name: _plain(getattr(self, name)) for name in shown}
+
+
+def _plain(value: object) -> object:
+    match value:
+        case Text():
+            return {"en": value.en, "ru": value.ru} if value.en else None
+        case Passport():
+            return [*value.program, *value.data]
+        case Mapping():
+            return dict(value)
+        case StrEnum():
+            return value.value
+    return value
+
+
+# The values
 
 
 @dataclass(frozen=True, slots=True)
-class Sampled:
-    """One cycle. `fresh` came in it; `stale` are the last known of those that were not asked.
+class Sampled(Event):
+    """One cycle. `fresh` was read in it; `stale`: the last known values of the other parameters.
 
-    `time` is when the first of its responses began. `derived`: what was made of the fresh alone; a
-    channel of which an input is stale has no value here.
+    `time`: the beginning of its first response. `derived`: computed from fresh values alone; a
+    channel with a stale input has no value here.
     """
 
-    time: float
+    kind = "sample"
     fresh: Mapping[str, Reading]
     stale: Mapping[str, Reading]
     derived: Mapping[str, DerivedValue] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
-class CycleFailed:
-    """A cycle that brought nothing, and why. Several in a row are one hole in the recording."""
+class CycleFailed(Event):
+    """A cycle without values, and why. Several in a row are one gap."""
 
-    time: float
+    kind = "error"
     error: MikasError
 
 
 @dataclass(frozen=True, slots=True)
-class MethodChosen:
-    """The method in use from here on. `rates`: sets a second of each, as measured now or before
-    with this kind of adapter; 0: it does not work.
+class Gap(Event):
+    """No values came from `began` to `ended`; None: the gap, or the recording, goes on there."""
+
+    kind = "gap"
+    began: float
+    ended: float | None
+    reason: Text | None = None
+
+
+# The line and the unit
+
+
+@dataclass(frozen=True, slots=True)
+class StateChanged(Event):
+    """The line's state changed; `error` caused it. `state`: a later version may have more.
+
+    `text` and `reason` are those of `state` and `error`, or as the file has them.
     """
 
-    time: float
-    method: str
-    rates: Mapping[str, float]
+    kind = "state"
+    state: LineState | str
+    error: MikasError | None = field(default=None, metadata=_NOT_IN_JSON)
+    text: Text = _NO_TEXT
+    reason: Text | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.state, LineState):
+            object.__setattr__(self, "text", self.state.text)
+        if self.error is not None:
+            object.__setattr__(self, "reason", self.error.reason)
+
+    @property
+    def is_broken(self) -> bool:
+        """Whether no ECU answers."""
+        return self.state in (LineState.NO_PORT, LineState.NO_ECHO, LineState.ECHO_ONLY)
 
 
 @dataclass(frozen=True, slots=True)
-class ParameterDropped:
-    """A parameter that the unit refuses; the others go on."""
+class UnitFound(Event):
+    """A unit answers. `another`: it is not the unit before, so this is another car.
 
-    time: float
-    name: str
-
-
-@dataclass(frozen=True, slots=True)
-class UnitFound:
-    """A unit answers. `another`: its passport is not that of the one before, so it is another
-    car.
+    The rest is what a recording needs to be read again: `adapter`, `baud` and `echo` of the link,
+    the version of the `catalog`.
     """
 
-    time: float
-    version_code: int
-    passport: Passport
-    another: bool
+    kind = "unit"
+    version_code: int | None
+    passport: Passport | None
+    another: bool = False
+    model: Text | None = None
+    adapter: str = field(default="", metadata=_NOT_IN_JSON)
+    baud: int = field(default=9600, metadata=_NOT_IN_JSON)
+    echo: bool | None = field(default=None, metadata=_NOT_IN_JSON)
+    catalog: str = field(default="", metadata=_NOT_IN_JSON)
+
+    def may_be(self, other: UnitFound) -> bool:
+        """Return whether both may be one unit, as far as their passports could be read."""
+        if self.version_code != other.version_code or not (self.passport and other.passport):
+            return False
+        return self.passport.may_be(other.passport)
 
 
 @dataclass(frozen=True, slots=True)
-class PlanChanged:
+class PlanChanged(Event):
     """What is asked from here on."""
 
-    time: float
+    kind = "plan"
     plan: Plan
 
 
-Event = (
-    StateChanged
-    | Sampled
-    | CycleFailed
-    | MethodChosen
-    | ParameterDropped
-    | UnitFound
-    | PlanChanged
-    | AlarmChanged
-)
+@dataclass(frozen=True, slots=True)
+class MethodChosen(Event):
+    """The method in use from here on. `rates`: sets a second of each measured one; 0: none came.
+
+    `limits`: of this unit, as known by then (D10, D11).
+    """
+
+    kind = "method"
+    method: str
+    rates: Mapping[str, float] = field(default_factory=dict)
+    limits: Limits | None = field(default=None, metadata=_NOT_IN_JSON)
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterDropped(Event):
+    """The unit refuses this parameter; the others go on."""
+
+    kind = "dropped"
+    name: str
+    limits: Limits | None = field(default=None, metadata=_NOT_IN_JSON)
+
+
+@dataclass(frozen=True, slots=True)
+class AlarmChanged(Event):
+    """The alarm of the channel `name` went from the level `before` to `level`.
+
+    `side` and `limit` are of the limit that was crossed: the new level's, or, if it got `better`,
+    that of the level that is over. The limit of a flag is 1.
+    """
+
+    kind = "alarm"
+    name: str
+    level: str
+    before: str | None
+    side: str | None
+    value: float | None
+    limit: float | None
+    text: Text
+    better: bool = field(default=False, metadata=_NOT_IN_JSON)
+
+
+@dataclass(frozen=True, slots=True)
+class FaultReading(Event):
+    """The `codes` of the stored faults, in the unit's order. `erased`: shortly before."""
+
+    kind = "faults"
+    codes: tuple[int, ...]
+    erased: bool = False
+
+
+# A person's
+
+
+@dataclass(frozen=True, slots=True)
+class Marker(Event):
+    """A moment that somebody marked."""
+
+    kind = "marker"
+    label: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TextNote(Event):
+    """A person's words at a moment."""
+
+    kind = "note"
+    text: str

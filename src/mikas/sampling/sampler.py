@@ -234,7 +234,7 @@ class Sampler:
         ):
             knowledge.method = chosen
             told = {str(each): rates[each] for each in (*CANDIDATES, FALLBACK) if each in rates}
-            yield MethodChosen(ecu.tester.link.now(), chosen, told)
+            yield MethodChosen(ecu.tester.link.now(), chosen, told, ecu.limits())
         return chosen
 
     def _tell(self, ecu: Ecu, requested: SamplingRequest, plan: Plan) -> Iterator[Event]:

@@ -77,7 +77,7 @@ class ConnectionSupervisor:
             return None
         another = self.unit is not None and not is_same_unit(unit, self.unit)
         self.unit, self.ecu = unit, ecu
-        yield UnitFound(link.now(), *unit, another)
+        yield _found(ecu, unit, another=another)
         return ecu
 
     def find_unit_again(
@@ -92,7 +92,7 @@ class ConnectionSupervisor:
         if unit is None or self.unit is None or not is_same_unit(unit, self.unit):
             return False
         self.unit = unit
-        yield UnitFound(ecu.tester.link.now(), *unit, another=False)
+        yield _found(ecu, unit, another=False)
         return True
 
     def now_in(
@@ -166,6 +166,20 @@ class ConnectionSupervisor:
         ):  # at each attempt, about once a second: those who wait see time go
             yield CycleFailed(time, error)
         yield from self.now_in(state, time, error)
+
+
+def _found(ecu: Ecu, unit: UnitIdentity, *, another: bool) -> UnitFound:
+    link = ecu.tester.link
+    return UnitFound(
+        link.now(),
+        *unit,
+        another,
+        ecu.model.text,
+        adapter=link.description,
+        baud=link.baud,
+        echo=ecu.tester.echoes,
+        catalog=ecu.catalog.version,
+    )
 
 
 def is_same_unit(one: UnitIdentity, other: UnitIdentity) -> bool:

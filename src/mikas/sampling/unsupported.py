@@ -156,7 +156,7 @@ class UnsupportedParameters:
             name = wanted.parameter.name
             if datum_of(wanted.parameter) in lost and name not in self._context.dropped:
                 self._context.dropped.add(name)
-                yield ParameterDropped(ecu.tester.link.now(), name)
+                yield ParameterDropped(ecu.tester.link.now(), name, ecu.limits())
 
 
 class ProbeResult(Enum):

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from mikas.i18n import Text
 from mikas.recording.export import export
-from mikas.recording.happened import AlarmSeen, GapSeen, MarkerSet, NoteTaken, StateSeen
 from mikas.recording.table import Channel, Rows
+from mikas.sampling.events import AlarmChanged, Gap, Marker, StateChanged, TextNote
 
 NAN = float("nan")
 START = 1_700_000_000.0  # 2023-11-14 22:13:20 UTC
@@ -34,13 +34,13 @@ FIXED = [
 
 HIGH = Text("Board voltage 18.1 V is above 18 V: danger", "Напряжение 18,1 В выше 18 В: опасность")
 EVENTS = [  # as a recording has them: a gap is noted when it has ended
-    StateSeen(START - 1, "sampling"),
-    MarkerSet(START - 0.5, "стук"),
-    AlarmSeen(START + 1, "UACC", "danger", "none", "high", 18.1, 18.0, HIGH),
-    GapSeen(START + 1.25, START + 0.25, START + 1.25, Text("no\nanswer", "нет ответа")),
-    NoteTaken(START + 1.5, 'a "note"\twith\n two lines'),
-    MarkerSet(START + 9, ""),
-    GapSeen(START + 9.5, START + 9.5, None, None),
+    StateChanged(START - 1, "sampling"),
+    Marker(START - 0.5, "стук"),
+    AlarmChanged(START + 1, "UACC", "danger", "none", "high", 18.1, 18.0, HIGH),
+    Gap(START + 1.25, START + 0.25, START + 1.25, Text("no\nanswer", "нет ответа")),
+    TextNote(START + 1.5, 'a "note"\twith\n two lines'),
+    Marker(START + 9, ""),
+    Gap(START + 9.5, START + 9.5, None, None),
 ]
 
 

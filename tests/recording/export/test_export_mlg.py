@@ -26,8 +26,8 @@ from mikas.errors import ExportError
 from mikas.i18n import Text
 from mikas.recording.export import export
 from mikas.recording.export import sheet as sheets
-from mikas.recording.happened import MarkerSet
 from mikas.recording.table import Channel
+from mikas.sampling.events import Marker
 
 
 class Log(NamedTuple):
@@ -192,7 +192,7 @@ def test_marks_stand_between_the_rows(tmp_path):
 
 def test_a_mark_byte_by_byte_as_tunerstudio_writes_it(tmp_path):
     out = tmp_path / "log.mlg"
-    export(out, [TWAT], [rows([START], TWAT=[85])], events=[MarkerSet(START + 0.25, "Manual")])
+    export(out, [TWAT], [rows([START], TWAT=[85])], events=[Marker(START + 0.25, "Manual")])
     assert out.read_bytes()[-54:] == bytes.fromhex("01 01 61 a8") + b"MARK 000 - Manual".ljust(
         50, b"\0"
     )
@@ -200,7 +200,7 @@ def test_a_mark_byte_by_byte_as_tunerstudio_writes_it(tmp_path):
 
 def test_a_mark_is_cut_between_two_letters(tmp_path):
     out = tmp_path / "log.mlg"
-    export(out, [TWAT], [rows([START], TWAT=[85])], events=[MarkerSet(START, "Ж" * 40)])
+    export(out, [TWAT], [rows([START], TWAT=[85])], events=[Marker(START, "Ж" * 40)])
     assert read(out.read_bytes()).marks == [(0, 0, "MARK 000 - " + "Ж" * 19)]
 
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from mikas.recording.export import SUFFIXES, export
 from mikas.recording.export import sheet as sheets
-from mikas.recording.happened import MarkerSet
+from mikas.sampling.events import Marker
 
 ALARM = {
     "name": "UACC", "level": "danger", "before": "none", "side": "high", "value": 18.1, "limit": 18,
@@ -117,7 +117,7 @@ def test_mdf_has_them_as_events(tmp_path):
 
 def test_mdf_with_many_events_is_read_back(tmp_path):
     out = tmp_path / "log.mf4"
-    events = [MarkerSet(START + number, f"отметка {number}") for number in range(300)]
+    events = [Marker(START + number, f"отметка {number}") for number in range(300)]
     export(out, [TWAT], [rows([START], TWAT=[85])], events=events)
     with MDF(out) as mdf:
         assert [it.name for it in mdf.events] == [it.label for it in events]
@@ -158,7 +158,7 @@ def test_a_mark_stands_before_the_first_row_that_is_not_older(
     pieces = [rows([START + time], TWAT=[time]) for time in at]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sheets, "STRETCH", stretch)
-        events = [MarkerSet(START + time, str(time)) for time in times]
+        events = [Marker(START + time, str(time)) for time in times]
         export(out, [TWAT], pieces, events=events, start=START, overwrite=True)
     lines = out.read_text("utf-8").splitlines()[4:]
     expected = sorted(

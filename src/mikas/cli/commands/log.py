@@ -21,8 +21,8 @@ from mikas.client import Ecu
 from mikas.errors import MikasError, UsageError
 from mikas.i18n import Text
 from mikas.recording.export import SUFFIXES
-from mikas.recording.recorder import RecordingStatus, begin_anew
-from mikas.sampling.events import Event, LineState, StateChanged
+from mikas.recording.recorder import RecordingStatus, ask_in_full
+from mikas.sampling.events import Event, StateChanged
 
 
 @command(
@@ -153,7 +153,7 @@ class _Rotation:
             self._job = self._current.acquisition.call(self._go_on)
 
     def _go_on(self, ecu: Ecu) -> None:
-        begin_anew(ecu)
+        ask_in_full(ecu)
         self._current.recorder.next_file()
 
 
@@ -165,12 +165,11 @@ class _Progress:
         self._current = current
         self._live = sys.stderr.isatty()
         self._told: float | None = None
-        self._broken: LineState | None = None
+        self._broken: StateChanged | None = None
 
     def take(self, event: Event) -> None:
         if isinstance(event, StateChanged):
-            well = event.state in (LineState.SAMPLING, LineState.ECU_ALIVE)
-            self._broken = None if well else event.state
+            self._broken = event if event.is_broken else None
         if self._live and (self._told is None or not 0 <= event.time - self._told < 1):
             self._told = event.time
             self._write(self._now())

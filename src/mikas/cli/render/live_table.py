@@ -18,11 +18,11 @@ from mikas.cli.render import table_layout
 from mikas.cli.render.lines import fresh_in
 from mikas.cli.render.output import Output, stdout_console
 from mikas.cli.render.readings import reference, shown_unit, shown_value
-from mikas.cli.silence import Arrivals, Silence
 from mikas.i18n import Text
 from mikas.link import WallClock
-from mikas.sampling.alarms import AlarmChanged, Side
-from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
+from mikas.sampling.alarms import Side
+from mikas.sampling.events import AlarmChanged, CycleFailed, LineState, Sampled, StateChanged
+from mikas.sampling.gaps import Arrivals, Silence
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -37,7 +37,6 @@ _SPARK = "▁▂▃▄▅▆▇█"
 _MEMORY = 60  # samples that the small curve shows, joined to its width
 _WIDTH = 20
 _OLD = 1.0  # s; a younger value is faded, but its age is not told: it would only flicker
-_BETTER = {LineState.ECU_ALIVE, LineState.SAMPLING}
 
 
 class Watched(Protocol):
@@ -83,7 +82,8 @@ class LiveTable:
         self._lowest: dict[str, Reading | DerivedValue] = {}
         self._highest: dict[str, Reading | DerivedValue] = {}
         self._times: deque[float] = deque(maxlen=100)
-        self._arrivals = Arrivals(clock or WallClock().now)
+        self._clock = clock or WallClock().now
+        self._arrivals = Arrivals()
         self._now: Sampled | CycleFailed | None = None
         self._broken: StateChanged | None = None
         self._alarms: dict[str, AlarmChanged] = {}
@@ -104,14 +104,14 @@ class LiveTable:
                     self._sampled(event)
                 case CycleFailed():
                     self._now = event
-                    self._arrivals.broke()
+                    self._arrivals.interrupt()
                 case StateChanged():
-                    self._broken = None if event.state in _BETTER else event
-                    self._arrivals.broke()
+                    self._broken = event if event.is_broken else None
+                    self._arrivals.interrupt()
                 case AlarmChanged():
-                    self._alarms.pop(event.channel.name, None)
-                    if event.level is not Level.NONE:
-                        self._alarms[event.channel.name] = event
+                    self._alarms.pop(event.name, None)
+                    if event.level != Level.NONE:
+                        self._alarms[event.name] = event
 
     def tell(self, sentence: str) -> None:
         """Shows a notice until the next one comes; all of them are told again at the end."""
@@ -121,7 +121,7 @@ class LiveTable:
     def _sampled(self, event: Sampled) -> None:
         self._now, self._broken = event, None
         self._times.append(event.time)
-        self._arrivals.came()
+        self._arrivals.add(self._clock())
         for name, reading in fresh_in(event).items():
             if name not in self._past:  # an input of something derived
                 continue
@@ -138,7 +138,7 @@ class LiveTable:
         `ended`: as the last event left it; that nothing came since is as it should be.
         """
         with self._changing:
-            silence = Silence() if ended else self._arrivals.silence()
+            silence = Silence() if ended else self._arrivals.silence(self._clock())
             rows = [self._row(channel, silence) for channel in self._session.channels]
             state = self._state(silence)
             well = isinstance(self._now, Sampled) and not self._broken and not silence.seconds
@@ -187,10 +187,10 @@ class LiveTable:
 
     def _in_alarm(self) -> str:
         """The worst first: `▲ TWAT danger · ▼ UACC warning`."""
-        order = sorted(self._alarms.values(), key=lambda alarm: alarm.level is not Level.DANGER)
-        arrows = {Side.HIGH: "▲", Side.LOW: "▼"}
+        order = sorted(self._alarms.values(), key=lambda alarm: alarm.level != Level.DANGER)
+        arrows: dict[str | None, str] = {Side.HIGH: "▲", Side.LOW: "▼"}
         return " · ".join(
-            f"{arrows[alarm.side]} {alarm.channel.name}: {localized(_LEVELS[alarm.level])}"
+            f"{arrows[alarm.side]} {alarm.name}: {localized(_LEVELS[alarm.level])}"
             for alarm in order
         )
 
@@ -199,7 +199,7 @@ class LiveTable:
         failed = tr(f"errors {self._session.errors}", f"ошибок {self._session.errors}")
         if self._broken is not None:
             waits = tr("waiting, it goes on by itself", "ждём, опрос продолжится сам")
-            return f"○ {localized(self._broken.state.text)} · {waits} · {model}"
+            return f"○ {localized(self._broken.text)} · {waits} · {model}"
         if self._now is None:
             return f"… {tr('waiting for the first answer', 'ждём первого ответа')} · {model}"
         if isinstance(self._now, CycleFailed):
@@ -232,12 +232,16 @@ class LiveTable:
             self._output.note(sentence)
 
 
-_LEVELS = {
+_LEVELS: dict[str, Text] = {
     Level.NONE: Text("no alarm", "нет"),
     Level.WARNING: Text("warning", "предупреждение"),
     Level.DANGER: Text("DANGER", "ОПАСНО"),
 }
-_STYLES = {Level.NONE: "", Level.WARNING: "bold yellow", Level.DANGER: "bold white on red"}
+_STYLES: dict[str, str] = {
+    Level.NONE: "",
+    Level.WARNING: "bold yellow",
+    Level.DANGER: "bold white on red",
+}
 
 
 def sparkline(values: Sequence[float]) -> str:

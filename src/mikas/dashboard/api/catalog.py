@@ -20,8 +20,9 @@ from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.api.messages import LiveEvent
 from mikas.dashboard.api.presets import Preset
 from mikas.dashboard.errors import NotFound
-from mikas.dashboard.history import decimated
 from mikas.dashboard.security.access import Access
+from mikas.dashboard.session.event_log import page_json
+from mikas.dashboard.session.history import decimated
 
 router = APIRouter(tags=["about"])
 
@@ -176,7 +177,7 @@ def history(
     wanted = [name for name in names.split(",") if name] if names is not None else None
     rows = hub.history.rows(seconds, wanted)
     since = (rows.times[-1] if len(rows.times) else hub.now()) - seconds
-    events = [event for event in hub.story.events if event["time"] >= since]
+    events = [page_json(event) for event in hub.monitor.events if event.time >= since]
     shown = decimated(rows, points).json_columns()
     return Response(dumps({**shown, "events": events}), media_type="application/json")
 

@@ -23,7 +23,8 @@ from mikas.dashboard.api.errors import answer_to
 from mikas.dashboard.api.state import OWN, holder_of, state_of
 from mikas.dashboard.dashboard import Hub
 from mikas.dashboard.errors import ApiRefusal
-from mikas.dashboard.story import Row
+from mikas.dashboard.session.event_log import page_json
+from mikas.dashboard.session.monitor import Row
 
 _log = logging.getLogger("mikas.dashboard")
 
@@ -40,7 +41,7 @@ router = APIRouter()
 
 
 class Broadcaster:
-    """Drains the hub's story for all listeners, as long as there is one."""
+    """Drains the connection monitor for all listeners, as long as there is one."""
 
     def __init__(self, hub: Hub) -> None:
         self._hub = hub
@@ -59,7 +60,7 @@ class Broadcaster:
         self._new_state()
         self._listeners.add(listener)
         self._hub.seat.opened(listener.client)
-        self._hub.story.listened = True
+        self._hub.monitor.listened = True
         listener.offer("")
         if self._task is None:
             self._task = asyncio.create_task(self._run())
@@ -71,8 +72,8 @@ class Broadcaster:
         if not self._listeners and self._task is not None:
             self._task.cancel()
             self._task = None
-            self._hub.story.listened = False
-            self._hub.story.drain()
+            self._hub.monitor.listened = False
+            self._hub.monitor.drain()
 
     def message(self, listener: Listener) -> str:
         """What waits for `listener`, with what is its own of the state."""
@@ -90,15 +91,15 @@ class Broadcaster:
 
     def poke(self) -> None:
         """Somebody waits for an answer."""
-        self._hub.story.stir()
+        self._hub.monitor.wake()
 
     async def _run(self) -> None:
         loop, something = asyncio.get_running_loop(), asyncio.Event()
-        story, good = self._hub.story, True
+        monitor, good = self._hub.monitor, True
         while True:
             await asyncio.sleep(PERIOD)
             something.clear()
-            if story.wait(lambda: loop.call_soon_threadsafe(something.set)):
+            if monitor.wait(lambda: loop.call_soon_threadsafe(something.set)):
                 with suppress(TimeoutError):
                     # Not wait_for: before Python 3.12 it may swallow a cancellation.
                     async with asyncio.timeout(STATE_EVERY):
@@ -115,15 +116,16 @@ class Broadcaster:
     def _tick(self) -> None:
         hub = self._hub
         hub.look()
-        batch = hub.story.drain()
+        batch = hub.monitor.drain()
+        events = [page_json(event) for event in batch.events]
         stated = False
-        if batch.happenings or hub.clock() - self._stated >= STATE_EVERY:
+        if batch.events or hub.clock() - self._stated >= STATE_EVERY:
             stated = self._new_state()
         tails: dict[Fields, str] = {}
         for listener in self._listeners:
             tail = tails.get(listener.fields)
             if tail is None:
-                tail = _tail(batch.names, batch.rows, batch.happenings, listener.fields)
+                tail = _tail(batch.names, batch.rows, events, listener.fields)
                 tails[listener.fields] = tail
             if tail or stated or listener.pong is not None:
                 listener.offer(tail)

@@ -17,7 +17,6 @@ from mikas.dashboard.api import exports, report
 from mikas.dashboard.api.broadcaster import dumps
 from mikas.dashboard.api.dependencies import Asker, TheHub
 from mikas.dashboard.api.errors import TwoTexts, errors, two
-from mikas.dashboard.history import plain
 from mikas.dashboard.library.folder import Shelved
 from mikas.dashboard.library.service import Desk, TheDesk
 from mikas.dashboard.recordings_told import (
@@ -27,9 +26,10 @@ from mikas.dashboard.recordings_told import (
     detailed,
     listed,
 )
+from mikas.dashboard.session.history import plain
 from mikas.dashboard.settings import check_folder
 from mikas.errors import UsageError
-from mikas.recording.about import LONGEST, about_note, write_about
+from mikas.recording.annotations.comment import LONGEST, comment_note, write_comment
 
 router = APIRouter(tags=["recordings"])
 
@@ -106,9 +106,9 @@ def note(
     """Keeps words about the recording, in its own file."""
     it = desk.shelf.one(identity)
     if desk.is_growing(it):
-        hub.recording.recorder.note(about_note(hub.now(), wish.text))
+        hub.recording.recorder.note(comment_note(hub.now(), wish.text))
     else:
-        write_about(it.path, wish.text, hub.now())
+        write_comment(it.path, wish.text, hub.now())
     return _listed(desk, desk.shelf.one(identity))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from fastapi import APIRouter
@@ -13,15 +13,16 @@ from mikas.dashboard.api.dependencies import TheHub
 from mikas.dashboard.api.errors import errors
 from mikas.dashboard.api.exports import HTML, page_answer
 from mikas.dashboard.errors import NotConnected
-from mikas.dashboard.history import Rows
 from mikas.dashboard.library.service import TheDesk
-from mikas.i18n import Language, Text
+from mikas.dashboard.session.history import Rows
+from mikas.i18n import Language
+from mikas.sampling.events import Event, Gap, UnitFound
 
 if TYPE_CHECKING:
     from mikas.catalog import Catalog
     from mikas.dashboard.dashboard import Hub
     from mikas.report.findings import Findings
-    from mikas.report.subject import Interruption
+    from mikas.report.subject import Interruption, UnitIdentity
 
 router = APIRouter(tags=["recordings"])
 
@@ -44,12 +45,12 @@ def _found(hub: Hub) -> Findings:
     from mikas.report.findings import find
     from mikas.report.formatting import date_of
     from mikas.report.measurements import MeasurementCollector
-    from mikas.report.subject import Conditions, ReportSubject, UnitIdentity
+    from mikas.report.subject import Conditions, ReportSubject
 
-    catalog, story, session, ecu, way = hub.catalog, hub.story, hub.session, hub.ecu, hub.way
-    with story.lock:
-        unit, method, errors_ = story.unit, story.method or "", story.meters.errors
-        events = story.events
+    catalog, monitor, session, ecu, way = hub.catalog, hub.monitor, hub.session, hub.ecu, hub.way
+    with monitor.lock:
+        unit, method, errors_ = monitor.unit, monitor.method or "", monitor.meters.errors
+        events = monitor.events
     rows = _since(
         _judged(hub.history.rows(MINUTES * 60), catalog, hub.settings.connection.interpretation),
         events,
@@ -58,17 +59,13 @@ def _found(hub: Hub) -> Findings:
         raise NotConnected
     measuring = MeasurementCollector(catalog, rows.values)
     measuring.add(rows)
-    page, measured = hub.fault_book.page, measuring.measured
+    stored, measured = hub.fault_history.latest, measuring.measured
     subject = ReportSubject(
         catalog=catalog,
-        unit=UnitIdentity(
-            catalog.model(unit.version_code), unit.passport.program, unit.passport.data
-        )
-        if unit
-        else None,
-        faults=page.faults if page else None,
-        faults_read=page.time if page else None,
-        gone=cleared_faults(hub.fault_book.heard, catalog),
+        unit=_unit(unit, catalog),
+        faults=stored.faults if stored else None,
+        faults_read=stored.time if stored else None,
+        gone=cleared_faults(hub.fault_history.readings, catalog),
         how=Conditions(
             date=date_of(measured.began),
             port=way.url if way else "",
@@ -92,21 +89,28 @@ def _judged(rows: Rows, catalog: Catalog, interpretation: str) -> Rows:
     return Rows(rows.times, {n: column for n, column in rows.values.items() if n not in other})
 
 
-def _since(rows: Rows, events: list[dict[str, Any]]) -> Rows:
-    """Since the unit of now was first there; before it, it was another car."""
-    came = (each["time"] for each in events if each["kind"] == "unit" and each["another"])
+def _unit(found: UnitFound | None, catalog: Catalog) -> UnitIdentity | None:
+    if found is None or found.version_code is None or found.passport is None:
+        return None
+    from mikas.report.subject import UnitIdentity
+
+    passport = found.passport
+    return UnitIdentity(catalog.model(found.version_code), passport.program, passport.data)
+
+
+def _since(rows: Rows, events: list[Event]) -> Rows:
+    """Return the rows since the present unit was found first; before it, it was another car."""
+    came = (each.time for each in events if isinstance(each, UnitFound) and each.another)
     since = max(came, default=float("-inf"))
     first = int(np.searchsorted(rows.times, since))
     return Rows(rows.times[first:], {name: it[first:] for name, it in rows.values.items()})
 
 
-def _pauses(events: list[dict[str, Any]], began: float | None) -> Iterator[Interruption]:
-    """The gaps that have ended; each was told twice."""
+def _pauses(events: list[Event], began: float | None) -> Iterator[Interruption]:
+    """Yield the gaps that have ended; each is logged twice."""
     from mikas.report.subject import Interruption
 
     for event in events:
-        ended = event.get("ended") if event["kind"] == "gap" else None
-        if ended is not None and began is not None and ended > began:
-            reason = event["reason"]
-            text = Text(reason["en"], reason["ru"]) if reason else None
-            yield Interruption(max(began, event["began"]), ended, text)
+        ended = event.ended if isinstance(event, Gap) else None
+        if isinstance(event, Gap) and ended is not None and began is not None and ended > began:
+            yield Interruption(max(began, event.began), ended, event.reason)

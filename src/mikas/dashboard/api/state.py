@@ -6,15 +6,14 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
-from mikas.catalog import Level
 from mikas.client.polling import Method
 from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.api.errors import TwoTexts, two, two_or_none
 from mikas.dashboard.dashboard import Hub
-from mikas.dashboard.happenings import passport
 from mikas.dashboard.security.control import Client
 from mikas.i18n import Text
-from mikas.sampling.alarms import AlarmChanged, Side
+from mikas.sampling.alarms import Side
+from mikas.sampling.events import AlarmChanged
 
 Line = Literal["off", "no-port", "no-echo", "echo-only", "ecu-alive", "sampling"]
 
@@ -129,48 +128,50 @@ def holder_of(hub: Hub, client: Client) -> ControlHolder | None:
 
 def _shared(hub: Hub) -> State:
     """What is the same for all."""
-    story, session, now = hub.story, hub.session, hub.now()
+    monitor, session, now = hub.monitor, hub.session, hub.now()
     # Any of these may be gone at a second look.
-    way, page, unlocked = hub.way, hub.fault_book.page, hub.lock.left
-    recording = _recording(hub)  # not under the story's lock: the recorder tells the story of files
-    with story.lock:
+    way, stored, unlocked = hub.way, hub.fault_history.latest, hub.lock.left
+    recording = _recording(hub)  # not under the monitor's lock: the recorder logs its files there
+    with monitor.lock:
         text, line = _OFF, _NO_LINE
         if session is not None and session.ended:
             text = _STOPPED
         elif session is not None:
-            line = story.line.value if story.line else "no-port"
-            text = story.line.text if story.line else _OPENING
+            line = monitor.line.value if monitor.line else "no-port"
+            text = monitor.line.text if monitor.line else _OPENING
         sampling = line == "sampling"
-        silent = story.silent(now)
-        unit = story.unit
+        silent = monitor.silent(now)
+        unit = monitor.unit
         return State(
             line=line,
             text=two(text),
-            reason=two_or_none(story.reason or silent),
-            reason_code=story.reason_code,
-            since=story.since,
+            reason=two_or_none(monitor.reason or silent),
+            reason_code=monitor.reason_code,
+            since=monitor.since,
             port=way.url if way else None,
             adapter=session.adapter if session else "",
-            model=two_or_none(story.model),
+            model=two_or_none(unit.model if unit else None),
             version_code=unit.version_code if unit else None,
-            passport=passport(unit) if unit else None,
-            method=story.method,
-            rates=story.rates,
-            rate=round(story.meters.rate(now), 2) if sampling and not silent else 0.0,
-            bus_load=round(story.meters.load(session.baud if session else 9600), 3),
-            errors_minute=story.meters.errors_minute(now),
-            errors=story.meters.errors,
-            samples=story.meters.samples,
+            passport=[*unit.passport.program, *unit.passport.data]
+            if unit and unit.passport
+            else None,
+            method=monitor.method,
+            rates=monitor.rates,
+            rate=round(monitor.meters.rate(now), 2) if sampling and not silent else 0.0,
+            bus_load=round(monitor.meters.load(session.baud if session else 9600), 3),
+            errors_minute=monitor.meters.errors_minute(now),
+            errors=monitor.meters.errors,
+            samples=monitor.meters.samples,
             plan=PlanInfo(
                 wanted=[PlannedChannel(name=n, every=every) for n, every in hub.wish.every.items()],
                 method=hub.wish.method or "auto",
                 rate=hub.wish.rate,
             ),
-            dropped_parameters=list(story.dropped),
+            dropped_parameters=list(monitor.dropped),
             recording=recording,
-            alarms=[_alarm(hub, it) for it in story.alarms_seen],
-            alarm_count=story.alarm_count,
-            fault_count=len(page.faults) if page else None,
+            alarms=[_alarm(hub, it) for it in monitor.shown_alarms],
+            alarm_count=monitor.alarm_count,
+            fault_count=len(stored.faults) if stored else None,
             unlocked_until=None if unlocked is None else now + unlocked,
             demo=hub.is_demo,
             lan=hub.lan,
@@ -192,12 +193,5 @@ def _recording(hub: Hub) -> RunningRecording | None:
 
 
 def _alarm(hub: Hub, event: AlarmChanged) -> ActiveAlarm:
-    name = event.channel.name
-    return ActiveAlarm(
-        name=name,
-        level="danger" if event.level is Level.DANGER else "warning",
-        side=event.side,
-        value=hub.story.latest.get(name, event.value),
-        limit=event.limit,
-        since=event.time,
-    )
+    value = hub.monitor.latest.get(event.name, event.value)
+    return ActiveAlarm.model_validate(event.as_json() | {"value": value, "since": event.time})

@@ -18,7 +18,7 @@ from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
 from mikas.dashboard.dashboard import Hub
 from mikas.dashboard.errors import BadRequest, NotAllowed, NotController
 from mikas.dashboard.security.control import Client
-from mikas.dashboard.session.fault_history import Page
+from mikas.dashboard.session.fault_history import StoredFaults
 
 T = TypeVar("T")
 
@@ -88,7 +88,7 @@ class PassportResponse(BaseModel):
 @router.get("/faults", responses=errors(409, 502, 503))
 async def faults(hub: TheHub, client: Viewer) -> FaultsResponse:
     """Reads the stored faults. Without control: as they were last read."""
-    return faults_answer(await _latest(hub, client, hub.fault_book.page, hub.read_faults))
+    return faults_answer(await _latest(hub, client, hub.fault_history.latest, hub.read_faults))
 
 
 @router.get("/passport", responses=errors(409, 502, 503))
@@ -126,12 +126,12 @@ async def _latest(hub: Hub, client: Client, known: T | None, job: Callable[[Ecu]
     return await hub.ask(job)
 
 
-def faults_answer(page: Page) -> FaultsResponse:
+def faults_answer(stored: StoredFaults) -> FaultsResponse:
     """As the API tells them."""
     return FaultsResponse(
-        time=page.time,
-        faults=[fault_of(fault, page.first_seen[fault.code]) for fault in page.faults],
-        count=len(page.faults),
+        time=stored.time,
+        faults=[fault_of(fault, stored.first_seen[fault.code]) for fault in stored.faults],
+        count=len(stored.faults),
     )
 
 
@@ -168,8 +168,8 @@ def _passport_answer(hub: Hub, info: Info, supported: list[Support] | None) -> P
             max_block=dict(info.limits.max_block),
             refused=list(info.limits.refused),
         ),
-        method=hub.story.method,
-        rates=hub.story.rates,
+        method=hub.monitor.method,
+        rates=hub.monitor.rates,
         supported=None if supported is None else [_command(it, _used(hub)) for it in supported],
     )
 
@@ -181,9 +181,9 @@ _USED_BY: dict[str, tuple[int, ...]] = {
 
 def _used(hub: Hub) -> frozenset[int]:
     """The first codes of the commands that values were read with."""
-    methods = {name for name, rate in hub.story.rates.items() if rate > 0}
-    if hub.story.meters.samples and hub.story.method:
-        methods.add(hub.story.method)
+    methods = {name for name, rate in hub.monitor.rates.items() if rate > 0}
+    if hub.monitor.meters.samples and hub.monitor.method:
+        methods.add(hub.monitor.method)
     return frozenset(code for name in methods for code in _USED_BY.get(name, ()))
 
 

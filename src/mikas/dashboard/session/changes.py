@@ -32,7 +32,7 @@ async def erase(hub: Hub) -> Prepared:
         def erase(ecu: Ecu) -> list[int]:
             with hub.approval.given(hex_or_none(bytes(codes))):
                 erased = ecu.erase_faults()
-            hub.fault_book.keep(erased.after, ecu.tester.link.now(), erased=True)
+            hub.fault_history.add(erased.after, ecu.tester.link.now(), erased=True)
             return [fault.code for fault in erased.after]
 
         return {"before": codes, "after": await hub.ask(erase)}

@@ -1,5 +1,5 @@
-"""The stored faults as they were last read, when each was first seen on this connection, and what
-the same unit told before: a report has to say what was erased.
+"""The stored faults as they were last read, when each was first seen on this connection, and the
+earlier readings of the same unit: a report has to name the faults that were erased.
 """
 
 from __future__ import annotations
@@ -7,61 +7,61 @@ from __future__ import annotations
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from mikas.catalog import Fault
-from mikas.report.fault_history import FaultReading
+from mikas.sampling.events import FaultReading
 
-_MOST = 100  # readings that differ
+_MOST: Final = 100  # readings that differ
 
 
 @dataclass(frozen=True, slots=True)
-class Page:
-    """What one reading brought."""
+class StoredFaults:
+    """The faults of the latest reading, and when each was first seen."""
 
     time: float
     faults: tuple[Fault, ...]
     first_seen: dict[int, float]
 
 
-class FaultBook:
-    """Any thread may write and read."""
+class FaultHistory:
+    """Any thread may write and read. `latest` is None until this connection's first reading."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._first: dict[int, float] = {}
-        self._heard: list[FaultReading] = []
-        self.page: Page | None = None
+        self._readings: list[FaultReading] = []
+        self.latest: StoredFaults | None = None
 
-    def clear(self) -> None:
-        """Nobody is connected; what the unit told before is kept, should it come back."""
+    def disconnect(self) -> None:
+        """End the connection; the unit's earlier readings are kept, should it come back."""
         with self._lock:
             self._first.clear()
-            self.page = None
+            self.latest = None
 
     def forget(self) -> None:
-        """It is another unit."""
-        self.clear()
+        """Forget the unit: another one answers."""
+        self.disconnect()
         with self._lock:
-            self._heard.clear()
+            self._readings.clear()
 
     @property
-    def heard(self) -> tuple[FaultReading, ...]:
-        """The readings that differ from the ones before, and the latest; none: not read on this
-        connection.
-        """
+    def readings(self) -> tuple[FaultReading, ...]:
+        """The readings that differ from those before, and the latest; none without a latest one."""
         with self._lock:
-            if self.page is None:
+            if self.latest is None:
                 return ()
-            return (*self._heard, FaultReading(self.page.time, self._heard[-1].codes))
+            return (*self._readings, FaultReading(self.latest.time, self._readings[-1].codes))
 
-    def keep(self, faults: Sequence[Fault], time: float, *, erased: bool = False) -> Page:
-        """`faults` were stored at `time`, `erased`: just after erasing; one that came back after it
-        was erased is new.
+    def add(self, faults: Sequence[Fault], time: float, *, erased: bool = False) -> StoredFaults:
+        """Add the faults that were stored at `time`; `erased`: shortly before.
+
+        A fault that came back after it was erased is new.
         """
         with self._lock:
-            codes = [fault.code for fault in faults]
-            if not self._heard or self._heard[-1].codes != tuple(codes):
-                self._heard = [*self._heard, FaultReading(time, tuple(codes), erased)][-_MOST:]
+            codes = tuple(fault.code for fault in faults)
+            if not self._readings or self._readings[-1].codes != codes:
+                self._readings = [*self._readings, FaultReading(time, codes, erased)][-_MOST:]
             self._first = {code: self._first.get(code, time) for code in codes}
-            self.page = Page(time, tuple(faults), dict(self._first))
-            return self.page
+            self.latest = StoredFaults(time, tuple(faults), dict(self._first))
+            return self.latest

@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
 from mikas.dashboard.errors import Busy
-from mikas.dashboard.gaps import AGAIN, ANOTHER, BY_HAND, DOCTOR
+from mikas.dashboard.session.monitor import DIAGNOSIS, DISCONNECTED, OTHER_PORT, RECONNECTED
 from mikas.dashboard.session.thread import Session
 from mikas.dashboard.settings import Settings
 from mikas.dashboard.wishes import Way
@@ -64,7 +64,7 @@ class Switch:
                 url = await asyncio.to_thread(self.likely)
             parse(url)
             again = self.way is not None and self.way.url == url
-            await self.close(AGAIN if again else ANOTHER)
+            await self.close(RECONNECTED if again else OTHER_PORT)
             wanted(url)
             self.way = Way(url, echo)
             self._open(self.way)
@@ -81,14 +81,14 @@ class Switch:
         """Lets go of the port meanwhile, and takes it again."""
         async with self._alone():
             way = self.way
-            await self.close(DOCTOR)
+            await self.close(DIAGNOSIS)
             try:
                 yield
             finally:
                 if way is not None:
                     self._open(way)
 
-    async def close(self, why: Text = BY_HAND) -> None:
+    async def close(self, why: Text = DISCONNECTED) -> None:
         """Ends the session, if there is one; `way` stays."""
         session, self.session = self.session, None
         if session is not None:

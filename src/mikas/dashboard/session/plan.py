@@ -39,7 +39,7 @@ class Planning:
                 for name in wish.every:
                     self._hub.catalog.channel(name)
             self._hub.wish = wish
-            self._hub.story.names_are(wish.every)
+            self._hub.monitor.set_names(wish.every)
 
     def relearn(self) -> None:
         """Forgets what was learnt of this unit. Raises `NotConnected`."""

@@ -11,14 +11,15 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mikas.dashboard import happenings
+from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.errors import Busy, NotConnected
+from mikas.dashboard.session.event_log import RecordingChanged
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.recording.notes import faults_note
-from mikas.recording.recorder import Recorder, RecordingStatus, begin_anew
-from mikas.sampling.events import CycleFailed, UnitFound
+from mikas.recording.annotations.events import faults_note
+from mikas.recording.recorder import Recorder, RecordingStatus, ask_in_full
+from mikas.sampling.events import Marker, UnitFound
 
 if TYPE_CHECKING:
     from mikas.client import Ecu
@@ -33,12 +34,6 @@ _RESERVED = re.compile(r"(?i)(?:con|prn|aux|nul|com\d|lpt\d)(?:\.|$)")
 _NONE = Text("nothing is being recorded", "запись не идёт")
 
 
-class _Left(MikasError):
-    """Nobody listened to the line: somebody wanted it so."""
-
-    what = Text("{why}", "{why}")
-
-
 class RecordingDesk:
     """The hub's recorder, and where its files go."""
 
@@ -50,7 +45,6 @@ class RecordingDesk:
         """The recording that the end of the program ended."""
         self._goes_on = False  # with the first unit that answers
         self.recorder = Recorder(
-            ecu=lambda: hub.ecu,
             interpretation=hub.settings.connection.interpretation,
             on_file=self._tell_begun,
         )
@@ -63,7 +57,7 @@ class RecordingDesk:
         session = self._hub.session
         if session is None:
             raise NotConnected
-        if self._hub.story.unit is None:  # it would be of nobody
+        if self._hub.monitor.unit is None:  # it would be of nobody
             raise self._hub.nobody()
         path = self._path(name)
 
@@ -71,7 +65,7 @@ class RecordingDesk:
             self._begin(path, session)
 
         def between_cycles(ecu: Ecu) -> None:
-            begin_anew(ecu)
+            ask_in_full(ecu)
             begin()
 
         try:
@@ -96,7 +90,7 @@ class RecordingDesk:
 
     def pause(self, time: float, why: Text) -> None:
         """The connection is left for a while: there will be a gap."""
-        self.recorder.take(CycleFailed(time, _Left(why=why)))
+        self.recorder.interrupt(time, why)
 
     def part(self) -> None:
         """Another port was chosen: the recording ends, and goes on in a file of its own with the
@@ -124,7 +118,7 @@ class RecordingDesk:
         """A moment worth finding again; returns its time. Without a recording it is shown only."""
         at = self.recorder.marker(label=label)
         at = self._hub.now() if at is None else at
-        self._hub.story.tell(happenings.marker(at, label))
+        self._hub.monitor.log(Marker(at, label))
         return at
 
     def note(self, text: str) -> None:
@@ -148,16 +142,16 @@ class RecordingDesk:
     def _begin(self, path: Path, session: Session) -> None:
         self.recorder.start(ensure_folder(path.parent) / path.name, url=session.url)
         self._told = None
-        heard = self._hub.fault_book.heard
-        if heard:  # they were asked before this file was there
-            told = [(it.time, it.codes, it.erased) for it in heard]
-            self.recorder.note(faults_note(session.now(), told))
+        readings = self._hub.fault_history.readings
+        if readings:  # from before this file
+            self.recorder.note(faults_note(session.now(), readings))
 
     def _tell_begun(self, path: Path) -> None:
-        self._hub.story.tell(happenings.recording(self._hub.now(), path.name, on=True))
+        self._hub.monitor.log(RecordingChanged(self._hub.now(), path.name, on=True))
 
     def _tell_end(self, file: str, failure: MikasError | None) -> None:
-        self._hub.story.tell(happenings.recording(self._hub.now(), file, on=False, failure=failure))
+        text = ADVICE.text(failure) if failure else None
+        self._hub.monitor.log(RecordingChanged(self._hub.now(), file, on=False, failure=text))
 
 
 def named(name: str | None) -> str:

@@ -22,7 +22,7 @@ from mikas.recording.table import Channel, Rows
 
 if TYPE_CHECKING:
     from mikas.recording.export.sheet import Sheet
-    from mikas.recording.happened import Happened
+    from mikas.sampling.events import Event
 
 TIME = "time"  # the column that every format has; no channel may be called so
 
@@ -59,7 +59,7 @@ def export(
     channels: Sequence[Channel],
     rows: Iterable[Rows],
     *,
-    events: Iterable[Happened] = (),
+    events: Iterable[Event] = (),
     start: float | None = None,
     started: datetime | None = None,
     about: Mapping[str, str] | None = None,

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from mikas.i18n import Text
-from mikas.recording.happened import AlarmSeen, GapSeen, Happened, MarkerSet, NoteTaken
+from mikas.sampling.events import AlarmChanged, Event, Gap, Marker, TextNote
 
 _MARKER = Text("marker", "отметка")
 _NO_REASON = Text("nothing came", "ничего не пришло")
@@ -31,35 +31,35 @@ class Moment:
     def as_json(self) -> dict[str, Any]:
         """As it stands in a file's metadata."""
         told: dict[str, Any] = {"kind": self.kind, "time": round(self.time, 6)}
-        if self.kind == GapSeen.kind:
+        if self.kind == Gap.kind:
             told["ended"] = None if self.ended is None else round(self.ended, 6)
         return told | self.facts | {"en": self.text.en, "ru": self.text.ru}
 
 
-def moments_of(events: Iterable[Happened], zero: float) -> tuple[Moment, ...]:
+def moments_of(events: Iterable[Event], zero: float) -> tuple[Moment, ...]:
     """Those of `events` that exports tell, in the order of their times."""
     return tuple(sorted(_moments(events, zero), key=lambda moment: moment.time))
 
 
-def began(event: Happened) -> float:
+def began(event: Event) -> float:
     """When it was so first, on the link's clock; a gap is noted when it has ended."""
-    return event.began if isinstance(event, GapSeen) else event.time
+    return event.began if isinstance(event, Gap) else event.time
 
 
-def _moments(events: Iterable[Happened], zero: float) -> Iterator[Moment]:
+def _moments(events: Iterable[Event], zero: float) -> Iterator[Moment]:
     for event in events:
         time = began(event) - zero
         match event:
-            case MarkerSet():
+            case Marker():
                 text = _line(Text(event.label, event.label))
                 yield Moment(event.kind, time, text if text.en else _MARKER)
-            case NoteTaken():
+            case TextNote():
                 yield Moment(event.kind, time, _line(Text(event.text, event.text)))
-            case GapSeen():
+            case Gap():
                 ended = None if event.ended is None else event.ended - zero
                 yield Moment(event.kind, time, _gap(event, time, ended), ended)
-            case AlarmSeen():
-                text = event.text or Text(*[f"{event.name}: {event.level}"] * 2)
+            case AlarmChanged():
+                text = event.text if event.text.en else Text(*[f"{event.name}: {event.level}"] * 2)
                 facts = {
                     name: getattr(event, name)
                     for name in ("name", "level", "before", "side", "value", "limit")
@@ -67,7 +67,7 @@ def _moments(events: Iterable[Happened], zero: float) -> Iterator[Moment]:
                 yield Moment(event.kind, time, _line(text), facts=facts)
 
 
-def _gap(event: GapSeen, time: float, ended: float | None) -> Text:
+def _gap(event: Gap, time: float, ended: float | None) -> Text:
     reason = _line(event.reason or _NO_REASON)
     if ended is None:
         return Text(f"gap to the end: {reason.en}", f"разрыв до конца: {reason.ru}")

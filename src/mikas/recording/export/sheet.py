@@ -18,8 +18,8 @@ from mikas.i18n import Language
 from mikas.recording.export.dialect import Dialect
 from mikas.recording.export.moments import Moment, began, moments_of
 from mikas.recording.gap_rows import with_gaps
-from mikas.recording.happened import Happened
 from mikas.recording.table import Channel, Rows, calendar
+from mikas.sampling.events import Event
 
 STRETCH = 32_768  # × 24 columns × 8 bytes: 6 MB
 
@@ -102,7 +102,7 @@ class Sheet:
 def sheet_of(
     channels: Sequence[Channel],
     rows: Iterable[Rows],
-    events: Iterable[Happened],
+    events: Iterable[Event],
     *,
     start: float | None,
     started: datetime | None,

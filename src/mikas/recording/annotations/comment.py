@@ -1,7 +1,7 @@
-"""A person's words about a whole recording, kept in its file: the last ones count.
+"""A person's comment on a whole recording, kept in its file: the last one counts.
 
-They are a note of their own kind behind what is there. Nothing that was recorded is changed, and a
-file that goes to somebody else takes its words along.
+A comment is a note of its own kind at the end of the file. Nothing that was recorded is changed,
+and a copy of the file has the comment, too.
 """
 
 from __future__ import annotations
@@ -22,31 +22,31 @@ KIND: Final = "about"
 LONGEST: Final = 10_000
 
 
-def about_note(time: float, text: str) -> Note:
-    """The words of now on."""
+def comment_note(time: float, text: str) -> Note:
+    """Return the note of a comment that replaces the one before."""
     return Note(KIND, time, {"text": text[:LONGEST]})
 
 
-def about_of(notes: Iterable[Note]) -> str:
-    """The words that count; empty if there are none."""
-    said = ""
+def comment_of(notes: Iterable[Note]) -> str:
+    """Return the last comment; empty if there is none."""
+    comment = ""
     for note in notes:
         if note.kind == KIND and isinstance(note.data.get("text"), str):
-            said = note.data["text"]
-    return said
+            comment = note.data["text"]
+    return comment
 
 
-def write_about(path: Path, text: str, time: float) -> None:
-    """Puts the words into a recording that nobody writes to any more; whole, or not at all.
+def write_comment(path: Path, text: str, time: float) -> None:
+    """Add a comment to a recording that is not being written; whole, or not at all.
 
     Raises `CaptureError` if it is no capture, or can't be written.
     """
-    CaptureReader(path)  # that it is one
+    CaptureReader(path)  # raises, if it is no capture
     try:
         with path.open("r+b", buffering=0) as file:
             order = pcapng.byte_order(file.read(12)[8:]) or "<"
             end = file.seek(0, os.SEEK_END)
-            rest = memoryview(pcapng.encode(block_of(about_note(time, text)), order))
+            rest = memoryview(pcapng.encode(block_of(comment_note(time, text)), order))
             try:
                 while rest:
                     rest = rest[file.write(rest) :]

@@ -1,0 +1,91 @@
+"""The events that the page gets and the history keeps: sampling's, and the dashboard's own two."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from heapq import merge
+from typing import Any, Final, Self
+
+from mikas.dashboard.advice import ADVICE
+from mikas.errors import MikasError
+from mikas.i18n import Text
+from mikas.sampling.events import Event, MethodChosen, StateChanged
+from mikas.tester.statistics import Failure
+
+_MOST: Final = 5000  # kept for clients that come later; as many errors besides
+
+
+@dataclass(frozen=True, slots=True)
+class ExchangeFailed(Event):
+    """An exchange failed; it may have been repeated with success."""
+
+    kind = "error"
+    code: str
+    text: Text
+    sent: str | None
+    received: str | None
+
+    @classmethod
+    def of_error(cls, time: float, error: MikasError) -> Self:
+        """Return the event of `error`, which ended a cycle."""
+        sent, received = _hex(error.request), _hex(error.received)
+        return cls(time, type(error).__name__, ADVICE.text(error), sent, received)
+
+    @classmethod
+    def of_failure(cls, failure: Failure, now: float) -> Self:
+        """Return the event of a failure that the tester counted."""
+        time = now if failure.time is None else failure.time
+        sent, received = _hex(failure.request), _hex(failure.received)
+        return cls(time, failure.code, failure.reason, sent, received)
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingChanged(Event):
+    """A recording to `file` began (`on`), ended, or broke off with a `failure`."""
+
+    kind = "recording"
+    file: str
+    on: bool
+    failure: Text | None = None
+
+
+class EventLog:
+    """The latest events. Errors have a place of their own: a bad line has thousands, which must not
+    push out markers, gaps and units.
+    """
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._errors: deque[tuple[int, Event]] = deque(maxlen=_MOST)
+        self._others: deque[tuple[int, Event]] = deque(maxlen=_MOST)
+
+    def add(self, event: Event) -> None:
+        """Keep `event`."""
+        kept = self._errors if isinstance(event, ExchangeFailed) else self._others
+        kept.append((self._count, event))
+        self._count += 1
+
+    @property
+    def all(self) -> list[Event]:
+        """All that are kept, in the order in which they came."""
+        return [event for _, event in merge(self._errors, self._others, key=lambda it: it[0])]
+
+
+def _hex(data: bytes | None) -> str | None:
+    return None if data is None else data.hex().upper()
+
+
+def page_json(event: Event) -> dict[str, Any]:
+    """Return `event` for the page: a state with its error's class and advice, rounded rates."""
+    shown = event.as_json()
+    match event:
+        case StateChanged(error=None):
+            shown["code"] = None
+        case StateChanged(error=error):
+            assert error is not None
+            text = ADVICE.text(error)
+            shown |= {"reason": {"en": text.en, "ru": text.ru}, "code": type(error).__name__}
+        case MethodChosen():
+            shown["rates"] = {name: round(rate, 2) for name, rate in event.rates.items()}
+    return shown

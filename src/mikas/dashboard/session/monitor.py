@@ -1,0 +1,269 @@
+"""The state of the running connection: followed by the sampling thread, read by the event loop.
+
+Each event changes what is so now (state, unit, method, alarms, counts) and is gathered, with the
+rows of values, until the clients' messages are made of both (`drain`).
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Final
+
+from mikas.catalog import Level
+from mikas.dashboard.advice import ADVICE
+from mikas.dashboard.session.event_log import EventLog, ExchangeFailed
+from mikas.dashboard.session.history import History, row_of
+from mikas.dashboard.session.meters import Meters
+from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
+from mikas.i18n import Text
+from mikas.sampling.events import (
+    AlarmChanged,
+    CycleFailed,
+    Event,
+    LineState,
+    MethodChosen,
+    ParameterDropped,
+    PlanChanged,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
+from mikas.sampling.gaps import GapTracker
+from mikas.tester.statistics import Failure
+
+DISCONNECTED: Final = Text("The connection was ended by hand.", "Соединение закрыто вручную.")
+RECONNECTED: Final = Text("The connection was made anew.", "Соединение установлено заново.")
+OTHER_PORT: Final = Text("Another connection was chosen.", "Выбрано другое соединение.")
+DIAGNOSIS: Final = Text("The doctor had the port.", "Порт занимала проверка связи.")
+OTHER_PLAN: Final = Text(
+    "The plan was changed: the unit was asked for something else.",
+    "План опроса изменён: блок спрашивали о другом.",
+)
+OTHER_REQUEST: Final = Text(
+    "The line was used for another request.",
+    "Линия была занята другим запросом.",
+)
+SILENT: Final = Text(
+    "Nothing has come for two seconds. If the unit does not answer soon: is the ignition on, is "
+    "the adapter plugged in?",
+    "Уже две секунды ничего не приходит. Если блок скоро не ответит: включено ли зажигание, "
+    "воткнут ли адаптер?",
+)
+
+_ERRORS: Final = 1000  # remembered, so that each is logged once; more than a tester remembers
+_ROWS: Final = 20_000  # gathered at most; more come only from a simulated clock
+
+Row = tuple[float, Mapping[str, float]]
+
+
+@dataclass(slots=True)
+class Batch:
+    """What was gathered since the last one. `names`: the columns of `rows`, in the plan's order."""
+
+    names: tuple[str, ...] = ()
+    rows: list[Row] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+
+
+class ConnectionMonitor:
+    """Follows one connection after the other. `lock` guards all of it, the meters too."""
+
+    def __init__(self, history: History) -> None:
+        self.lock = threading.RLock()
+        self.history = history
+        self.listened = False
+        self._waiting: Callable[[], object] | None = None
+        self._log = EventLog()
+        self._batch = Batch()
+        self._names: tuple[str, ...] = ()
+        self._gaps = GapTracker(ADVICE.text)
+        self.begin((), 0.0)
+
+    def begin(self, names: Iterable[str], time: float) -> None:
+        """Begin a new connection, of which nothing is known."""
+        with self.lock:
+            self.line: LineState | None = None
+            self.reason: Text | None = None
+            self.reason_code: str | None = None
+            self.since = time
+            self.unit: UnitFound | None = None
+            self.method: str | None = None
+            self.rates: dict[str, float] = {}
+            self.dropped: list[str] = []
+            self.alarms: dict[str, AlarmChanged] = {}
+            self.alarm_count = 0
+            self.latest: dict[str, float] = {}
+            self.meters = Meters()
+            self._searched = False  # for a port or a unit, since the last values
+            self._errors: deque[tuple[str, float | None, bytes | None]] = deque(maxlen=_ERRORS)
+            self._newest: Failure | None = None
+            self.set_names(names)
+
+    def set_names(self, names: Iterable[str]) -> None:
+        """Take the wanted channels, in their order: the columns from here on."""
+        with self.lock:
+            self._names = tuple(names)
+
+    @property
+    def shown_alarms(self) -> list[AlarmChanged]:
+        """The alarms of the wanted channels. The others' are kept: if these channels are wanted
+        again while nothing has changed, no event would report them.
+        """
+        return [alarm for name, alarm in self.alarms.items() if name in self._names]
+
+    def silent(self, now: float) -> Text | None:
+        """Return why no values have come for some seconds, though they should; None: they come."""
+        if self.line is not LineState.SAMPLING or not self._gaps.silent(now):
+            return None
+        return self._gaps.reason or SILENT
+
+    def wait(self, wake: Callable[[], object]) -> bool:
+        """Return whether nothing is gathered yet; then call `wake` once when that changes."""
+        with self.lock:
+            nothing = not (self._batch.rows or self._batch.events)
+            self._waiting = wake if nothing else None
+            return nothing
+
+    def wake(self) -> None:
+        """Wake the waiting caller of `wait`."""
+        with self.lock:
+            waiting, self._waiting = self._waiting, None
+        if waiting is not None:
+            waiting()
+
+    def drain(self) -> Batch:
+        """Return what was gathered since the last call."""
+        with self.lock:
+            batch, self._batch = self._batch, Batch()
+            batch.names = self._names
+            return batch
+
+    @property
+    def events(self) -> list[Event]:
+        """The logged events, in their order."""
+        with self.lock:
+            return self._log.all
+
+    def log(self, event: Event) -> None:
+        """Log an event, and gather it for the clients."""
+        with self.lock:
+            self._log.add(event)
+            if self.listened:
+                self._batch.events.append(event)
+                self.wake()
+
+    def take(self, event: Event) -> None:
+        """Take an event of the sampler."""
+        with self.lock:
+            for gap in self._gaps.take(event):
+                self.log(gap)
+            match event:
+                case Sampled():
+                    self._sampled(event)
+                case CycleFailed():
+                    self._failed(event)
+                case StateChanged(state=LineState() as state):
+                    self.line, self.since = state, event.time
+                    self._because(event.error)
+                    self.log(event)
+                case AlarmChanged():
+                    self._alarm(event)
+                case MethodChosen():
+                    self.method = event.method
+                    self.rates = {name: round(rate, 2) for name, rate in event.rates.items()}
+                    self.log(event)
+                case ParameterDropped():
+                    if event.name not in self.dropped:
+                        self.dropped.append(event.name)
+                        self.log(event)
+                case UnitFound():
+                    self._found(event)
+                case PlanChanged():
+                    self.method = event.plan.method
+                    self._gaps.pause(OTHER_PLAN)
+
+    def busy(self) -> None:
+        """Note that another request has the line now."""
+        with self.lock:
+            self._gaps.pause(OTHER_REQUEST)
+
+    def end(self, time: float, error: MikasError | None, why: Text = DISCONNECTED) -> None:
+        """End the connection: by itself, because of `error`, or for the reason `why`."""
+        with self.lock:
+            self.line, self.since = None, time
+            self._because(error)
+            self.alarms.clear()
+            for gap in self._gaps.disconnect(time, ADVICE.text(error) if error else why):
+                self.log(gap)
+
+    def count_failures(self, failures: Sequence[Failure], now: float) -> None:
+        """Log the new ones of the tester's latest `failures`, those that a repetition cured too."""
+        if failures and failures[-1] is not self._newest:
+            with self.lock:
+                self._newest = failures[-1]
+                for failure in failures:
+                    if self._is_new(failure):
+                        self._log_error(ExchangeFailed.of_failure(failure, now))
+
+    def _sampled(self, event: Sampled) -> None:
+        values = {name: float(reading.value) for name, reading in event.fresh.items()}
+        for name, derived in event.derived.items():
+            if isfinite(derived.value):
+                values[name] = derived.value
+        self.meters.sample(event.time)
+        self.latest.update(values)
+        self.history.add(event.time, self._names, row_of(self._names, values))
+        self._searched = False
+        if self.listened and len(self._batch.rows) < _ROWS:
+            self._batch.rows.append((event.time, values))
+            self.wake()
+
+    def _failed(self, event: CycleFailed) -> None:
+        # Each attempt to find a port or unit again fails alike: that is the gap, not more errors.
+        no_unit = isinstance(event.error, NoConnection)
+        if not (no_unit and self._searched):
+            cause = event.error.__cause__  # of a verdict on exchanges, which the tester counted
+            counted_as = cause if isinstance(cause, LineError) else event.error
+            if self._is_new(counted_as):
+                failed = ExchangeFailed.of_error(event.time, event.error)
+                # A refusal is an answer, even if it is silence: the line is not at fault.
+                log = self.log if isinstance(event.error, EcuRefused) else self._log_error
+                log(failed)
+        self._searched |= no_unit
+
+    def _is_new(self, error: MikasError | Failure) -> bool:
+        """Return whether `error` is not logged yet: from the tester, or from a failed cycle."""
+        code = error.code if isinstance(error, Failure) else type(error).__name__
+        known = (code, error.time, error.received)
+        new = error.time is None or known not in self._errors
+        self._errors.append(known)
+        return new
+
+    def _log_error(self, event: ExchangeFailed) -> None:
+        self.meters.error(event.time)
+        self.log(event)
+
+    def _because(self, error: MikasError | None) -> None:
+        self.reason = ADVICE.text(error) if error else None
+        self.reason_code = type(error).__name__ if error else None
+
+    def _alarm(self, event: AlarmChanged) -> None:
+        if event.level == Level.NONE:
+            self.alarms.pop(event.name, None)
+        else:
+            if event.name not in self.alarms:
+                self.alarm_count += 1
+            self.alarms[event.name] = event
+        self.log(event)
+
+    def _found(self, event: UnitFound) -> None:
+        self.unit = event
+        if event.another:
+            self.dropped.clear()
+            self.alarms.clear()
+            self.rates, self.method = {}, None
+        self.log(event)

@@ -1,0 +1,94 @@
+"""A session's events as notes, and the notes that a recording begun in mid-session starts with.
+
+    events ──► SessionAnnotator.take ──► notes     unit, catalog, plan, state, gap, alarm, learnt
+                   └── head()                      the first four again, for a new file
+
+A gap is one note, however many cycles failed in it (`sampling/gaps.py`). It is written when the gap
+ends; a recording that ends first gets it with an open end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from mikas.i18n import Text
+from mikas.recording.annotations.events import catalog_note, note_of
+from mikas.recording.notes import Note
+from mikas.sampling.events import (
+    CycleFailed,
+    Event,
+    Gap,
+    PlanChanged,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
+from mikas.sampling.gaps import GapTracker
+
+
+class SessionAnnotator:
+    """Follows one session. `interpretation`: of values, which the plan's note keeps."""
+
+    def __init__(self, interpretation: str = "corrected") -> None:
+        self._interpretation = interpretation
+        self._unit: Sequence[Note] = ()  # with the catalog's
+        self._plan: Note | None = None
+        self._state: Note | None = None
+        self._gaps = GapTracker()
+        self.echoes = True
+        """Whether the unit's line echoes; taken for granted until a unit was found."""
+        self.samples = 0
+        self.gaps = 0
+
+    def head(self, time: float) -> Iterator[Note]:
+        """Yield what a new recording begins with, as of `time`; counting starts from 0."""
+        self._gaps.restart(time)
+        self.samples, self.gaps = 0, int(self._gaps.open is not None)
+        for note in (*self._unit, self._plan, self._state):
+            if note is not None:
+                yield replace(note, time=time)
+
+    def end(self, ended: float | None = None) -> Iterator[Note]:
+        """Yield the gap in which a recording ends."""
+        if (gap := self._gaps.open) is not None:
+            yield note_of(replace(gap, ended=ended))
+
+    def take(self, event: Event) -> Iterator[Note]:
+        """Yield the notes of `event`; to be run through, since that is what follows the session."""
+        yield from self._noted(self._gaps.take(event))
+        match event:
+            case Sampled():
+                self.samples += 1
+            case CycleFailed():
+                pass
+            case UnitFound():
+                yield from self._found(event)
+            case PlanChanged():
+                self._plan = note_of(event, self._interpretation)
+                yield self._plan
+            case StateChanged():
+                self._state = note_of(event)
+                yield self._state
+            case _:
+                yield note_of(event)
+
+    def interrupt(self, time: float, reason: Text) -> Iterator[Note]:
+        """Begin a gap: the connection is left for a while, for `reason`."""
+        yield from self._noted(self._gaps.begin(time, reason))
+
+    def _noted(self, gaps: Sequence[Gap]) -> Iterator[Note]:
+        for gap in gaps:
+            if gap.ended is None:
+                self.gaps += 1
+            else:
+                yield note_of(gap)
+
+    def _found(self, event: UnitFound) -> Iterator[Note]:
+        self.echoes = event.echo is not False
+        if event.another:
+            self._plan = None
+        notes = [note_of(event), catalog_note(event.time, event.catalog)]
+        if [note.data for note in notes] != [note.data for note in self._unit]:
+            self._unit = notes
+            yield from notes

@@ -1,0 +1,312 @@
+"""Events as notes of a recording, and back: which unit was recorded, what happened when.
+
+Notes come from a file, so anything may be in them: what is missing or of another type is None, and
+a note without what its kind needs makes no event.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
+from math import isfinite
+from typing import Any, Final
+
+from mikas.catalog import Catalog
+from mikas.client import Limits, Passport
+from mikas.i18n import Text
+from mikas.recording.notes import Kind, Note, NoteSink
+from mikas.sampling.events import (
+    AlarmChanged,
+    Event,
+    FaultReading,
+    Gap,
+    Marker,
+    MethodChosen,
+    ParameterDropped,
+    PlanChanged,
+    StateChanged,
+    TextNote,
+    UnitFound,
+)
+from mikas.sampling.plan import Plan
+
+_NO_TEXT: Final = Text("", "")
+_PROGRAM_PIECES: Final = 3  # of a passport; the others are the data's
+
+# Events to notes
+
+
+def note_of(event: Event, interpretation: str = "corrected") -> Note:
+    """Return `event` as a note. `interpretation`: of values, which a plan's note keeps.
+
+    Raises `ValueError` for an event that no recording keeps.
+    """
+    data: dict[str, Any]
+    match event:
+        case UnitFound():
+            return Note(Kind.UNIT, event.time, _unit_data(event))
+        case PlanChanged(plan=plan):
+            data = {
+                "method": plan.method,
+                "names": [wanted.parameter.name for wanted in plan.parameters],
+                "every": [wanted.divisor for wanted in plan.parameters],
+                "max_list": plan.max_list,
+                "reading": interpretation,
+            }
+            return Note(Kind.PLAN, event.time, data)
+        case TextNote():
+            return Note(Kind.NOTE, event.time, {"text": event.text})
+        case Marker():
+            return Note(Kind.MARKER, event.time, {"label": event.label})
+        case Gap():
+            data = {"began": event.began, "ended": event.ended, "reason": _both(event.reason)}
+            return Note(Kind.GAP, event.began, data)
+        case StateChanged():
+            data = {
+                "state": str(event.state),
+                "text": _both(event.text),
+                "reason": _both(event.reason),
+            }
+            return Note(Kind.STATE, event.time, data)
+        case AlarmChanged():
+            return Note(Kind.ALARM, event.time, _alarm_data(event))
+        case MethodChosen():
+            data = {"method": event.method, "rates": dict(event.rates)}
+            return Note(Kind.LEARNT, event.time, _known(event.limits) | data)
+        case ParameterDropped():
+            data = {"dropped": event.name}
+            return Note(Kind.LEARNT, event.time, _known(event.limits) | data)
+    raise ValueError(event.kind)
+
+
+def catalog_note(time: float, version: str) -> Note:
+    """Return the note of the definitions in force."""
+    return Note(Kind.CATALOG, time, {"version": version})
+
+
+def faults_note(time: float, readings: Iterable[FaultReading]) -> Note:
+    """Return the note of the faults that were read before this recording, the latest last."""
+    told = [{"time": it.time, "codes": list(it.codes), "erased": it.erased} for it in readings]
+    return Note(Kind.FAULTS, time, {"readings": told})
+
+
+def write_session_header(
+    sink: NoteSink,
+    time: float,
+    *,
+    version_code: int | None,
+    passports: Iterable[str | None],
+    catalog_version: str,
+    adapter: str = "",
+    baud: int = 9600,
+    echo: bool | None = None,
+    plan: Plan | None = None,
+    interpretation: str = "corrected",
+) -> None:
+    """Write what is needed to read a recording again, at its beginning: unit, catalog, plan.
+
+    `passports`: 51–58; None for a piece that was not given. To be written again when another unit
+    answers, or when the plan changes.
+    """
+    passport = _passport(list(passports))
+    unit = UnitFound(time, version_code, passport, adapter=adapter, baud=baud, echo=echo)
+    sink.note(note_of(unit))
+    sink.note(catalog_note(time, catalog_version))
+    if plan is not None:
+        sink.note(note_of(PlanChanged(time, plan), interpretation))
+
+
+def _unit_data(event: UnitFound) -> dict[str, Any]:
+    passport = event.passport
+    return {
+        "version_code": event.version_code,
+        "passports": [*passport.program, *passport.data] if passport else None,
+        "adapter": event.adapter,
+        "baud": event.baud,
+        "echo": event.echo,
+    }
+
+
+def _alarm_data(event: AlarmChanged) -> dict[str, Any]:
+    return {
+        "channel": event.name,
+        "level": str(event.level),
+        "before": None if event.before is None else str(event.before),
+        "better": event.better,
+        "side": None if event.side is None else str(event.side),
+        "value": event.value,
+        "limit": event.limit,
+        "text": _both(event.text),
+    }
+
+
+def _known(limits: Limits | None) -> dict[str, Any]:
+    return {} if limits is None else asdict(limits)
+
+
+def _both(text: Text | None) -> dict[str, str] | None:
+    return None if text is None else {"en": text.en, "ru": text.ru}
+
+
+# Notes to events
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedUnit:
+    """The recorded unit, its link, and the definitions in force; None: not in the notes.
+
+    `passport`: 51–58, None for a piece that was not given. `method`, `names`: of the first plan.
+    """
+
+    version_code: int | None = None
+    model: Text | None = None
+    passport: tuple[str | None, ...] | None = None
+    adapter: str = ""
+    baud: int | None = None
+    echo: bool | None = None
+    catalog: str | None = None
+    interpretation: str | None = None
+    method: str | None = None
+    names: tuple[str, ...] = ()
+
+
+def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
+    """Return the unit of one recording's notes; None if there is no note of it."""
+    first: dict[str, Mapping[str, Any]] = {}
+    for note in notes:
+        first.setdefault(note.kind, note.data)
+    if Kind.UNIT not in first:
+        return None
+    unit, plan = first[Kind.UNIT], first.get(Kind.PLAN, {})
+    version, passport = _whole(unit.get("version_code")), _passport(unit.get("passports"))
+    names = plan.get("names")
+    return RecordedUnit(
+        version_code=version,
+        model=None if version is None else catalog.model(version).text,
+        passport=(*passport.program, *passport.data) if passport else None,
+        adapter=_word(unit.get("adapter")) or "",
+        baud=_whole(unit.get("baud")),
+        echo=unit["echo"] if isinstance(unit.get("echo"), bool) else None,
+        catalog=_word(first.get(Kind.CATALOG, {}).get("version")),
+        interpretation=_word(plan.get("reading")),
+        method=_word(plan.get("method")),
+        names=tuple(map(str, names)) if isinstance(names, list) else (),
+    )
+
+
+def events_of(notes: Iterable[Note], catalog: Catalog) -> list[Event]:
+    """Return the events of `notes`, in their order; the same unit again is no event.
+
+    A plan, and faults that were read before the recording, are none either.
+    """
+    return list(_events(notes, catalog))
+
+
+def recorded_faults(notes: Iterable[Note]) -> Iterator[FaultReading]:
+    """Yield the readings of faults before the recording, of the same unit by the same program."""
+    for note in notes:
+        if note.kind == Kind.FAULTS and isinstance(told := note.data.get("readings"), list):
+            yield from filter(None, map(_fault_reading, told))
+
+
+def _events(notes: Iterable[Note], catalog: Catalog) -> Iterator[Event]:
+    before: UnitFound | None = None
+    for note in notes:
+        event = _event(note, catalog)
+        if isinstance(event, UnitFound):
+            if before is not None:
+                unit, known = _identity(event), _identity(before)
+                if unit == known and before.recording == event.recording:
+                    continue
+                event = replace(event, another=unit != known)
+            before = event
+        if event is not None:
+            yield event
+
+
+def _identity(unit: UnitFound) -> tuple[int | None, Passport | None]:
+    return unit.version_code, unit.passport
+
+
+def _event(note: Note, catalog: Catalog) -> Event | None:
+    time, data, recording = note.time, note.data, note.recording
+    match note.kind:
+        case Kind.MARKER:
+            return Marker(time, _word(data.get("label")) or "", recording=recording)
+        case Kind.NOTE if (words := _word(data.get("text"))) is not None:
+            return TextNote(time, words, recording=recording)
+        case Kind.GAP:
+            began, ended = _number(data.get("began")), _number(data.get("ended"))
+            began = time if began is None else began
+            return Gap(time, began, ended, _text(data.get("reason")), recording=recording)
+        case Kind.STATE if (state := _word(data.get("state"))) is not None:
+            text, reason = _text(data.get("text")) or _NO_TEXT, _text(data.get("reason"))
+            return StateChanged(time, state, text=text, reason=reason, recording=recording)
+        case Kind.ALARM if (name := _word(data.get("channel"))) is not None:
+            return AlarmChanged(
+                time,
+                name,
+                _word(data.get("level")) or "",
+                _word(data.get("before")),
+                _word(data.get("side")),
+                _number(data.get("value")),
+                _number(data.get("limit")),
+                _text(data.get("text")) or _NO_TEXT,
+                data.get("better") is True,
+                recording=recording,
+            )
+        case Kind.LEARNT if (name := _word(data.get("dropped"))) is not None:
+            return ParameterDropped(time, name, recording=recording)
+        case Kind.LEARNT if (method := _word(data.get("method"))) is not None:
+            rates = data.get("rates")
+            items = rates.items() if isinstance(rates, dict) else ()
+            known = {key: rate for key, value in items if (rate := _number(value)) is not None}
+            return MethodChosen(time, method, known, recording=recording)
+        case Kind.UNIT:
+            version = _whole(data.get("version_code"))
+            model = None if version is None else catalog.model(version).text
+            passport = _passport(data.get("passports"))
+            return UnitFound(time, version, passport, model=model, recording=recording)
+    return None
+
+
+def _fault_reading(told: object) -> FaultReading | None:
+    if not isinstance(told, dict):
+        return None
+    time, codes = told.get("time"), told.get("codes")
+    if not isinstance(time, (int, float)) or not isinstance(codes, list):
+        return None
+    if not all(isinstance(code, int) and 0 <= code <= 0xFF for code in codes):
+        return None
+    return FaultReading(float(time), tuple(codes), told.get("erased") is True)
+
+
+def _word(value: object) -> str | None:
+    return value if isinstance(value, str) else None
+
+
+def _whole(value: object) -> int | None:
+    return value if isinstance(value, int) and not isinstance(value, bool) else None
+
+
+def _number(value: object) -> float | None:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None
+    try:
+        return float(value) if isfinite(value) else None
+    except OverflowError:
+        return None
+
+
+def _text(value: object) -> Text | None:
+    if not isinstance(value, dict):
+        return None
+    en, ru = _word(value.get("en")), _word(value.get("ru"))
+    return None if en is None or ru is None else Text(en, ru)
+
+
+def _passport(value: object) -> Passport | None:
+    if not isinstance(value, list):
+        return None
+    pieces = tuple(map(_word, value))
+    return Passport(pieces[:_PROGRAM_PIECES], pieces[_PROGRAM_PIECES:])
