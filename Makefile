@@ -25,9 +25,9 @@ demo: .venv/installed ## the product against a virtual car: no cable needed
 gated := tests/test_framing.py tests/commands tests/catalog
 
 test: .venv/with-test web/node_modules/installed ## all tests but those in a browser; framing, commands, catalog: 100 % branches
-	@$(venv_python) -m pytest -n auto $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
+	@$(venv_python) -m pytest -n auto --dist worksteal $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
-	@$(venv_python) -m pytest -n auto $(foreach path,$(gated) tests/browser,--ignore=$(path))
+	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser,--ignore=$(path))
 	@$(npm) test
 
 browser: .venv/with-test ## the tests that drive the page in Chromium; pictures of all screens in build/screenshots
