@@ -1,8 +1,8 @@
-"""What a recording shows of a unit's ways: what it lacks, how long a list it takes, how fast it is.
+"""The behaviour of a recorded ECU: which commands it lacks, its longest list, its delays.
 
-Fed with how each request ended; `conclude` makes of it what the virtual unit needs to do likewise
-(D3, D7, D10, D11, D14). Nothing is concluded from what a unit did not do while it had no supply,
-nor from a single lost answer of something that it has answered at other times.
+Takes the outcome of each request; `conclude` makes the settings of a virtual ECU that behaves in
+the same way (D3, D7, D10, D11, D14). Requests during a loss of supply do not count, nor does a
+single lost response to a command that the ECU has answered at other times.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _BLOCKS: Final = frozenset([0x21, 0x23, 0x25])  # the count is the last byte
 
 
 class EcuBehaviour:
-    """Counts what becomes of requests."""
+    """Counts the outcomes of requests."""
 
     def __init__(self) -> None:
         self.raw_checksum = False
@@ -38,7 +38,7 @@ class EcuBehaviour:
         self._gaps: list[float] = []
 
     def answered(self, request: bytes, delay: float | None) -> None:
-        """`request` was answered as it should, `delay` seconds after its end, if known."""
+        """Note that `request` was answered, `delay` seconds after its end, if known."""
         code = request[0]
         size = _size(request)
         if size >= self._answered.get(code, 0):
@@ -48,32 +48,32 @@ class EcuBehaviour:
 
     @property
     def answered_codes(self) -> frozenset[int]:
-        """Commands that were answered as they should be, at least once."""
+        """The commands that were answered at least once."""
         return frozenset(self._answered)
 
     def is_known(self, request: bytes) -> bool:
-        """Whether one more answer to `request` would tell nothing new."""
+        """Return whether one more response to `request` brings no news."""
         longest = self._answered.get(request[0], -1)
         return _size(request) <= longest and len(self._delays) >= _MOST_DELAYS
 
     @property
     def knows_gaps(self) -> bool:
-        """Whether one more response of a stream would tell nothing new."""
+        """Whether one more response of a stream brings no news."""
         return len(self._gaps) >= _MOST_DELAYS
 
     def streamed(self, gap: float) -> None:
-        """A stream went on, `gap` seconds after the end of its last response."""
+        """Note that a stream continued, `gap` seconds after the end of its last response."""
         if len(self._gaps) < _MOST_DELAYS:
             self._gaps.append(gap)
 
     def failed(self, time: float, request: bytes, response: bytes | None) -> None:
-        """`request` got no answer, or `response`, which says no or too little."""
+        """Note that `request` got no response, or `response`, a refusal or too short."""
         self._failed.append((time, request, response))
 
     def conclude(
         self, has_supply: Callable[[float], bool], known: Collection[int]
     ) -> tuple[EcuQuirks, dict[int, bytes | None]]:
-        """The unit's assumptions, and what it says to each command code that it lacks.
+        """Return the ECU's quirks, and its response to each command code that it lacks.
 
         `known`: the parameter codes that it has; a list with another one in it is refused for that.
         """
@@ -106,8 +106,8 @@ class EcuBehaviour:
     def _limit(
         self, codes: Collection[int], tried: list[tuple[bytes, bytes | None]]
     ) -> tuple[int, bool]:
-        """The longest list or block that was answered, if longer ones were not; and whether those
-        brought too little.
+        """Return the longest list or block that was answered, if longer ones were not; and whether
+        the responses to those were too short.
         """
         longest = max((size for code, size in self._answered.items() if code in codes), default=0)
         over = [

@@ -104,7 +104,7 @@ class ReplayBuilder:
         data.silences, data.holes = self.outages.conclude(self.contents.series)
         data.answered = self.behaviour.answered_codes
         data.assumptions, data.refusals = self.behaviour.conclude(data.has_supply, data.places)
-        for code in data.never_told():
+        for code in data.unrecorded():
             data.refusals.setdefault(code, ERROR if code in _REFUSED_BY_01 else None)
         return data
 

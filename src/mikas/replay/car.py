@@ -1,10 +1,10 @@
-"""A recorded car behind the virtual unit: what was last recorded is what it answers.
+"""The recorded car of a virtual ECU: its data are those that were recorded last.
 
-Between two recorded data the earlier one stands; before the first, the first. Where the recording
-shows that the unit had no supply, or has a hole, and behind its end, the unit is silent; where it
-refused a parameter, it does. What is in no recording
-is not made up: a parameter, a passport or a memory space that was never read is not answered, and a
-write is accepted only where the recorded unit accepted one to the same parameter.
+Between two recorded data the earlier one holds; before the first, the first. The ECU is silent
+where the recording shows a loss of supply or has a hole, and behind its end; it refuses a parameter
+where the recorded one did. Nothing is invented: a parameter, a passport or a memory space that was
+never read is not answered, and a write is accepted only if the recorded ECU accepted one to the
+same parameter.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _ROUNDING: Final = 0.0001  # s
 
 @dataclass(frozen=True, slots=True)
 class _Playing:
-    """At `now` of the owner's clock, second `position` of the recording was, at this speed."""
+    """The recording is at second `position` when the owner's clock is at `now`, at this speed."""
 
     now: float
     position: float
@@ -62,7 +62,7 @@ class ReplayCar:
         self._playing = _Playing(self._now, seek, 0.0 if self._waiting else speed)
         self._written: dict[int, bytes] = {}
         self._faults: list[int] = []
-        self._told: int | None = None  # which recorded list of faults `_faults` was
+        self._shown_faults: int | None = None  # which recorded list of faults `_faults` was
         self._stroke_at: dict[int, float] = {}
         edges = {
             edge for quiet in (recorded.silences, recorded.holes) for it in quiet for edge in it
@@ -73,21 +73,21 @@ class ReplayCar:
 
     @property
     def duration(self) -> float:
-        """Seconds from the recording's begin to its end."""
+        """The seconds from the recording's begin to its end."""
         return self.recorded.duration
 
     def position(self, now: float | None = None) -> float:
-        """Which second of the recording it is at `now`; when it was asked last, by default."""
+        """Return the second of the recording at `now`; by default at the latest time known here."""
         return self._in_lap(self._unrolled(self._now if now is None else now))
 
     def seek(self, seconds: float, now: float | None = None) -> None:
-        """Goes to this second of the recording, from whatever thread."""
+        """Go to this second of the recording. Callable from any thread."""
         now = self._now if now is None else now
         self._playing = _Playing(now, max(0.0, seconds), self._playing.speed)
         self._stroke_at.clear()
 
     def set_speed(self, speed: float, now: float | None = None) -> None:
-        """Goes on from here at this speed; 0 holds the car as it is."""
+        """Continue from here at this speed; 0 holds the car as it is."""
         if not 0 <= speed < inf:
             raise ValueError("the speed is 0 or more")
         now = self._now if now is None else now
@@ -96,7 +96,7 @@ class ReplayCar:
             self._playing = _Playing(now, self._unrolled(now), speed)
 
     def _unrolled(self, now: float) -> float:
-        """The position, laps counted on."""
+        """Return the position, counted through all laps."""
         playing = self._playing
         return playing.position + (now - playing.now) * playing.speed
 
@@ -106,25 +106,25 @@ class ReplayCar:
         return min(unrolled, self.duration)
 
     def _when(self, unrolled: float) -> float:
-        """When the position is reached; infinity while the car is held."""
+        """Return when the position is reached; infinity while the car is held."""
         playing = self._playing
         if not playing.speed or unrolled == inf:
             return inf
         return playing.now + (unrolled - playing.position) / playing.speed
 
     def look(self, now: float) -> None:
-        """The owner's clock shows `now`."""
+        """Set the time of the owner's clock."""
         self._now = now
 
     # What the unit asks
 
     @property
     def faults(self) -> list[int]:
-        """The faults as read last; an erase holds until they were read again."""
+        """The faults as read last; an erasure holds until they were read again."""
         faults = self.recorded.faults
         index = faults.index(self.position())
-        if faults.values and index != self._told:
-            self._told = index
+        if faults.values and index != self._shown_faults:
+            self._shown_faults = index
             self._faults = list(faults.values[index])
         return self._faults
 
@@ -133,7 +133,7 @@ class ReplayCar:
         self._faults = faults
 
     def identity(self) -> Identity:
-        """Who the recorded unit was."""
+        """Return the identity of the recorded ECU."""
         position = self.position()
         recorded = self.recorded
         version = recorded.version.at(position)
@@ -144,11 +144,11 @@ class ReplayCar:
         )
 
     def size_of(self, code: int) -> int | None:
-        """Bytes of the datum; None: it was never recorded, or is refused by now."""
+        """Return the bytes of the datum; None: it was never recorded, or is refused now."""
         return self.recorded.size_of(code, self.position())
 
     def raw(self, code: int, now: float) -> bytes:
-        """What was recorded last."""
+        """Return the latest recorded datum."""
         written = self._written.get(code)
         return self._recorded(code, self.position(now)) if written is None else written
 
@@ -166,14 +166,14 @@ class ReplayCar:
         return series.datum(index, begin, size)
 
     def write(self, code: int, data: bytes) -> bool:
-        """Taken, until the next power cycle, if the recorded unit took one."""
+        """Accept the value until the next power cycle, if the recorded ECU accepted one."""
         if code not in self.recorded.writable:
             return False
         self._written[code] = data
         return True
 
     def powered(self, now: float) -> bool:
-        """Whether the recorded unit was alive, and heard."""
+        """Return whether the recorded ECU had its supply and was listened to."""
         if self._waiting:
             self._waiting = False
             byte_time = BITS_PER_BYTE / self.recorded.baud
@@ -184,11 +184,11 @@ class ReplayCar:
         return self.recorded.was_heard(self._in_lap(self._unrolled(now)))
 
     def is_over(self, now: float) -> bool:
-        """Whether the recording has been played to its end, by `now`."""
+        """Return whether the recording has been played to its end at `now`."""
         return not self.loop and self._unrolled(now) >= self.duration
 
     def next_change(self, after: float) -> float:
-        """When a silence begins or ends next, or the recording ends; infinity while it waits."""
+        """Return when a silence begins or ends next, or the recording ends; infinity: it waits."""
         if not self._playing.speed:
             return inf
         unrolled = self._unrolled(max(after, self._playing.now))
@@ -200,7 +200,7 @@ class ReplayCar:
         return self._when((lap + 1) * self.duration + self._edges[0]) if self.loop else inf
 
     def next_stroke(self, stroke: int, after: float) -> float:
-        """As recorded, where strokes were; else as the recorded speed makes them."""
+        """Return the next recorded stroke; without one, that of the recorded engine speed."""
         unrolled = self._unrolled(after)
         position = self._in_lap(unrolled)
         strokes = self.recorded.strokes.get(stroke)
@@ -218,7 +218,7 @@ class ReplayCar:
         return max(after, self._when(self._stroke_at[stroke]))
 
     def _cycle(self, position: float) -> float | None:
-        """Seconds of two turns (D15); None while the engine stands, or if its speed is unknown."""
+        """Return the seconds of two turns (D15); None: engine stopped, or its speed unknown."""
         for name in ("FREQ", "FREQX"):
             try:
                 parameter = self._catalog.parameter(name)
@@ -230,9 +230,9 @@ class ReplayCar:
         return None
 
     def silences_past(self) -> int:
-        """How many silences of the recording lie before the present position."""
+        """Return how many silences of the recording lie before the present position."""
         return bisect_right(self.recorded.silences, self.position(), key=lambda silence: silence[1])
 
     def power_cycle(self) -> None:
-        """Written data are forgotten."""
+        """Forget the written data."""
         self._written.clear()

@@ -1,4 +1,4 @@
-"""What can be played back of a recording, by time: a datum is found by bisection.
+"""The content of a recording that can be replayed, by time: a datum is found by bisection.
 
 Bodies are kept as they came, those with the same parameters in one series: ten hours at the full
 rate of a stream are 1.3 million responses, here 35 bytes each.
@@ -21,24 +21,24 @@ T = TypeVar("T")
 
 
 class Latest(Generic[T]):
-    """Something that was told now and then."""
+    """A value that changes now and then."""
 
     def __init__(self) -> None:
         self.times = array("d")
         self.values: list[T] = []
 
     def add(self, time: float, value: T) -> None:
-        """It was `value` at `time`; the same as before is not kept."""
+        """Add the value at `time`; an unchanged one is not kept."""
         if not self.values or self.values[-1] != value:
             self.times.append(time)
             self.values.append(value)
 
     def index(self, time: float) -> int:
-        """Which of `values` held at `time`; before the first one, that one."""
+        """Return which of `values` held at `time`; before the first one, that one."""
         return max(0, bisect_right(self.times, time) - 1)
 
     def at(self, time: float) -> T | None:
-        """The value at `time`; None if it was never told."""
+        """Return the value at `time`; None if there is none at all."""
         return self.values[self.index(time)] if self.values else None
 
 
@@ -67,14 +67,14 @@ class Series:
         self._bodies += bodies
 
     def datum(self, index: int, begin: int, size: int) -> bytes:
-        """The bytes from `begin` of response number `index`."""
+        """Return the bytes from `begin` of response number `index`."""
         start = index * self.size + begin
         return bytes(self._bodies[start : start + size])
 
 
 @dataclass(frozen=True, slots=True)
 class Cells:
-    """Memory as it was read or written at a time."""
+    """Memory cells, read or written at a time."""
 
     time: float
     space: str
@@ -84,13 +84,13 @@ class Cells:
 
 @dataclass(slots=True)
 class ReplayData:
-    """Everything that can be played back.
+    """The content of a recording.
 
     `places`: by parameter code, where its data are: series, place in the body, size. `silences`:
-    when the unit had no supply, in order. `refusals`: what it says to commands that it lacks, or of
-    which nothing was recorded. `others`: answers to commands that §3 does not have. `answered`:
-    commands that were, at least once. `holes`: when nobody listened, in order. `refused`: by
-    parameter code, since when the unit has refused it, or no longer.
+    when the ECU had no supply, in order. `refusals`: its responses to commands that it lacks, or
+    that were not recorded. `others`: responses to commands that §3 does not have. `answered`:
+    commands that were answered at least once. `holes`: when the line was not recorded, in order.
+    `refused`: by parameter code, from when to when the ECU refused it.
     """
 
     begin: float = 0.0
@@ -118,22 +118,22 @@ class ReplayData:
     answered: frozenset[int] = frozenset()
 
     def has_supply(self, time: float) -> bool:
-        """Whether the unit was alive at `time`."""
+        """Return whether the ECU had its supply at `time`."""
         return not _within(self.silences, time)
 
     def was_heard(self, time: float) -> bool:
-        """Whether the unit was alive at `time`, and somebody listened."""
+        """Return whether the ECU had its supply at `time`, and the line was recorded."""
         return not (_within(self.silences, time) or _within(self.holes, time))
 
     def size_of(self, code: int, time: float | None = None) -> int | None:
-        """Bytes of a parameter's datum; None if it was never recorded, or refused at `time`."""
+        """Return the bytes of a datum; None if it was never recorded, or refused at `time`."""
         places = self.places.get(code)
         if time is not None and code in self.refused and self.refused[code].at(time):
             return None
         return places[0][2] if places else None
 
     def knows(self, command: type[c.Command[Any]]) -> bool | None:
-        """Whether the recorded unit knew a command; None: nobody asked, so there is no telling."""
+        """Return whether the recorded ECU knew a command; None: it was not asked."""
         codes = c.ReadProgramPassport.CODES + c.ReadDataPassport.CODES
         passports = dict(zip(codes, self.passports, strict=True))
         noted = (code for code, passport in passports.items() if passport.values)
@@ -141,8 +141,8 @@ class ReplayData:
             return True
         return False if self.assumptions.missing.intersection(command.CODES) else None
 
-    def never_told(self) -> Iterator[int]:
-        """Commands that the replayed unit could only answer with something made up."""
+    def unrecorded(self) -> Iterator[int]:
+        """Yield the commands whose responses would have to be invented."""
         told = {
             c.ReadFaults: bool(self.faults.values),
             c.CountParameters: bool(self.count.values),

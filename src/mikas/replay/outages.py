@@ -1,10 +1,10 @@
-"""Where a replayed unit says nothing: it had no supply, or nothing was recorded.
+"""When a replayed ECU is silent: it had no supply, or nothing was recorded.
 
-A unit that left all requests of two seconds without an answer had no supply. A stretch without any
-packet is another matter: the unit may have been well, but nobody listened, the adapter being pulled
-out or the laptop asleep. What it would have said is not known, and the value from before is not
-played as a fresh one. Whoever recorded it has left a note; in a file without notes it takes a
-stretch of several times the usual cycle. A person's pause between two requests is none.
+An ECU that left all requests of two seconds unanswered had no supply. During a stretch without any
+packet the ECU may have worked, but the line was not recorded: the adapter was pulled out, or the
+computer asleep. Its responses are not known, and an old value is not played as a new one. The
+recorder has left a note on such a hole; without a note, only a stretch of several usual cycles is
+one. A pause between two requests of a person is none.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _MOST_STEPS: Final = 1000
 
 
 class Outages:
-    """Collects them. `failing_since`: the first of the requests that are without answer so far."""
+    """Collects outages. `failing_since`: time of the first request that is unanswered so far."""
 
     def __init__(self, notes: Iterable[Note] = ()) -> None:
         self.failing_since: float | None = None
@@ -42,22 +42,22 @@ class Outages:
         self._noted = {number: _joined(holes) for number, holes in self._noted.items()}
 
     def failed(self, time: float) -> None:
-        """A request of `time` got no answer."""
+        """Note that a request of `time` got no response."""
         if self.failing_since is None:
             self.failing_since = time
 
     def ended(self, time: float) -> None:
-        """The unit answered: it had its supply when it was asked, at `time`."""
+        """Note that the ECU had its supply at `time`, when it was asked."""
         since, self.failing_since = self.failing_since, None
         if since is not None and time - since > SILENT_FOR:
             self.without_supply(since - _JUST_BEFORE, time)
 
     def without_supply(self, begin: float, end: float) -> None:
-        """Nor at `end`, but for the request that comes then."""
+        """Note that it had no supply until the request of `end`."""
         self._off.append((begin, end - _JUST_BEFORE))
 
     def passed(self, recording: int, begin: float, end: float, shift: float) -> None:
-        """No packet between two times. `shift`: from the recording's own times to these."""
+        """Note a stretch without a packet. `shift`: from the recording's own times to these."""
         if end - begin > GAP:
             noted = self._noted.get(recording, [])
             before = bisect_left(noted, (end - shift,))
@@ -65,7 +65,7 @@ class Outages:
             self._quiet.append((begin, end, is_noted))
 
     def conclude(self, series: Iterable[Series]) -> tuple[list[Stretch], list[Stretch]]:
-        """Without supply, and holes."""
+        """Return the losses of supply, and the holes."""
         cycle = _usual_cycle(series)
         least = max(SILENT_FOR, _CYCLES * cycle) if cycle else 0.0
         holes = [
@@ -77,7 +77,7 @@ class Outages:
 
 
 def _hole_of(note: Note) -> Stretch | None:
-    """When nothing came, by the recording's own times."""
+    """Return the stretch of a noted hole, by the recording's own times."""
     if note.kind == Kind.STATE and note.data.get("state") == "no-port":
         return note.time, note.time
     if note.kind != Kind.GAP:
@@ -97,7 +97,7 @@ def _usual_cycle(series: Iterable[Series]) -> float | None:
 
 
 def _joined(stretches: list[Stretch]) -> list[Stretch]:
-    """In order, those that overlap as one."""
+    """Return the stretches in order, overlapping ones as one."""
     joined: list[Stretch] = []
     for begin, end in sorted(stretches):
         if joined and begin <= joined[-1][1]:

@@ -48,10 +48,10 @@ def replay_bus(
     catalog: Catalog | None = None,
     watcher: Callable[[EcuEvent], None] | None = None,
 ) -> Bus:
-    """The wire with the recorded unit on it. The recording begins at `start` of the owner's clock;
-    with None, when the first byte of a request is heard.
+    """Return the wire with the recorded ECU on it. The recording begins at `start` of the owner's
+    clock; None: with the first byte of a request.
 
-    Raises `UsageError` for a setting that does not exist or makes no sense, `CaptureError` for a
+    Raise `UsageError` for a setting that does not exist or is invalid, `CaptureError` for a
     file that can't be read or holds no response.
     """
     settings = settings or {}
@@ -97,10 +97,10 @@ def _bus_of(
 
 
 def open_replay(url: str, options: dict[str, str]) -> Link:
-    """Opens `replay:FILE?speed=2&seek=600&loop=1&clock=real|simulated&…`.
+    """Open `replay:FILE?speed=2&seek=600&loop=1&clock=real|simulated&…`.
 
-    On the simulated clock, times begin with the recording's own. Raises `BadPortUrl` for an option
-    that does not exist or makes no sense, `CaptureError` for the file.
+    On the simulated clock, times begin with the recording's own. Raise `BadPortUrl` for an option
+    that does not exist or is invalid, `CaptureError` for the file.
     """
     settings = dict(options)
     simulated = take_clock(settings)
@@ -119,21 +119,21 @@ def open_replay(url: str, options: dict[str, str]) -> Link:
 
 
 def playing(link: Link) -> ReplayCar | None:
-    """The recording that is played on `link`, to seek in it; None if it is another kind of link."""
+    """Return the recording that is played on `link`, to seek in it; None: another kind of link."""
     while isinstance(link, CaptureTee):
         link = link.link
     return car_on(getattr(link, "bus", None))
 
 
 def car_on(bus: object) -> ReplayCar | None:
-    """The recording that is played on `bus`; None if it is another kind of bus."""
+    """Return the recording that is played on `bus`; None: another kind of bus."""
     responder = getattr(getattr(bus, "ecu", None), "responder", None)
     car = getattr(responder, "car", None)
     return car if isinstance(car, ReplayCar) else None
 
 
 class ReplayLink(VirtualLink):
-    """On simulated time. `file`: as the user wrote it."""
+    """A replay in simulated time. `file`: as the user wrote it."""
 
     def __init__(self, bus: Bus, *, url: str, start: float, file: str) -> None:
         super().__init__(bus, url=url, start=start)
@@ -145,7 +145,7 @@ class ReplayLink(VirtualLink):
 
 
 class RealTimeReplayLink(RealTimeVirtualLink):
-    """In real time. `file`: as the user wrote it."""
+    """A replay in real time. `file`: as the user wrote it."""
 
     def __init__(self, bus: Bus, *, url: str, file: str) -> None:
         super().__init__(bus, url=url)

@@ -1,4 +1,4 @@
-"""The unit in front of a recorded car: its memory, and what it answers itself."""
+"""The virtual ECU of a replay: its memory, and its responses."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from mikas.virtual.responder import Answer, Responder
 
 
 class ReplayMemory(EcuMemory):
-    """Cells as they were read or written last; those that never were hold the usual pattern."""
+    """Cells as read or written last; unrecorded ones hold the usual pattern."""
 
     def __init__(self, car: ReplayCar) -> None:
         self._car = car
@@ -23,17 +23,17 @@ class ReplayMemory(EcuMemory):
         super().__init__(contents)
 
     def read(self, space: str, address: int, count: int = 1) -> bytes:
-        """The cells at the present position."""
+        """Return the cells at the present position."""
         self._follow()
         return super().read(space, address, count)
 
     def write(self, space: str, address: int, data: bytes) -> None:
-        """Stays until another value of the cell was recorded."""
+        """Write cells; a value stays until another one was recorded."""
         self._follow()
         super().write(space, address, data)
 
     def power_cycle(self) -> None:
-        """Not what a tester wrote, but what was recorded, is there again."""
+        """Restore the recorded cells."""
         super().power_cycle()
         self._applied = 0
 
@@ -51,7 +51,7 @@ class ReplayMemory(EcuMemory):
 
 
 class ReplayResponder(Responder):
-    """Answers as the recorded unit did, refusals included."""
+    """Answers as the recorded ECU did, refusals included."""
 
     def __init__(self, car: ReplayCar) -> None:
         recorded = car.recorded
@@ -60,14 +60,14 @@ class ReplayResponder(Responder):
         self._silences_past = 0
 
     def power_cycle(self) -> None:
-        """It forgets only if it had no supply in between: not where nobody listened."""
+        """Forget written data, but only after a loss of supply, not after a hole."""
         past = self._replayed.silences_past()
         if past != self._silences_past:
             self._silences_past = past
             super().power_cycle()
 
     def answer(self, body: bytes, now: float) -> Answer:
-        """What was recorded, else what this unit would say."""
+        """Return the recorded response, else that of a virtual ECU."""
         car = self._replayed
         car.look(now)
         # The unit may have been off and on again while nobody asked, or was sought past it.

@@ -1,4 +1,4 @@
-"""Pieces of unequal length in one array of bytes: taken out, laid side by side, compared."""
+"""Pieces of unequal length in one array of bytes: joined, tabulated, compared."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 
 def joined(buffer: Bytes, starts: Index, lengths: Index) -> Bytes:
-    """The pieces one behind another."""
+    """Return the pieces one behind another."""
     total = int(lengths.sum())
     shift = starts - (lengths.cumsum() - lengths)
     taken: Bytes = buffer[np.repeat(shift, lengths) + np.arange(total)]
@@ -21,7 +21,7 @@ def joined(buffer: Bytes, starts: Index, lengths: Index) -> Bytes:
 
 
 def side_by_side(buffer: Bytes, starts: Index, length: int) -> Bytes:
-    """Pieces of one length as the rows of a table."""
+    """Return pieces of one length as the rows of a table."""
     if not starts.size or not length:
         return np.empty((starts.size, length), np.uint8)
     rows: Bytes = sliding_window_view(buffer, length)[starts]
@@ -29,7 +29,7 @@ def side_by_side(buffer: Bytes, starts: Index, length: int) -> Bytes:
 
 
 def equal(one: Bytes, one_starts: Index, other: Bytes, other_starts: Index, lengths: Index) -> Mask:
-    """Which pieces of `one` are the same as those of `other`."""
+    """Return which pieces of `one` are the same as those of `other`."""
     same = np.zeros(lengths.size, np.bool_)
     for length in np.unique(lengths).tolist():
         chosen = (lengths == length).nonzero()[0]

@@ -1,4 +1,4 @@
-"""A capture's packets as arrays: what `CaptureReader` gives, a stretch of the file at a time.
+"""A capture's packets as arrays: the result of `CaptureReader`, a stretch of the file at a time.
 
 Nearly every block of a capture is an Enhanced Packet. Their type is looked for in a whole window of
 the file at once; those that follow each other without a gap are a run, and a run's fields are read
@@ -32,7 +32,7 @@ WINDOW: Final = 1 << 20
 
 
 def read(path: str | os.PathLike[str], window: int = WINDOW) -> Iterator[Packets | Problem]:
-    """The packets of a capture; problems where they are. Raises as `CaptureReader` does."""
+    """Yield packets and problems in the order of the file. Raise as `CaptureReader` does."""
     checked = CaptureReader(path)
     try:
         with checked.path.open("rb") as file:
@@ -49,7 +49,7 @@ def column_exchanges(
 
 
 class _Walk:
-    """From block to block, by runs where possible."""
+    """Walks from block to block, by runs where possible."""
 
     def __init__(self, file: BinaryIO, window: int) -> None:
         self._file = file

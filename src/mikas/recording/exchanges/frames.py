@@ -1,6 +1,6 @@
-"""A direction's bytes to arrays of frames: what `mikas.framing.Decoder` does, many at once (§2).
+"""A direction's bytes to arrays of frames: `mikas.framing.Decoder` for many at once (§2).
 
-The rules are those of `mikas.framing`, which stays the law: same events, same order, after the same
+The rules are those of `mikas.framing`, the reference: same events, same order, after the same
 byte, however the bytes are cut into pieces. What makes it fast: the sum modulo 256 is the same
 before and after stuffing, so one pass of `add.reduceat` over 8-bit sums checks every frame as it
 came (D3); only then the escapes go, all in one step. A sound frame with an irregular escape (D4),
@@ -31,7 +31,7 @@ CHECKSUM: Final = 1
 TOO_LONG: Final = 2
 IRREGULAR_ESCAPE: Final = 3
 GIVEN_UP: Final = 4
-"""What stood unfinished before a cut: the incremental decoder's `reset()` returns it."""
+"""An unfinished frame before a cut: the incremental decoder's `reset()` returns it."""
 
 _REASONS: Final = {
     CHECKSUM: DamageReason.CHECKSUM,
@@ -68,20 +68,20 @@ class FrameBlock:
 
     @property
     def counted(self) -> Index:
-        """All but what was given up."""
+        """All events but abandoned frames."""
         counted: Index = (self.reasons != GIVEN_UP).nonzero()[0]
         return counted
 
     def wire_of(self, index: int) -> bytes:
-        """A frame as it came, or the bytes of damage."""
+        """Return a frame as it came, or the bytes of damage."""
         return self.wire[self.starts[index] : self.ends[index]].tobytes()
 
     def body_of(self, index: int) -> bytes:
-        """The unstuffed body, without checksum."""
+        """Return the unstuffed body, without checksum."""
         return self.bodies[self.body_starts[index] : self.body_ends[index]].tobytes()
 
     def events(self) -> Iterator[Event | bytes]:
-        """As `Decoder.feed` gives them; bare bytes are what was given up at a cut."""
+        """Yield the events of `Decoder.feed`; bare bytes are a frame abandoned at a cut."""
         for index, reason in enumerate(self.reasons.tolist()):
             wire, offset = self.wire_of(index), self.origin + int(self.starts[index])
             if reason == GIVEN_UP:
@@ -104,22 +104,22 @@ class BulkDecoder:
         self.noise = 0
         self.discarded = 0
         self.offset = 0
-        """How many bytes were fed in all."""
+        """The number of bytes fed."""
         self._carry: Bytes = _NOTHING
         self._overflowed = False
 
     @property
     def pending(self) -> bytes:
-        """What came of a frame that is not finished."""
+        """The bytes of the unfinished frame."""
         return self._carry.tobytes()
 
     def reset(self) -> bytes:
-        """Forgets the unfinished frame and returns what there was of it."""
+        """Forget the unfinished frame and return its bytes."""
         left, self._carry, self._overflowed = self.pending, _NOTHING, False
         return left
 
     def feed(self, data: bytes | Bytes, cuts: Index = _NOWHERE) -> FrameBlock:
-        """The events that `data` completes.
+        """Return the events that `data` completes.
 
         `cuts`: rising positions in `data` before which the decoder is reset, as if it had been fed
         up to there.
@@ -185,7 +185,7 @@ class BulkDecoder:
         return block
 
     def _one_by_one(self, block: FrameBlock, odd: Index) -> FrameBlock:
-        """These frames by the incremental decoder; their bodies go to the end of `bodies`."""
+        """Decode these frames incrementally; their bodies go to the end of `bodies`."""
         decoder = Decoder(limit=self.limit, strict=self.strict)
         extra = bytearray()
         for index in odd.tolist():

@@ -37,7 +37,7 @@ class Packets:
     lengths: Index
 
     def data(self, chosen: Index) -> Bytes:
-        """The bytes of these packets, one behind another."""
+        """Return the bytes of these packets, one behind another."""
         return joined(self.buffer, self.at[chosen], self.lengths[chosen])
 
 
@@ -66,7 +66,7 @@ class Window:
         self._ends = (self._behind[:-1] != self.found[1:]).nonzero()[0] + 1
 
     def run(self, offset: int) -> tuple[Index, int]:
-        """The blocks from `offset` that follow each other, and the offset behind the last one."""
+        """Return the consecutive blocks from `offset` on, and the offset behind the last one."""
         word, odd = divmod(offset - self.offset, 4)
         first = int(self.found.searchsorted(word))
         if odd or first == self.found.size or self.found[first] != word:
@@ -76,12 +76,12 @@ class Window:
         return self.found[first:last], self.offset + 4 * int(self._behind[last - 1])
 
     def covers(self, offset: int, order: pcapng.Order) -> bool:
-        """Whether a block at `offset` would be seen here."""
+        """Return whether a block at `offset` lies in this window."""
         inside = self.offset <= offset < self.offset + self.buffer.size - 12
         return inside and (offset - self.offset) % 4 == 0 and order == self.order
 
     def may_be_cut(self, offset: int) -> bool:
-        """Whether a packet begins at `offset` that might be whole in another window."""
+        """Return whether a packet at `offset` may be whole in another window."""
         word = (offset - self.offset) // 4
         return offset > self.offset and bool(self.words[word] == pcapng.ENHANCED)
 
@@ -128,7 +128,7 @@ class PacketColumns:
         return self._sources.index(source)
 
     def block(self, index: int) -> RawBlock:
-        """One block as it stands in the file."""
+        """Return one block as it is in the file."""
         window, start = self._window, 4 * int(self._found[index])
         end = start + int(window.words[start // 4 + 1])
         body = window.buffer[start + 8 : end - 4].tobytes()
@@ -136,7 +136,7 @@ class PacketColumns:
         return RawBlock(pcapng.ENHANCED, body, window.order, *place)
 
     def put(self, index: int, packet: Packet) -> None:
-        """What an unusual block turned out to be."""
+        """Set the fields of an unusual block."""
         self._times[index] = packet.time
         self._sent[index] = packet.direction is Direction.SENT
         self._lengths[index] = len(packet.data)
@@ -164,7 +164,7 @@ class PacketColumns:
 
 
 def seconds(interface: pcapng.Interface, high: Index, low: Index) -> Floats:
-    """`Interface.time` of many ticks, each rounded as there."""
+    """Return `Interface.time` of many ticks, each rounded as there."""
     per_second = interface.ticks_per_second
     zero = interface.tsoffset * per_second
     small = bool((high < _EXACT >> 33).all()) and abs(zero) < _EXACT >> 1

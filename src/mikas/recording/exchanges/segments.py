@@ -54,7 +54,7 @@ class Segments:
 
 
 def cut_up(wire: Bytes, cuts: Index, limit: int, overflowed: bool) -> Segments:
-    """The events in `wire`, which begins with what was unfinished, or inside an over-long frame."""
+    """Return the events in `wire`, which begins with an unfinished or inside an over-long frame."""
     # One search for both special bytes; their order tells which escape is in which segment.
     special = ((wire == _END) | (wire == _ESCAPE)).nonzero()[0]
     is_end = wire.take(special) == _END
@@ -95,7 +95,7 @@ def cut_up(wire: Bytes, cuts: Index, limit: int, overflowed: bool) -> Segments:
 def _judged(
     wire: Bytes, edges: tuple[int, Index], limit: int, broken: tuple[Index, Index]
 ) -> Segments:
-    """The segments between `edges`. `broken`: the cuts, and those of them in midst of a frame."""
+    """Judge the segments between `edges`. `broken`: the cuts, and those within a frame."""
     (start, ends), (cuts, torn) = edges, broken
     starts = np.empty_like(ends)
     starts[0] = start
@@ -143,12 +143,12 @@ def _judged(
 
 
 def _is_held(wire: Bytes, tail: int, limit: int) -> bool:
-    """A frame of exactly the limit whose terminator waits for another one is not over-long."""
+    """Return whether a frame of exactly the limit waits for a second terminator."""
     return wire.size - tail == limit + 1 and bool(wire[-1] == _END)
 
 
 def _add_overflow(found: Segments, size: int, limit: int) -> None:
-    """What has no end yet and is too long already is damage now; its rest will be skipped."""
+    """Add an unfinished frame that is too long already as damage; its rest will be skipped."""
     start = found.tail
     found.starts = np.append(found.starts, start)
     found.ends = np.append(found.ends, start + limit)

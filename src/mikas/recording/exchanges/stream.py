@@ -11,7 +11,7 @@ from mikas.recording.exchanges.packets import Packets
 
 
 class Stream:
-    """Gives up an unfinished frame after a silence, as `mikas.recording.inspect.frames` does."""
+    """Decodes frames; abandons an unfinished frame after a silence, as `exchanges.scalar` does."""
 
     def __init__(self, byte_time: float) -> None:
         self._byte_time = byte_time
@@ -22,7 +22,7 @@ class Stream:
         self._times: Floats = np.empty(0)
 
     def feed(self, packets: Packets, chosen: Mask, after_sent: Mask) -> tuple[FrameBlock, Index]:
-        """The events of the `chosen` packets, and the number of the packet that completed each."""
+        """Return the events of the `chosen` packets, and the packet that completed each."""
         numbers = chosen.nonzero()[0]
         times, lengths = packets.times[numbers], packets.lengths[numbers]
         decoder = self._decoder
@@ -78,7 +78,7 @@ class Stream:
 
 
 class Events:
-    """The events of one direction that count, each in its turn. `index`: in `block`."""
+    """The events of one direction but for abandoned frames, with turns. `index`: in `block`."""
 
     def __init__(self, block: FrameBlock, turns: Index) -> None:
         self.block = block
@@ -90,7 +90,7 @@ class Events:
         self.numbers: Index = np.full(self.index.size, NO_REQUEST)
 
     def of_turn(self, turn: int) -> range:
-        """The events of one turn."""
+        """Return the events of one turn."""
         first, last = self.turns.searchsorted([turn, turn + 1])
         return range(first, last)
 
@@ -98,5 +98,5 @@ class Events:
         return self.block.wire_of(int(self.index[event]))
 
     def body(self, event: int) -> bytes | None:
-        """None for damage."""
+        """Return the body of a frame; None for damage."""
         return self.block.body_of(int(self.index[event])) if self.sound[event] else None

@@ -1,9 +1,9 @@
-"""A recording as a table: columns over time, in stretches, from the raw bytes every time anew.
+"""A recording as a table: columns over time, in stretches, always from the raw bytes.
 
-The file is read twice: once to learn which parameters it has, so that the columns are known before
-the first row, and which `01`s are refusals (D10), as what comes later tells; once for the values.
-Nothing decoded is kept: a formula that was corrected in the catalog gives corrected values of an
-old recording.
+The file is read twice: once to find its parameters, so that the columns are known before the first
+row, and the `01`s that are refusals (D10), which later responses decide; once for the values.
+Decoded values are not kept: a formula that was corrected in the catalog gives corrected values of
+an old recording.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ Columns = dict[str, Floats]
 class TableReader:
     """The samples of a capture as rows of columns.
 
-    A row is a response, its time when that began on the wire; what was not in it is NaN. `channels`
-    are the parameters that have at least one value, or `names`, in the order of the catalog.
-    `problems` are the places of the file that could not be read, up to a thousand of them, complete
-    once `channels` is known; `problem_count` counts them all.
+    A row is a response; its time is when the response began on the wire; a value not in it is NaN.
+    `channels` are the parameters that have at least one value, or `names`, in the order of the
+    catalog. `problems` are the places of the file that could not be read, up to a thousand of them,
+    complete once `channels` is known; `problem_count` counts them all.
 
-    Raises `CaptureError` for a file that is no capture, `UsageError` for no such reading. Every
-    iteration reads the file anew; memory does not grow with it.
+    Raise `CaptureError` for a file that is no capture, `UsageError` for an unknown interpretation.
+    Every iteration reads the file again; memory does not grow with it.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class TableReader:
         self.channels: tuple[Channel, ...] = self._definitions.channels(found)
 
     def rows(self, size: int = STRETCH) -> Iterator[Rows]:
-        """The whole recording in stretches of at most `size` rows.
+        """Yield the whole recording in stretches of at most `size` rows.
 
         Times rise within a stretch. They may run back between two: another port, another session.
         """
@@ -124,7 +124,7 @@ class TableReader:
 
 
 class _Stretch:
-    """Rows of one port that wait until there are enough of them, or time runs back."""
+    """Rows of one port that wait until they are enough, or time runs back."""
 
     def __init__(
         self, source: Source, channels: Iterable[Channel], definitions: Definitions, size: int
@@ -169,7 +169,7 @@ class _Stretch:
                 yield from self._flush()
 
     def rest(self) -> Iterator[tuple[Source, Rows]]:
-        """What waits; after that, times begin anew."""
+        """Yield the waiting rows; times may begin again after them."""
         yield from self._flush()
         self._last = -np.inf
 
@@ -198,8 +198,9 @@ class _Stretch:
 
 
 def _raise(times: Floats, last: float, byte_time: float) -> None:
-    """What seems to begin before its predecessor only came in another lump: a byte behind it, as
-    live (`mikas.tester.timed_decoder`).
+    """Move a row that seems to begin before its predecessor to one byte behind it.
+
+    It only came in another lump; `mikas.tester.timed_decoder` does so on a live line.
     """
     begins = (np.diff(times, prepend=last) <= 0).nonzero()[0]
     for begin in begins.tolist():

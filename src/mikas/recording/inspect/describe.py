@@ -1,4 +1,4 @@
-"""What the frames of a capture mean: requests and responses in words (§3, §4).
+"""The meaning of a capture's frames: requests and responses in words (§3, §4).
 
 Follows the lists that 64 sets, because a response to 63 can't be read without. A response that its
 request can't read gets no meaning: better nothing than something wrong. A lone `01` to a 61 with
@@ -23,7 +23,7 @@ _DATA = (c.ReadParameters, c.ReadList, c.StreamCyclic, c.StreamAtStroke)
 
 
 class Describer:
-    """Turns one capture's frames into texts; keep one for each line that was captured."""
+    """Describes the frames of one captured line."""
 
     def __init__(self, catalog: Catalog, interpretation: str = "corrected") -> None:
         self._catalog = catalog
@@ -32,7 +32,7 @@ class Describer:
         self._started: bytes | None = None  # the stream that was asked for and has said nothing yet
 
     def __call__(self, request: bytes, response: bytes | None) -> Text | None:
-        """What `request` asks, or what `response` answers to it."""
+        """Return the meaning of `request`, or of `response` to it."""
         command = self._command(request)
         if command is None:
             return None
@@ -54,7 +54,7 @@ class Describer:
         return self._said(command, value)
 
     def _asked(self, command: c.Command[Any]) -> Text:
-        """The command's title, and the parameters that it names."""
+        """Return the command's title, and the parameters that it names."""
         data = getattr(command, "parameters", ())
         if isinstance(command, c.ReadList) or not data:
             return command.TITLE

@@ -1,4 +1,4 @@
-"""A capture frame by frame: what `mikas decode` shows.
+"""A capture frame by frame, as `mikas decode` shows it.
 
 `mikas.recording.exchanges.scalar` finds the frames, the echoes, and which request a response
 answers. This module knows no meaning of bytes beyond the command's name; a caller that does passes
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     Describe = Callable[[bytes, bytes | None], Text | None]
-    """Takes a request's body, and its response's (`None`: it is the request that is shown)."""
+    """Takes a request's body, and its response's (None: the request itself is described)."""
 
 SCHEMA: Final = 1
 UNFINISHED: Final = "unfinished"  # beside the values of `DamageReason`
@@ -39,10 +39,9 @@ _IRREGULAR = _REASONS["irregular escape"]
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What every item has. `begin`, `end`: the times of the packets with its first and last byte.
+    """A part of the line. `begin`, `end`: the times of the packets with its first and last byte.
 
-    `offset` is where the first of them stands in the file. `echo`: the line only gave back what was
-    sent.
+    `offset`: place of the first of them in the file. `echo`: the line returned a sent frame.
     """
 
     source: Source
@@ -126,7 +125,7 @@ def _item(it: LineEvent, source: Source, describe: Describe | None) -> SeenFrame
 
 
 def to_json(item: Item) -> dict[str, object]:
-    """One line of `mikas decode --json`: `type` is frame, damage or problem; bytes in hex."""
+    """Return a line of `mikas decode --json`: `type` is frame, damage or problem; bytes in hex."""
     if isinstance(item, Problem):
         text = {"en": item.text.en, "ru": item.text.ru}
         return {"schema": SCHEMA, "type": "problem", "offset": item.offset, "text": text}
@@ -156,7 +155,7 @@ def to_json(item: Item) -> dict[str, object]:
 
 
 def to_text(item: Item, language: Language = "en", *, zero: float = 0.0) -> str:
-    """One line for a person, times counted from `zero`: `    0.012500 < 0A  Mikas 7.1`.
+    """Return one line for a person, times counted from `zero`: `    0.012500 < 0A  Mikas 7.1`.
 
     `>` was sent, `<` received; a body without checksum and stuffing, damage as it came behind `!`.
     """
