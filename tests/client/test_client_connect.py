@@ -5,18 +5,19 @@ from __future__ import annotations
 import pytest
 from client_bench import bench
 
+from link_rig import registered
 from mikas import errors
 from mikas.catalog import shipped
 from mikas.client import connect
 from mikas.client.connecting import ConnectionOptions
-from mikas.link import Direction, open_link, urls
+from mikas.link import Direction, open_link
 from mikas.link.virtual import VirtualLink
 
 SIM = "sim:?clock=simulated"
 
 
 @pytest.fixture
-def links(monkeypatch):
+def links():
     """Every link opened as `bench:`, on units queued in `links.units`."""
 
     class Links(list):
@@ -31,8 +32,8 @@ def links(monkeypatch):
         opened.append(link)
         return link
 
-    monkeypatch.setitem(urls._openers, "bench", opener)
-    return opened
+    with registered("bench", opener):
+        yield opened
 
 
 def closed(link):

@@ -1,4 +1,4 @@
-"""URLs and the register of schemes; nothing is opened."""
+"""URLs, and the links that distributions bring; nothing is opened."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.errors import BadPortUrl
-from mikas.link import open_link, register, urls
+from link_rig import installed, registered
+from mikas.errors import BadPortUrl, UsageError
+from mikas.link import open_link, urls
 from mikas.link.urls import PortUrl, parse
 from mikas.options import check_names
 
@@ -22,12 +23,6 @@ calls = []
 def opener(url, options):
     calls.append((url, options))
     return "an open link"
-
-
-@pytest.fixture(autouse=True)
-def schemes_as_before(monkeypatch):
-    monkeypatch.setattr(urls, "_openers", dict(urls._openers))
-    calls.clear()
 
 
 @pytest.mark.parametrize(
@@ -71,7 +66,7 @@ def test_options_are_decoded():
         ("?baud=9600", "it is empty"),
         ("serial:", "it is empty"),
         ("sokcet://host:1", "Did you mean socket:?"),
-        ("tcp://host:1", "there is no “tcp:”, only: serial:, socket:, rfc2217:, sim:"),
+        ("tcp://host:1", "there is no “tcp:”, only: replay:, rfc2217:, serial:, sim:, socket:"),
         ("smi:?seed=1", "Did you mean sim:?"),
         ("sim:?seed=1&seed=2", "seed is given twice"),
         ("/dev/\0", "zero byte"),
@@ -93,46 +88,83 @@ def test_any_text_is_a_port_or_a_usage_error(url):
 @given(st.dictionaries(st.text(ascii_lowercase, min_size=1), st.text(), max_size=4))
 def test_options_given_by_name_reach_the_opener(options):
     calls.clear()
-    register("test", opener)
-    open_link("test:x", **options)
-    ((url, got),) = calls
-    assert got == options
-    assert parse(url).options == options
+    with registered("test", opener):
+        open_link("test:x", **options)
+        ((url, got),) = calls
+        assert got == options
+        assert parse(url).options == options
 
 
 def test_options_given_by_name_win_and_show_in_the_url():
-    register("test", opener)
-    open_link("test:x?a=1&b=2", b=3, on=True, off=False)
+    calls.clear()
+    with registered("test", opener):
+        open_link("test:x?a=1&b=2", b=3, on=True, off=False)
     assert calls == [
         ("test:x?a=1&b=3&on=1&off=0", {"a": "1", "b": "3", "on": "1", "off": "0"}),
     ]
-
-
-def test_an_opener_may_be_an_import_path():
-    register("Test", f"{__name__}:opener")
-    assert open_link("TEST:?a=1") == "an open link"
-    assert sys.modules[__name__].calls == [("TEST:?a=1", {"a": "1"})]
-
-
-def test_a_later_registration_replaces_an_earlier_one():
-    register("sim", opener)
-    assert open_link("sim:") == "an open link"
-
-
-@pytest.mark.parametrize("scheme", ["", "c", "1a", "a b", "a:b", "a/b"])
-def test_impossible_schemes(scheme):
-    with pytest.raises(ValueError, match="scheme"):
-        register(scheme, opener)
 
 
 def test_a_wrong_option_is_told_with_the_url():
     def picky(url, options):
         check_names(options, ("baud",))
 
-    register("test", picky)
-    with pytest.raises(BadPortUrl) as caught:
+    with registered("test", picky), pytest.raises(BadPortUrl) as caught:
         open_link("test:x?buad=1")
-    assert str(caught.value).startswith("“test:x?buad=1” is not a port: there is no option “buad”")
+    assert str(caught.value).startswith("Invalid port “test:x?buad=1”: there is no option “buad”")
+
+
+class TestDistributions:
+    """Links that other distributions bring, with real metadata."""
+
+    def test_a_link_of_another_distribution_opens(self, tmp_path):
+        with installed(tmp_path, "own-link", {"Loud": f"{__name__}:opener"}):
+            calls.clear()
+            assert open_link("LOUD:?a=1") == "an open link"
+            assert sys.modules[__name__].calls == [("LOUD:?a=1", {"a": "1"})]
+            assert parse("sim:").scheme == "sim"
+        with pytest.raises(BadPortUrl, match="there is no “loud:”"):
+            open_link("loud://")
+
+    def test_a_scheme_of_two_distributions_names_both(self, tmp_path):
+        with installed(tmp_path, "own-sim", {"sim": f"{__name__}:opener"}):
+            with pytest.raises(UsageError, match=r"brings sim: mikas \S+, own-sim 1\.0") as caught:
+                open_link("sim:")
+            assert "own-sim 1.0" in caught.value.text.ru
+            assert "Uninstall all but one" in str(caught.value)
+            assert parse("sim:").scheme == "sim"  # nothing is loaded for that
+
+    @pytest.mark.parametrize(
+        ("place", "why"),
+        [
+            ("no_such_module:opener", "ModuleNotFoundError: No module named 'no_such_module'"),
+            ("own_broken:missing", "AttributeError"),
+            ("own_failing:opener", "ZeroDivisionError"),
+        ],
+    )
+    def test_a_link_that_cannot_be_loaded_names_its_distribution(self, tmp_path, place, why):
+        (tmp_path / "own_broken.py").write_text("")
+        (tmp_path / "own_failing.py").write_text("1 / 0")
+        with installed(tmp_path, "own-broken", {"broken": place}):
+            with pytest.raises(UsageError, match=r"of the distribution own-broken 1\.0") as caught:
+                open_link("broken:x")
+            assert why in str(caught.value)
+            assert "own-broken 1.0" in caught.value.text.ru
+            with open_link("sim:?clock=simulated") as link:  # others are not concerned
+                assert link.now() == 0.0
+
+    def test_an_incomplete_installation_says_so(self, monkeypatch):
+        monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: ())
+        urls._registered.cache_clear()
+        with pytest.raises(UsageError, match="not installed as it should"):
+            open_link("/dev/ttyUSB0")
+
+    def test_a_path_needs_no_metadata(self, monkeypatch):
+        monkeypatch.setattr(urls, "_registered", None)
+        assert parse("/dev/ttyUSB0").scheme == "serial"
+
+    def test_our_own_schemes_load(self):
+        for scheme in ("serial", "socket", "rfc2217", "sim", "replay"):
+            assert callable(urls._opener(scheme))
 
 
 def test_importing_the_package_imports_no_back_end():

@@ -7,7 +7,7 @@ Importing this package is cheap: what a scheme needs is imported when it is open
 from mikas.link.base import Chunk, Link, WallClock
 from mikas.link.ports import Port, choose_port, find_ports
 from mikas.link.tee import CaptureTee, Direction, Sink
-from mikas.link.urls import open_link, register
+from mikas.link.urls import open_link
 
 __all__ = [
     "CaptureTee",
@@ -20,5 +20,4 @@ __all__ = [
     "choose_port",
     "find_ports",
     "open_link",
-    "register",
 ]
