@@ -8,7 +8,11 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 from mikas.recording.capture import CaptureReader, Packet
+
+pytestmark = pytest.mark.realtime
 
 RECORD_FOR_EVER = """
 import itertools, sys

@@ -16,6 +16,8 @@ from mikas.link.tee import Direction
 from mikas.recording import CaptureReader
 from mikas.recording.recorder import Recorder
 
+pytestmark = pytest.mark.realtime
+
 PATIENCE = 20
 
 
