@@ -2,40 +2,40 @@
 // an event costs one key and one place at the end, however many are stored.
 import type { LineEvent } from "../api/types";
 
-const MOST = 2000;
+const MAX_EVENTS = 2000;
 
 export class EventLog {
   private readonly byKey = new Map<string, LineEvent>();
-  private held: LineEvent[] = [];
+  private events: LineEvent[] = [];
 
   clear(): void {
     this.byKey.clear();
-    this.held = [];
+    this.events = [];
   }
 
   /** Add events and return all. A gap is reported when it begins and again when it has ended; the second report replaces the first. */
-  add(events: readonly LineEvent[]): readonly LineEvent[] {
-    const held = [...this.held];
-    let back = false;
-    for (const event of events) {
+  add(added: readonly LineEvent[]): readonly LineEvent[] {
+    const events = [...this.events];
+    let unordered = false;
+    for (const event of added) {
       const key = keyOf(event);
       const before = this.byKey.get(key);
       if (before) {
         if (event.kind !== "gap" || before.kind !== "gap" || before.ended !== null) continue;
-        held[held.lastIndexOf(before)] = event;
+        events[events.lastIndexOf(before)] = event;
       } else {
-        const last = held.at(-1);
-        back ||= last !== undefined && begun(event) < begun(last);
-        held.push(event);
+        const last = events.at(-1);
+        unordered ||= last !== undefined && startOf(event) < startOf(last);
+        events.push(event);
       }
       this.byKey.set(key, event);
     }
-    if (back) held.sort((a, b) => begun(a) - begun(b));
-    for (const gone of held.splice(0, held.length - MOST)) this.byKey.delete(keyOf(gone));
-    return (this.held = held);
+    if (unordered) events.sort((a, b) => startOf(a) - startOf(b));
+    for (const dropped of events.splice(0, events.length - MAX_EVENTS)) this.byKey.delete(keyOf(dropped));
+    return (this.events = events);
   }
 }
 
 const keyOf = (event: LineEvent): string => (event.kind === "gap" ? `gap ${event.began}` : JSON.stringify(event));
 
-const begun = (event: LineEvent): number => (event.kind === "gap" ? event.began : event.time);
+const startOf = (event: LineEvent): number => (event.kind === "gap" ? event.began : event.time);

@@ -141,10 +141,10 @@ class LiveLine {
     for (const cell of cells) {
       if (cell === null || cell === undefined) continue;
       const value = Number(cell);
-      const held = this.extremes.get(name);
-      if (!held) this.extremes.set(name, { min: value, max: value });
-      else if (value < held.min) held.min = value;
-      else if (value > held.max) held.max = value;
+      const known = this.extremes.get(name);
+      if (!known) this.extremes.set(name, { min: value, max: value });
+      else if (value < known.min) known.min = value;
+      else if (value > known.max) known.max = value;
     }
   }
 
@@ -178,9 +178,9 @@ class LiveLine {
     const { events, names, times, values } = await api.history(seconds, points);
     const until = (times[times.length - 1] ?? 0) - before;
     const count = times.findLastIndex((time) => time <= until) + 1;
-    const kept = values.map((cells) => cells.slice(0, count));
-    this.columns.append(names, times.slice(0, count), kept);
-    names.forEach((name, index) => this.updateExtremes(name, kept[index]!));
+    const selected = values.map((cells) => cells.slice(0, count));
+    this.columns.append(names, times.slice(0, count), selected);
+    names.forEach((name, index) => this.updateExtremes(name, selected[index]!));
     this.events = this.eventLog.add(events);
   }
 }

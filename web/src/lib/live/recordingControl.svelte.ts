@@ -9,11 +9,11 @@ import type { State } from "../api/types";
 
 const t = dictionary({
   started: {
-    en: "Recording {asked} of {all} values: those that are sampled now",
-    ru: "Записываются {asked} из {all} величин: те, что сейчас опрашиваются",
+    en: "Recording {sampled} of {all} values: those that are sampled now",
+    ru: "Записываются {sampled} из {all} величин: те, что сейчас опрашиваются",
   },
   startedAll: { en: "Recording all values to {file}", ru: "Идёт запись всех величин в {file}" },
-  everything: { en: "Record everything", ru: "Записывать всё" },
+  all_values: { en: "Record all_values", ru: "Записывать всё" },
   everythingNow: { en: "All values are recorded now, each less often", ru: "Записываются все величины, каждая реже" },
   stopped: { en: "Recording saved: {file}", ru: "Запись сохранена: {file}" },
   marked: { en: "Marker set", ru: "Отметка поставлена" },
@@ -21,7 +21,7 @@ const t = dictionary({
 });
 
 /** Code of the toast that a recording has started; the toast is dismissed when the recording ends. */
-const STARTED = "RecordingBegun";
+const STARTED = "RecordingStarted";
 
 /** Announce that a recording has ended and is stored. */
 export function announceSaved(file: string): void {
@@ -47,14 +47,14 @@ class RecordingControl {
 
   /** Only subscribed channels are recorded: say so, and offer to record all. */
   private announceStarted(state: State, file: string): void {
-    const every = supportedNames(catalog.channels, state);
-    const asked = state.plan.wanted.length;
-    const all = Math.max(asked, every.length);
-    if (asked === all) return toasts.success(() => t("startedAll", { file }));
-    toasts.success(() => t("started", { file, asked, all }), {
+    const supported = supportedNames(catalog.channels, state);
+    const sampled = state.plan.wanted.length;
+    const all = Math.max(sampled, supported.length);
+    if (sampled === all) return toasts.success(() => t("startedAll", { file }));
+    toasts.success(() => t("started", { file, sampled, all }), {
       duration: 12_000,
       code: STARTED,
-      action: { text: () => t("everything"), run: () => void this.recordAll() },
+      action: { text: () => t("all_values"), run: () => void this.recordAll() },
     });
   }
 

@@ -86,8 +86,8 @@ class Player extends RecordingData implements Source {
   }
 
   latest(name: string): Latest | undefined {
-    const held = this.columns.valueAt(name, this.columns.rowAt(this.position), REACH);
-    return held && { value: held.value, time: this.columns.times()[held.row]! };
+    const found = this.columns.valueAt(name, this.columns.rowAt(this.position), REACH);
+    return found && { value: found.value, time: this.columns.times()[found.row]! };
   }
 
   private go(now: number): void {

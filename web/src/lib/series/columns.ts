@@ -130,11 +130,11 @@ export class Columns {
   }
 
   private drop(count: number): void {
-    const gone = Math.min(count, this.length);
-    this.time.copyWithin(0, gone, this.length);
-    for (const column of this.byName.values()) column.copyWithin(0, gone, this.length);
-    this.length -= gone;
-    this.start += gone;
+    const dropped = Math.min(count, this.length);
+    this.time.copyWithin(0, dropped, this.length);
+    for (const column of this.byName.values()) column.copyWithin(0, dropped, this.length);
+    this.length -= dropped;
+    this.start += dropped;
   }
 }
 

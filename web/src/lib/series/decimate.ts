@@ -123,11 +123,11 @@ export function mergeTimelines(one: Decimated, other: Decimated, lag: number): {
   let row = 0;
   let next = 0;
   while (row < one.times.length || next < other.times.length) {
-    const mine = one.times[row] ?? Infinity;
-    const its = next < other.times.length ? other.times[next]! + lag : Infinity;
-    times.push(Math.min(mine, its));
-    rows.push(mine <= its ? row++ : -1);
-    others.push(its <= mine ? next++ : -1);
+    const firstTime = one.times[row] ?? Infinity;
+    const secondTime = next < other.times.length ? other.times[next]! + lag : Infinity;
+    times.push(Math.min(firstTime, secondTime));
+    rows.push(firstTime <= secondTime ? row++ : -1);
+    others.push(secondTime <= firstTime ? next++ : -1);
   }
   const placed = (from: number[]) => (cells: Cells) => from.map((at) => (at < 0 ? undefined : cells[at]));
   return { times, values: [...one.values.map(placed(rows)), ...other.values.map(placed(others))] };

@@ -26,8 +26,8 @@ export class ChannelValue {
   readonly unit = $derived(localized(this.channel?.unit));
   readonly extremes = $derived.by<Extremes | undefined>(() => {
     void frameClock.slow;
-    const held = display.source.extremes(this.name());
-    return held && { ...held };
+    const extremes = display.source.extremes(this.name());
+    return extremes && { ...extremes };
   });
   readonly min = $derived(this.extremes ? number(this.extremes.min, this.channel?.decimals) : "");
   readonly max = $derived(this.extremes ? number(this.extremes.max, this.channel?.decimals) : "");

@@ -59,8 +59,8 @@ class Toasts {
 
   private show(toast: Omit<Toast, "id">): void {
     const id = ++this.last;
-    const said = toast.text();
-    const others = this.shown.filter((before) => before.text() !== said).slice(-2);
+    const text = toast.text();
+    const others = this.shown.filter((before) => before.text() !== text).slice(-2);
     this.shown = [...others, { ...toast, id }];
     setTimeout(() => this.close(id), toast.duration);
   }

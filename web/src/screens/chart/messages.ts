@@ -15,7 +15,7 @@ export const t = dictionary({
   second: { en: "Second cursor", ru: "Второй курсор" },
   traces: { en: "Traces…", ru: "Линии…" },
   fit: { en: "Show everything", ru: "Показать всё" },
-  notAsked: { en: "not sampled", ru: "не опрашивается" },
+  notSampled: { en: "not sampled", ru: "не опрашивается" },
   atCursor: { en: "{time}, {seconds} s from the start", ru: "{time}, {seconds} с от начала" },
   left: { en: "Cursor one sample back (Shift: ten)", ru: "Курсор на отсчёт назад (Shift: на десять)" },
   right: { en: "Cursor one sample forward (Shift: ten)", ru: "Курсор на отсчёт вперёд (Shift: на десять)" },

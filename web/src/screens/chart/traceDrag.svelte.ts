@@ -11,22 +11,22 @@ class TraceDrag {
   now = $state.raw<{ name: string; x: number; y: number } | null>(null);
   /** The pane under the pointer; null: none. */
   over = $state<number | null>(null);
-  private held: { name: string; x: number; y: number } | null = null;
+  private pressed: { name: string; x: number; y: number } | null = null;
   private dragged = false;
 
   down(event: PointerEvent, name: string): void {
     this.dragged = false;
     const sign = event.target instanceof Element && event.target.closest(".line");
     if (event.button !== 0 || (event.pointerType === "touch" && !sign)) return;
-    this.held = { name, x: event.clientX, y: event.clientY };
+    this.pressed = { name, x: event.clientX, y: event.clientY };
   }
 
   move(event: PointerEvent): void {
-    if (!this.held) return;
+    if (!this.pressed) return;
     const { clientX: x, clientY: y } = event;
-    if (!this.now && Math.hypot(x - this.held.x, y - this.held.y) < MOVED) return;
+    if (!this.now && Math.hypot(x - this.pressed.x, y - this.pressed.y) < MOVED) return;
     if (!this.now && event.currentTarget instanceof Element) event.currentTarget.setPointerCapture(event.pointerId);
-    this.now = { name: this.held.name, x, y };
+    this.now = { name: this.pressed.name, x, y };
     const into = document.elementFromPoint(x, y)?.closest<HTMLElement>("[data-into]");
     this.over = into ? Number(into.dataset.into) : null;
   }
@@ -39,7 +39,7 @@ class TraceDrag {
   }
 
   cancel(): void {
-    this.held = this.now = this.over = null;
+    this.pressed = this.now = this.over = null;
   }
 
   /** Whether the click that follows belongs to a drag. */

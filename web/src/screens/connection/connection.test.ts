@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { DoctorStep, Port, State } from "../../lib/api/types";
 import { PINS } from "./diagnosticBlock";
-import { drawn, verdict } from "./steps";
+import { markSteps, verdict } from "./steps";
 import { bestGuess, situationOf } from "./situation";
 
 const port = (url: string, likely: boolean): Port => ({ url, description: url, chip: "", likely, quirks: [] });
@@ -25,7 +25,7 @@ describe("which trouble it is", () => {
     ["off", "NotAKLineAdapter", "elm327"],
     ["off", "PortBusy", "busy"],
     ["off", "PortDenied", "denied"],
-    ["off", "LinkLost", "gone"],
+    ["off", "LinkLost", "unplugged"],
     ["off", "Busy", "off"],
   ] as const)("%s, %s: %s", (line, code, wanted) => {
     expect(situationOf(state(line), [port("a", true)], code)).toBe(wanted);
@@ -49,18 +49,18 @@ describe("which trouble it is", () => {
     ["/dev/ttyUSB0", "PortBusy", "busy"],
     ["/dev/ttyUSB0", "PortDenied", "denied"],
     ["/dev/ttyUSB0", "PortNotFound", "no-port"],
-    ["/etc/hostname", "PortFailed", "unopened"],
-    ["socket://127.0.0.1:1", "PortFailed", "deaf"],
-    ["/dev/ttyUSB0", "LinkLost", "gone"],
-    ["socket://127.0.0.1:1", "LinkLost", "cut"],
-    ["replay:a.pcapng", "RecordingOver", "over"],
+    ["/etc/hostname", "PortFailed", "not-openable"],
+    ["socket://127.0.0.1:1", "PortFailed", "no-adapter"],
+    ["/dev/ttyUSB0", "LinkLost", "unplugged"],
+    ["socket://127.0.0.1:1", "LinkLost", "closed"],
+    ["replay:a.pcapng", "RecordingOver", "recording-ended"],
   ] as const)("tells why %s does not open: %s", (url, reason_code, wanted) => {
     expect(situationOf(state("no-port", { port: url, reason_code }), [], null)).toBe(wanted);
   });
   it("calls unplugged only what was there", () => {
     const missing = state("no-port", { port: "/dev/ttyUSB0", reason_code: "PortNotFound" });
-    expect(situationOf({ ...missing, samples: 9 }, [], null)).toBe("gone");
-    expect(situationOf(missing, [], null, "/dev/ttyUSB0")).toBe("gone");
+    expect(situationOf({ ...missing, samples: 9 }, [], null)).toBe("unplugged");
+    expect(situationOf(missing, [], null, "/dev/ttyUSB0")).toBe("unplugged");
     expect(situationOf(missing, [], null, "/dev/ttyUSB1")).toBe("no-port");
   });
   it("while connecting knows nothing yet, whatever was before", () => {
@@ -93,7 +93,7 @@ describe("the examination", () => {
     to_try: null,
   });
   const marks = (steps: DoctorStep[], running: boolean) =>
-    drawn(steps, running).map((it) => it.mark);
+    markSteps(steps, running).map((it) => it.mark);
 
   it("draws what runs now and what is to come", () => {
     expect(marks([], true)).toEqual(["running", "todo", "todo", "todo", "todo", "todo", "todo"]);

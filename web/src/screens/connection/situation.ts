@@ -9,12 +9,12 @@ export type Situation =
   | "several"
   | "busy"
   | "denied"
-  | "gone"
-  | "cut"
-  | "over"
+  | "unplugged"
+  | "closed"
+  | "recording-ended"
   | "no-port"
-  | "deaf"
-  | "unopened"
+  | "no-adapter"
+  | "not-openable"
   | "elm327"
   | "no-echo"
   | "echo-only"
@@ -25,22 +25,22 @@ const BY_CODE: Record<string, Situation> = {
   PortDenied: "denied",
   PortNotFound: "no-port",
   NoPortGiven: "several",
-  PortFailed: "unopened",
-  LinkLost: "gone",
-  RecordingOver: "over",
+  PortFailed: "not-openable",
+  LinkLost: "unplugged",
+  RecordingOver: "recording-ended",
   NoEcho: "no-echo",
   EchoOnly: "echo-only",
   NotAKLineAdapter: "elm327",
 };
 
-export type Told = Pick<State, "line" | "reason_code" | "port" | "model" | "samples">;
+export type Facts = Pick<State, "line" | "reason_code" | "port" | "model" | "samples">;
 
 /**
  * Determine the situation. `code`: class of the last error of a connect request; `worked`: a port that data has come from since the page
  * was opened; `trying`: a connect request is running. The class of the error decides; the line's state alone does not name the cause.
  */
 export function situationOf(
-  state: Told,
+  state: Facts,
   ports: readonly Port[] | null,
   code: string | null,
   worked: string | null = null,
@@ -49,14 +49,14 @@ export function situationOf(
   if (trying) return "opening";
   if (answering(state.line)) return "ok";
   const none = ports !== null && !ports.some((port) => port.likely);
-  const told = BY_CODE[state.reason_code ?? (state.line === "off" ? code : null) ?? ""];
-  if (told === "several" && none) return "no-cable";
-  if (told === "no-port" && wasThere(state, worked)) return "gone";
-  if (told === "no-port" || told === "unopened") return far(state.port) ? "deaf" : told;
-  if (told === "gone" && far(state.port)) return "cut";
-  if (told) return told;
+  const known = BY_CODE[state.reason_code ?? (state.line === "off" ? code : null) ?? ""];
+  if (known === "several" && none) return "no-cable";
+  if (known === "no-port" && wasThere(state, worked)) return "unplugged";
+  if (known === "no-port" || known === "not-openable") return isRemote(state.port) ? "no-adapter" : known;
+  if (known === "unplugged" && isRemote(state.port)) return "closed";
+  if (known) return known;
   if (state.line === "no-echo" || state.line === "echo-only") return state.line;
-  if (state.line === "no-port") return state.reason_code ? "unopened" : "opening";
+  if (state.line === "no-port") return state.reason_code ? "not-openable" : "opening";
   return none ? "no-cable" : "off";
 }
 
@@ -64,11 +64,11 @@ export function situationOf(
 export const answering = (line: State["line"]): boolean => line === "ecu-alive" || line === "sampling";
 
 /** Only an adapter that has delivered data counts as unplugged. */
-const wasThere = (state: Told, worked: string | null): boolean =>
+const wasThere = (state: Facts, worked: string | null): boolean =>
   state.samples > 0 || state.model !== null || (worked !== null && worked === state.port);
 
 /** An adapter shared by another computer. */
-const far = (port: string | null): boolean => /^(socket|rfc2217):/.test(port ?? "");
+const isRemote = (port: string | null): boolean => /^(socket|rfc2217):/.test(port ?? "");
 
 /** The first likely port; the server sorts by likelihood. */
 export function bestGuess(ports: readonly Port[]): Port | null {

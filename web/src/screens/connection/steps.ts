@@ -6,7 +6,7 @@ export const STEPS = ["port", "echo", "baud", "latency", "line", "ecu", "command
 export type StepName = (typeof STEPS)[number];
 export type Mark = "ok" | "bad" | "unsure" | "running" | "todo" | "skipped";
 
-export interface Drawn {
+export interface MarkedStep {
   name: StepName;
   mark: Mark;
   step: DoctorStep | null;
@@ -16,7 +16,7 @@ export interface Drawn {
  * Mark each step. A step without a result before one with a result was left out (an adapter without echo has no speed to measure); one
  * after the end was not reached.
  */
-export function drawn(steps: readonly DoctorStep[], running: boolean): Drawn[] {
+export function markSteps(steps: readonly DoctorStep[], running: boolean): MarkedStep[] {
   const known = new Map(steps.map((step) => [step.name, step]));
   const reached = Math.max(
     -1,

@@ -22,10 +22,10 @@ class ConnectionStore {
   steps = $state.raw<DoctorStep[]>([]);
   examining = $state(false);
   examined = $state<string | null>(null);
-  trouble = $state.raw<ApiError | null>(null);
+  error = $state.raw<ApiError | null>(null);
   readonly stopping = new ApiRequest<State>();
 
-  async look(): Promise<void> {
+  async scan(): Promise<void> {
     await this.ports.run(async () => (await api.ports()).ports);
   }
 
@@ -33,13 +33,13 @@ class ConnectionStore {
   async connect(port: string | null): Promise<void> {
     const file = running();
     if (file && port !== live.state?.port) this.leaving = { file, port };
-    else await this.join(port);
+    else await this.connectNow(port);
   }
 
   async disconnect(): Promise<void> {
     const file = running();
     if (file) this.leaving = { file };
-    else await this.part();
+    else await this.disconnectNow();
   }
 
   /** The confirmation was given. */
@@ -47,11 +47,11 @@ class ConnectionStore {
     const left = this.leaving;
     if (!left) return;
     this.leaving = null;
-    const gone = left.port === undefined ? await this.part() : await this.join(left.port);
-    if (gone) announceSaved(left.file);
+    const ended = left.port === undefined ? await this.disconnectNow() : await this.connectNow(left.port);
+    if (ended) announceSaved(left.file);
   }
 
-  private async join(port: string | null): Promise<boolean> {
+  private async connectNow(port: string | null): Promise<boolean> {
     this.wanted = port ?? "";
     const state = await this.connecting.run(() => api.connect(port));
     this.wanted = null;
@@ -60,7 +60,7 @@ class ConnectionStore {
     return state !== undefined;
   }
 
-  private async part(): Promise<boolean> {
+  private async disconnectNow(): Promise<boolean> {
     const state = await this.connecting.run(() => api.disconnect());
     this.code = null;
     if (state) live.state = state;
@@ -69,7 +69,7 @@ class ConnectionStore {
 
   async examine(port: string | null): Promise<void> {
     this.steps = [];
-    this.trouble = null;
+    this.error = null;
     this.stopping.reset();
     this.examining = true;
     this.examined = port;
@@ -77,7 +77,7 @@ class ConnectionStore {
       await api.doctor(port, (step) => (this.steps = [...this.steps, step]));
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
-      this.trouble = error;
+      this.error = error;
     } finally {
       this.examining = false;
     }

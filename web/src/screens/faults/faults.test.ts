@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { Fault } from "../../lib/api/types";
-import { changeText, codesOf, folded, parameterOf, valueOf } from "./journal";
-import { faultsText, type Words } from "./message";
+import { changeText, codesOf, mergeEntries, parameterOf, valueOf } from "./journal";
+import { faultsText, type Labels } from "./message";
 
 const fault = (code: number, text: string): Fault => ({
   code,
@@ -13,7 +13,7 @@ const fault = (code: number, text: string): Fault => ({
   related: ["JAIR"],
   first_seen: 0,
 });
-const words: Words = {
+const words: Labels = {
   title: "Faults",
   none: "none",
   unknown: "not known",
@@ -52,13 +52,13 @@ describe("the journal", () => {
   };
   it("has one line for a change and its outcome", () => {
     const done = { ...begun, time: 2, state: "done", outcome: "" };
-    const lines = folded([done, begun]);
+    const lines = mergeEntries([done, begun]);
     expect(lines).toHaveLength(1);
     expect(lines[0]).toMatchObject({ time: 2, state: "done", erase: true, codes: [13, 53] });
   });
   it("keeps a change whose outcome nobody saw", () => {
     const done = { ...begun, time: 2, state: "done" };
-    const lines = folded([{ ...begun, time: 3 }, done, begun]);
+    const lines = mergeEntries([{ ...begun, time: 3 }, done, begun]);
     expect(lines.map((line) => [line.time, line.state])).toEqual([
       [3, "started"],
       [2, "done"],
@@ -67,7 +67,7 @@ describe("the journal", () => {
   it("pairs each beginning with one end only", () => {
     const done = { ...begun, time: 4, state: "done" };
     expect(
-      folded([done, { ...begun, time: 3 }, { ...begun, time: 1 }]).map((line) => line.time),
+      mergeEntries([done, { ...begun, time: 3 }, { ...begun, time: 1 }]).map((line) => line.time),
     ).toEqual([4, 1]);
   });
   it("is read in Russian too, and what is not known as it is", () => {

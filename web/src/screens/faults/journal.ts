@@ -42,7 +42,7 @@ function same(a: RawEntry, b: RawEntry): boolean {
 }
 
 /** Merge the two entries of each change. Newest first, as the server sends them. */
-export function folded(entries: readonly RawEntry[]): Entry[] {
+export function mergeEntries(entries: readonly RawEntry[]): Entry[] {
   const out: Entry[] = [];
   const ends: RawEntry[] = [];
   for (const entry of entries) {
@@ -55,12 +55,12 @@ export function folded(entries: readonly RawEntry[]): Entry[] {
     } else {
       ends.push(entry);
     }
-    out.push(told(entry));
+    out.push(entryOf(entry));
   }
   return out;
 }
 
-function told(entry: RawEntry): Entry {
+function entryOf(entry: RawEntry): Entry {
   const change = typeof entry.change === "string" ? entry.change : (entry.change?.en ?? "");
   const erase = /^erase\b/i.test(change);
   return {

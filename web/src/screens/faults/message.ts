@@ -3,7 +3,7 @@
 
 import type { Fault, Faults } from "../../lib/api/types";
 
-export interface Words {
+export interface Labels {
   title: string;
   none: string;
   unknown: string;
@@ -15,17 +15,17 @@ export interface Words {
   reading: (name: string) => string | null;
 }
 
-export function faultsText(faults: Faults, about: readonly string[], words: Words): string {
-  const lines = [words.title, ...about.filter(Boolean), ""];
-  if (faults.faults.length === 0) lines.push(words.none);
+export function faultsText(faults: Faults, about: readonly string[], labels: Labels): string {
+  const lines = [labels.title, ...about.filter(Boolean), ""];
+  if (faults.faults.length === 0) lines.push(labels.none);
   for (const fault of faults.faults) {
     lines.push(
-      `${fault.code}: ${words.text(fault) || words.unknown} (${words.sure(fault.confidence)})`,
+      `${fault.code}: ${labels.text(fault) || labels.unknown} (${labels.sure(fault.confidence)})`,
     );
-    const check = words.check_text(fault);
-    if (check) lines.push(`   ${words.check}: ${check}`);
-    const readings = fault.related.map(words.reading).filter((it) => it !== null);
-    if (readings.length > 0) lines.push(`   ${words.now}: ${readings.join(", ")}`);
+    const check = labels.check_text(fault);
+    if (check) lines.push(`   ${labels.check}: ${check}`);
+    const readings = fault.related.map(labels.reading).filter((it) => it !== null);
+    if (readings.length > 0) lines.push(`   ${labels.now}: ${readings.join(", ")}`);
   }
   return `${lines.join("\n")}\n`;
 }

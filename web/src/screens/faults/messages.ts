@@ -41,7 +41,7 @@ export const t = dictionary({
   related: { en: "Now", ru: "Сейчас" },
   needs_line: { en: "The faults are read from the ECU itself.", ru: "Ошибки читаются из самого блока." },
   watch: { en: "Add to live values", ru: "Добавить в опрос" },
-  fresh_none: { en: "not sampled", ru: "не опрашивается" },
+  not_sampled: { en: "not sampled", ru: "не опрашивается" },
   message_title: { en: "Stored faults", ru: "Ошибки в памяти блока" },
   message_none: { en: "No faults are stored.", ru: "Ошибок в памяти нет." },
   message_read: { en: "Read {time} with mikas", ru: "Прочитано {time}, mikas" },

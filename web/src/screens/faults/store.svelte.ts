@@ -3,7 +3,7 @@ import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import { ecuKey } from "../../lib/live/capabilities.svelte";
 import type { Faults } from "../../lib/api/types";
-import { folded, type Entry, type RawEntry } from "./journal";
+import { mergeEntries, type Entry, type RawEntry } from "./journal";
 
 class FaultStore {
   readonly read = new ApiRequest<Faults>();
@@ -21,7 +21,7 @@ class FaultStore {
   }
 
   async refreshJournal(): Promise<void> {
-    await this.journal.run(async () => folded((await api.journal()).entries as RawEntry[]));
+    await this.journal.run(async () => mergeEntries((await api.journal()).entries as RawEntry[]));
   }
 }
 

@@ -41,7 +41,7 @@ class Presets {
     if (!from) return;
     const name = from.shipped ? { en: `${from.name.en} 2`, ru: `${from.name.ru} 2` } : from.name;
     this.draft = {
-      id: from.shipped ? fresh(this.all) : from.id,
+      id: from.shipped ? newId(this.all) : from.id,
       name,
       shipped: false,
       tiles: from.tiles.map((tile) => ({ ...tile })),
@@ -64,8 +64,8 @@ class Presets {
   }
 
   async remove(): Promise<void> {
-    const gone = this.draft ?? this.chosen;
-    this.own = (await api.savePresets(this.own.filter(({ id }) => id !== gone?.id))).presets;
+    const removed = this.draft ?? this.chosen;
+    this.own = (await api.savePresets(this.own.filter(({ id }) => id !== removed?.id))).presets;
     this.choose(this.all[0]?.id ?? "idle");
   }
 }
@@ -81,7 +81,7 @@ export function namesOf(preset: Preset): string[] {
 const everything = (tile: Tile): string[] =>
   tile.kind === "table" ? catalog.channels.map(({ name }) => name) : [];
 
-function fresh(taken: readonly Preset[]): string {
+function newId(taken: readonly Preset[]): string {
   for (let number = 1; ; number += 1) {
     const id = `own-${number}`;
     if (!taken.some((preset) => preset.id === id)) return id;

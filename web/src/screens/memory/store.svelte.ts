@@ -44,11 +44,11 @@ export class View {
     const count = Math.min(this.count, spaceOf(this.name).last + 1 - address);
     const got = await this.read.run(() => api.memory(this.name, address, count));
     if (!got) return false;
-    this.take(got.address, fromHex(got.data), got.time);
+    this.show(got.address, fromHex(got.data), got.time);
     return true;
   }
 
-  take(first: number, data: Uint8Array, time: number): void {
+  show(first: number, data: Uint8Array, time: number): void {
     this.glow.take(data, first, performance.now());
     this.first = first;
     this.data = data;
@@ -73,7 +73,7 @@ class MemoryStore {
     code: new View("code"),
     sfr: new View("sfr"),
   };
-  shown = $state<Space>("ram");
+  space = $state<Space>("ram");
   charset = $state<Charset>("cp866");
   /** Whether the page and the watched cells are read repeatedly. */
   following = $state(false);
@@ -85,11 +85,11 @@ class MemoryStore {
   private unit = "";
 
   get view(): View {
-    return this.views[this.shown];
+    return this.views[this.space];
   }
 
   /** Drop data of a previous ECU; the list of cells stays. */
-  meet(): void {
+  dropOther(): void {
     const unit = ecuKey();
     if (unit === this.unit) return;
     if (this.unit !== "") {

@@ -50,7 +50,7 @@ export function lineLines(passport: Passport): Line[] {
   ];
 }
 
-export function learntLines(passport: Passport): Line[] {
+export function measuredLines(passport: Passport): Line[] {
   const { max_list: list, max_block: blocks, refused } = passport.limits;
   const rates = Object.entries(passport.rates);
   return [

@@ -45,8 +45,8 @@ export const t = dictionary({
   },
   not_measured: { en: "not reported by the system", ru: "система не сообщает" },
 
-  learnt: { en: "Measured about this ECU", ru: "Что измерено на этом блоке" },
-  learnt_more: {
+  measured: { en: "Measured about this ECU", ru: "Что измерено на этом блоке" },
+  measured_more: {
     en: "Found by testing, stored, and used at once when this ECU is connected again.",
     ru: "Определено пробами, сохранено и сразу применяется при следующем подключении этого блока.",
   },

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { LineEvent } from "../../../lib/api/types";
-import { flagsOf, folded, gapFlags, gapsOf, lagging, nextGap } from "./flags";
+import { flagsOf, wrapText, gapFlags, gapsOf, shiftedBy, nextGap } from "./flags";
 
 const marker = (time: number, label = ""): LineEvent => ({ kind: "marker", time, label });
 const text = { en: "x", ru: "х" };
@@ -60,7 +60,7 @@ describe("gaps", () => {
   });
 
   it("are gone through one after the other, the second recording's among them, round and round", () => {
-    const bands = [...gapsOf([gap(1, 3), gap(8, 10)], 0, 20, 20), ...lagging(gapsOf([gap(101, 103)], 0, 200, 200), -97)];
+    const bands = [...gapsOf([gap(1, 3), gap(8, 10)], 0, 20, 20), ...shiftedBy(gapsOf([gap(101, 103)], 0, 200, 200), -97)];
     const after = (time: number) => nextGap(bands, time, 1)!.from;
     expect([after(0), after(2), after(5), after(9)]).toEqual([1, 4, 8, 1]);
     expect([nextGap(bands, 9, -1)!.from, nextGap(bands, 2, -1)!.from]).toEqual([4, 8]);
@@ -70,8 +70,8 @@ describe("gaps", () => {
 
   it("write it in lines that fit, and end in an ellipsis where they do not", () => {
     const fits = (words: string) => words.length <= 9;
-    expect(folded("echo, but the ECU is silent", fits, 3)).toEqual(["echo, but", "the ECU", "is silent"]);
-    expect(folded("echo, but the ECU is silent", fits, 2)).toEqual(["echo, but", "the ECU…"]);
-    expect(folded("disconnected", fits, 2)).toEqual(["disconne…"]);
+    expect(wrapText("echo, but the ECU is silent", fits, 3)).toEqual(["echo, but", "the ECU", "is silent"]);
+    expect(wrapText("echo, but the ECU is silent", fits, 2)).toEqual(["echo, but", "the ECU…"]);
+    expect(wrapText("disconnected", fits, 2)).toEqual(["disconne…"]);
   });
 });

@@ -11,14 +11,14 @@ export interface Flag {
   count: number;
 }
 
-export function flagsOf(events: readonly LineEvent[], from: number, to: number, apart: number): Flag[] {
+export function flagsOf(events: readonly LineEvent[], from: number, to: number, minDistance: number): Flag[] {
   const flags: Flag[] = [];
   for (const event of events) {
     if (event.time < from || event.time > to) continue;
     const flag = flagOf(event);
     if (!flag) continue;
     const before = flags.findLast(({ kind }) => kind === flag.kind);
-    if (before && flag.time - before.time < apart) before.count += 1;
+    if (before && flag.time - before.time < minDistance) before.count += 1;
     else flags.push(flag);
   }
   return flags;
@@ -50,31 +50,31 @@ export function gapsOf(events: readonly LineEvent[], from: number, to: number, n
     if (event.kind !== "gap") continue;
     const ended = event.ended ?? now;
     if (ended < from || event.began > to) continue;
-    const reason = briefly(events, event.began, ended) ?? event.reason;
+    const reason = stateDuring(events, event.began, ended) ?? event.reason;
     bands.push({ from: event.began, to: ended, reason, whole: event.reason, second: false });
   }
   return bands;
 }
 
 /** Gaps of the second recording, moved to the times of the first. */
-export function lagging(bands: readonly GapBand[], lag: number): GapBand[] {
+export function shiftedBy(bands: readonly GapBand[], lag: number): GapBand[] {
   return bands.map((band) => ({ ...band, from: band.from + lag, to: band.to + lag, second: true }));
 }
 
 /** The state of the line in that time: a short text for the band; the reason itself is full advice. */
-function briefly(events: readonly LineEvent[], from: number, to: number): Text | null {
-  const said = events.findLast((event) => event.kind === "state" && event.reason !== null && event.time >= from && event.time <= to);
-  return said?.kind === "state" ? said.text : null;
+function stateDuring(events: readonly LineEvent[], from: number, to: number): Text | null {
+  const state = events.findLast((event) => event.kind === "state" && event.reason !== null && event.time >= from && event.time <= to);
+  return state?.kind === "state" ? state.text : null;
 }
 
 /** Gaps as flags, at their start or at the start of the window. */
-export function gapFlags(bands: readonly GapBand[], from: number, to: number, apart: number): Flag[] {
+export function gapFlags(bands: readonly GapBand[], from: number, to: number, minDistance: number): Flag[] {
   const flags: Flag[] = [];
   for (const band of bands) {
     const time = Math.max(band.from, from);
     if (time > to) continue;
     const before = flags[flags.length - 1];
-    if (before && time - before.time < apart) before.count += 1;
+    if (before && time - before.time < minDistance) before.count += 1;
     else flags.push({ time, at: (time + Math.min(band.to, to)) / 2, kind: "gap", label: band.whole, count: 1 });
   }
   return flags;
@@ -88,15 +88,15 @@ export function nextGap(bands: readonly GapBand[], time: number, step: 1 | -1): 
 }
 
 /** Wrap words into at most `most` lines that fit; text that does not fit ends with an ellipsis. */
-export function folded(words: string, fits: (text: string) => boolean, most: number): string[] {
+export function wrapText(words: string, fits: (text: string) => boolean, most: number): string[] {
   const lines: string[] = [];
   for (const word of words.split(" ")) {
     const last = lines[lines.length - 1];
     if (last !== undefined && fits(`${last} ${word}`)) lines[lines.length - 1] = `${last} ${word}`;
     else lines.push(word);
   }
-  const kept = lines.slice(0, most);
-  return kept.map((line, index) => {
+  const visible = lines.slice(0, most);
+  return visible.map((line, index) => {
     const cut = index === most - 1 && lines.length > most;
     if (fits(cut ? `${line}…` : line)) return cut ? `${line}…` : line;
     let short = line;

@@ -3,7 +3,7 @@ import { comparison } from "../../../lib/recording/comparison.svelte";
 import { player } from "../../../lib/recording/player.svelte";
 import { display } from "../../../lib/view/source.svelte";
 import type { Later } from "../plot/drawing";
-import { gapsOf, lagging, type GapBand } from "./flags";
+import { gapsOf, shiftedBy, type GapBand } from "./flags";
 import { valueAt } from "./value";
 
 /** The second recording at the times of the first; null: no comparison. */
@@ -15,7 +15,7 @@ export function gapsIn(from: number, to: number): GapBand[] {
   const own = gapsOf(source.events, from, to, source.kind === "recording" ? player.last : source.now());
   if (!comparison.active) return own;
   const { lag } = comparison;
-  return [...own, ...lagging(gapsOf(comparison.events, from - lag, to - lag, comparison.last), lag)];
+  return [...own, ...shiftedBy(gapsOf(comparison.events, from - lag, to - lag, comparison.last), lag)];
 }
 
 /** All gaps. */

@@ -4,7 +4,7 @@ import uPlot from "uplot";
 import { number } from "../../../lib/i18n";
 import type { Channel } from "../../../lib/api/types";
 import { counted, timesOfDay } from "./timeAxis";
-import { folded, type GapBand } from "../data/flags";
+import { wrapText, type GapBand } from "../data/flags";
 import { fitting, lane, stretched } from "./scales";
 import type { Stretch, Trace } from "../view.svelte";
 
@@ -38,7 +38,7 @@ export interface PlotPlan {
   stretch: () => Stretch | undefined;
   gaps: () => GapBand[];
   /** Gaps of that series (from 0) as [from, to]. */
-  holes: (series: number) => readonly [number, number][];
+  gapsOf: (series: number) => readonly [number, number][];
   reason: (gap: GapBand) => string;
 }
 
@@ -54,21 +54,21 @@ export function scalesOf(traces: readonly Trace[], channel: PlotPlan["channel"],
 }
 
 /** The smallest extent of a scale: several steps of the last digit, and a little of the plausible range. */
-function least(channel: Channel | undefined): number {
+function minExtent(channel: Channel | undefined): number {
   const steps = 8 * 10 ** -(channel?.decimals ?? 0);
   const range = channel?.range ? channel.range[1] - channel.range[0] : 0;
   return Math.max(steps, range * 0.02);
 }
 
 export function makePlot(plan: PlotPlan, width: number, height: number, target: HTMLElement): uPlot {
-  const shown = plan.traces.filter(({ hidden }) => !hidden);
+  const visible = plan.traces.filter(({ hidden }) => !hidden);
   const keys = scalesOf(plan.traces, plan.channel, plan.stacked);
   const { look, zero } = plan;
   const scales: uPlot.Scales = { x: { time: zero === null, auto: false } };
   keys.forEach((key, index) => {
-    const channels = shown.filter((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key).map(({ name }) => plan.channel(name));
+    const channels = visible.filter((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key).map(({ name }) => plan.channel(name));
     const flag = channels.every((channel) => channel?.flag);
-    const floor = Math.max(...channels.map(least));
+    const floor = Math.max(...channels.map(minExtent));
     scales[key] = {
       range: (_, min, max) => {
         const fits: [number, number] = flag ? [-0.15, plan.stacked ? 1.15 : 4] : fitting(min, max, floor);
@@ -78,7 +78,7 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
     };
   });
   const colourOf = (key: string) => {
-    const own = shown.filter((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key);
+    const own = visible.filter((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key);
     return own.length === 1 ? look.traces[own[0]!.colour - 1]! : look.muted;
   };
   const drawn = plan.stacked ? [] : keys.filter((key) => !isFlag(plan, key)).slice(0, 2);
@@ -118,10 +118,10 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
       ...(second ? { dash: DASH.map((length) => length * devicePixelRatio) } : {}),
       points: { show: false },
       paths: channel?.flag ? uPlot.paths.stepped!({ align: 1 }) : uPlot.paths.linear!(),
-      gaps: (plot) => breaks(plot, plan, index + (second ? shown.length : 0), second),
+      gaps: (plot) => interruptions(plot, plan, index + (second ? visible.length : 0), second),
     };
   };
-  const second = zero === null ? [] : shown.map((trace, index) => line(trace, index, true));
+  const second = zero === null ? [] : visible.map((trace, index) => line(trace, index, true));
   return new uPlot(
     {
       width,
@@ -131,10 +131,10 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
       cursor: { show: false },
       scales,
       axes,
-      series: [{}, ...shown.map((trace, index) => line(trace, index, false)), ...second],
+      series: [{}, ...visible.map((trace, index) => line(trace, index, false)), ...second],
       hooks: { drawAxes: [(plot) => hatch(plot, plan)] },
     },
-    [[], ...shown.map(() => []), ...second.map(() => [])] as unknown as uPlot.AlignedData,
+    [[], ...visible.map(() => []), ...second.map(() => [])] as unknown as uPlot.AlignedData,
     target,
   );
 }
@@ -143,13 +143,13 @@ const isFlag = (plan: PlotPlan, key: string) =>
   plan.traces.some((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key && plan.channel(trace.name)?.flag);
 
 /** Interruptions of a line in canvas pixels: gaps of the connection, and times in which this channel has no value. */
-function breaks(plot: uPlot, plan: PlotPlan, series: number, second: boolean): uPlot.Series.Gaps {
+function interruptions(plot: uPlot, plan: PlotPlan, series: number, second: boolean): uPlot.Series.Gaps {
   const place = (time: number) => Math.round(plot.valToPos(time, "x", true));
   const between = plan
     .gaps()
     .filter((gap) => gap.second === second && gap.to > gap.from)
     .map(({ from, to }): [number, number] => [from, to]);
-  return [...plan.holes(series), ...between]
+  return [...plan.gapsOf(series), ...between]
     .sort((one, other) => one[0] - other[0])
     .map(([from, to]): [number, number] => [place(from), place(to)])
     .filter(([from, to]) => to > from);
@@ -198,7 +198,7 @@ function hatch(plot: uPlot, plan: PlotPlan): void {
 function write(ctx: CanvasRenderingContext2D, words: string, left: number, wide: number, edge: number, atTop: boolean, look: Look): void {
   const pad = 6 * devicePixelRatio;
   const line = 16 * devicePixelRatio;
-  const lines = folded(words, (text) => ctx.measureText(text).width <= wide - 2 * pad, 3);
+  const lines = wrapText(words, (text) => ctx.measureText(text).width <= wide - 2 * pad, 3);
   ctx.textBaseline = "top";
   ctx.textAlign = "left";
   lines.forEach((text, index) => {

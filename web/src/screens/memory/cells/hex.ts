@@ -66,8 +66,8 @@ export function fromHex(hex: string): Uint8Array {
 
 /** Format `0A FF 00`, cut after `longest` bytes. */
 export function spaced(bytes: Uint8Array, longest = Infinity): string {
-  const shown = Array.from(bytes.subarray(0, longest), byteText).join(" ");
-  return bytes.length > longest ? `${shown} … (${bytes.length})` : shown;
+  const text = Array.from(bytes.subarray(0, longest), byteText).join(" ");
+  return bytes.length > longest ? `${text} … (${bytes.length})` : text;
 }
 
 export function byteText(value: number): string {
@@ -118,9 +118,9 @@ export function dumpText(data: Uint8Array, first: number, charset: Charset): str
   return rowsOf(data, first)
     .map(({ address, cells }) => {
       const hex = cells.map((cell) => (cell === null ? "  " : byteText(cell)));
-      const shown = cells.map((cell) => (cell === null ? " " : character(cell, charset))).join("");
+      const characters = cells.map((cell) => (cell === null ? " " : character(cell, charset))).join("");
       const line = `${hex.slice(0, 8).join(" ")}  ${hex.slice(8).join(" ")}`;
-      return `${addressText(address)}  ${line}  ${shown}`.trimEnd();
+      return `${addressText(address)}  ${line}  ${characters}`.trimEnd();
     })
     .join("\n");
 }

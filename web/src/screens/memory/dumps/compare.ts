@@ -49,16 +49,16 @@ export function compare(a: Side, b: Side, most = 400): Comparison {
   }
   const changed = rows.map((row) => row.differs.includes(true));
   let equal: EqualRows | null = null;
-  let shown = 0;
+  let count = 0;
   rows.forEach((row, at) => {
     const near = changed[at - 1] || changed[at] || changed[at + 1];
-    if (near && shown < most) {
+    if (near && count < most) {
       equal = null;
       result.lines.push(row);
-      shown++;
+      count++;
     } else if (changed[at]) {
       result.left++;
-    } else if (shown < most) {
+    } else if (count < most) {
       if (!equal) {
         equal = { kind: "equal", address: row.address, bytes: 0 };
         result.lines.push(equal);
