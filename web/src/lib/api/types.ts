@@ -1,5 +1,4 @@
-// The API's types under the names that the page uses. They come from schema.ts, which is generated from the server's models. Events and
-// messages of the live socket are not in the OpenAPI description; they are written here by hand.
+// The API's types under the names that the page uses. They come from schema.ts, which is generated from the server's models.
 import type { components } from "./schema";
 
 type Schemas = components["schemas"];
@@ -54,58 +53,17 @@ export type Journal = Schemas["JournalResponse"];
 export type Recording = Schemas["RecordingInfo"];
 export type Recordings = Schemas["RecordingsResponse"];
 export type RecordingRows = Schemas["RowsResponse"];
-export type Rows = Pick<RecordingRows, "names" | "times" | "values">;
-export type RecordingDetail = Omit<Schemas["RecordingDetail"], "events"> & { events: LineEvent[] };
-export type History = Omit<Schemas["HistoryResponse"], "events"> & { events: LineEvent[] };
+export type RecordingDetail = Schemas["RecordingDetail"];
+export type History = Schemas["HistoryResponse"];
 export type Marker = Schemas["MarkerResponse"];
 
-// Written by hand from here on.
-
-export type ExportFormat = "csv" | "mf4" | "parquet" | "msl" | "mlg";
-
 /** A line of the response to POST /doctor. */
-export interface DoctorStep {
-  name: string;
-  title: Text;
-  ok: boolean | null;
-  detail: Text;
-  to_try: Text | null;
-}
+export type DoctorStep = Schemas["DiagnosisStep"];
 
-export type LineEvent =
-  | { kind: "gap"; time: number; began: number; ended: number | null; reason: Text }
-  | { kind: "state"; time: number; state: string; text: Text; reason: Text | null }
-  | {
-      kind: "alarm";
-      time: number;
-      name: string;
-      level: Level | "none";
-      before: Level | "none";
-      side: Alarm["side"];
-      value: number;
-      limit: number;
-      text: Text;
-    }
-  | { kind: "marker"; time: number; label: string }
-  | { kind: "method"; time: number; method: string; rates: Record<string, number> }
-  | { kind: "dropped"; time: number; name: string }
-  | {
-      kind: "unit";
-      time: number;
-      model: Text | null;
-      version_code: number | null;
-      passport: (string | null)[] | null;
-      another: boolean;
-    }
-  | { kind: "recording"; time: number; file: string; on: boolean; failure: Text | null }
-  | { kind: "error"; time: number; text: Text; sent: string | null; received: string | null; code: string };
+export type LiveMessage = Schemas["LiveMessage"];
+export type Rows = Schemas["LiveRows"];
+/** An event of live data or of a recording. */
+export type LineEvent = History["events"][number] | RecordingDetail["events"][number];
 
-/** A message of the live socket. */
-export interface LiveMessage {
-  seq: number;
-  now: number;
-  dropped: number;
-  state?: State;
-  data?: Rows;
-  events?: LineEvent[];
-}
+/** Values of the query parameter `format` of an export. */
+export type ExportFormat = "csv" | "mf4" | "parquet" | "msl" | "mlg";

@@ -40,13 +40,13 @@ describe("gaps", () => {
 
   it("localized what the line was said to be, not the whole advice", () => {
     const silent = { en: "echo, but the ECU is silent", ru: "эхо есть, блок молчит" };
-    const said: LineEvent = { kind: "state", time: 5, state: "echo-only", text: silent, reason: text };
+    const said: LineEvent = { kind: "state", time: 5, state: "echo-only", text: silent, reason: text, code: null };
     expect(gapsOf([gap(4, 6), said], 0, 20, 9)[0]!.reason).toEqual(silent);
     expect(gapsOf([gap(7, 8), said], 0, 20, 9)[0]!.reason).toEqual(text);
   });
 
   it("keep all of their reason to be told", () => {
-    const said: LineEvent = { kind: "state", time: 5, state: "echo-only", text: { en: "silent", ru: "молчит" }, reason: text };
+    const said: LineEvent = { kind: "state", time: 5, state: "echo-only", text: { en: "silent", ru: "молчит" }, reason: text, code: null };
     expect(gapsOf([gap(4, 6), said], 0, 20, 9)[0]!.whole).toEqual(text);
   });
 

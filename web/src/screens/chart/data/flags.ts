@@ -27,7 +27,7 @@ export function flagsOf(events: readonly LineEvent[], from: number, to: number, 
 function flagOf(event: LineEvent): Flag | null {
   const there = { time: event.time, at: event.time, count: 1 };
   if (event.kind === "marker") return { ...there, kind: "marker", label: event.label };
-  if (event.kind === "alarm" && (event.level === "warning" || event.level === "danger")) return { ...there, kind: event.level, label: event.text };
+  if (event.kind === "alarm" && (event.level === "warning" || event.level === "danger")) return { ...there, kind: event.level, label: event.text ?? "" };
   if (event.kind === "unit" && event.another) return { ...there, kind: "unit", label: event.model ?? "" };
   return null;
 }
@@ -36,9 +36,9 @@ export interface GapBand {
   from: number;
   to: number;
   /** The state of the line during the gap: short enough for the band. */
-  reason: Text;
+  reason: Text | null;
   /** The full reason, with advice. */
-  whole: Text;
+  whole: Text | null;
   /** A gap of the second recording in a comparison. */
   second: boolean;
 }
@@ -75,7 +75,7 @@ export function gapFlags(bands: readonly GapBand[], from: number, to: number, mi
     if (time > to) continue;
     const before = flags[flags.length - 1];
     if (before && time - before.time < minDistance) before.count += 1;
-    else flags.push({ time, at: (time + Math.min(band.to, to)) / 2, kind: "gap", label: band.whole, count: 1 });
+    else flags.push({ time, at: (time + Math.min(band.to, to)) / 2, kind: "gap", label: band.whole ?? "", count: 1 });
   }
   return flags;
 }
