@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from inspect import signature
 from string import Formatter
 
 import pytest
@@ -74,21 +75,36 @@ def test_the_package():
         "AsyncEcu",
         "Change",
         "Ecu",
+        "Fault",
+        "Info",
         "MikasError",
+        "Parameter",
+        "Passport",
         "Reading",
+        "Recording",
         "Sample",
         "connect",
         "errors",
-        "open",
     ]
-    for name in mikas.__all__:
+    for name in (*mikas.__all__, "open"):
         assert getattr(mikas, name).__doc__
-    assert dir(mikas) == sorted([*mikas.__all__, "__version__"])
+    assert dir(mikas) == sorted([*mikas.__all__, "__version__", "open"])
     assert mikas.__version__[0].isdigit()
     assert mikas.Ecu is mikas.client.Ecu
     assert mikas.MikasError is errors.MikasError
     with pytest.raises(AttributeError, match="nonsense"):
         _ = mikas.nonsense
+
+
+def test_import_star_leaves_the_built_in_open():
+    names: dict[str, object] = {}
+    exec("from mikas import *", names)
+    assert set(mikas.__all__) <= set(names)
+    assert "open" not in names
+
+
+def test_the_async_connect_has_the_options_of_connect():
+    assert signature(mikas.AsyncEcu.connect) == signature(mikas.connect)
 
 
 def test_the_client():

@@ -5,8 +5,8 @@
         print(ecu.read("TWAT", "FREQ"))
     frame = mikas.open("drive.pcapng").to_pandas()
 
-What is named here is the public interface; it is imported when it is first used, so that a program
-that only wants to print its help does not wait for all of it.
+The names in `__all__`, and `mikas.open` (as `gzip.open`), are the public interface. Each is
+imported when it is first used, so that a program that only prints its help does not load all of it.
 """
 
 from __future__ import annotations
@@ -16,25 +16,43 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mikas import errors
-    from mikas.client import AsyncEcu, Change, Ecu, Reading, Sample, connect
+    from mikas.catalog import Fault, Parameter
+    from mikas.client import (
+        AsyncEcu,
+        Change,
+        Ecu,
+        Info,
+        Passport,
+        Reading,
+        Sample,
+        connect,
+    )
     from mikas.errors import MikasError
-    from mikas.recording.opening import open  # noqa: A004  (read as `mikas.open`)
+    from mikas.recording.opening import Recording
+    from mikas.recording.opening import open as open  # noqa: A004
 
 __all__ = [
     "AsyncEcu",
     "Change",
     "Ecu",
+    "Fault",
+    "Info",
     "MikasError",
+    "Parameter",
+    "Passport",
     "Reading",
+    "Recording",
     "Sample",
     "connect",
     "errors",
-    "open",
 ]
 
-_HOMES = dict.fromkeys(__all__, "mikas.client") | {
+_MODULES = dict.fromkeys(__all__, "mikas.client") | {
+    "Fault": "mikas.catalog",
     "MikasError": "mikas.errors",
-    "open": "mikas.recording.opening",
+    "Parameter": "mikas.catalog",
+    "Recording": "mikas.recording.opening",
+    "open": "mikas.recording.opening",  # not in `__all__`: `import *` would hide the built-in one
 }
 
 
@@ -45,10 +63,10 @@ def __getattr__(name: str) -> object:
         return version("mikas")
     if name == "errors":
         return import_module("mikas.errors")
-    if name in _HOMES:
-        return getattr(import_module(_HOMES[name]), name)
+    if name in _MODULES:
+        return getattr(import_module(_MODULES[name]), name)
     raise AttributeError(f"module 'mikas' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, "__version__"])
+    return sorted([*__all__, "__version__", "open"])

@@ -59,7 +59,7 @@ def test_a_cancelled_connect_leaves_no_port_open(monkeypatch):
         made.append(ecu_on(bench()))
         return made[0]
 
-    monkeypatch.setattr("mikas.client.asynchronous.connect", slow)
+    monkeypatch.setattr(vars(AsyncEcu)["connect"], "_function", slow)
 
     async def scene():
         connecting = asyncio.create_task(AsyncEcu.connect("sim:"))

@@ -9,7 +9,7 @@ cancelled is still finished by the worker; what comes after it waits for that.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import asynccontextmanager, suppress
 from functools import partial, update_wrapper
@@ -67,6 +67,30 @@ class _Iterated(Generic[T, P, R]):
             return here.iterate(partial(self._method, there, *args, **kwargs))
 
         update_wrapper(call, self._method)
+        return call
+
+
+class _Connect(Generic[P]):
+    """`connect`, awaited: the same options and errors."""
+
+    def __init__(self, function: Callable[P, Ecu]) -> None:
+        self._function = function
+        self.__doc__ = function.__doc__
+
+    def __get__(
+        self, instance: object, owner: type[AsyncEcu]
+    ) -> Callable[P, Coroutine[Any, Any, AsyncEcu]]:
+        async def call(*args: P.args, **kwargs: P.kwargs) -> AsyncEcu:
+            worker = ThreadPoolExecutor(1, thread_name_prefix="mikas")
+            opening = worker.submit(partial(self._function, *args, **kwargs))
+            try:
+                return owner(await asyncio.wrap_future(opening), worker)
+            except BaseException:
+                opening.add_done_callback(_close)  # cancelled: it may still find the unit
+                worker.shutdown(wait=False)
+                raise
+
+        update_wrapper(call, self._function)
         return call
 
 
@@ -166,6 +190,7 @@ class AsyncEcu:
     `ecu.ecu` is the `Ecu` behind it; what needs its own thread there goes through `run`.
     """
 
+    connect = _Connect(connect)
     info = _Delegated(Ecu.info)
     passport = _Delegated(Ecu.passport)
     read = _Delegated(Ecu.read)
@@ -190,18 +215,6 @@ class AsyncEcu:
         self._there = ecu
         self._worker = worker
         self._closed = False
-
-    @classmethod
-    async def connect(cls, url: str | None = None, **settings: Any) -> Self:
-        """As `mikas.connect`, with the same settings, and the same errors."""
-        worker = ThreadPoolExecutor(1, thread_name_prefix="mikas")
-        opening = worker.submit(partial(connect, url, **settings))
-        try:
-            return cls(await asyncio.wrap_future(opening), worker)
-        except BaseException:
-            opening.add_done_callback(_let_go)  # cancelled: it may still find the unit
-            worker.shutdown(wait=False)
-            raise
 
     @property
     def catalog(self) -> Catalog:
@@ -268,6 +281,6 @@ class AsyncEcu:
         await self.close()
 
 
-def _let_go(opening: Future[Ecu]) -> None:
+def _close(opening: Future[Ecu]) -> None:
     if not opening.cancelled() and opening.exception() is None:
         opening.result().close()
