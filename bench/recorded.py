@@ -20,8 +20,7 @@ from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording import CaptureWriter, Coalescer, pcapng
 from mikas.recording.annotations.events import note_of, write_session_header
-from mikas.recording.note_blocks import block_of
-from mikas.recording.notes import Kind, Note
+from mikas.recording.notes import Kind, Note, block_of
 from mikas.sampling.alarms import Alarms
 from mikas.sampling.events import Gap, LineState, Marker, StateChanged, TextNote
 

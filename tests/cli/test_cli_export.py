@@ -16,7 +16,7 @@ from mikas.catalog import shipped
 from mikas.cli.commands.recordings.export import MOST_PROBLEMS
 from mikas.recording import pcapng
 from mikas.recording.annotations.events import note_of
-from mikas.recording.note_blocks import block_of
+from mikas.recording.notes import block_of
 from mikas.recording.opening import Recording
 from mikas.sampling.events import Marker
 

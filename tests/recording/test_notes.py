@@ -23,8 +23,9 @@ from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording import CaptureReader, CaptureWriter, Kind, Note, pcapng, write_session_header
-from mikas.recording import note_blocks as blocks
+from mikas.recording import notes as blocks
 from mikas.recording.annotations.events import catalog_note, faults_note, note_of, unit_of
+from mikas.recording.index import index
 from mikas.recording.reader import Packet
 from mikas.recording.scan import LARGEST
 from mikas.sampling.alarms import Alarms
@@ -236,7 +237,7 @@ def test_a_note_that_lies_across_the_windows_of_the_search():
         assert len(filler) == room + 32
         note = note_of(TextNote(1.0, "seam"))
         file = io.BytesIO(section + filler + pcapng.encode(blocks.block_of(note)) * 2)
-        assert list(blocks.find(file)) == [note, note]
+        assert index(file).notes == [note, note]
 
 
 @pytest.mark.parametrize("value", [nan, inf, b"bytes", object()])

@@ -10,6 +10,7 @@ import mikas
 from mikas.catalog import shipped
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter, Coalescer, Note, write_session_header
+from mikas.recording import index as file_index
 from mikas.recording import summary as summaries
 from mikas.recording.annotations.comment import write_comment
 from mikas.recording.annotations.events import events_of, note_of, unit_of
@@ -111,7 +112,7 @@ def test_what_stands_astride_two_windows_is_found(tmp_path, monkeypatch):
     path = record(tmp_path / "a.pcapng", count=30)
     whole = summarise(path)
     for window in (64, 256, 1028):
-        monkeypatch.setattr(summaries, "_WINDOW", window)
+        monkeypatch.setattr(file_index, "_WINDOW", window)
         assert summarise(path) == whole
 
 

@@ -24,8 +24,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final, Self
 from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.recording import pcapng
-from mikas.recording.note_blocks import block_of
-from mikas.recording.notes import Note
+from mikas.recording.notes import Note, block_of
 from mikas.recording.reader import FLAGS, CaptureReader, Packet, Problem, Source, reason_of
 from mikas.recording.scan import RawBlock, scan
 

@@ -1,14 +1,27 @@
-"""Notes in a recording: events beside the wire, between the packets.
+"""Notes in a recording: events beside the wire, as blocks between the packets.
 
-What a note of each kind holds is in `annotations/events.py`, its bytes in `note_blocks.py`.
+What a note of each kind holds is in `annotations/events.py`; `index.py` finds them in a file.
+
+A note is a Custom Block of pcapng, of the copyable kind (0x0BAD): other tools skip it (new ones
+list it, without a time and not as a packet), and editcap keeps it. The project has no Private
+Enterprise Number of its own: it uses 32473, which RFC 5612 reserves for documentation. Others may
+do so as well, hence the tag at the start of the payload; one JSON object in ASCII follows,
+`{"kind", "time", "data"}`, padded with zeros.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
+
+from mikas.recording import pcapng
+from mikas.recording.scan import LARGEST
+
+ENTERPRISE: Final = 32473  # RFC 5612: for documentation
+TAG: Final = b"mikas/1\n"
 
 
 class Kind(StrEnum):
@@ -46,3 +59,34 @@ class NoteSink(Protocol):
 
     def note(self, note: Note) -> None:
         """Write `note`."""
+
+
+def block_of(note: Note) -> pcapng.Custom:
+    """Return `note` as a block. Raises `ValueError` for data that JSON can't hold, or too much."""
+    content = {"kind": str(note.kind), "time": note.time, "data": dict(note.data)}
+    data = TAG + json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
+    if len(data) > LARGEST // 2:
+        raise ValueError("the note is too long")
+    return pcapng.Custom(ENTERPRISE, data)
+
+
+def read_block(block: pcapng.Custom) -> Note | None:
+    """Return the note in `block`; None if it can't be read. An unknown kind is kept."""
+    if block.enterprise != ENTERPRISE or not block.data.startswith(TAG):
+        return None
+    try:
+        content = json.loads(block.data[len(TAG) :].rstrip(b"\0"), parse_constant=_refuse)
+        kind, time, data = content["kind"], float(content["time"]), dict(content["data"])
+        if not isinstance(kind, str):
+            return None
+        return Note(Kind(kind) if kind in _KINDS else kind, time, data)
+    except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
+        return None
+
+
+_KINDS: Final = frozenset(Kind)
+
+
+def _refuse(constant: str) -> None:
+    """Refuse NaN and infinity, which are no JSON."""
+    raise ValueError(constant)

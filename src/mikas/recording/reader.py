@@ -18,7 +18,7 @@ from mikas.errors import reason_of as system_reason_of
 from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording import pcapng
-from mikas.recording.note_blocks import find
+from mikas.recording.index import index
 from mikas.recording.notes import Note
 from mikas.recording.scan import Gap, RawBlock, goes_on_as_one, is_section_start, scan
 
@@ -101,7 +101,7 @@ class CaptureReader:
         """
         try:
             with self.path.open("rb") as file:
-                yield from find(file)
+                yield from index(file).notes
         except OSError as error:
             raise CaptureError(str(self.path), reason_of(error)) from error
 

@@ -10,10 +10,9 @@ Any file has a summary; one that can't be read has its `problem` in it.
 from __future__ import annotations
 
 import os
-from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import BinaryIO, Final
@@ -27,17 +26,13 @@ from mikas.recording import pcapng
 from mikas.recording.annotations.comment import comment_of
 from mikas.recording.annotations.events import RecordedUnit, events_of, unit_of
 from mikas.recording.exchanges.scalar import ScalarMatcher
-from mikas.recording.note_blocks import TAG, read_block
+from mikas.recording.index import FileIndex, index
 from mikas.recording.notes import Kind, Note
 from mikas.recording.reader import Blocks, CaptureReader, Packet, reason_of
-from mikas.recording.scan import RawBlock, is_headless, scan
+from mikas.recording.scan import scan
 from mikas.recording.table import PLAINLY_UNIX
 from mikas.sampling.events import Gap
 
-_WINDOW: Final = 1 << 20
-_BEFORE_TAG: Final = 12  # bytes of a note's block
-_BEFORE_DATA: Final = 28  # bytes of a packet's block
-_ASKS_FAULTS: Final = b"\x02\xfe\x0d\0"  # as it stands in a packet, padded
 _TAIL: Final = 1 << 14
 _COUNTED: Final = 1 << 22  # bytes; of a longer file pieces are counted
 _PIECE: Final = 1 << 17
@@ -99,8 +94,8 @@ def summarise(path: str | os.PathLike[str], catalog: Catalog | None = None) -> S
 
 
 def _summed_up(path: Path, file: BinaryIO, catalog: Catalog) -> Summary:
-    places = _searched(file)
-    notes = list(_notes(file, places))
+    places = index(file)
+    notes = places.notes
     spans = list(_spans(file, places))
     events = events_of(notes, catalog)
     gaps = [event for event in events if isinstance(event, Gap)]
@@ -136,70 +131,6 @@ def _first_words(notes: Iterable[Note]) -> str:
     return ""
 
 
-@dataclass(slots=True)
-class _Places:
-    """Where in a file of `size` bytes what begins. `orders`: of the sections."""
-
-    size: int = 0
-    sections: list[int] = field(default_factory=list)
-    orders: list[pcapng.Order] = field(default_factory=list)
-    notes: list[int] = field(default_factory=list)
-    asked: list[int] = field(default_factory=list)
-
-    def order(self, offset: int) -> pcapng.Order:
-        """The byte order at `offset`."""
-        return self.orders[max(0, bisect_right(self.sections, offset) - 1)]
-
-
-def _searched(file: BinaryIO) -> _Places:
-    """One pass. Packets and sections are looked for at multiples of four only: behind damage that
-    moved them elsewhere, a session's begin or its faults may be missed; notes are not.
-    """
-    import numpy as np
-
-    found = _Places()
-    section = np.uint32(pcapng.SECTION)
-    asks = np.uint32(int.from_bytes(_ASKS_FAULTS, "little"))
-    start = 0
-    sections: list[int] = []
-    while True:
-        file.seek(start)
-        window = file.read(_WINDOW + len(TAG))
-        words = np.frombuffer(window[: min(len(window), _WINDOW) & -4], "<u4")
-        sections += (start + 4 * (words == section).nonzero()[0]).tolist()
-        found.asked += (start + 4 * (words == asks).nonzero()[0] - _BEFORE_DATA).tolist()
-        at = window.find(TAG)
-        while 0 <= at < _WINDOW:
-            found.notes.append(start + at - _BEFORE_TAG)
-            at = window.find(TAG, at + 1)
-        if len(window) <= _WINDOW:
-            break
-        start += _WINDOW
-    found.size = file.seek(0, os.SEEK_END)
-    for offset in sections:
-        file.seek(offset + 8)
-        order = pcapng.byte_order(file.read(4))
-        if order is not None:
-            found.sections.append(offset)
-            found.orders.append(order)
-    if found.sections[:1] != [0] and is_headless(file):
-        found.sections.insert(0, 0)
-        found.orders.insert(0, "<")
-    return found
-
-
-def _notes(file: BinaryIO, places: _Places) -> Iterator[Note]:
-    for offset in places.notes:
-        item = next(scan(file, max(0, offset), places.order(offset)), None)
-        if isinstance(item, RawBlock) and item.offset == offset:
-            with suppress(pcapng.Malformed):
-                block = pcapng.parse(item.kind, item.body, item.order)
-                note = read_block(block) if isinstance(block, pcapng.Custom) else None
-                if note is not None:
-                    recording = max(0, bisect_right(places.sections, offset) - 1)
-                    yield Note(note.kind, note.time, note.data, recording, offset)
-
-
 def _head(file: BinaryIO, start: int, stop: int) -> tuple[Blocks, Packet | None]:
     """What a section's ports are, and its first packet."""
     blocks = Blocks()
@@ -212,7 +143,7 @@ def _head(file: BinaryIO, start: int, stop: int) -> tuple[Blocks, Packet | None]
     return blocks, None
 
 
-def _spans(file: BinaryIO, places: _Places) -> Iterator[tuple[float, float]]:
+def _spans(file: BinaryIO, places: FileIndex) -> Iterator[tuple[float, float]]:
     """Each session's first and last time."""
     for start, stop in pairwise([*places.sections, places.size]):
         blocks, packet = _head(file, start, stop)
@@ -235,11 +166,11 @@ def _packets(
                 yield told
 
 
-def _faults(file: BinaryIO, places: _Places) -> tuple[int, ...] | None:
+def _faults(file: BinaryIO, places: FileIndex) -> tuple[int, ...] | None:
     """The last answer to 02."""
     edges = [*places.sections, places.size]
-    for offset in reversed(places.asked):
-        section = bisect_right(places.sections, offset) - 1
+    for offset in reversed(places.fault_requests):
+        section = places.section(offset)
         if section < 0:
             continue
         blocks, _ = _head(file, edges[section], edges[section + 1])
@@ -261,7 +192,7 @@ def _faults(file: BinaryIO, places: _Places) -> tuple[int, ...] | None:
 
 
 def _samples(
-    path: Path, file: BinaryIO, places: _Places, catalog: Catalog
+    path: Path, file: BinaryIO, places: FileIndex, catalog: Catalog
 ) -> tuple[int | None, bool]:
     """How many responses with data; and whether that was counted."""
     if places.size <= _COUNTED:
@@ -273,7 +204,7 @@ def _samples(
     return _estimated(file, places), False
 
 
-def _estimated(file: BinaryIO, places: _Places) -> int:
+def _estimated(file: BinaryIO, places: FileIndex) -> int:
     """Responses in pieces of the file, and the same for the rest of it."""
     from mikas.recording.exchanges.columnar import ColumnarMatcher
     from mikas.recording.exchanges.packets import PacketColumns, Window
@@ -283,7 +214,7 @@ def _estimated(file: BinaryIO, places: _Places) -> int:
     seen = answers = 0
     step = places.size // _PIECES
     for offset in range(step // 2, places.size, step):
-        section = max(0, bisect_right(places.sections, offset) - 1)
+        section = max(0, places.section(offset))
         if section not in heads:
             heads[section] = _head(file, edges[section], edges[section + 1])[0]
         item = next(scan(file, offset & -4, places.orders[section]), None)

@@ -14,8 +14,7 @@ from typing import Final
 
 from mikas.errors import CaptureError, reason_of
 from mikas.recording import pcapng
-from mikas.recording.note_blocks import block_of
-from mikas.recording.notes import Note
+from mikas.recording.notes import Note, block_of
 from mikas.recording.reader import CaptureReader
 
 KIND: Final = "about"
