@@ -136,7 +136,7 @@ def test_a_file_longer_than_its_manifest_says(mikas, cut):
 def test_verify(mikas, tmp_path):
     data = bytes.fromhex(mikas("mem", "read", "code", "8000", "32", "--json").object["data"])
     (tmp_path / "part").write_bytes(data)
-    assert mikas("mem", "verify", "code", "part", "--from", "8000").out == "They are the same.\n"
+    assert mikas("mem", "verify", "code", "part", "--from", "8000").out == "No differences.\n"
     (tmp_path / "part").write_bytes(bytes([data[0] ^ 0xFF]) + data[1:])
     ran = mikas("mem", "verify", "code", "part", "--from", "8000", "--json").object
     (difference,) = ran["differences"]
@@ -160,7 +160,7 @@ def test_diff(mikas, tmp_path):
         {"address": 1, "a": "02", "b": "05"},
         {"address": 3, "a": None, "b": "04"},
     ]
-    assert mikas("mem", "diff", "a", "a").out == "They are the same.\n"
+    assert mikas("mem", "diff", "a", "a").out == "No differences.\n"
     assert "0003  –  04" in mikas("mem", "diff", "a", "b").out
 
 

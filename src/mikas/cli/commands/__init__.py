@@ -11,54 +11,54 @@ _UNIT, _MEMORY, _RECORDINGS = f"{_HERE}.unit", f"{_HERE}.memory", f"{_HERE}.reco
 COMMANDS: dict[str, tuple[str, Text]] = {
     "ports": (
         f"{_HERE}.ports:ports",
-        Text("adapters that are plugged in", "какие адаптеры подключены"),
+        Text("list the adapters plugged in", "показать подключённые адаптеры"),
     ),
     "doctor": (
         f"{_HERE}.doctor:doctor",
-        Text("finds out what is wrong with the connection", "находит, что не так со связью"),
+        Text("check the connection step by step", "проверить связь по шагам"),
     ),
     "info": (
         f"{_UNIT}.info:info",
-        Text("model, passports, what this unit supports", "модель, паспорта, что блок умеет"),
+        Text("model, passports, supported commands", "модель, паспорта, команды блока"),
     ),
     "params": (
         f"{_UNIT}.params:params",
-        Text("every known parameter (needs no port)", "все известные параметры (порт не нужен)"),
+        Text("list all parameters (needs no port)", "показать все параметры (порт не нужен)"),
     ),
-    "read": (f"{_UNIT}.read:read", Text("one reading each", "прочесть параметры один раз")),
-    "watch": (f"{_HERE}.watch:watch", Text("live table", "живая таблица")),
-    "log": (f"{_HERE}.log:log", Text("record to a file", "записывать в файл")),
+    "read": (f"{_UNIT}.read:read", Text("read parameters once", "прочитать параметры один раз")),
+    "watch": (f"{_HERE}.watch:watch", Text("live table of values", "таблица текущих значений")),
+    "log": (f"{_HERE}.log:log", Text("record to a file", "запись в файл")),
     "faults": (
         f"{_UNIT}.faults:faults",
-        Text("stored faults; `faults erase` erases them", "ошибки; `faults erase` стирает их"),
+        Text("stored faults; `faults erase` erases them", "ошибки; сброс: `faults erase`"),
     ),
     "write": (f"{_UNIT}.write:write", Text("write a parameter", "записать параметр")),
     "mem": (
         f"{_MEMORY}.group:mem",
         Text(
-            "read, write, dump and compare memory", "память блока: чтение, запись, образ, сравнение"
+            "read, write, dump and compare memory", "память блока: чтение, запись, дамп, сравнение"
         ),
     ),
-    "raw": (f"{_UNIT}.raw:raw", Text("send any request", "послать любой запрос")),
+    "raw": (f"{_UNIT}.raw:raw", Text("send any request", "отправить любой запрос")),
     "decode": (
         f"{_RECORDINGS}.decode:decode",
         Text(
-            "a capture, frame by frame (needs no port)",
-            "показать запись линии по кадрам (порт не нужен)",
+            "show a capture frame by frame (needs no port)",
+            "показать запись по кадрам (порт не нужен)",
         ),
     ),
     "export": (
         f"{_RECORDINGS}.export:export",
         Text(
-            "a recording as a table for other programs (needs no port)",
-            "запись в виде таблицы для других программ (порт не нужен)",
+            "export a recording for other programs (needs no port)",
+            "экспорт записи для других программ (порт не нужен)",
         ),
     ),
     "report": (
         f"{_RECORDINGS}.report:report",
         Text(
-            "a page on the car for its owner, of a recording or measured now",
-            "страница о машине для её владельца: по записи или по измерению сейчас",
+            "a report on the car, from a recording or measured now",
+            "отчёт о машине: по записи или по измерению сейчас",
         ),
     ),
     "sim": (
@@ -67,7 +67,7 @@ COMMANDS: dict[str, tuple[str, Text]] = {
     ),
     "dash": (
         f"{_HERE}.dash:dash",
-        Text("the dashboard, in the browser", "панель в браузере"),
+        Text("the dashboard in the browser", "панель в браузере"),
     ),
     "demo": (
         f"{_HERE}.demo:demo",
@@ -75,19 +75,19 @@ COMMANDS: dict[str, tuple[str, Text]] = {
     ),
 }
 MEMORY_COMMANDS: dict[str, tuple[str, Text]] = {
-    "read": (f"{_MEMORY}.cells:read", Text("hex dump of some bytes", "показать байты")),
+    "read": (f"{_MEMORY}.cells:read", Text("hex dump of some bytes", "показать байты (hex)")),
     "write": (
         f"{_MEMORY}.cells:write",
-        Text("write bytes, and read them back", "записать байты и перечитать"),
+        Text("write bytes and read them back", "записать байты и проверить чтением"),
     ),
-    "dump": (f"{_MEMORY}.files:dump", Text("a space to a file", "пространство в файл")),
+    "dump": (f"{_MEMORY}.files:dump", Text("save a memory space to a file", "считать дамп в файл")),
     "verify": (
         f"{_MEMORY}.files:verify",
-        Text("compare a file with the unit", "сравнить файл с блоком"),
+        Text("compare a file with the unit", "сравнить дамп с памятью блока"),
     ),
     "diff": (
         f"{_MEMORY}.files:diff",
-        Text("compare two dumps (needs no port)", "сравнить два образа (порт не нужен)"),
+        Text("compare two dumps (needs no port)", "сравнить два дампа (порт не нужен)"),
     ),
     "goto": (
         f"{_MEMORY}.cells:goto",

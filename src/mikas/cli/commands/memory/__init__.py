@@ -1,1 +1,1 @@
-"""Memory."""
+"""Commands on the unit's memory: `mikas mem`."""

@@ -1,4 +1,4 @@
-"""`mikas mem read`, `write`, `goto`: cells of the unit's memory."""
+"""`mikas mem read`, `write`, `goto`: single cells of the unit's memory."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ SPACE = OneOf(("ram", "xram", "code", "sfr"))
 @command(
     "read",
     Text(
-        "Shows COUNT bytes (1) from ADDR on. Addresses are hex. SPACE: ram, xram, code, sfr.",
-        "Показывает COUNT байтов (1) с адреса ADDR. Адреса шестнадцатеричные. SPACE: ram, xram, "
+        "Shows COUNT bytes (1) from ADDR. Addresses are hex. SPACE: ram, xram, code, sfr.",
+        "Показывает COUNT байт (1) с адреса ADDR. Адреса шестнадцатеричные. SPACE: ram, xram, "
         "code, sfr.",
     ),
     examples=("mikas mem read ram 40", "mikas mem read xram 0x1000 64 --json"),
@@ -40,9 +40,9 @@ def read(context: CommandContext, space: str, address: int, count: int) -> None:
 @command(
     "write",
     Text(
-        "Writes the bytes HEX from ADDR on, asks first, reads back, and keeps a journal. Writing "
-        "CODE can leave the unit unable to run.",
-        "Записывает байты HEX с адреса ADDR: сначала спрашивает, потом перечитывает и ведёт "
+        "Writes the bytes HEX from ADDR: asks first, reads them back, adds them to the journal. "
+        "Writing CODE can make the unit unusable.",
+        "Записывает байты HEX с адреса ADDR: спрашивает подтверждение, проверяет чтением, ведёт "
         "журнал. После записи в CODE блок может перестать работать.",
     ),
     examples=("mikas mem write ram 40 0D", "mikas mem write xram 1000 AABB --yes"),
@@ -66,10 +66,10 @@ def write(context: CommandContext, space: str, address: int, data: bytes, *, yes
 @command(
     "goto",
     Text(
-        "Makes the ECU jump to ADDR. The most dangerous command: it runs whatever stands there. "
-        "Always asks; --yes alone is not enough.",
-        "Переход блока на адрес ADDR. Самая опасная команда: выполняется всё, что там окажется. "
-        "Всегда спрашивает; одного --yes мало.",
+        "Makes the ECU jump to ADDR. The most dangerous command: the unit executes the bytes at "
+        "that address. Always asks; --yes alone is not enough.",
+        "Переход блока на адрес ADDR. Самая опасная команда: блок выполнит то, что там записано. "
+        "Всегда спрашивает подтверждение; одного --yes недостаточно.",
     ),
     examples=("mikas mem goto 8000",),
 )
@@ -79,15 +79,15 @@ def write(context: CommandContext, space: str, address: int, data: bytes, *, yes
     "--i-know-what-this-does",
     "sure",
     is_flag=True,
-    text=Text("needed beside --yes", "нужно вместе с --yes"),
+    text=Text("required together with --yes", "обязателен вместе с --yes"),
 )
 def goto(context: CommandContext, address: int, *, yes: bool, sure: bool) -> None:
     if yes and not sure:
         raise NotConfirmed(
             change=Text(f"jump to {address:04X}", f"переход на {address:04X}"),
             how=Text(
-                "For this one --yes needs --i-know-what-this-does beside it.",
-                "Здесь вместе с --yes нужен --i-know-what-this-does.",
+                "Here --yes requires --i-know-what-this-does.",
+                "Здесь --yes действует только вместе с --i-know-what-this-does.",
             ),
         )
     with context.ecu(context.confirm(yes=yes)) as ecu:
@@ -98,5 +98,8 @@ def goto(context: CommandContext, address: int, *, yes: bool, sure: bool) -> Non
         context.output.line(response.hex(" ").upper())
     else:
         context.output.note(
-            tr("Sent. No response, as expected (D9).", "Послано. Ответа нет, как и ожидалось (D9).")
+            tr(
+                "Sent. No response, as expected (D9).",
+                "Отправлено. Ответа нет, как и ожидалось (D9).",
+            )
         )

@@ -1,4 +1,4 @@
-"""`mikas mem dump`, `verify`, `diff`: memory and files."""
+"""`mikas mem dump`, `verify`, `diff`: the unit's memory and dump files."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ BLOCK = option(
     "--block",
     type=Count(),
     metavar="N",
-    text=Text("bytes a request, at most (255)", "не больше стольких байтов за запрос (255)"),
+    text=Text("bytes per request, at most (255)", "байт за запрос, не больше (255)"),
 )
 
 
 @command(
     "dump",
     Text(
-        "Reads a whole SPACE, or --from to --to, into FILE (plain binary) with FILE.json, its "
-        "manifest, beside it. An interrupted dump is continued with --resume.",
-        "Читает SPACE целиком или от --from до --to в FILE (просто байты); рядом FILE.json с "
-        "описанием. Прерванное чтение продолжается с --resume.",
+        "Reads a whole SPACE, or --from to --to, into FILE (plain binary) and writes its manifest "
+        "FILE.json. --resume continues an interrupted dump.",
+        "Считывает дамп SPACE, целиком или от --from до --to, в FILE (двоичный) и его описание в "
+        "FILE.json. Прерванное чтение продолжает --resume.",
     ),
     examples=(
         "mikas mem dump code -o code.bin --verify",
@@ -50,7 +50,7 @@ BLOCK = option(
     required=True,
     type=File(),
     metavar="FILE",
-    text=Text("the file to write; needed", "в какой файл; обязательно"),
+    text=Text("the file to write; required", "файл для записи; обязательно"),
 )
 @option(
     "--from",
@@ -68,8 +68,14 @@ BLOCK = option(
     text=Text("last address, inclusive", "последний адрес, включительно"),
 )
 @BLOCK
-@option("--verify", is_flag=True, text=Text("read it all a second time", "прочесть всё второй раз"))
-@option("--resume", is_flag=True, text=Text("go on where it stopped", "продолжить прерванное"))
+@option(
+    "--verify", is_flag=True, text=Text("read everything a second time", "прочитать всё второй раз")
+)
+@option(
+    "--resume",
+    is_flag=True,
+    text=Text("continue an interrupted dump", "продолжить прерванное чтение"),
+)
 def dump(
     context: CommandContext,
     space: str,
@@ -96,7 +102,7 @@ def dump(
         if verify:
             with _progress(tr("second pass", "второй проход"), manifest.size) as done:
                 found = job.verify(block=block, progress=done)
-            _tell(context, found, tr("first pass differs", "проходы расходятся"))
+            _show_differences(context, found, tr("first pass differs", "проходы расходятся"))
     if context.output.json:
         context.output.data(manifest.as_json())
     else:
@@ -104,7 +110,7 @@ def dump(
             tr(
                 f"{out}: {space} {first:04X}–{end:04X}, {manifest.size} bytes, "
                 f"sha256 {manifest.sha256}",
-                f"{out}: {space} {first:04X}–{end:04X}, байтов {manifest.size}, "
+                f"{out}: {space} {first:04X}–{end:04X}, байт: {manifest.size}, "
                 f"sha256 {manifest.sha256}",
             )
         )
@@ -113,12 +119,12 @@ def dump(
 def _stopped(job: Dump, out: Path) -> str:
     done, size = job.manifest.bytes_read, job.manifest.size
     return tr(
-        f"Stopped: {done} of {size} bytes are in {out}; --resume goes on from there.",
-        f"Прервано: в {out} байтов {done} из {size}; продолжить: --resume.",
+        f"Stopped: {done} of {size} bytes are in {out}; --resume continues.",
+        f"Прервано: в {out} прочитано байт: {done} из {size}; продолжить: --resume.",
     )
 
 
-def _tell(context: CommandContext, found: Sequence[Difference], what: str) -> None:
+def _show_differences(context: CommandContext, found: Sequence[Difference], what: str) -> None:
     for difference in found[:20]:
         context.output.note(f"{what}: {_line(difference)}")
     if len(found) > 20:
@@ -128,9 +134,9 @@ def _tell(context: CommandContext, found: Sequence[Difference], what: str) -> No
 @command(
     "verify",
     Text(
-        "Compares FILE with the unit's memory from the address on that FILE's manifest names "
-        "(else --from).",
-        "Сравнивает FILE с памятью блока начиная с адреса из описания FILE (иначе --from).",
+        "Compares FILE with the unit's memory, starting at the address in FILE's manifest (else "
+        "--from).",
+        "Сравнивает дамп FILE с памятью блока, начиная с адреса из его описания (иначе --from).",
     ),
     examples=("mikas mem verify code code.bin", "mikas mem verify xram part.bin --from 1000"),
 )
@@ -150,7 +156,7 @@ def verify(
         raise UsageError(
             problem=Text(
                 f"{file} is a dump of {manifest.space}, not of {space}",
-                f"{file} — образ {manifest.space}, а не {space}",
+                f"{file} — дамп {manifest.space}, а не {space}",
             )
         )
     start = first if first is not None else manifest.first if manifest else 0
@@ -162,9 +168,9 @@ def verify(
 @command(
     "diff",
     Text(
-        "Compares two dumps, byte by byte, at the addresses that their manifests name (else 0). "
-        "Needs no port.",
-        "Сравнивает два образа побайтно по адресам из их описаний (иначе с 0). Порт не нужен.",
+        "Compares two dumps byte by byte at the addresses in their manifests (else from 0). Needs "
+        "no port.",
+        "Сравнивает два дампа побайтно по адресам из их описаний (иначе с 0). Порт не нужен.",
     ),
     examples=("mikas mem diff before.bin after.bin", "mikas mem diff a.bin b.bin --json"),
 )
@@ -186,7 +192,7 @@ def _report(context: CommandContext, found: Sequence[Difference], a: str, b: str
         for difference in found:
             context.output.line(_line(difference))
     else:
-        context.output.line(tr("They are the same.", "Они одинаковы."))
+        context.output.line(tr("No differences.", "Различий нет."))
 
 
 def _line(difference: Difference) -> str:
@@ -214,7 +220,7 @@ def _progress(what: str, total: int, already: int = 0) -> Iterator[Callable[[int
     from rich.text import Text as RichText
 
     class Speed(ProgressColumn):
-        """rich's own speaks English."""
+        """Bytes per second; rich's own column is English only."""
 
         def render(self, task: Task) -> RichText:
             speed = f"{task.finished_speed or task.speed or 0:.0f}"

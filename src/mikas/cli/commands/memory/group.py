@@ -1,4 +1,4 @@
-"""`mikas mem`: the memory commands, one module for those on the unit, one for those on files."""
+"""`mikas mem`: the group of memory commands."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ mem = LocalizedGroup(
     "mem",
     homes=MEMORY_COMMANDS,
     text=Text(
-        "The unit's memory: RAM, XRAM, CODE and SFR. Not every unit lets it be read; nobody has "
-        "tried these commands on all of them.",
-        "Память блока: RAM, XRAM, CODE и SFR. Не каждый блок даёт её читать; на всех блоках эти "
-        "команды никто не пробовал.",
+        "The unit's memory: RAM, XRAM, CODE and SFR. Not every unit allows reading; these commands "
+        "have not been tried on all units.",
+        "Память блока: RAM, XRAM, CODE и SFR. Читать её разрешает не каждый блок; на всех блоках "
+        "эти команды не проверялись.",
     ),
     examples=("mikas mem read ram 40 16", "mikas mem dump code -o code.bin --verify"),
     params=list(common_options()),

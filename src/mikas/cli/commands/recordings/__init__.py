@@ -1,1 +1,1 @@
-"""Recordings."""
+"""Commands on recordings."""

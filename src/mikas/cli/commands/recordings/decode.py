@@ -21,9 +21,9 @@ from mikas.recording.inspect.frames import to_json, to_text
     "decode",
     Text(
         "Shows a capture (.pcapng) frame by frame: time, direction, bytes, meaning; damage with "
-        "its reason and place. What is left of a cut file is shown, the rest is reported.",
-        "Показывает запись линии (.pcapng) по кадрам: время, направление, байты, значение; "
-        "повреждения с причиной и местом. От обрезанного файла показывается всё, что осталось.",
+        "its reason and offset. Of a truncated file the readable part is shown.",
+        "Показывает запись (.pcapng) по кадрам: время, направление, байты, значение; повреждения "
+        "с причиной и смещением. Обрезанный файл показывается до места обрыва.",
     ),
     examples=("mikas decode drive.pcapng", "mikas decode drive.pcapng --json"),
 )

@@ -1,4 +1,4 @@
-"""`mikas export`: a recording in a format of other programs. Needs no port."""
+"""`mikas export`: a recording in the format of another program. Needs no port."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ MOST_PROBLEMS = 20
 @command(
     "export",
     Text(
-        "Makes a table of a recording (.pcapng) for other programs. Its format is OUT's suffix: "
-        ".csv, .mf4, .parquet, .msl or .mlg. With no NAME it has every parameter that was recorded "
+        "Exports a recording (.pcapng) as a table for other programs. OUT's suffix sets the "
+        "format: .csv, .mf4, .parquet, .msl or .mlg. With no NAME it has every recorded parameter "
         "and every channel that can be derived from them.",
-        "Делает из записи (.pcapng) таблицу для других программ. Формат определяет расширение "
-        "файла OUT: .csv, .mf4, .parquet, .msl или .mlg. Если NAME не указано, в таблице все "
-        "записанные параметры и все каналы, которые из них выводятся.",
+        "Экспортирует запись (.pcapng) в таблицу для других программ. Формат определяет "
+        "расширение файла OUT: .csv, .mf4, .parquet, .msl или .mlg. Без NAME в таблице все "
+        "записанные параметры и все каналы, которые из них рассчитываются.",
     ),
     examples=(
         "mikas export drive.pcapng -o drive.csv",
@@ -48,7 +48,7 @@ MOST_PROBLEMS = 20
     "--dialect",
     type=OneOf(tuple(DIALECTS)),
     text=Text(
-        "how a .csv is spelled: with commas (plain), or for an Excel with a decimal comma (excel)",
+        "form of a .csv: commas (plain), or for an Excel with a decimal comma (excel)",
         "вид файла .csv: через запятую (plain) или для таблиц с десятичной запятой (excel)",
     ),
 )
@@ -90,15 +90,15 @@ def export(
         context.output.note(
             tr(
                 f"{out}: {result.rows} rows, {count} channels",
-                f"{out}: строк {result.rows}, каналов {count}",
+                f"{out}: строк: {result.rows}, каналов: {count}",
             )
         )
 
 
 def _check(file: Path, out: Path, dialect: str | None) -> None:
-    """What would be a pity to find out only after reading ten hours."""
+    """Raise for errors that can be found before reading ten hours."""
     same = False
-    with suppress(OSError):  # OUT is not there, or nobody may look: told when it is written
+    with suppress(OSError):  # OUT is absent or not readable: reported when it is written
         same = out.samefile(file)
     if same:
         raise UsageError(
@@ -110,14 +110,14 @@ def _check(file: Path, out: Path, dialect: str | None) -> None:
     if dialect and out.suffix.lower() != ".csv":
         raise UsageError(
             problem=Text(
-                f"--dialect is for .csv files only, and {out} is none",
-                f"Ключ --dialect годится только для .csv, а {out} — другой файл",
+                f"--dialect is for .csv files only; {out} is not one",
+                f"Ключ --dialect действует только для .csv, а {out} — другой файл",
             )
         )
 
 
 def _tell_problems(context: CommandContext, recording: Recording) -> None:
-    """The first of them by their places, and how many there are."""
+    """Print the first problems with their offsets, and their number."""
     if not recording.problem_count:
         return
     for problem in recording.problems[:MOST_PROBLEMS]:
@@ -130,14 +130,14 @@ def _tell_problems(context: CommandContext, recording: Recording) -> None:
     count = recording.problem_count
     context.output.note(
         tr(
-            f"{recording.path}: {count} damaged place(s); what can be read is exported.",
-            f"{recording.path}: повреждённых мест {count}; всё, что читается, попадёт в таблицу.",
+            f"{recording.path}: {count} damaged place(s); the readable rest is exported.",
+            f"{recording.path}: повреждённых мест: {count}; всё остальное экспортируется.",
         )
     )
 
 
 def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Rows]:
-    """Passes the rows on; says in the end how often their times ran back."""
+    """Pass the rows on; at the end print how often their times ran back."""
     last, count = float("-inf"), 0
     for rows in stretches:
         if len(rows.times):
@@ -147,9 +147,9 @@ def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Row
     if count:
         context.output.note(
             tr(
-                f"Times run back in this table (times: {count}): the recording has several "
+                f"Time runs back in this table {count} time(s): the recording has several "
                 "sessions or ports, one after another.",
                 f"Время в этой таблице идёт назад (раз: {count}): в записи несколько сеансов или "
-                "портов, они стоят друг за другом.",
+                "портов, они следуют друг за другом.",
             )
         )

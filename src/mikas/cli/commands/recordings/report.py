@@ -1,4 +1,4 @@
-"""`mikas report`: one page on a car, of a recording or measured now."""
+"""`mikas report`: a report on the car, from a recording or measured now."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ _SECONDS = 30.0
 @command(
     "report",
     Text(
-        "Makes a page on the car (OUT.html), to be read, printed or sent: stored faults in plain "
-        "words, values at warm idle against what is usual, charts, and what could not be known. Of "
-        "the recording FILE, or, without one, of the car that is connected: measured for half a "
-        "minute, best with the engine idling warm.",
-        "Делает страницу о машине (OUT.html), чтобы прочесть, напечатать или переслать: ошибки "
-        "понятными словами, значения на прогретом холостом ходу рядом с нормой, графики и то, чего "
-        "узнать не удалось. По записи FILE, а без неё — по подключённой машине: полминуты "
+        "Makes a report on the car (OUT.html) to read, print or send: stored faults in plain "
+        "words, values at warm idle with their normal range, charts, and what remains unknown. "
+        "Made from the recording FILE or, without it, from the connected car: measured for half a "
+        "minute, best with the warm engine idling.",
+        "Делает отчёт о машине (OUT.html), который можно прочитать, напечатать или переслать: "
+        "ошибки понятными словами, значения на прогретом холостом ходу и их нормы, графики и то, "
+        "чего узнать не удалось. По записи FILE, а без неё — по подключённой машине: полминуты "
         "измерений, лучше на прогретом холостом ходу.",
     ),
     examples=(
@@ -68,8 +68,8 @@ def report(
     if file is not None and (duration is not None or context.capture is not None):
         raise UsageError(
             problem=Text(
-                "--duration and --capture are for measuring now; with FILE nothing is measured",
-                "--duration и --capture нужны, когда измеряют сейчас; с FILE ничего не измеряется",
+                "--duration and --capture apply to measuring now; with FILE nothing is measured",
+                "--duration и --capture действуют при измерении; с FILE ничего не измеряется",
             )
         )
     writing.check(out, overwrite=overwrite)
@@ -85,7 +85,7 @@ def report(
 
 
 def _measured_now(context: CommandContext, seconds: float) -> Findings:
-    """Of a recording that is made for it, and kept only if `--capture` names it."""
+    """Record for `seconds` and evaluate that; the file is kept only if `--capture` names it."""
     from mikas.report.from_recording import of_recording
 
     with TemporaryDirectory(prefix="mikas-") as folder:
@@ -99,8 +99,8 @@ def _measured_now(context: CommandContext, seconds: float) -> Findings:
                     raise
                 context.output.note(
                     tr(
-                        "Ended early: the report is of what came.",
-                        "Прервано: отчёт — по тому, что есть.",
+                        "Stopped early: the report covers the time measured.",
+                        "Прервано: отчёт составлен по измеренной части.",
                     )
                 )
             failure = current.recorder.failure
@@ -120,7 +120,7 @@ def _sample(
             notices.take(event)
             if isinstance(event, UnitFound):
                 if event.another:
-                    return  # the report is of the car that it began with
+                    return  # the report is on the first car
                 current.acquisition.call(lambda ecu: ecu.faults())
             progress.show(current)
         notices.end()
@@ -129,33 +129,33 @@ def _sample(
 
 
 class _Progress:
-    """How far the measuring is, on a terminal."""
+    """The progress line on a terminal."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
         self._live = sys.stderr.isatty()
-        self._told = -1
+        self._shown = -1
 
     def show(self, current: SamplingRun) -> None:
-        """Once a second."""
-        if self._live and int(current.seconds) != self._told:
-            self._told = int(current.seconds)
+        """Redraw the line, once a second."""
+        if self._live and int(current.seconds) != self._shown:
+            self._shown = int(current.seconds)
             rate = decimal(f"{current.rate:.1f}")
             said = tr(
-                f"measuring: {self._told} of {self._seconds:g} s, {rate} samples a second",
-                f"измерение: {self._told} из {self._seconds:g} с, отсчётов в секунду {rate}",
+                f"measuring: {self._shown} of {self._seconds:g} s, {rate} samples/s",
+                f"измерение: {self._shown} из {self._seconds:g} с, {rate} отсчёт/с",
             )
             sys.stderr.write(f"\r\x1b[K{said}")
             sys.stderr.flush()
 
     def clear(self) -> None:
-        """Leaves an empty line."""
+        """Leave an empty line."""
         if self._live:
             sys.stderr.write("\r\x1b[K")
             sys.stderr.flush()
 
     def over(self, tell: Callable[[str], None]) -> Callable[[str], None]:
-        """`tell`, on a line of its own."""
+        """Return `tell` that clears the progress line first."""
 
         def on_its_own(sentence: str) -> None:
             self.clear()

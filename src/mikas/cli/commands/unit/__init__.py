@@ -1,1 +1,1 @@
-"""Unit."""
+"""Commands on the connected unit."""

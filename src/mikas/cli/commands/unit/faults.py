@@ -18,10 +18,10 @@ from mikas.i18n import Text
 @command(
     "faults",
     Text(
-        "Shows the stored faults with their text, how sure that text is, and what to check. "
-        "`faults erase` erases them and reads back.",
-        "Показывает запомненные ошибки: что они значат, насколько это достоверно, что проверить. "
-        "`faults erase` стирает их и перечитывает.",
+        "Shows the stored faults with their text, its confidence, and what to check. "
+        "`faults erase` erases them and reads the memory again.",
+        "Показывает ошибки в памяти блока: описание, его достоверность, что проверить. "
+        "`faults erase` сбрасывает ошибки и перечитывает память.",
     ),
     examples=("mikas faults", "mikas faults erase", "mikas faults erase --yes --json"),
 )
@@ -52,13 +52,15 @@ def _erase(context: CommandContext, *, yes: bool) -> None:
     if erased.after:
         context.output.note(
             tr(
-                "These came back at once, so their cause is still there:",
-                "Эти появились сразу же снова, значит причина осталась:",
+                "These faults came back at once: their cause remains:",
+                "Эти ошибки сразу появились снова: причина не устранена:",
             )
         )
         _show(context, erased.after)
     else:
-        context.output.line(tr("Erased; no faults are stored.", "Стёрто; ошибок нет."))
+        context.output.line(
+            tr("Erased; no faults are stored.", "Ошибки сброшены; в памяти их нет.")
+        )
 
 
 def _show(context: CommandContext, stored: Sequence[Fault]) -> None:
@@ -68,16 +70,15 @@ def _show(context: CommandContext, stored: Sequence[Fault]) -> None:
     context.output.table(
         [
             tr("code", "код"),
-            tr("fault", "неисправность"),
-            tr("how sure", "достоверность"),
-            tr("check first", "сначала проверить"),
-            tr("look at", "смотреть"),
+            tr("fault", "ошибка"),
+            tr("confidence", "достоверность"),
+            tr("check first", "что проверить"),
+            tr("parameters", "параметры"),
         ],
         [
             [
                 str(fault.code),
-                localized(fault.text)
-                or tr("what this number means is not known", "что значит этот номер, неизвестно"),
+                localized(fault.text) or tr("unknown fault number", "неизвестный номер ошибки"),
                 _sure(fault.confidence),
                 localized(fault.check),
                 " ".join(fault.parameters),

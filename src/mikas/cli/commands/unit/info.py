@@ -21,25 +21,25 @@ _BAUD = 9600  # §1
 @command(
     "info",
     Text(
-        "Shows who the ECU is and which commands it knows. Every harmless command is tried once, "
-        "which takes a second for each that the unit leaves unanswered; of a recording that is "
-        "played (replay:) it is told what was asked then.",
-        "Показывает, что это за блок и какие команды он знает. Каждая безвредная команда "
-        "пробуется один раз; на каждую, что осталась без ответа, уходит секунда; для записи "
-        "(replay:) сообщается то, что спрашивали тогда.",
+        "Shows the ECU's model and passports and the commands that it knows. Every harmless "
+        "command is tried once (1 s for each without a response). For a recording (replay:) the "
+        "result is that of the recorded requests.",
+        "Показывает модель и паспорта блока и команды, которые он знает. Каждая безвредная "
+        "команда проверяется один раз (1 с на каждую без ответа). Для записи (replay:) результат "
+        "берётся из записанных запросов.",
     ),
     examples=("mikas info", "mikas info --quick", "mikas info --port socket://192.168.1.5:2000"),
 )
 @option(
     "--quick",
     is_flag=True,
-    text=Text("do not try the commands", "не пробовать команды"),
+    text=Text("do not try the commands", "не проверять команды"),
 )
 def info(context: CommandContext, *, quick: bool) -> None:
     with context.ecu() as ecu:
         found = ecu.info()
         recorded = parse(ecu.tester.link.url).scheme == "replay"
-        supported = [] if quick else _told_by_recording(ecu) if recorded else list(ecu.supported())
+        supported = [] if quick else _recorded_support(ecu) if recorded else list(ecu.supported())
         catalog = ecu.catalog
     if context.output.json:
         context.output.data(
@@ -64,17 +64,17 @@ def info(context: CommandContext, *, quick: bool) -> None:
             }
         )
         return
-    untold = (
-        tr("the recording does not tell", "по записи не узнать")
+    unreported = (
+        tr("not in the recording", "в записи нет")
         if recorded
-        else tr("this unit does not tell", "блок не сообщает")
+        else tr("not reported by this unit", "блок не сообщает")
     )
-    rows = _rows(found, catalog, untold)
-    context.output.table([], [*rows, *_support_rows(supported, untold if recorded else None)])
+    rows = _rows(found, catalog, unreported)
+    context.output.table([], [*rows, *_support_rows(supported, unreported if recorded else None)])
 
 
-def _told_by_recording(ecu: Ecu) -> list[Support]:
-    """By what was asked then: trying it now would only tell what is not in the recording."""
+def _recorded_support(ecu: Ecu) -> list[Support]:
+    """Return which commands the recorded unit knew: trying them shows only what is recorded."""
     from mikas.replay import playing
 
     car = playing(ecu.tester.link)
@@ -88,7 +88,7 @@ def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
         [tr("program", "программа"), _pieces(passport.program) or unknown],
         [tr("data", "данные"), _pieces(passport.data) or unknown],
         [
-            tr("parameters", "параметров"),
+            tr("parameters", "параметры"),
             unknown if found.parameter_count is None else str(found.parameter_count),
         ],
         [tr("echo", "эхо"), tr("yes", "есть") if found.echo else tr("no", "нет")],
@@ -99,7 +99,7 @@ def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
         refused = " ".join(f"{code:02X}" for code in limits.refused)
         rows.append(
             [
-                tr("learnt", "выяснено"),
+                tr("limits", "ограничения"),
                 tr(
                     f"lists up to {limits.max_list}; blocks {blocks or '–'}; "
                     f"unknown parameters {refused or '–'}",
@@ -115,8 +115,8 @@ def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
             [
                 tr("sampling", "опрос"),
                 tr(
-                    f"all parameters, sets/s: {told} ({adapter})",
-                    f"все параметры, раз/с: {decimal(told)} ({adapter})",
+                    f"all parameters, readings/s: {told} ({adapter})",
+                    f"все параметры, опр/с: {decimal(told)} ({adapter})",
                 ),
             ]
         )
@@ -124,7 +124,7 @@ def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
 
 
 def _rates(found: Info, catalog: Catalog) -> dict[str, dict[FixedMethod, float]]:
-    """By kind of adapter: sets a second of all parameters, by what was learnt; 0: not taken."""
+    """Return readings of all parameters a second, by kind of adapter; 0: not supported."""
     lacks = set(found.limits.refused)
     wanted = tuple(PlannedParameter(p) for p in catalog.parameters if p.code not in lacks)
     if not wanted:
@@ -143,11 +143,11 @@ def _named(support: Support) -> str:
     return f"{code} {localized(support.command.TITLE)}"
 
 
-def _support_rows(supported: list[Support], untold: str | None) -> list[list[str]]:
+def _support_rows(supported: list[Support], unreported: str | None) -> list[list[str]]:
     words = {
-        True: tr("knows", "знает"),
-        False: tr("does not know", "не знает"),
-        None: untold or tr("not tried", "не пробовалось"),
+        True: tr("known", "знает"),
+        False: tr("unknown", "не знает"),
+        None: unreported or tr("not tried", "не проверялось"),
     }
     rows = []
     for known, word in words.items():

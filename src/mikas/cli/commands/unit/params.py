@@ -16,9 +16,9 @@ from mikas.i18n import Text
     "params",
     Text(
         "Lists every known parameter with its code, unit, formula, limits and errata, then the "
-        "channels that are derived from them. Needs no port.",
+        "derived channels. Needs no port.",
         "Показывает все известные параметры: код, единицу, формулу, пределы, сомнительные места; "
-        "затем каналы, которые из них выводятся. Порт не нужен.",
+        "затем расчётные каналы. Порт не нужен.",
     ),
     examples=("mikas params", "mikas params --interpretation literal", "mikas params --json"),
 )
@@ -62,7 +62,7 @@ def _row(parameter: Parameter, interpretation: str) -> list[str]:
 
 
 def _derived_row(channel: Derived) -> list[str]:
-    """Computed, not asked: it has no code and no bytes."""
+    """Return a row; a computed channel has no code and no bytes."""
     formula = f"∫ {channel.formula}" if channel.accumulates else channel.formula
     unit, text = localized(channel.unit_text), localized(channel.text)
     return [channel.name, "", "", formula, unit, "", text, ""]

@@ -15,9 +15,9 @@ from mikas.i18n import Text
     "raw",
     Text(
         "Sends HEX as a request's body (checksum, stuffing and 0D are added) and prints the "
-        "response's body. What is not known to be harmless asks first.",
-        "Посылает HEX как тело запроса (контрольная сумма, замена байтов и 0D добавляются) и "
-        "печатает тело ответа. Если безвредность неизвестна, сначала спрашивает.",
+        "response's body. Asks first, unless the request is known to be harmless.",
+        "Отправляет HEX как тело запроса (контрольная сумма, замена байтов и 0D добавляются) и "
+        "печатает тело ответа. Если запрос не из безвредных, спрашивает подтверждение.",
     ),
     examples=("mikas raw 611A", 'mikas raw "02" --json', "mikas raw 620E08 --yes"),
 )
@@ -31,8 +31,8 @@ def raw(context: CommandContext, body: bytes, *, yes: bool) -> None:
     elif response is None:
         context.output.note(
             tr(
-                "Silence: this unit does not answer that, or does not know it.",
-                "Тишина: блок на это не отвечает или не знает такой команды.",
+                "No response: the unit does not know this request, or does not answer it.",
+                "Ответа нет: блок не знает этой команды или не отвечает на неё.",
             )
         )
     else:

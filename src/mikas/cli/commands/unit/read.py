@@ -17,7 +17,7 @@ from mikas.i18n import Text
     Text(
         "Reads each NAME once; with no name, every parameter that the unit knows. A raw code is "
         "written 0x1A, or 0x3F:2 for two bytes.",
-        "Читает каждый параметр NAME один раз; без имён — все, что знает блок. Код без имени "
+        "Читает каждый параметр NAME один раз; без имён — все, которые знает блок. Код без имени "
         "пишется 0x1A, двухбайтовый 0x3F:2.",
     ),
     examples=("mikas read", "mikas read TWAT FREQ UACC", "mikas read 0x3F:2 --json"),
@@ -38,7 +38,7 @@ def read(context: CommandContext, names: tuple[str, ...]) -> None:
         context.output.table(headers, [_row(name, r) for name, r in readings.items()], right="1")
         if any(r.parameter.errata for r in readings.values()):
             context.output.note(
-                tr("E1 … are explained by: mikas params", "Что значат E1 …, скажет: mikas params")
+                tr("Notes E1 … are explained by: mikas params", "Пояснения к E1 …: mikas params")
             )
     if missing and not names:
         context.output.note(

@@ -21,10 +21,10 @@ from mikas.i18n import Text
 @command(
     "write",
     Text(
-        "Writes parameter NAME by its physical VALUE, or by raw bytes (low byte first), asks "
-        "first, and reads it back.",
-        "Записывает в параметр NAME физическое значение VALUE или сами байты (младший первым); "
-        "сначала спрашивает, потом перечитывает.",
+        "Writes parameter NAME by its physical VALUE or by raw bytes (low byte first): asks "
+        "first, then reads it back.",
+        "Записывает в параметр NAME физическое значение VALUE или байты (младший первым): "
+        "спрашивает подтверждение, затем проверяет чтением.",
     ),
     examples=("mikas write UOZ 12.5", "mikas write INJ --raw 5802", "mikas write UOZ 12.5 --yes"),
     context_settings={"ignore_unknown_options": True},
@@ -35,7 +35,7 @@ from mikas.i18n import Text
     "--raw",
     type=HexBytes(),
     metavar="HEX",
-    text=Text("the bytes themselves instead of VALUE", "сами байты вместо VALUE"),
+    text=Text("raw bytes instead of VALUE", "байты вместо VALUE"),
 )
 @YES
 def write(
@@ -62,7 +62,7 @@ def write(
             }
         )
         return
-    context.output.line(f"{written.name}: {_told(written.before)} → {_told(written.after)}")
+    context.output.line(f"{written.name}: {_shown(written.before)} → {_shown(written.after)}")
 
 
 def _number(text: str) -> float:
@@ -77,11 +77,11 @@ def _number(text: str) -> float:
 
 def _meaning(parameter: Parameter, interpretation: str, hexed: str) -> str:
     """`13.5 ° crank (1B)`."""
-    told = _told(decode(parameter, bytes.fromhex(hexed), 0.0, interpretation))
-    return f"{told} ({hexed})"
+    shown = _shown(decode(parameter, bytes.fromhex(hexed), 0.0, interpretation))
+    return f"{shown} ({hexed})"
 
 
-def _told(reading: Reading | None) -> str:
+def _shown(reading: Reading | None) -> str:
     if reading is None:
         return tr("can't be read", "не читается")
     return f"{shown_value(reading)} {shown_unit(reading)}".rstrip()
