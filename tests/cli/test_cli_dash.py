@@ -31,7 +31,7 @@ def started(monkeypatch, tmp_path, capsys):
 def test_a_port_that_is_not_there_yet_is_said_and_waited_for(started):
     out, err = started("--port", "/dev/nosuch7")
     assert len(out.splitlines()) == 1
-    assert "There is no port /dev/nosuch7 yet; the page connects as soon as it is there." in err
+    assert "There is no port /dev/nosuch7 yet; the page connects as soon as it appears." in err
     assert "Порта /dev/nosuch7 пока нет" in started("--port", "/dev/nosuch7", "--lang", "ru")[1]
 
 

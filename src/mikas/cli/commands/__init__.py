@@ -70,7 +70,7 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         Text("the dashboard in the browser", "панель в браузере"),
     ),
     "demo": (
-        f"{_HERE}.demo:demo",
+        f"{_HERE}.dash:demo",
         Text("the dashboard with a virtual car", "панель с виртуальным автомобилем"),
     ),
 }

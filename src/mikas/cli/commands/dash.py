@@ -1,30 +1,36 @@
-"""`mikas dash`: the dashboard, in the browser."""
+"""`mikas dash` and `mikas demo`: the dashboard in the browser, with a car or a virtual one."""
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlencode
 
+from mikas.cli.advice import ADVICE
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.dash_notes import tell_if_missing, tell_if_nothing_can_be_kept, tell_kept
-from mikas.cli.language import requested_language, tr
+from mikas.cli.language import localized, requested_language, tr
 from mikas.cli.parameter_types import Whole
 from mikas.errors import UsageError
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
+    from mikas.dashboard.dashboard import Hub
     from mikas.dashboard.security.access import Access
     from mikas.dashboard.settings import Settings
 
 
+_FAULTS = "17"  # air temperature: a fault to find and to erase, with the engine running well
+
+
 @dataclass(frozen=True, slots=True)
 class DashboardOptions:
-    """What the command line says about the server. `port` None: the first free one."""
+    """Options of the server. `port` None: the first free one."""
 
     port: int | None = None
     lan: bool = False
@@ -34,7 +40,7 @@ class DashboardOptions:
 
 
 def dashboard_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that `dash` and `demo` share; they come as one `DashboardOptions`."""
+    """Add the options that `dash` and `demo` share; the command gets one `DashboardOptions`."""
 
     @wraps(function)
     def gathered(
@@ -67,29 +73,29 @@ _OPTIONS = (
         "--record",
         metavar="DIR",
         text=Text(
-            "where recordings and dumps are kept (mikas in your documents)",
-            "где хранить записи и образы памяти (mikas в «Документах»)",
+            "folder for recordings and dumps (mikas in your documents)",
+            "папка для записей и дампов (mikas в «Документах»)",
         ),
     ),
     option(
         "--no-browser",
         is_flag=True,
-        text=Text("print the address only", "только напечатать адрес"),
+        text=Text("only print the address", "только напечатать адрес"),
     ),
     option(
         "--lan-control",
         is_flag=True,
         text=Text(
-            "others in the network may control as well, not only look",
-            "из сети можно не только смотреть, но и управлять",
+            "allow control from the network, not only viewing",
+            "разрешить из сети и управление, не только просмотр",
         ),
     ),
     option(
         "--lan",
         is_flag=True,
         text=Text(
-            "let others in the network look on: by a link with a key, shown as a QR code too",
-            "пустить зрителей из сети: по ссылке с ключом, она же показана QR-кодом",
+            "allow viewing from the network, by a link with a key (also shown as a QR code)",
+            "разрешить просмотр из сети по ссылке с ключом (показана и QR-кодом)",
         ),
     ),
     option(
@@ -97,7 +103,7 @@ _OPTIONS = (
         type=Whole(1, 65535),
         metavar="N",
         text=Text(
-            "the TCP port of the page (8071, or the next that is free)",
+            "TCP port of the page (8071, or the next free one)",
             "порт TCP для страницы (8071 или следующий свободный)",
         ),
     ),
@@ -107,7 +113,7 @@ _OPTIONS = (
 def dashboard_options_of(
     *, host_port: int | None, lan: bool, lan_control: bool, no_browser: bool, record: str | None
 ) -> DashboardOptions:
-    """Those options together. Raises `UsageError`."""
+    """Combine these options. Raises `UsageError` for a folder that can't be used."""
     folder = Path(record) if record else None
     if folder is not None:
         from mikas.dashboard.settings import check_folder
@@ -120,11 +126,11 @@ def dashboard_options_of(
     "dash",
     Text(
         "Opens the dashboard in the browser: live values, charts, faults, memory, recordings. "
-        "With --port it connects at once, otherwise by a click. Nothing leaves this computer, "
-        "unless --lan lets others look on.",
+        "With --port it connects at once, otherwise on request. No data leave this computer "
+        "unless --lan allows viewing.",
         "Открывает панель в браузере: живые значения, графики, ошибки, память, записи. С ключом "
-        "--port соединяется сразу, иначе — по щелчку. Наружу не уходит ничего, если только --lan "
-        "не пустит зрителей.",
+        "--port соединяется сразу, иначе — по нажатию. Данные не покидают этот компьютер, если "
+        "просмотр не разрешён ключом --lan.",
     ),
     examples=("mikas dash", "mikas dash --port /dev/ttyUSB0", "mikas dash --lan --no-browser"),
 )
@@ -133,8 +139,46 @@ def dash(context: CommandContext, options: DashboardOptions) -> None:
     show_dashboard(context, options)
 
 
+@command(
+    "demo",
+    Text(
+        "Opens the dashboard with a virtual car in this process: a cold start and warm-up, with "
+        "one stored fault. The same in a terminal: mikas watch --port sim:",
+        "Открывает панель с виртуальным автомобилем в этом же процессе: холодный пуск и прогрев, "
+        "одна ошибка в памяти. То же в терминале: mikas watch --port sim:",
+    ),
+    examples=("mikas demo", "mikas demo --scenario city --lang ru", "mikas demo --no-browser"),
+)
+@option(
+    "--scenario",
+    default="cold-start",
+    metavar="NAME|FILE",
+    text=Text("driving scenario (cold-start)", "сценарий поездки (cold-start)"),
+)
+@option(
+    "--seed",
+    type=Whole(0),
+    default=1,
+    metavar="N",
+    text=Text("seed of the random numbers (1)", "начальное число случайной последовательности (1)"),
+)
+@option(
+    "--faults",
+    default=_FAULTS,
+    metavar="LIST",
+    text=Text(f"stored faults, e.g. 13,53 ({_FAULTS})", f"ошибки в памяти: 13,53 ({_FAULTS})"),
+)
+@dashboard_options
+def demo(
+    context: CommandContext, options: DashboardOptions, *, scenario: str, seed: int, faults: str
+) -> None:
+    context.port = f"sim:?{urlencode({'scenario': scenario, 'seed': seed, 'faults': faults})}"
+    context.output.detail(tr("virtual car:", "виртуальный автомобиль:"), context.port)
+    show_dashboard(context, options)
+
+
 def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
-    """Serves until Ctrl-C; tells the address first."""
+    """Print the address, then serve until Ctrl-C."""
     from mikas.dashboard.app import create_app
     from mikas.dashboard.dashboard import Hub
     from mikas.dashboard.security.access import Access
@@ -145,7 +189,7 @@ def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
     if context.capture is not None:
         raise UsageError(
             problem=Text(
-                "the dashboard records by itself (--record DIR); leave --capture out",
+                "The dashboard records itself (--record DIR); omit --capture",
                 "Панель записывает сама (--record DIR); уберите --capture",
             )
         )
@@ -172,14 +216,14 @@ def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
             serve(
                 create_app(hub, access),
                 own,
-                ready=lambda: _tell(context, access, options, settings),
+                ready=lambda: _show_address(context, access, options, settings),
             )
         finally:
-            tell_kept(context, hub)
+            _note_recording(context, hub)
 
 
 def _check(url: str) -> None:
-    """Raises for an address that makes no sense; a port that is not there will be waited for."""
+    """Raise for an invalid address; for a port that is absent the dashboard waits."""
     from mikas.link import open_link
     from mikas.link.urls import parse
 
@@ -187,7 +231,7 @@ def _check(url: str) -> None:
         open_link(url).close()
 
 
-def _tell(
+def _show_address(
     context: CommandContext, access: Access, options: DashboardOptions, settings: Settings
 ) -> None:
     if context.output.json:
@@ -197,17 +241,15 @@ def _tell(
         if access.lan_url:
             context.output.line(access.lan_url)
     context.output.note(tr("Ctrl-C ends it.", "Выход: Ctrl-C."))
-    tell_if_nothing_can_be_kept(context, settings)
+    _note_unusable_folder(context, settings)
     if context.port is not None:
-        tell_if_missing(context, context.port)
+        _note_missing_port(context, context.port)
     if access.lan_url and not context.output.json:
-        import sys
-
         import segno
 
         segno.make(access.lan_url, error="m").terminal(sys.stderr, compact=True)
     if options.browser:
-        # Some systems' browsers hold on to whoever opens them.
+        # On some systems opening a browser blocks.
         threading.Thread(target=_open, args=(access.url,), daemon=True).start()
 
 
@@ -215,3 +257,52 @@ def _open(url: str) -> None:
     import webbrowser
 
     webbrowser.open(url)
+
+
+def _note_recording(context: CommandContext, hub: Hub) -> None:
+    """Say where the recording that was under way is kept, or why it stopped."""
+    kept = hub.recording.kept
+    if kept is None:
+        return
+    if kept.failure is None:
+        context.output.note(
+            tr(
+                f"Recording stopped and saved: {kept.path}",
+                f"Запись остановлена и сохранена: {kept.path}",
+            )
+        )
+    else:
+        context.output.note(localized(ADVICE.text(kept.failure)))
+
+
+def _note_unusable_folder(context: CommandContext, settings: Settings) -> None:
+    """Say if the default folder can't be used; a folder given by `--record` is refused instead."""
+    from mikas.dashboard.settings import check_folder
+
+    try:
+        check_folder(settings.recordings)
+    except UsageError as error:
+        context.output.note(localized(ADVICE.text(error)))
+
+
+def _note_missing_port(context: CommandContext, url: str) -> None:
+    """Say that the port is absent: the page, which shows it too, may not be open yet."""
+    from mikas.link import find_ports
+    from mikas.link.ports import listed
+    from mikas.link.urls import parse
+
+    named = parse(url)
+    if named.scheme != "serial" or Path(named.address).exists():
+        return
+    ports = find_ports()
+    if named.address in (port.url for port in ports):
+        return  # on Windows a port is no path
+    found = listed(ports)
+    context.output.note(
+        tr(
+            f"There is no port {named.address} yet; the page connects as soon as it appears. "
+            f"Found: {found.en}.",
+            f"Порта {named.address} пока нет; страница соединится, как только он появится. "
+            f"Найдены: {found.ru}.",
+        )
+    )
