@@ -1,4 +1,4 @@
-"""`mikas doctor`: the connection, step by step, and what to fix."""
+"""`mikas doctor`: check the connection step by step and say what to fix."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from mikas.link import CaptureTee, Link, choose_port, open_link
 @command(
     "doctor",
     Text(
-        "Examines the connection step by step: port, echo, baud by echo timing, latency, errors "
-        "on the line, ECU, supported commands; says what to fix. Nothing is changed.",
+        "Checks the connection step by step: port, echo, baud rate by echo timing, latency, line "
+        "errors, ECU, supported commands; says what to fix. Nothing is changed.",
         "Проверяет связь по шагам: порт, эхо, скорость по эху, задержка, ошибки на линии, блок, "
-        "команды; говорит, что исправить. Ничего не меняет.",
+        "команды; подсказывает, что исправить. Ничего не меняет.",
     ),
     examples=("mikas doctor", "mikas doctor --port /dev/ttyUSB0"),
 )
@@ -48,9 +48,10 @@ def _detail(step: Step) -> Text:
 
 def _end(well: bool) -> str:
     if well:
-        return tr("All is well. Next: mikas read", "Всё в порядке. Дальше: mikas read")
+        return tr("Everything works. Next: mikas read", "Всё в порядке. Дальше: mikas read")
     return tr(
-        "It works; see • above. Next: mikas read", "Связь есть; см. • выше. Дальше: mikas read"
+        "The connection works; see • above. Next: mikas read",
+        "Связь есть; см. • выше. Дальше: mikas read",
     )
 
 

@@ -1,4 +1,4 @@
-"""`mikas log`: the wire to a file, with what is read told as `watch` tells it."""
+"""`mikas log`: record the line to a file; values are printed as `watch` prints them."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from mikas.sampling.events import Event, StateChanged
 @command(
     "log",
     Text(
-        "Records everything on the wire to FILE (.pcapng) while reading each NAME until Ctrl-C. "
-        "The file is whole at any moment, even if the computer goes off. If the adapter or the "
-        "ignition goes away, it waits and goes on in the same file; another car gets FILE-2. On a "
-        "terminal, Enter sets a marker; what was typed before it is its name.",
-        "Записывает всё, что есть на линии, в FILE (.pcapng), читая параметры NAME до Ctrl-C. "
-        "Файл цел в любой момент, даже если компьютер выключится. Если пропал адаптер или "
+        "Records everything on the line to FILE (.pcapng) while reading each NAME until Ctrl-C. "
+        "The file is valid at any moment, even if the computer loses power. If the adapter is "
+        "unplugged or the ignition switched off, it waits and continues in the same file; another "
+        "car gets FILE-2. On a terminal, Enter sets a marker; text typed before it is its name.",
+        "Записывает весь обмен на линии в FILE (.pcapng), читая параметры NAME до Ctrl-C. Файл "
+        "цел в любой момент, даже если компьютер выключится. Если отключён адаптер или выключено "
         "зажигание, ждёт и продолжает в том же файле; для другой машины начинает FILE-2. В "
-        "терминале Enter ставит метку; набранное перед ним — её имя.",
+        "терминале Enter ставит метку; текст, набранный перед ним, — её имя.",
     ),
     examples=(
         "mikas log -o drive.pcapng",
@@ -49,15 +49,15 @@ from mikas.sampling.events import Event, StateChanged
     required=True,
     type=File(),
     metavar="FILE",
-    text=Text("where to record; needed", "куда записывать; обязательно"),
+    text=Text("file to record to; required", "файл записи; обязательно"),
 )
 @option(
     "--rotate",
     type=PortionType(),
     metavar="SIZE|TIME",
     text=Text(
-        "go on in FILE-2, FILE-3 … after so much: 100MB, 30min, 2h",
-        "продолжать в FILE-2, FILE-3 … после стольких: 100MB, 30min, 2h",
+        "continue in FILE-2, FILE-3 … after this size or time: 100MB, 30min, 2h",
+        "продолжать в FILE-2, FILE-3 … после такого объёма или времени: 100MB, 30min, 2h",
     ),
 )
 @sampling_options
@@ -67,7 +67,7 @@ def log(
     if context.capture is not None:
         raise UsageError(
             problem=Text(
-                "log records already, to the file after -o; leave --capture out",
+                "log already records to the file after -o; omit --capture",
                 "Команда log и так записывает, в файл после -o; уберите --capture",
             )
         )
@@ -77,27 +77,27 @@ def log(
             return _record(context, current, asked, rotate)
         except MikasError:
             if not current.connected:
-                _leave_nothing(out)
+                _remove_file(out)
             raise
 
 
 def _check_name(out: Path) -> None:
-    """Raises for a name that promises what `log` does not make."""
+    """Raise for a name that `log` can't record to."""
     if str(out) == "-":
         raise UsageError(
             problem=Text(
-                "a recording needs a file: -o drive.pcapng; to send values on, use --json",
-                "для записи нужен файл: -o drive.pcapng; чтобы передать значения дальше, есть "
-                "--json",
+                "A recording needs a file: -o drive.pcapng; to pipe values, use --json",
+                "Для записи нужен файл: -o drive.pcapng; чтобы передать значения другой программе, "
+                "есть --json",
             )
         )
     if out.suffix.lower() in SUFFIXES:
         name = out.with_suffix(".pcapng").name
         raise UsageError(
             problem=Text(
-                f"what passes on the wire is recorded, which is no {out.suffix}: record with "
+                f"log records the line, not {out.suffix}: record with "
                 f"-o {name}, then `mikas export {name} -o {out.name}`",
-                f"записывается то, что идёт по линии, а это не {out.suffix}: запишите с "
+                f"log записывает обмен на линии, а не {out.suffix}: запишите с "
                 f"-o {name}, затем `mikas export {name} -o {out.name}`",
             )
         )
@@ -107,13 +107,13 @@ def _record(
     context: CommandContext, current: SamplingRun, asked: SamplingOptions, rotate: Portion | None
 ) -> int:
     lines = JsonLines(current, context.output) if context.output.json else None
-    progress = _Progress(context, current)
+    progress = _ProgressLine(context, current)
     notices = Notices(current, progress.note, verbose=context.output.verbose)
-    rotation = _Rotation(current, rotate)
+    rotation = _FileRotation(current, rotate)
     try:
         with Marking(current.recorder, progress.note):
             for event in current.events(asked):
-                notices.take(event)  # first: who sees a value has been told that it is back
+                notices.take(event)  # first: the notice that values are back comes before them
                 if lines is not None:
                     lines.take(event)
                 progress.take(event)
@@ -125,15 +125,15 @@ def _record(
     return USAGE if status and status.failure else 0
 
 
-def _leave_nothing(out: Path) -> None:
-    """Nobody was there: the same command must work again, not find a file in its way."""
+def _remove_file(out: Path) -> None:
+    """Remove the file if no ECU answered: the same command must work again."""
     with suppress(OSError):
         if out.is_file():
             out.unlink()
 
 
-class _Rotation:
-    """Begins the next file when this one has its portion."""
+class _FileRotation:
+    """Start the next file when this one has reached its size or time."""
 
     def __init__(self, current: SamplingRun, portion: Portion | None) -> None:
         self._current = current
@@ -148,34 +148,34 @@ class _Rotation:
         if self._portion.seconds is not None and status.since is not None:
             full = full or event.time - status.since >= self._portion.seconds
         if full:
-            # Between two cycles, which begins a stream anew. While no ECU answers it fails, and is
-            # asked for again; nothing grows meanwhile.
-            self._job = self._current.acquisition.call(self._go_on)
+            # Between two cycles, which restarts a stream. While no ECU answers, it fails and is
+            # tried again; the file does not grow meanwhile.
+            self._job = self._current.acquisition.call(self._next_file)
 
-    def _go_on(self, ecu: Ecu) -> None:
+    def _next_file(self, ecu: Ecu) -> None:
         ask_in_full(ecu)
         self._current.recorder.next_file()
 
 
-class _Progress:
+class _ProgressLine:
     """Rate, errors and file size: once a second on a terminal, and at the end."""
 
     def __init__(self, context: CommandContext, current: SamplingRun) -> None:
         self._context = context
         self._current = current
         self._live = sys.stderr.isatty()
-        self._told: float | None = None
-        self._broken: StateChanged | None = None
+        self._shown: float | None = None
+        self._waiting_state: StateChanged | None = None
 
     def take(self, event: Event) -> None:
         if isinstance(event, StateChanged):
-            self._broken = event if event.is_broken else None
-        if self._live and (self._told is None or not 0 <= event.time - self._told < 1):
-            self._told = event.time
+            self._waiting_state = event if event.is_broken else None
+        if self._live and (self._shown is None or not 0 <= event.time - self._shown < 1):
+            self._shown = event.time
             self._write(self._now())
 
     def note(self, sentence: str) -> None:
-        """A notice on a line of its own."""
+        """Print a notice on a line of its own."""
         if self._live:
             self._write("")
         self._context.output.note(sentence)
@@ -183,7 +183,7 @@ class _Progress:
             self._write(self._now())
 
     def end(self, status: RecordingStatus | None) -> None:
-        """The last line, once the file is closed; none if nobody ever answered."""
+        """Print the last line, once the file is closed; none if no ECU ever answered."""
         if self._current.connected and status is not None:
             self.note(self._line(status))
         elif self._live:
@@ -200,8 +200,8 @@ class _Progress:
         status = self._current.recorder.status
         if status is None:
             return ""
-        if self._broken is not None and status.failure is None:
-            return f"{capital(localized(self._broken.text))} · {self._line(status)}"
+        if self._waiting_state is not None and status.failure is None:
+            return f"{capital(localized(self._waiting_state.text))} · {self._line(status)}"
         return self._line(status)
 
     def _line(self, status: RecordingStatus) -> str:
@@ -210,17 +210,17 @@ class _Progress:
         size, seconds = status.bytes / 1024, current.seconds
         lost = min(status.lost, current.samples)
         but, ru_but = (
-            (f"{lost} of them not recorded, ", f"из них не записано {lost}, ")
+            (f"{lost} of them not recorded, ", f"из них не записано: {lost}, ")
             if status.failure is not None
             else ("", "")
         )
-        said = tr(
-            f"{status.path}: {current.samples} samples, {but}{rate} a second, {status.gaps} "
+        summary = tr(
+            f"{status.path}: {current.samples} samples, {but}{rate} readings/s, {status.gaps} "
             f"gaps, {current.errors} line errors, {size:.0f} KiB, {seconds:.0f} s",
-            f"{status.path}: отсчётов {current.samples}, {ru_but}{decimal(rate)} в секунду, "
-            f"пропусков {status.gaps}, ошибок линии {current.errors}, {size:.0f} КиБ, "
+            f"{status.path}: отсчётов: {current.samples}, {ru_but}{decimal(rate)} опр/с, "
+            f"пропусков: {status.gaps}, ошибок линии: {current.errors}, {size:.0f} КиБ, "
             f"{seconds:.0f} с",
         )
         if status.failure is not None:
-            return f"{tr('NOT RECORDING', 'ЗАПИСЬ ПРЕКРАЩЕНА')} · {said}"
-        return said
+            return f"{tr('NOT RECORDING', 'ЗАПИСЬ ПРЕКРАЩЕНА')} · {summary}"
+        return summary

@@ -1,4 +1,4 @@
-"""`mikas ports`: serial adapters found, with chip and quirks."""
+"""`mikas ports`: the serial adapters of this computer, with chip and quirks."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from mikas.link import find_ports
 @command(
     "ports",
     Text(
-        "Lists the serial adapters that the system sees, the likeliest first.",
-        "Показывает последовательные адаптеры, которые видит система; самый вероятный — первый.",
+        "Lists the serial adapters of this computer, the most likely first.",
+        "Показывает последовательные адаптеры этого компьютера; самый вероятный — первый.",
     ),
     examples=("mikas ports", "mikas ports --json"),
 )
@@ -35,15 +35,15 @@ def ports(context: CommandContext) -> None:
     if not found:
         context.output.note(
             tr(
-                "No serial adapter was found. Plug in a KKL cable and try again; `mikas demo` "
-                "works with none.",
-                "Последовательных адаптеров не найдено. Воткните кабель KKL и повторите; без него "
-                "работает `mikas demo`.",
+                "No serial adapter found. Plug in a KKL cable and try again; `mikas demo` needs "
+                "none.",
+                "Последовательные адаптеры не найдены. Подключите кабель KKL и повторите; без "
+                "него работает `mikas demo`.",
             )
         )
         return
     context.output.table(
-        [tr("port", "порт"), tr("chip", "микросхема"), tr("what it is", "что это")],
+        [tr("port", "порт"), tr("chip", "микросхема"), tr("description", "описание")],
         [[port.url, port.chip or "–", port.description] for port in found],
     )
     for port in found:

@@ -30,8 +30,8 @@ _TROUBLES = ", ".join(it.value for it in LineFault if it is not LineFault.DAMAGE
 @command(
     "sim",
     Text(
-        "Serves a virtual ECU in real time until Ctrl-C. Its address is the first line on stdout: "
-        "give it to --port of another command, or to any other tester.",
+        "Serves a virtual ECU in real time until Ctrl-C. Its address is the first line on stdout, "
+        "for --port of another command or for any other tester.",
         "Виртуальный блок в реальном времени до Ctrl-C. Первая строка вывода — его адрес: он "
         "подходит для --port другой команды и для любого другого тестера.",
     ),
@@ -47,8 +47,8 @@ _TROUBLES = ", ".join(it.value for it in LineFault if it is not LineFault.DAMAGE
     type=File(),
     metavar="FILE",
     text=Text(
-        "a recorded unit, which answers as it did; more by --set seek=600, speed=2, loop=1",
-        "записанный блок: отвечает, как тогда; ещё --set seek=600, speed=2, loop=1",
+        "a recorded unit that answers as it did; options: --set seek=600, speed=2, loop=1",
+        "записанный блок: отвечает, как в записи; ещё --set seek=600, speed=2, loop=1",
     ),
 )
 @option(
@@ -56,19 +56,25 @@ _TROUBLES = ", ".join(it.value for it in LineFault if it is not LineFault.DAMAGE
     metavar="HOST:PORT",
     text=Text("on TCP instead of a pty (port 0: any)", "по TCP вместо pty (порт 0: любой)"),
 )
-@option("--model", type=OneOf(tuple(MODELS)), text=Text("which unit (7.1)", "какой блок (7.1)"))
+@option(
+    "--model", type=OneOf(tuple(MODELS)), text=Text("model of the unit (7.1)", "модель блока (7.1)")
+)
 @option(
     "--scenario",
     metavar="NAME|FILE",
-    text=Text("what the car does (warm-idle)", "что делает машина (warm-idle)"),
+    text=Text("driving scenario (warm-idle)", "сценарий поездки (warm-idle)"),
 )
-@option("--faults", metavar="LIST", text=Text("stored faults: 13,53", "запомненные ошибки: 13,53"))
+@option("--faults", metavar="LIST", text=Text("stored faults: 13,53", "ошибки в памяти: 13,53"))
 @option("--no-echo", is_flag=True, text=Text("an adapter without echo", "адаптер без эха"))
-@option("--baud", metavar="N", text=Text("bit/s on the wire (9600)", "бит/с на линии (9600)"))
+@option(
+    "--baud",
+    metavar="N",
+    text=Text("baud rate on the line (9600)", "скорость на линии, бит/с (9600)"),
+)
 @option(
     "--seed",
     metavar="N",
-    text=Text("another number, other chances (0)", "другое число — другие случайности (0)"),
+    text=Text("seed of the random numbers (0)", "начальное число случайной последовательности (0)"),
 )
 @option(
     "--latency-ms",
@@ -118,35 +124,35 @@ def sim(
 
 
 def _recorded(context: CommandContext, path: Path, wanted: Mapping[str, str]) -> Bus:
-    """The unit of a recording; it begins when the first request comes."""
+    """Return the recorded unit; the recording starts with the first request."""
     from mikas.replay import car_on, replay_bus
 
     for name in CAR_SETTINGS:
         if name in wanted:
             raise UsageError(
                 problem=Text(
-                    f"--{name} and --replay exclude each other: the car is the recorded one",
-                    f"--{name} и --replay несовместимы: машина — та, что записана",
+                    f"--{name} can't be used with --replay: the car is the recorded one",
+                    f"--{name} нельзя указать вместе с --replay: машина взята из записи",
                 )
             )
     bus = replay_bus(path, wanted, catalog=context.catalog())
     car = car_on(bus)
-    bus.ecu.watcher = _with_its_end(context, path, car)
+    bus.ecu.watcher = _reporting_the_end(context, path, car)
     if car is not None and car.recorded.problems:
         count = car.recorded.problems
         context.output.note(
             tr(
-                f"{path}: damaged parts passed over: {count}; mikas decode shows where",
-                f"{path}: пропущено повреждённых мест: {count}; где они, покажет mikas decode",
+                f"{path}: damaged places skipped: {count}; mikas decode shows them",
+                f"{path}: пропущено повреждённых мест: {count}; их покажет mikas decode",
             )
         )
     return bus
 
 
-def _with_its_end(
+def _reporting_the_end(
     context: CommandContext, path: Path, car: ReplayCar | None
 ) -> Callable[[EcuEvent], None]:
-    """Tells besides, once, that the recording is over: the wire has no word for it."""
+    """Return a watcher that also says, once, that the recording is over."""
     watcher, told = _watcher(context), False
 
     def tell(event: EcuEvent) -> None:
@@ -160,10 +166,10 @@ def _with_its_end(
             watcher(EcuEvent(event.time, "recording-over"))
         context.output.note(
             tr(
-                f"The recording {path} is over: from here on the unit is silent, as with the key "
-                "off. Begin it again with the same command; --set loop=1 plays it round and round.",
-                f"Запись {path} закончилась: дальше блок молчит, как с выключенным зажиганием. "
-                "Начать снова — той же командой; --set loop=1 повторяет запись по кругу.",
+                f"The recording {path} is over: the unit is now silent, as with the ignition off. "
+                "Run the same command to play it again; --set loop=1 repeats it.",
+                f"Запись {path} закончилась: теперь блок молчит, как при выключенном зажигании. "
+                "Повторить — той же командой; --set loop=1 повторяет запись по кругу.",
             )
         )
 

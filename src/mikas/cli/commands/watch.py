@@ -14,7 +14,7 @@ from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.notices import Notices
 from mikas.cli.parameter_types import Number, OneOf, Whole
-from mikas.cli.render.lines import JsonLines, PlainLines, Shown
+from mikas.cli.render.lines import Display, JsonLines, PlainLines
 from mikas.cli.render.live_table import LiveTable
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
 from mikas.client import METHODS
@@ -22,7 +22,7 @@ from mikas.i18n import Text
 
 
 def sampling_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that `watch`, `log` and `demo` share; they come as one `SamplingOptions`."""
+    """Add the options that `watch` and `log` share; the command gets one `SamplingOptions`."""
 
     @wraps(function)
     def gathered(
@@ -50,27 +50,27 @@ _OPTIONS = (
         "--relearn",
         is_flag=True,
         text=Text(
-            "forget which method is the fastest on this unit, and measure anew",
-            "забыть, какой способ на этом блоке быстрее, и измерить заново",
+            "forget the fastest method of this unit and measure again",
+            "забыть самый быстрый способ для этого блока и измерить заново",
         ),
     ),
     option(
         "--duration",
         type=Number(above=0),
         metavar="S",
-        text=Text("stop after so many seconds", "остановиться через столько секунд"),
+        text=Text("stop after this many seconds", "остановиться через столько секунд"),
     ),
     option(
         "--count",
         type=Whole(1),
         metavar="N",
-        text=Text("stop after so many samples", "остановиться после стольких отсчётов"),
+        text=Text("stop after this many samples", "остановиться после стольких отсчётов"),
     ),
     option(
         "--rate",
         type=Number(above=0),
         metavar="HZ",
-        text=Text("samples a second at most", "не больше отсчётов в секунду"),
+        text=Text("at most this many readings/s", "опросов в секунду, не больше"),
     ),
     option(
         "--method",
@@ -78,9 +78,9 @@ _OPTIONS = (
         metavar="METHOD",
         default="auto",
         text=Text(
-            "how the unit is asked: auto (the fastest that works), single, batch, list, stream, "
-            "stroke0 … stroke4",
-            "как спрашивать блок: auto (самый быстрый из работающих), single, batch, list, stream, "
+            "sampling method: auto (the fastest that works), single, batch, list, stream, stroke0 "
+            "… stroke4",
+            "способ опроса: auto (самый быстрый из работающих), single, batch, list, stream, "
             "stroke0 … stroke4",
         ),
     ),
@@ -90,13 +90,13 @@ _OPTIONS = (
 @command(
     "watch",
     Text(
-        "Shows each NAME again and again until Ctrl-C; with no name, all parameters. NAME/10: "
-        "every tenth cycle, so that the others come faster. A value that could not be read is a "
-        "dash, never the last number. If the adapter or the ignition goes away, it waits and goes "
-        "on.",
-        "Показывает параметры NAME снова и снова до Ctrl-C; без имён — все. NAME/10: в каждом "
-        "десятом цикле, тогда остальные приходят чаще. Значение, которое не прочлось, — прочерк, "
-        "а не прежнее число. Если пропал адаптер или зажигание, ждёт и продолжает.",
+        "Shows each NAME live until Ctrl-C; with no name, all parameters. NAME/10: every tenth "
+        "cycle, so that the others are read more often. A value that could not be read is a dash, "
+        "never the last number. If the adapter is unplugged or the ignition switched off, it "
+        "waits and continues.",
+        "Показывает текущие значения параметров NAME до Ctrl-C; без имён — всех. NAME/10: в "
+        "каждом десятом цикле, тогда остальные читаются чаще. Непрочитанное значение — прочерк, а "
+        "не прежнее число. Если отключён адаптер или выключено зажигание, ждёт и продолжает.",
     ),
     examples=(
         "mikas watch FREQ UOZ TWAT/10 FUEL_FLOW",
@@ -109,33 +109,33 @@ _OPTIONS = (
     "--price",
     is_flag=True,
     text=Text(
-        "only tell what these names cost by each method (needs no port)",
-        "только показать, сколько эти имена стоят при каждом способе (порт не нужен)",
+        "only show the time these names take with each method (needs no port)",
+        "только показать, сколько времени займут эти имена при каждом способе (порт не нужен)",
     ),
 )
 @sampling_options
 def watch(context: CommandContext, asked: SamplingOptions, *, price: bool) -> None:
     if price:
-        from mikas.cli.render.prices import tell_prices
+        from mikas.cli.render.prices import show_prices
 
-        tell_prices(context, asked)
+        show_prices(context, asked)
         return
     with session(context, asked, context.capture, joined=False) as current:
         show(context, current, asked)
 
 
 def show(context: CommandContext, current: SamplingRun, asked: SamplingOptions) -> None:
-    """Tells a session as JSON lines, as a live table on a terminal, else as plain lines."""
-    with shown_on(context, current) as screen:
-        notices = Notices(current, screen.tell, verbose=context.output.verbose)
+    """Show the events as JSON lines, as a live table on a terminal, else as plain lines."""
+    with display_for(context, current) as display:
+        notices = Notices(current, display.tell, verbose=context.output.verbose)
         for event in current.events(asked):
-            notices.take(event)  # first: who sees a value has been told that it is back
-            screen.take(event)
+            notices.take(event)  # first: the notice that values are back comes before them
+            display.take(event)
         notices.end()
 
 
-def shown_on(context: CommandContext, current: SamplingRun) -> Shown:
-    """What fits where the output goes."""
+def display_for(context: CommandContext, current: SamplingRun) -> Display:
+    """Return the display that suits the output."""
     if context.output.json:
         return JsonLines(current, context.output)
     log_on_screen = context.logs and sys.stderr.isatty()  # its lines would tear the table

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mikas.sampling.events import Event
 
 
-class Shown(Protocol):
+class Display(Protocol):
     """Something that a session is shown on."""
 
     def take(self, event: Event) -> None:

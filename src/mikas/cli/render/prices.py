@@ -1,7 +1,7 @@
-"""What names cost on the wire, by each method, before anything is asked: `watch --price`.
+"""The line load of some parameters with each method, computed: `watch --price`.
 
-Computed from §5's figures: 960 bytes a second and 2 ms from a request to its response. What a unit
-and an adapter really give is measured when `auto` chooses, and shown with `-v`.
+From §5's figures: 960 bytes a second and 2 ms from a request to its response. The rates of the unit
+and the adapter in use are measured when `auto` chooses, and shown with `-v`.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 _METHODS: tuple[FixedMethod, ...] = ("single", "batch", "list", "stream")
 
 
-def tell_prices(context: CommandContext, asked: SamplingOptions) -> None:
-    """A line a method, with what one more parameter of one byte would add."""
+def show_prices(context: CommandContext, asked: SamplingOptions) -> None:
+    """Print a line a method, with the cost of one more parameter of one byte."""
     catalog = context.catalog()
     plan = Plan(select(catalog, asked.names).parameters)
     more = _another(catalog, plan)
@@ -33,17 +33,17 @@ def tell_prices(context: CommandContext, asked: SamplingOptions) -> None:
         )
         return
     headers = [
-        tr("method", "способ"), tr("bytes a cycle", "байт на цикл"),
-        tr("requests", "запросов"), tr("ms a cycle", "мс на цикл"),
-        tr("sets/s at most", "раз/с, не больше"), tr("one more, ms", "ещё один, мс"),
-        tr("sets/s then", "тогда раз/с"),
+        tr("method", "способ"), tr("bytes/cycle", "байт/цикл"),
+        tr("requests/cycle", "запросов/цикл"), tr("ms/cycle", "мс/цикл"),
+        tr("readings/s at most", "опр/с, не больше"), tr("one more: ms", "ещё один: мс"),
+        tr("one more: readings/s", "ещё один: опр/с"),
     ]  # fmt: skip
     context.output.table(headers, [_row(price) for price in prices], right="123456")
 
 
 def _price(plan: Plan, more: Parameter | None) -> dict[str, Any]:
     price = plan.price()
-    told: dict[str, Any] = {
+    price_json: dict[str, Any] = {
         "method": plan.method,
         "bytes": round(price.bytes, 1),
         "requests": round(price.requests, 2),
@@ -53,11 +53,11 @@ def _price(plan: Plan, more: Parameter | None) -> dict[str, Any]:
     }
     if more is not None:
         then = plan.with_parameter(PlannedParameter(more)).price()
-        told["one_more"] = {
+        price_json["one_more"] = {
             "ms": round((then.seconds - price.seconds) * 1000, 1),
             "sets_per_second": round(then.rate, 1),
         }
-    return told
+    return price_json
 
 
 def _row(price: dict[str, Any]) -> list[str]:
@@ -70,7 +70,7 @@ def _row(price: dict[str, Any]) -> list[str]:
 
 
 def _another(catalog: Catalog, plan: Plan) -> Parameter | None:
-    """A parameter of one byte whose code is not asked yet."""
+    """Return a parameter of one byte that is not among them yet."""
     asked = {wanted.parameter.code for wanted in plan.parameters}
     left = (p for p in catalog.parameters if p.code not in asked and p.size == 1)
     return next(left, None)
