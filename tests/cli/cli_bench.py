@@ -100,7 +100,7 @@ NAMES = re.compile(
     r"`[^`]*`|«[^»]*»|--[\w-]+|\b[A-Z][A-Z0-9]{1,8}\b|0x[0-9A-Fa-f]+|\S*[/\\:.]\S+|\b\w+=\w*|"
     r"K-Line|VAG-COM|ModemManager|Linux|Ctrl-C|mikas( [a-z]+){0,3}|pcapng|usermod.*USER"
 )
-LISTS = re.compile(r"([Ее]сть|можно:|имена:|виды:|сценарии:|только) [\w, +×°…-]+")
+LISTS = re.compile(r"([Ее]сть:?|можно:|имена:|виды:|сценарии:|только) [\w, +×°…-]+")
 WORDS = {
     "ram", "xram", "code", "sfr", "en", "ru", "auto", "on", "off", "single", "batch", "list",
     "stream", "corrected", "literal", "alternative", "erase", "log", "capture", "sha256", "city",

@@ -228,7 +228,7 @@ def test_the_reading(mikas, tmp_path, drive):
 def test_an_excel_with_a_decimal_comma(mikas, tmp_path, drive):
     argv = ("export", "drive.pcapng", "-o", "a.csv", "--dialect", "EXCEL", "INJ", "--lang", "ru")
     ran = mikas(*argv)
-    assert re.search(r"строк 4\d, каналов 1\n", ran.err)
+    assert re.search(r"строк: 4\d, каналов: 1\n", ran.err)
     assert (tmp_path / "a.csv").read_bytes().startswith(b"\xef\xbb\xbf")
     header, first, *_ = cells(tmp_path / "a.csv", ";")
     assert "впрыск" in header[1].lower()

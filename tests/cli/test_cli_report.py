@@ -116,7 +116,7 @@ def test_ended_by_hand_it_reports_what_came(mikas, tmp_path, monkeypatch) -> Non
     monkeypatch.setattr(report._Progress, "show", stops)
     ran = mikas("report", "-o", "car.html", sim="")
     assert ran.status == 0
-    assert "Ended early" in ran.err
+    assert "Stopped early" in ran.err
     samples = re.search(r"<dt>Samples</dt><dd>(\d+), ", page(tmp_path))
     assert samples is not None
     assert 40 <= int(samples[1]) < 400  # with those by which the method was chosen

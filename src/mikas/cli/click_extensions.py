@@ -1,4 +1,4 @@
-"""click, with texts in two languages, the common options everywhere, and commands imported late.
+"""click with texts in two languages, common options on every command, and late imports of commands.
 
 The common options stand before or after the command's name (docs/cli.md): the group and every
 command have them, and what is given nearer to the end wins.
@@ -46,7 +46,7 @@ class LocalizedCommand(click.Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         takes_more = ctx.allow_extra_args
-        ctx.allow_extra_args = True  # it is us who complain of what is too much
+        ctx.allow_extra_args = True  # surplus words are reported below
         try:
             rest = super().parse_args(ctx, args)
         except click.UsageError as error:
@@ -55,14 +55,14 @@ class LocalizedCommand(click.Command):
         if rest and not takes_more and not ctx.resilient_parsing:
             said = " ".join(rest)
             raise click.UsageError(
-                tr(f"There is no place for “{said}” here.", f"«{said}» здесь лишнее."), ctx
+                tr(f"Unexpected argument: “{said}”.", f"Лишний аргумент: «{said}»."), ctx
             )
         return rest
 
     def get_help_option(self, ctx: click.Context) -> click.Option | None:
         option = super().get_help_option(ctx)
         if option:
-            option.help = tr("this text", "этот текст")
+            option.help = tr("show this help", "показать эту справку")
         return option
 
     def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
@@ -105,8 +105,8 @@ class LocalizedCommand(click.Command):
 class LocalizedGroup(LocalizedCommand, click.Group):
     """A group whose commands are import paths until they are called.
 
-    `homes`: name → (module:attribute, text). The text stands here so that the list of commands is
-    shown without importing any.
+    `homes`: name → (module:attribute, text). With the text here, the list of commands is shown
+    without importing any.
     """
 
     def __init__(
@@ -157,7 +157,7 @@ class LocalizedGroup(LocalizedCommand, click.Group):
         first = "_protected_args" if hasattr(ctx, "_protected_args") else "protected_args"
         if not getattr(ctx, first) and not ctx.args:
             raise click.UsageError(
-                tr("Say what to do: a command is missing.", "Что делать? Не хватает команды."),
+                tr("A command is missing.", "Не указана команда."),
                 ctx,
             )
         return super().invoke(ctx)

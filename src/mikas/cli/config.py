@@ -1,4 +1,4 @@
-"""The user's config file: settings that need not be typed each time.
+"""The user's config file: default settings for every command.
 
 # ~/.config/mikas/config.toml (or the system's own place; MIKAS_CONFIG names another)
 port = "/dev/ttyUSB0"
@@ -27,7 +27,7 @@ _KNOWN = ("port", "echo", "timeout", "retries", "interpretation", "lang", "catal
 
 
 def path() -> Path:
-    """Where the file is, whether or not it exists."""
+    """Return the path of the config file, whether or not it exists."""
     if named := os.environ.get("MIKAS_CONFIG"):
         return Path(named)
     if sys.platform not in ("win32", "darwin"):  # what platformdirs says, without its import
@@ -40,7 +40,7 @@ def path() -> Path:
 
 
 def language() -> str:
-    """The file's `lang`; empty if there is none, or the file is wrong, which `load` then says."""
+    """Return the file's `lang`; empty without one, and for a wrong file, which `load` reports."""
     try:
         return str(_parsed(path()).get("lang", ""))
     except (UsageError, RuntimeError):
@@ -48,7 +48,7 @@ def language() -> str:
 
 
 def load() -> dict[str, Any]:
-    """The settings in the file; none if there is no file. Raises `UsageError` if it is wrong."""
+    """Return the settings in the file, none without a file. Raises `UsageError` if it is wrong."""
     file = path()
     settings = _parsed(file)
     for name, value in settings.items():
@@ -56,7 +56,7 @@ def load() -> dict[str, Any]:
             known = ", ".join(_KNOWN)
             raise _wrong(
                 file,
-                f"there is no setting “{name}”; there are {known}",
+                f"there is no setting “{name}”; the settings are {known}",
                 f"настройки «{name}» нет; есть {known}",
             )
         wanted = _wanted(name, value)
@@ -69,7 +69,7 @@ def load() -> dict[str, Any]:
 
 
 def _wanted(name: str, value: object) -> Text | None:
-    """What `value` should have been; None if it is right."""
+    """Return the values allowed for this setting; None if `value` is one."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if name in _WORDS:
         words = ", ".join(_WORDS[name])
@@ -108,13 +108,13 @@ def _parsed(file: Path) -> dict[str, Any]:
     except UnicodeDecodeError as error:
         raise _wrong(
             file,
-            "it is not UTF-8; save it in this encoding",
-            "он не в кодировке UTF-8; сохраните его в ней",
+            "not UTF-8; save the file in this encoding",
+            "не в кодировке UTF-8; сохраните файл в ней",
         ) from error
     except ValueError as error:
         place = re.search(r"at line (\d+), column (\d+)", str(error))
         where = f", строка {place[1]}, знак {place[2]}" if place else ""
-        raise _wrong(file, f"it is not TOML: {error}", f"ошибка записи TOML{where}") from error
+        raise _wrong(file, f"not TOML: {error}", f"ошибка записи TOML{where}") from error
 
 
 def _wrong(file: Path, en: str, ru: str) -> UsageError:

@@ -1,7 +1,7 @@
-"""One run of the program: its settings, its way to the ECU, its way of asking.
+"""The context of one command: settings, connection to the ECU, confirmation of changes.
 
 Settings come from the command line, else the environment (MIKAS_PORT), else the config file, else
-the defaults; everything that a command needs beyond its own arguments it gets from here.
+the defaults. A command gets its context as its first argument.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     from mikas.link import Link, Sink
 
 _HOW = Text(
-    "There is no terminal to ask at; --yes says yes beforehand.",
-    "Спросить негде: это не терминал; согласиться заранее можно ключом --yes.",
+    "There is no terminal to ask on; --yes confirms in advance.",
+    "Нет терминала, чтобы спросить; подтвердить заранее можно ключом --yes.",
 )
 _NO = Text("The answer was no.", "Ответ был «нет».")
 _NOT_RECORDED = Text(
-    "A recording answers only what was asked while it was made; only the car can tell the rest.",
-    "Запись отвечает только на то, что спрашивали, пока она шла; об остальном знает только машина.",
+    "A recording answers only the requests that it contains; for others the car is needed.",
+    "Запись отвечает только на те запросы, которые в ней есть; для остальных нужна машина.",
 )
 
 
@@ -45,7 +45,7 @@ _CONNECTION = ("echo", "timeout", "retries", "interpretation")
 
 @dataclass
 class CommandContext:
-    """Settings of this run. `port` None: the one likely adapter.
+    """Settings of this command. `port` None: the one likely adapter.
 
     `connection`: the fields of `ConnectionOptions` that the user has set. `logs`: show the log.
     """
@@ -59,7 +59,7 @@ class CommandContext:
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> CommandContext:
-        """From the command line's common options, the environment and the config file."""
+        """Combine the common options, the environment and the config file."""
         stored = config.load()
         settings = {**stored, **_environment(), **given}
         verbosity = given.get("verbose", 0)
@@ -73,24 +73,24 @@ class CommandContext:
 
     @cached_property
     def options(self) -> ConnectionOptions:
-        """How an ECU is talked to, the catalog included."""
+        """The options of the connection, the catalog included."""
         from mikas.catalog import load
         from mikas.client.connecting import ConnectionOptions
 
         return ConnectionOptions(catalog=load(*self.catalogs), **self.connection)
 
     def catalog(self) -> Catalog:
-        """The shipped definitions with the user's over them."""
+        """Return the shipped definitions, overlaid by the user's."""
         return self.options.catalog
 
     @property
     def interpretation(self) -> str:
-        """Which reading of the source's errata decodes values."""
+        """Which interpretation of the errata decodes values."""
         return self.options.interpretation
 
     @contextmanager
     def ecu(self, confirm: Confirm | None = None) -> Iterator[Ecu]:
-        """A connected ECU, captured if that was asked for."""
+        """Connect to the ECU; with `--capture` everything on the wire is recorded."""
         from mikas.client.connecting import open_ecu
         from mikas.link import choose_port
 
@@ -114,7 +114,7 @@ class CommandContext:
 
     @contextmanager
     def capturing(self, port: str) -> Iterator[Sink | None]:
-        """What `--capture` names, ready to be given all that passes on the wire."""
+        """Open the capture file of `--capture`; None without it."""
         if self.capture is None:
             yield None
             return
@@ -124,20 +124,20 @@ class CommandContext:
             yield writer
 
     def check_capture(self, link: Link) -> None:
-        """Says if the capture on `link` has broken off."""
+        """Print a note if the capture on `link` has failed."""
         failure = getattr(link, "failure", None)
-        if failure is not None and failure is not sys.exception():  # else it is told anyway
+        if failure is not None and failure is not sys.exception():  # else it is printed anyway
             why = (
                 localized(ADVICE.text(failure)) if isinstance(failure, MikasError) else str(failure)
             )
-            self.output.note(tr(f"The capture stopped early: {why}", f"Запись оборвалась: {why}"))
+            self.output.note(tr(f"Recording stopped early: {why}", f"Запись прервалась: {why}"))
 
     def confirm(
         self, *, yes: bool, meaning: Callable[[str], str] | None = None
     ) -> Callable[[Change], bool]:
-        """Asks at the terminal before a change; `yes` answers beforehand.
+        """Return a function that asks at the terminal before a change; `yes` confirms in advance.
 
-        `meaning`: says what the hex before and after a change stands for.
+        `meaning`: turns the hex before and after the change into a value.
         """
 
         def ask(change: Change) -> bool:
@@ -166,18 +166,18 @@ def _says_yes() -> bool:
 def _described(change: Change, meaning: Callable[[str], str] | None) -> str:
     lines = [_capital(localized(change.what))]
     if change.before is not None:
-        told = (meaning(change.before) if meaning else change.before) or "–"
-        lines.append(tr(f"  before: {told}", f"  было:  {told}"))
+        before = (meaning(change.before) if meaning else change.before) or "–"
+        lines.append(tr(f"  before: {before}", f"  было:  {before}"))
     if change.after is not None and change.after not in change.what.en:
-        told = (meaning(change.after) if meaning else change.after) or "–"
+        after = (meaning(change.after) if meaning else change.after) or "–"
         known = change.before is not None
         label = tr("after: ", "будет:") if known else tr("bytes:", "байты:")
-        lines.append(f"  {label} {told}")
+        lines.append(f"  {label} {after}")
     if change.safety.name == "DANGEROUS":
         lines.append(
             tr(
-                "  DANGER: after this the unit may no longer run the engine.",
-                "  ОПАСНО: после этого двигатель может больше не завестись.",
+                "  DANGER: after this change the engine may no longer start.",
+                "  ОПАСНО: после этого изменения двигатель может не завестись.",
             )
         )
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""The language that the command line speaks, chosen once at the start."""
+"""The language of the command line, set once at the start; texts and numbers in it."""
 
 from __future__ import annotations
 
@@ -8,50 +8,50 @@ from collections.abc import Sequence
 from mikas.i18n import Language, Text
 
 _chosen: Language = "en"
-_wished = False
+_requested = False
 
 
 def set_language(language: Language) -> None:
-    """From here on everything is said in `language`."""
-    global _chosen  # noqa: PLW0603  (one process speaks one language; threading it through every
-    # help text would be the larger evil)
+    """Print all texts in `language` from now on."""
+    global _chosen  # noqa: PLW0603  (one process speaks one language; passing it to every help
+    # text would be worse)
     _chosen = language
 
 
 def current_language() -> Language:
-    """The language in force."""
+    """Return the current language."""
     return _chosen
 
 
 def requested_language() -> Language | None:
-    """The language in force, if the user named one; None if it is only the system's."""
-    return _chosen if _wished else None
+    """Return the current language if the user named it; None if it is the system's."""
+    return _chosen if _requested else None
 
 
 def tr(en: str, ru: str) -> str:
-    """The one of the two that is in force."""
+    """Return the text in the current language."""
     return ru if _chosen == "ru" else en
 
 
 def localized(text: Text) -> str:
-    """`text` in the language in force."""
+    """Return `text` in the current language."""
     return text.to(_chosen)
 
 
 def decimal(text: str) -> str:
-    """A number's digits with the decimal sign of the language in force."""
+    """Return a number's digits with the decimal sign of the current language."""
     return text.replace(".", ",") if _chosen == "ru" else text
 
 
 def detect_language(argv: Sequence[str]) -> Language:
     """`--lang` wherever it stands, else MIKAS_LANG, else the config file, else the locale.
 
-    Looked up before the arguments are parsed, because the help itself speaks it. What is wrong with
-    `--lang`, or with the config file, is said later, by whoever reads it in earnest.
+    Done before the arguments are parsed, because the help depends on it. An invalid `--lang` or
+    config file is reported when it is parsed.
     """
-    global _wished  # noqa: PLW0603  (as `set_language`)
+    global _requested  # noqa: PLW0603  (as `set_language`)
     named = _in_arguments(argv) or os.environ.get("MIKAS_LANG") or _in_config()
-    _wished = bool(named)
+    _requested = bool(named)
     return "ru" if (named or _of_locale()).lower().startswith("ru") else "en"
 
 

@@ -1,6 +1,6 @@
-"""`mikas`: the entry point, the list of commands, and what each kind of error means to a script.
+"""`mikas`: the entry point, and the exit status and message for each kind of error.
 
-Nothing heavy is imported here: `mikas --help` has to be there at once.
+Nothing heavy is imported here: `mikas --help` must appear at once.
 """
 
 from __future__ import annotations
@@ -49,20 +49,20 @@ cli = LocalizedGroup(
             is_eager=True,
             expose_value=False,
             callback=_version,
-            text=Text("this program's version", "версия программы"),
+            text=Text("show the version", "показать версию программы"),
         ),
     ],
 )
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """The `mikas` command. Ends the process with the status that docs/cli.md lays down."""
+    """Run the `mikas` command and end the process with the status of docs/cli.md."""
     _make_writable()
     sys.exit(run(sys.argv[1:] if argv is None else list(argv)))
 
 
 def _make_writable() -> None:
-    """Closed streams swallow what is written; a character that one can't show costs no crash."""
+    """Replace closed streams; replace characters that a stream can't encode."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
             nowhere = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115  (open for good)
@@ -73,10 +73,10 @@ def _make_writable() -> None:
 
 
 def run(argv: list[str]) -> int:
-    """Runs one command line; returns the exit status."""
+    """Run one command line; return the exit status."""
     try:
         set_language(detect_language(argv))
-        # Not `cli.main`: it would end the process by itself when a pipe's reader is gone.
+        # Not `cli.main`: it would end the process when a pipe's reader is gone.
         with cli.make_context("mikas", argv) as context:
             result = cli.invoke(context)
         sys.stdout.flush()
@@ -84,29 +84,29 @@ def run(argv: list[str]) -> int:
     except click.exceptions.Exit as ended:
         return ended.exit_code
     except (KeyboardInterrupt, click.Abort):
-        _tell("")
+        _print_error("")
         return INTERRUPTED
     except BrokenPipeError:
-        # Whoever read our output has had enough; nothing to complain about, nor at exit.
-        _let_go()
+        # The reader of our output has closed it: no error, not at exit either.
+        _discard_output()
         return DONE
     except click.ClickException as error:
-        _tell(_usage(error))
+        _print_error(_usage(error))
         return USAGE
-    except Exception as error:  # ours, or a bug that is said to be one
+    except Exception as error:  # one of ours, or a bug
         return _failed(error, verbose=any(word in ("-v", "-vv", "--verbose") for word in argv))
 
 
-def _tell(text: str) -> None:
+def _print_error(text: str) -> None:
     try:
         sys.stdout.flush()
         sys.stderr.write(f"{text}\n")
         sys.stderr.flush()
     except BrokenPipeError:
-        _let_go()
+        _discard_output()
 
 
-def _let_go() -> None:
+def _discard_output() -> None:
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -115,15 +115,15 @@ def _let_go() -> None:
 
 
 def _usage(error: click.ClickException) -> str:
-    """What was wrong, and where the help is."""
+    """Return the message for wrong usage, with the command for help."""
     context = getattr(error, "ctx", None)
     path = context.command_path if context else "mikas"
-    said = _in_words(error)
-    said = said if said.endswith((".", "?")) else f"{said}."
-    return f"{said} {tr(f'Help: {path} --help', f'Справка: {path} --help')}"
+    message = _message(error)
+    message = message if message.endswith((".", "?")) else f"{message}."
+    return f"{message} {tr(f'Help: {path} --help', f'Справка: {path} --help')}"
 
 
-def _in_words(error: click.ClickException) -> str:
+def _message(error: click.ClickException) -> str:
     context = getattr(error, "ctx", None)
     match error:
         case click.NoSuchOption():
@@ -133,19 +133,19 @@ def _in_words(error: click.ClickException) -> str:
             return said + (hint if nearest else "")
         case click.MissingParameter():
             name = _name(error.param)
-            return tr(f"{name} is missing.", f"Не хватает {name}.")
+            return tr(f"{name} is missing.", f"Не указано: {name}.")
         case click.BadParameter():
             return f"{_name(error.param)}: {error.message}"
         case click.BadOptionUsage():
             name = error.option_name
             if _is_flag(name, context):
-                return tr(f"{name} takes no value.", f"У {name} не бывает значения.")
-            return tr(f"{name} needs a value after it.", f"После {name} нужно значение.")
+                return tr(f"{name} takes no value.", f"Ключ {name} не принимает значения.")
+            return tr(f"{name} requires a value.", f"После {name} нужно значение.")
     return error.format_message()
 
 
 def _name(parameter: click.Parameter | None) -> str:
-    """As the user writes it: `--out`, `FILE`."""
+    """Return the parameter as the user writes it: `--out`, `FILE`."""
     if isinstance(parameter, click.Option):
         return max(parameter.opts, key=len)
     metavar = (parameter.metavar if isinstance(parameter, click.Argument) else None) or ""
@@ -169,12 +169,12 @@ def _failed(error: Exception, *, verbose: bool) -> int:
 
     if not isinstance(error, MikasError):
         kind = f"{type(error).__name__}: {error}"
-        _tell(
+        _print_error(
             tr(
                 f"This is a bug in mikas ({kind}). Please report it with the output of the same "
                 "command with -v.",
-                f"Это ошибка в самой программе mikas ({kind}). Сообщите о ней, приложив вывод той "
-                "же команды с -v.",
+                f"Это ошибка в программе mikas ({kind}). Сообщите о ней, приложив вывод той же "
+                "команды с ключом -v.",
             )
         )
         if verbose:
@@ -188,9 +188,11 @@ def _failed(error: Exception, *, verbose: bool) -> int:
     ours = error.what.en.startswith("{problem}") or not error.what.en.startswith("{")
     if ours and re.match(r"[^\W\d_]+[ ,]", said):  # a word, not a file's name or a value
         said = said[:1].upper() + said[1:]
-    _tell(said)
+    _print_error(said)
     if verbose and error.__cause__:
-        _tell(f"  ({type(error).__name__} ← {type(error.__cause__).__name__}: {error.__cause__})")
+        _print_error(
+            f"  ({type(error).__name__} ← {type(error.__cause__).__name__}: {error.__cause__})"
+        )
     for tree, status in (
         (UsageError, USAGE),
         (NoConnection, NO_CONNECTION),

@@ -24,7 +24,7 @@ class LocalizedOption(click.Option):
 
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
         record = super().get_help_record(ctx)
-        # What click adds in brackets is English; limits and "needed" stand in our own text.
+        # click's notes in brackets are English only; our texts contain limits and "required".
         return (record[0], localized(self.text)) if record else None
 
 
@@ -36,7 +36,7 @@ class CommonOption(LocalizedOption):
 
 
 def _keep(ctx: click.Context, option: click.Parameter, value: object) -> object:
-    """Puts what was given into the settings of this run, nearest to the end of the line wins."""
+    """Store the value in the settings of this command; the last one on the line wins."""
     given = ctx.get_parameter_source(option.name or "")
     if given is click.core.ParameterSource.COMMANDLINE:
         ctx.find_root().ensure_object(dict)[option.name] = value
@@ -67,8 +67,8 @@ _COMMON = (
         ["--echo"],
         type=OneOf(ECHO),
         text=Text(
-            "whether the adapter returns what it sends (auto finds out)",
-            "возвращает ли адаптер посланное (auto определяет сам)",
+            "whether the adapter echoes what it sends (auto: detect)",
+            "возвращает ли адаптер эхо (auto: определить)",
         ),
     ),
     partial(
@@ -77,8 +77,8 @@ _COMMON = (
         type=Number(above=0, most=LONGEST_TIMEOUT),
         metavar="SECONDS",
         text=Text(
-            "how long to wait for an answer to begin (0.5)",
-            "сколько ждать начала ответа, в секундах (0.5)",
+            "how long to wait for the first byte of a response (0.5)",
+            "сколько ждать первого байта ответа, секунд (0.5)",
         ),
     ),
     partial(
@@ -87,8 +87,8 @@ _COMMON = (
         type=Whole(0, MOST_RETRIES),
         metavar="N",
         text=Text(
-            "how often to repeat what is safe to repeat (2)",
-            "сколько раз повторять то, что повторять безопасно (2)",
+            "how often to repeat a failed request, if that is safe (2)",
+            "сколько раз повторять неудачный запрос, если это безопасно (2)",
         ),
     ),
     partial(
@@ -97,8 +97,8 @@ _COMMON = (
         type=File(),
         metavar="FILE",
         text=Text(
-            "record everything on the wire (.pcapng)",
-            "записать всё, что было на линии (.pcapng)",
+            "record everything on the line (.pcapng)",
+            "записать весь обмен на линии (.pcapng)",
         ),
     ),
     partial(
@@ -117,8 +117,8 @@ _COMMON = (
         multiple=True,
         metavar="FILE",
         text=Text(
-            "your own parameters and faults, added to ours",
-            "свои параметры и ошибки в дополнение к нашим",
+            "your own parameters and faults, added to the shipped ones",
+            "свои параметры и ошибки в дополнение к встроенным",
         ),
     ),
     partial(
@@ -140,7 +140,7 @@ _COMMON = (
 
 
 def common_options() -> list[click.Parameter]:
-    """Fresh instances of the common options, for one command."""
+    """Return new instances of the common options, for one command."""
     return [make() for make in _COMMON]
 
 
@@ -156,10 +156,10 @@ OUT = option(
     required=True,
     type=File(),
     metavar="OUT",
-    text=Text("where to write; needed", "куда писать; обязательно"),
+    text=Text("output file; required", "выходной файл; обязательно"),
 )
 OVERWRITE = option(
     "--overwrite",
     is_flag=True,
-    text=Text("replace OUT if it is there", "заменить OUT, если такой файл есть"),
+    text=Text("replace OUT if it exists", "заменить OUT, если файл есть"),
 )

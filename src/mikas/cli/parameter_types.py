@@ -1,6 +1,6 @@
-"""What the words of a command line may be: bytes, addresses, numbers, choices, files.
+"""Types of arguments and options: bytes, addresses, numbers, choices, files.
 
-All of them are ours, because click says in English only why it does not take a word.
+click's own types report errors in English only.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 else:
 
     class ParamType(click.ParamType):
-        """click's own; before its version 8.4 it could not be subscripted."""
+        """click's own, which can't be subscripted before version 8.4."""
 
         def __class_getitem__(cls, kind: object) -> type[ParamType]:
             return cls
@@ -57,7 +57,7 @@ class HexBytes(ParamType[bytes]):
 
 
 class Address(ParamType[int]):
-    """An address: hex, with or without 0x before it or h behind it."""
+    """An address in hex; 0x before or h after it is allowed."""
 
     name = "address"
 
@@ -107,7 +107,7 @@ class Count(ParamType[int]):
 
 
 class Number(ParamType[float]):
-    """A number within limits; a decimal comma is taken as well."""
+    """A number within limits; a decimal comma is allowed."""
 
     name = "number"
 
@@ -135,7 +135,7 @@ class Number(ParamType[float]):
         limits += most if isfinite(self._most) else ""
         self.fail(
             tr(
-                f"“{value}” does not fit; a number is needed, {limits}.",
+                f"“{value}” is not allowed; it must be a number {limits}.",
                 f"«{value}» не подходит; нужно число {limits}.",
             ),
             param,
@@ -160,7 +160,7 @@ class Whole(ParamType[int]):
             high = "" if self._high is None else tr(f" to {self._high}", f" до {self._high}")
             self.fail(
                 tr(
-                    f"“{value}” does not fit; a whole number from {self._low}{high} is needed.",
+                    f"“{value}” is not allowed; it must be a whole number from {self._low}{high}.",
                     f"«{value}» не подходит; нужно целое число от {self._low}{high}.",
                 ),
                 param,
@@ -171,7 +171,7 @@ class Whole(ParamType[int]):
 
 @dataclass(frozen=True, slots=True)
 class Portion:
-    """How much goes into one file: so many bytes, or so many seconds. The other is None."""
+    """The size of one file: in bytes or in seconds; the other is None."""
 
     bytes: int | None = None
     seconds: float | None = None
@@ -201,8 +201,8 @@ class PortionType(ParamType[Portion]):
         if unit is None or number < 1:
             self.fail(
                 tr(
-                    f"“{value}” does not fit; write how much with its unit: 100MB, 30min, 2h.",
-                    f"«{value}» не подходит; пишите, сколько и чего: 100MB, 30min, 2h.",
+                    f"“{value}” is not allowed; give a number with its unit: 100MB, 30min, 2h.",
+                    f"«{value}» не подходит; пишите число с единицей: 100MB, 30min, 2h.",
                 ),
                 param,
                 ctx,
@@ -229,12 +229,12 @@ class OneOf(ParamType[str]):
             listed = ", ".join(self.words)
             if len(self.words) == 1:
                 said = tr(
-                    f"“{value}” is not known; only {listed} is.",
+                    f"“{value}” is not allowed; the only value is {listed}.",
                     f"«{value}» не подходит; можно только {listed}.",
                 )
             else:
                 said = tr(
-                    f"“{value}” is none of {listed}.",
+                    f"“{value}” is not one of {listed}.",
                     f"«{value}» не подходит; можно: {listed}.",
                 )
             self.fail(said, param, ctx)
@@ -245,7 +245,7 @@ class OneOf(ParamType[str]):
 
 
 class File(ParamType[Path]):
-    """A file's path. `there`: it has to be there already."""
+    """A file's path. `there`: the file must exist."""
 
     name = "file"
 
@@ -261,7 +261,7 @@ class File(ParamType[Path]):
         path = Path(value)
         try:
             folder, found = path.is_dir(), path.exists()
-        except (OSError, ValueError):  # a name that no system takes
+        except (OSError, ValueError):  # an invalid name
             folder, found = False, False
         if folder:
             self.fail(

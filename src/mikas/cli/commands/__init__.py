@@ -75,7 +75,7 @@ COMMANDS: dict[str, tuple[str, Text]] = {
     ),
 }
 MEMORY_COMMANDS: dict[str, tuple[str, Text]] = {
-    "read": (f"{_MEMORY}.cells:read", Text("hex dump of some bytes", "показать байты (hex)")),
+    "read": (f"{_MEMORY}.cells:read", Text("hex dump of some bytes", "показать байты")),
     "write": (
         f"{_MEMORY}.cells:write",
         Text("write bytes and read them back", "записать байты и проверить чтением"),

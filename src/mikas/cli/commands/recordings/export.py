@@ -147,7 +147,7 @@ def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Row
     if count:
         context.output.note(
             tr(
-                f"Time runs back in this table {count} time(s): the recording has several "
+                f"Times run back in this table (times: {count}): the recording has several "
                 "sessions or ports, one after another.",
                 f"Время в этой таблице идёт назад (раз: {count}): в записи несколько сеансов или "
                 "портов, они следуют друг за другом.",
