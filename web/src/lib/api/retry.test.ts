@@ -1,5 +1,4 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { presets } from "../../screens/live/presets.svelte";
 import { catalog } from "./catalog.svelte";
 import { retry } from "./retry";
 
@@ -21,15 +20,15 @@ function failing(times: number) {
   return { asked, job };
 }
 
-describe("insisting", () => {
-  it("asks again after 1, 2, 4, 8 s, and no more once it came", async () => {
+describe("retry", () => {
+  it("repeats after 1, 2, 4, 8 s until the job succeeds", async () => {
     const { asked, job } = failing(5);
     retry(job);
     await vi.advanceTimersByTimeAsync(120_000);
     expect(asked).toEqual([0, 1, 3, 7, 15, 23]);
   });
 
-  it("waits for an answer before it asks again", async () => {
+  it("waits for the response before it repeats", async () => {
     let asked = 0;
     let fail = (_: Error) => {};
     retry(() => {
@@ -43,7 +42,7 @@ describe("insisting", () => {
     expect(asked).toBe(2);
   });
 
-  it("ends with the line: not even what is on its way is asked again", async () => {
+  it("does not repeat after it was stopped, even while a job is running", async () => {
     const { asked, job } = failing(Infinity);
     const stop = retry(job);
     stop();
@@ -52,11 +51,11 @@ describe("insisting", () => {
   });
 });
 
-describe("what the page can't do without", () => {
+describe("the catalog", () => {
   const answer = (body: unknown) => new Response(JSON.stringify(body), { headers: { "Content-Type": "application/json" } });
   const lost = () => Promise.reject(new TypeError("Failed to fetch"));
 
-  it("the catalog comes although its first request was lost", async () => {
+  it("is loaded although its first request failed", async () => {
     const got = { parameters: [], derived: [], presets: [] };
     vi.stubGlobal("fetch", vi.fn().mockImplementationOnce(lost).mockImplementation(async () => answer(got)));
     const stop = catalog.load();
@@ -64,16 +63,6 @@ describe("what the page can't do without", () => {
     expect(catalog.loaded).toBeNull();
     await vi.advanceTimersByTimeAsync(1000);
     expect(catalog.loaded).toEqual(got);
-    stop();
-  });
-
-  it("so do the presets", async () => {
-    vi.stubGlobal("fetch", vi.fn().mockImplementationOnce(lost).mockImplementation(async () => answer({ presets: [] })));
-    const stop = presets.load();
-    await vi.advanceTimersByTimeAsync(0);
-    expect(presets.loaded).toBe(false);
-    await vi.advanceTimersByTimeAsync(1000);
-    expect(presets.loaded).toBe(true);
     stop();
   });
 });

@@ -2,7 +2,7 @@
 // after ½ s, 1, 2, … at most 8 s, and at once when the page becomes visible or the network returns.
 import { api } from "../api/api";
 import { address } from "../api/http";
-import { frameClock } from "../view/frameClock.svelte";
+import { frameClock } from "../platform/frameClock.svelte";
 import { clientId, clientName, controlLease } from "../api/client";
 import { Columns } from "../series/columns";
 import { EventLog } from "./eventLog";

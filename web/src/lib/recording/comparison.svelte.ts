@@ -1,6 +1,6 @@
 // A second recording beside the one being played, on a common clock: seconds from the start of each, moved by an offset. It is drawn at the
 // first one's times: its own time plus `lag`.
-import { frameClock } from "../view/frameClock.svelte";
+import { frameClock } from "../platform/frameClock.svelte";
 import { RecordingData } from "./recordingData.svelte";
 
 /** Aligning: first a moment on the dashed line is selected, then the same moment on the solid line. */

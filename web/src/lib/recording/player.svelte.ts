@@ -1,5 +1,5 @@
 // Plays a recording in place of the live data: play, pause, step, seek, loop. It is a `Source`, like the live data.
-import { frameClock } from "../view/frameClock.svelte";
+import { frameClock } from "../platform/frameClock.svelte";
 import { comparison } from "./comparison.svelte";
 import type { Latest } from "../live/live.svelte";
 import { RecordingData } from "./recordingData.svelte";

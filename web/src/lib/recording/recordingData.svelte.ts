@@ -1,7 +1,7 @@
 // A recording as columns. It is loaded completely, in parts, from its start; until then a decimated overview of all of it is shown.
 import { api } from "../api/api";
 import { ApiError } from "../api/http";
-import { frameClock } from "../view/frameClock.svelte";
+import { frameClock } from "../platform/frameClock.svelte";
 import { Columns } from "../series/columns";
 import type { Extremes } from "../view/source.svelte";
 import type { LineEvent, RecordingDetail } from "../api/types";

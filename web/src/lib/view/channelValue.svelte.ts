@@ -1,5 +1,5 @@
 // The current value of a channel as tiles show it: text, age, extremes, and whether it is beyond a limit.
-import { frameClock } from "./frameClock.svelte";
+import { frameClock } from "../platform/frameClock.svelte";
 import { catalog } from "../api/catalog.svelte";
 import { currentValue, type DisplayValue } from "./displayValue";
 import { number, localized } from "../i18n";

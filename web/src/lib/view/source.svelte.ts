@@ -1,5 +1,5 @@
 // What Live and Chart display: live data or a recording, behind one interface.
-import { frameClock } from "./frameClock.svelte";
+import { frameClock } from "../platform/frameClock.svelte";
 import type { Columns } from "../series/columns";
 import { live, type Latest } from "../live/live.svelte";
 import type { LineEvent } from "../api/types";

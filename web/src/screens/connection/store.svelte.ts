@@ -3,7 +3,7 @@ import { api } from "../../lib/api/api";
 import { ApiError } from "../../lib/api/http";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import { live } from "../../lib/live/live.svelte";
-import { announceSaved } from "../../lib/live/recordingControl.svelte";
+import { announceSaved } from "../../lib/control/recordingControl.svelte";
 import type { About, DoctorStep, Port, State } from "../../lib/api/types";
 
 class ConnectionStore {

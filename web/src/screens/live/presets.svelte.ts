@@ -3,7 +3,7 @@ import { api } from "../../lib/api/api";
 import { catalog } from "../../lib/api/catalog.svelte";
 import { retry } from "../../lib/api/retry";
 import { loadSetting, saveSetting } from "../../lib/platform/storage";
-import { subscriptions } from "../../lib/live/subscriptions.svelte";
+import { subscriptions } from "../../lib/control/subscriptions.svelte";
 import type { Preset, Tile } from "../../lib/api/types";
 
 class Presets {

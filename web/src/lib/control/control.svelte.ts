@@ -1,5 +1,5 @@
 // Which client holds control. `allowed`: this page may change things now, or takes free control with its first change.
-import { live } from "./live.svelte";
+import { live } from "../live/live.svelte";
 
 class Control {
   readonly viewOnly = $derived(live.state?.rights === "view");

@@ -8,7 +8,7 @@ import { api } from "../api/api";
 import { ApiError } from "../api/http";
 import { catalog } from "../api/catalog.svelte";
 import { control } from "./control.svelte";
-import { live } from "./live.svelte";
+import { live } from "../live/live.svelte";
 import { attempt, toasts } from "../view/toasts.svelte";
 import type { Channel, State, Wanted } from "../api/types";
 

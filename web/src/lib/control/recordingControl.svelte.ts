@@ -2,7 +2,7 @@
 import { api } from "../api/api";
 import { dictionary } from "../i18n";
 import { catalog } from "../api/catalog.svelte";
-import { live } from "./live.svelte";
+import { live } from "../live/live.svelte";
 import { supportedNames, subscriptions } from "./subscriptions.svelte";
 import { attempt, toasts } from "../view/toasts.svelte";
 import type { State } from "../api/types";
