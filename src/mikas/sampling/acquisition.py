@@ -22,6 +22,7 @@ from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.alarms import Alarms, AlarmState, Value
 from mikas.sampling.derived import DerivedChannels, number_of
+from mikas.sampling.event_log import EventLogger
 from mikas.sampling.events import (
     AlarmChanged,
     CycleFailed,
@@ -116,7 +117,9 @@ class Acquisition:
     def run(self) -> Generator[Event, None, None]:
         """Events until `stop`, or until the iterator is closed. Raises as `Sampler.run` does."""
         self._behind.clear()
+        log = EventLogger()
         for event in self._sampler.run():
+            log.take(event)
             match event:
                 case Sampled():
                     yield from self._with_derived(event)

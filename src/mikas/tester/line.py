@@ -1,22 +1,37 @@
-"""One request out, one response in, on a wire that echoes (D1, D2, D14). No policy: no retries
-here.
+"""One request out, one response in, on a wire that echoes (D1, D2, D14). No retries here.
 
-`Line` is what the tester knows of the wire: it sends a frame and compares its echo byte by byte, it
-collects the frame that answers, and it waits for silence. Every failure is an error that carries
-what was sent, what came, and when; what to do about it is the tester's business.
+`Line` sends a frame and compares its echo byte by byte, collects the frame that answers, and waits
+for silence. Every failure is an error that carries what was sent, what came, and when; the reaction
+to it is the tester's.
+
+The logger `mikas.tester` gets at DEBUG every frame that is sent (`>`) or received (`<`), and every
+failure (`!`).
 """
 
 from __future__ import annotations
 
 from math import inf
+from typing import TYPE_CHECKING
 
-from mikas.errors import DamagedResponse, EchoDiffers, LineNotQuiet, NoEcho, NoResponse
+from mikas.errors import (
+    DamagedResponse,
+    EchoDiffers,
+    LineNotQuiet,
+    MikasError,
+    NoEcho,
+    NoResponse,
+    hex_dump,
+)
 from mikas.framing import Damage, DamageReason, Decoder, Frame, encode
 from mikas.i18n import Text
 from mikas.link import Chunk, Link
 from mikas.tester.timed_decoder import TimedDecoder
 from mikas.tester.timing import Reply, Timing
 
+if TYPE_CHECKING:
+    from logging import Logger
+
+_DEBUG = 10  # logging.DEBUG; the module is imported when a line is opened
 WRONG_CHECKSUM = Text("the checksum is wrong", "неверна контрольная сумма")
 _DAMAGE = {
     DamageReason.CHECKSUM: WRONG_CHECKSUM,
@@ -30,7 +45,7 @@ _DOUBLED = Text("more than one response came", "пришло больше одн
 
 
 class Line:
-    """A link seen as requests and responses. `echo`: whether the line gives back what is sent."""
+    """A link seen as requests and responses. `echo`: whether the line returns what is sent."""
 
     def __init__(
         self,
@@ -47,41 +62,49 @@ class Line:
         self.raw_checksum = raw_checksum
         self.strict = strict
         self.sent_until = -inf
-        """When the last byte of the latest request was out."""
+        """When the last byte of the latest request was sent."""
         self.echo_heard = -inf
-        """When its echo had come; an adapter may make that itself, before the bytes are out."""
+        """When its echo had arrived; an adapter may make that itself, before the bytes are sent."""
         self.silences = 0
         """How often nothing at all came to two requests in a row."""
         self._unanswered = 0  # requests in a row
         self._ahead = Chunk(b"", 0.0)  # came together with the end of an echo
+        self._log = _logger()
 
-    def exchange(self, body: bytes, *, of_many: bool = False, least: int = 0) -> Reply:
-        """Sends `body`, returns the one response, or with `of_many` the first.
+    def exchange(self, body: bytes, *, of_many: bool = False, min_length: int = 0) -> Reply:
+        """Send `body` and return its only response, or the first with `of_many`.
 
-        `least`: the bytes of the shortest body that may be its response; only then is it worth
-        while to look what has come. Raises `NoEcho` or a `LineError`.
+        `min_length`: bytes of the shortest possible body of the response; the line is not read
+        before so many can have arrived. Raises `NoEcho` or a `LineError`.
         """
         wire, sent_at = self.send(body)
-        return self.receive(wire, sent_at, of_many=of_many, least=least)
+        return self.receive(wire, sent_at, of_many=of_many, min_length=min_length)
 
     def send(self, body: bytes, *, hasty: bool = False) -> tuple[bytes, float]:
-        """Sends `body` and checks the echo; returns its wire form and the time when it was out.
+        """Send `body` and check the echo; return its wire form and when its last byte was sent.
 
-        `hasty`: an echo that comes before the wire can have made it is heard when it comes.
+        `hasty`: read the echo as it arrives, even before the wire can have carried it.
         """
         wire = self.interject(body)
         if self.echo:
             if not hasty:  # all of it, and be it a little late: the response is later
                 self.link.gather(self.sent_until + self.link.byte_time / 2)
-            self.echo_heard = self._check_echo(wire, self.sent_until + self.timing.response_timeout)
+            try:
+                self.echo_heard = self._check_echo(
+                    wire, self.sent_until + self.timing.response_timeout
+                )
+            except MikasError as error:
+                self._log_error(error)
+                raise
             self.sent_until = max(self.sent_until, self.echo_heard)
         return wire, self.sent_until
 
     def interject(self, body: bytes) -> bytes:
-        """Sends `body` and lets the echo come as it may; returns the wire form."""
+        """Send `body` without waiting for the echo; return the wire form."""
         wire = encode(body, raw_checksum=self.raw_checksum)
         self._ahead = Chunk(b"", 0.0)
         self.sent_until = self.link.now() + len(wire) * self.link.byte_time
+        self._log_frame(">", wire)
         self.link.write(wire)
         return wire
 
@@ -103,14 +126,23 @@ class Line:
         return chunk.time - len(extra) * self.link.byte_time
 
     def receive(
-        self, wire: bytes, sent_at: float, *, of_many: bool = False, least: int = 0
+        self, wire: bytes, sent_at: float, *, of_many: bool = False, min_length: int = 0
     ) -> Reply:
-        """The one response to the request `wire`, which was out at `sent_at`.
+        """Return the only response to the request `wire`, whose last byte was sent at `sent_at`.
 
-        `of_many`: the first of those that a stream request brings; more may have come with it.
-        `least`: as for `exchange`. The first byte is seen when it comes, so `began` is as exact as
+        `of_many`: the first of the responses of a stream; more may have come with it. `min_length`:
+        as for `exchange`. The first byte is read as soon as it arrives, so `began` is as exact as
         the adapter.
         """
+        try:
+            reply = self._receive(wire, sent_at, of_many=of_many, min_length=min_length)
+        except MikasError as error:
+            self._log_error(error)
+            raise
+        self._log_frame("<", reply.wire)
+        return reply
+
+    def _receive(self, wire: bytes, sent_at: float, *, of_many: bool, min_length: int) -> Reply:
         decoder = self.decoder()
         received = bytearray()
         deadline = sent_at + self.timing.response_timeout
@@ -129,9 +161,9 @@ class Line:
             deadline = chunk.time + self._pause()
             events = decoder.feed(chunk)
             if not events:
-                # A pause inside (D14) must not be slept through: half of it at a time, so that one
-                # that is too long is found, at worst so much later.
-                missing = least + _AROUND - len(received)
+                # Sleep at most half of the longest pause inside a response (D14): a longer one is
+                # then found, at worst that much later.
+                missing = min_length + _AROUND - len(received)
                 self._gather(chunk.time, missing, most=self.timing.inter_byte_timeout / 2)
                 continue
             first, began = events[0]
@@ -142,12 +174,21 @@ class Line:
                 raise self._damaged(wire, bytes(received), chunk.time, _DOUBLED)
             return Reply(first.body, first.wire, max(sent_at, began), chunk.time)
 
+    def _log_error(self, error: MikasError) -> None:
+        if self._log.isEnabledFor(_DEBUG):
+            came = f" (received {hex_dump(error.received)})" if error.received else ""
+            self._log.debug("! %s%s", error.reason.en, came)
+
+    def _log_frame(self, direction: str, wire: bytes) -> None:
+        if self._log.isEnabledFor(_DEBUG):
+            self._log.debug("%s %s", direction, hex_dump(wire))
+
     def _count_silence(self) -> None:
         self._unanswered += 1
         self.silences += self._unanswered == 2
 
     def decoder(self) -> TimedDecoder:
-        """For what comes from here on."""
+        """Create a decoder for the bytes that arrive from now on."""
         return TimedDecoder(Decoder(strict=self.strict), self.link.byte_time)
 
     def _next(self, deadline: float) -> Chunk:
@@ -157,8 +198,9 @@ class Line:
         return self.link.read(deadline)
 
     def _gather(self, since: float, count: int, *, most: float = inf) -> None:
-        """Lets `count` bytes come that can't be there `since` then yet; but for the last, so that
-        its time is seen, and for `most` seconds.
+        """Sleep until all but the last of `count` bytes can have arrived, counted from `since`.
+
+        The last one is left to a read, which sees its time. Sleeps `most` seconds at most.
         """
         if count > 1:
             self.link.gather(since + min((count - 1) * self.link.byte_time, most))
@@ -175,7 +217,7 @@ class Line:
 
     @staticmethod
     def damaged(wire: bytes, event: Damage, time: float) -> DamagedResponse:
-        """The error for a response to `wire` that came as `event`."""
+        """Return the error for a response to `wire` that was decoded as `event`."""
         return Line._damaged(wire, event.data, time, _DAMAGE[event.reason])
 
     @staticmethod
@@ -183,16 +225,16 @@ class Line:
         return DamagedResponse(damage=damage, request=wire, received=received, time=time)
 
     def arrived(self) -> bytes:
-        """What came unasked, without waiting: a request is not begun on a talking line (D2)."""
+        """Return the bytes that no request caused, without waiting: D2 wants a quiet line."""
         ahead, self._ahead = self._ahead.data, Chunk(b"", 0.0)
         return ahead + self.link.read(self.link.now()).data
 
     def wait_for_quiet(
         self, seconds: float, *, until: float = -inf, patience: float | None = None
     ) -> bytes:
-        """Waits for the time `until`, and until nothing has come for `seconds`; returns what came.
+        """Wait until `until`, and until nothing has come for `seconds`; return what came.
 
-        Raises `LineNotQuiet` if something still comes `patience` after the beginning (by default
+        Raises `LineNotQuiet` if bytes still come `patience` seconds after the beginning (by default
         `timing.max_busy_time` more than `seconds`) and after `until`.
         """
         came = bytearray(self.arrived())
@@ -211,18 +253,33 @@ class Line:
                 raise LineNotQuiet(received=bytes(came[-64:]), time=chunk.time)
 
     def next_frame(
-        self, decoder: TimedDecoder, deadline: float, *, least: int, heard: float
+        self, decoder: TimedDecoder, deadline: float, *, min_length: int, heard: float
     ) -> list[tuple[Frame | Damage, float]]:
-        """The next events of a stream, each with the time its bytes began; empty at the deadline.
+        """Return the next events of a stream with the times of their first bytes.
 
-        `least`: the bytes of the shortest body that comes, `heard`: when the last byte came.
+        Empty at the deadline. `min_length`: bytes of the shortest possible body, `heard`: when the
+        last byte came.
         """
         while True:
-            missing = least + _AROUND - len(decoder.pending)
+            missing = min_length + _AROUND - len(decoder.pending)
             self._gather(heard, missing, most=max(0.0, deadline - heard))
             chunk = self._next(deadline)
             if not chunk.data:
                 return []
             heard = chunk.time
             if events := decoder.feed(chunk):
+                for event, _ in events:
+                    if isinstance(event, Frame):
+                        self._log_frame("<", event.wire)
+                    else:
+                        self._log_frame("! damaged:", event.data)
                 return events
+
+
+def _logger() -> Logger:
+    from logging import NullHandler, getLogger
+
+    logger = getLogger("mikas.tester")
+    if not logger.handlers:
+        logger.addHandler(NullHandler())
+    return logger

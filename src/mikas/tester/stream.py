@@ -59,7 +59,7 @@ class Stream:
         self._end = end
         self._spoilt = spoilt
         self._decoder = line.decoder()
-        self._least = min(command.response_lengths())
+        self._min_length = min(command.response_lengths())
         self._items: deque[StreamItem | LineError] = deque()
         self._held: StreamItem | None = None
         self._count = 0
@@ -89,7 +89,7 @@ class Stream:
                 if tell:
                     raise item
             events = self._line.next_frame(
-                self._decoder, deadline, least=self._least, heard=self._heard
+                self._decoder, deadline, min_length=self._min_length, heard=self._heard
             )
             if not events:
                 return None

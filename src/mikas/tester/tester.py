@@ -190,8 +190,8 @@ class Tester:
         self.statistics.requests += 1
         self._step.mark_lost()  # until it has ended well; Ctrl-C may end it too
         try:
-            least = min(command.response_lengths(), default=0)
-            reply = self._line.exchange(command.body(), least=least)
+            shortest = min(command.response_lengths(), default=0)
+            reply = self._line.exchange(command.body(), min_length=shortest)
             try:
                 value = command.read(reply.body)
             except MikasError as error:

@@ -1,0 +1,52 @@
+"""The logger `mikas.tester`: frames and failures at DEBUG."""
+
+from __future__ import annotations
+
+import logging
+
+from mikas.client import connect
+from mikas.virtual.fault_injector import LineFault
+
+SIM = "sim:?clock=simulated"
+
+
+def lines(caplog):
+    return [record.getMessage() for record in caplog.records if record.name == "mikas.tester"]
+
+
+def test_frames_are_logged_with_their_direction(caplog):
+    with caplog.at_level(logging.DEBUG, logger="mikas.tester"), connect(SIM) as ecu:
+        caplog.clear()
+        raw = ecu.read("TWAT")["TWAT"].raw
+    sent, received = lines(caplog)[:2]
+    assert sent == "> 61 1A 85 0D"
+    assert received.startswith(f"< {raw.hex().upper()} ")
+    assert all(record.levelno == logging.DEBUG for record in caplog.records)
+
+
+def test_a_stream_is_logged_frame_by_frame(caplog):
+    with connect(SIM) as ecu, caplog.at_level(logging.DEBUG, logger="mikas.tester"):
+        list(ecu.watch("TWAT", "FREQ", method="stream", count=3))
+    assert lines(caplog)[0].startswith("> 71 ")
+    assert sum(line.startswith("< ") for line in lines(caplog)) >= 3
+
+
+def test_a_failure_is_logged_with_the_bytes_that_came(caplog):
+    with connect(SIM) as ecu, caplog.at_level(logging.DEBUG, logger="mikas.tester"):
+        ecu.tester.link.bus.disturbance.next(LineFault.DAMAGED)
+        ecu.read("TWAT")
+        (damaged,) = [line for line in lines(caplog) if line.startswith("! ")]
+        assert " (received " in damaged
+        caplog.clear()
+        ecu.tester.link.bus.disturbance.next(LineFault.LOST)
+        ecu.read("TWAT")
+    assert any(line.startswith("! ") and "0.5 s" in line for line in lines(caplog))
+
+
+def test_the_library_is_silent_by_default(capfd):
+    logger = logging.getLogger("mikas.tester")
+    assert not logger.isEnabledFor(logging.DEBUG)
+    with connect(SIM) as ecu:
+        ecu.read("TWAT")
+    assert any(isinstance(handler, logging.NullHandler) for handler in logger.handlers)
+    assert capfd.readouterr() == ("", "")
