@@ -84,7 +84,7 @@ def test_what_is_off_is_in_the_sentence() -> None:
     assert findings.outcome is Outcome.ATTENTION
     assert sentence(findings).en == (
         "1 fault is stored: 13; at warm idle 2 of the 8 values that can be judged are outside the "
-        "usual band: board voltage (low), air flow (low)."
+        "usual band: battery voltage (low), air flow (low)."
     )
     assert sentence(findings).ru == (
         "В памяти блока 1 ошибка: 13; на прогретом холостом ходу вне нормы 2 значения из 8: "

@@ -210,7 +210,7 @@ def of_class(drawing: ET.Element, name: str) -> list[ET.Element]:
 def test_three_charts_what_is_off_first() -> None:
     text = page.render(found(rows(UACC=12.9)), "en")
     titles = re.findall(r"<figcaption>(.*?)</figcaption>", text)
-    assert titles == ["Board voltage, V", "Crankshaft speed, rpm", "Air flow, kg/h"]
+    assert titles == ["Battery voltage, V", "Crankshaft speed, rpm", "Air flow, kg/h"]
     assert len(drawings(text)) == 3
     for drawing in drawings(text):
         assert drawing.get("role") == "img"
