@@ -6,7 +6,6 @@ from datetime import UTC, datetime
 from xml.etree import ElementTree as ET
 
 import numpy as np
-from asammdf import MDF
 from export_tables import (
     ALL_FLOATS,
     CHANNELS,
@@ -27,6 +26,8 @@ from mikas.recording.export import sheet as sheets
 def test_the_fixed_table(tmp_path):
     out = tmp_path / "поездка.mf4"
     export(out, CHANNELS, FIXED, about={"unit": "Микас <7.1>", "passport": "a & b"})
+    from asammdf import MDF  # here: its import takes 2 s
+
     with MDF(out) as mdf:
         assert mdf.version == "4.10"
         assert mdf.start_time == datetime(2023, 11, 14, 22, 13, 20, tzinfo=UTC)
@@ -48,6 +49,8 @@ def test_the_fixed_table(tmp_path):
 def test_no_rows_are_a_file_with_its_channels(tmp_path):
     out = tmp_path / "log.mf4"
     export(out, CHANNELS, [])
+    from asammdf import MDF  # here: its import takes 2 s
+
     with MDF(out) as mdf:
         assert len(mdf.get("UACC").samples) == 0
         assert mdf.get("UACC").unit == "V"
@@ -59,6 +62,8 @@ def test_no_rows_are_a_file_with_its_channels(tmp_path):
 @given(drawn=tables(ALL_FLOATS, least=1))
 def test_what_was_exported_is_read_back(tmp_path_factory, drawn):
     out = exported(drawn, tmp_path_factory.getbasetemp() / "log.mf4")
+    from asammdf import MDF  # here: its import takes 2 s
+
     with MDF(out) as mdf:
         for index, channel in enumerate(drawn.channels, 1):
             signal = mdf.get(group=0, index=index)
@@ -73,6 +78,8 @@ def test_many_stretches_are_one_group(tmp_path, monkeypatch):
     monkeypatch.setattr(sheets, "STRETCH", 100)
     out = tmp_path / "log.mf4"
     export(out, [TWAT], (rows([n / 35], TWAT=[n]) for n in range(1234)))
+    from asammdf import MDF  # here: its import takes 2 s
+
     with MDF(out) as mdf:
         assert len(mdf.groups) == 1
         assert mdf.get("TWAT").samples.tolist() == list(range(1234))

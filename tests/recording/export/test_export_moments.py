@@ -7,7 +7,6 @@ import json
 import duckdb
 import pyarrow.parquet as pq
 import pytest
-from asammdf import MDF
 from export_tables import CHANNELS, EVENTS, FIXED, START, TWAT, rows
 from hypothesis import given
 from hypothesis import strategies as st
@@ -85,6 +84,8 @@ ERROR, TOOL, USER = 1, 2, 4
 def test_mdf_has_them_as_events(tmp_path):
     out = tmp_path / "log.mf4"
     export(out, CHANNELS, FIXED, events=EVENTS)
+    from asammdf import MDF  # here: its import takes 2 s
+
     with MDF(out) as mdf:
         events = mdf.events
         shape = [(it.event_type, it.cause, it.range_type) for it in events]
@@ -119,6 +120,8 @@ def test_mdf_with_many_events_is_read_back(tmp_path):
     out = tmp_path / "log.mf4"
     events = [Marker(START + number, f"отметка {number}") for number in range(300)]
     export(out, [TWAT], [rows([START], TWAT=[85])], events=events)
+    from asammdf import MDF  # here: its import takes 2 s
+
     with MDF(out) as mdf:
         assert [it.name for it in mdf.events] == [it.label for it in events]
         assert mdf.get("TWAT").samples.tolist() == [85]
