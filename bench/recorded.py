@@ -18,9 +18,10 @@ import mikas
 from mikas.client.polling import Method
 from mikas.i18n import Text
 from mikas.link.tee import Direction
-from mikas.recording import CaptureWriter, Coalescer, pcapng
+from mikas.recording import CaptureWriter, Coalescer
 from mikas.recording.annotations.events import note_of, write_session_header
-from mikas.recording.notes import Kind, Note, block_of
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.notes import Kind, Note, block_of
 from mikas.sampling.alarms import Alarms
 from mikas.sampling.events import Gap, LineState, Marker, StateChanged, TextNote
 

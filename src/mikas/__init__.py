@@ -28,8 +28,8 @@ if TYPE_CHECKING:
         connect,
     )
     from mikas.errors import MikasError
-    from mikas.recording.opening import Recording
-    from mikas.recording.opening import open as open  # noqa: A004
+    from mikas.recording.recording import Recording
+    from mikas.recording.recording import open as open  # noqa: A004
 
 __all__ = [
     "AsyncEcu",
@@ -51,8 +51,8 @@ _MODULES = dict.fromkeys(__all__, "mikas.client") | {
     "Fault": "mikas.catalog",
     "MikasError": "mikas.errors",
     "Parameter": "mikas.catalog",
-    "Recording": "mikas.recording.opening",
-    "open": "mikas.recording.opening",  # not in `__all__`: `import *` would hide the built-in one
+    "Recording": "mikas.recording.recording",
+    "open": "mikas.recording.recording",  # not in `__all__`: `import *` would hide the built-in one
 }
 
 

@@ -6,7 +6,7 @@ import pytest
 from cli_bench import is_one_short_paragraph, is_russian
 
 from mikas.recording import CaptureReader
-from mikas.recording.reader import Packet, Problem
+from mikas.recording.capture.reader import Packet, Problem
 
 WITH_A_PORT = [
     ["info", "--quick"],
@@ -115,7 +115,7 @@ def test_samples_behind_a_next_file_that_could_not_be_begun_are_counted_as_lost(
 def recorded_samples(file) -> int:
     """Readings in a recording of one parameter; one or two are asked before the first sample."""
     from mikas.catalog import load
-    from mikas.recording.opening import Recording
+    from mikas.recording.recording import Recording
 
     return sum(len(rows.times) for rows in Recording(file, load()).rows())
 
@@ -149,7 +149,7 @@ def test_log_leaves_no_file_where_nobody_was(mikas, tmp_path):
 @pytest.mark.parametrize("method", ["stream", "list", "batch"])
 def test_a_recording_can_be_read_alone_after_each_rotation(mikas, tmp_path, method):
     from mikas.catalog import load
-    from mikas.recording.opening import Recording
+    from mikas.recording.recording import Recording
 
     ran = mikas("log", "-o", "a.pcapng", "TWAT", "FREQ", "--method", method,
                 "--rotate", "2s", "--duration", "7")  # fmt: skip

@@ -13,10 +13,10 @@ from pyarrow import parquet
 
 from mikas.catalog import shipped
 from mikas.cli.commands.recordings.export import MOST_PROBLEMS
-from mikas.recording import pcapng
 from mikas.recording.annotations.events import note_of
-from mikas.recording.notes import block_of
-from mikas.recording.opening import Recording
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.notes import block_of
+from mikas.recording.recording import Recording
 from mikas.sampling.events import Marker
 
 SUFFIXES = ("csv", "mf4", "parquet", "msl", "mlg")

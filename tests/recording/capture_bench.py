@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from mikas.link.tee import Direction
-from mikas.recording.capture import CaptureReader, CaptureWriter, Packet, Problem
+from mikas.recording.capture.reader import CaptureReader, Packet, Problem
+from mikas.recording.capture.writer import CaptureWriter
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 MICRO = 1_000_000

@@ -10,8 +10,8 @@ from mikas.client import Passport
 from mikas.errors import EchoOnly, NoResponse
 from mikas.link.tee import Direction
 from mikas.recording import CaptureReader, CaptureWriter
-from mikas.recording.notes import Note
-from mikas.recording.reader import Packet, Problem
+from mikas.recording.capture.notes import Note
+from mikas.recording.capture.reader import Packet, Problem
 from mikas.sampling.events import (
     CycleFailed,
     LineState,

@@ -9,11 +9,12 @@ import pytest
 
 from mikas.errors import CaptureError
 from mikas.link.tee import Direction
-from mikas.recording import CaptureReader, CaptureWriter, pcapng
+from mikas.recording import CaptureReader, CaptureWriter
 from mikas.recording.annotations.comment import LONGEST, comment_note, comment_of, write_comment
 from mikas.recording.annotations.events import note_of
-from mikas.recording.notes import Note
-from mikas.recording.reader import Packet, Problem
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.notes import Note
+from mikas.recording.capture.reader import Packet, Problem
 from mikas.sampling.events import TextNote
 
 

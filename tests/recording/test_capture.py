@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from mikas.errors import CaptureError
 from mikas.link.tee import Direction
-from mikas.recording.capture import CaptureWriter, Source
+from mikas.recording.capture.reader import Source
+from mikas.recording.capture.writer import CaptureWriter
 
 chunks = st.lists(
     st.tuples(

@@ -8,7 +8,7 @@ import os
 import pytest
 
 from mikas.errors import CaptureError
-from mikas.recording.capture import CaptureWriter
+from mikas.recording.capture.writer import CaptureWriter
 
 
 @pytest.mark.parametrize(

@@ -10,14 +10,14 @@ import sys
 
 import pytest
 
-from mikas.recording.capture import CaptureReader, Packet
+from mikas.recording.capture.reader import CaptureReader, Packet
 
 pytestmark = pytest.mark.realtime
 
 RECORD_FOR_EVER = """
 import itertools, sys
 from mikas.link.tee import Direction
-from mikas.recording.capture import CaptureWriter
+from mikas.recording.capture.writer import CaptureWriter
 
 writer = CaptureWriter(sys.argv[1], url="sim:")
 for number in itertools.count(1):

@@ -10,7 +10,8 @@ import pytest
 
 from mikas.errors import CaptureError
 from mikas.link.tee import Direction
-from mikas.recording.capture import CaptureReader, CaptureWriter
+from mikas.recording.capture.reader import CaptureReader
+from mikas.recording.capture.writer import CaptureWriter
 
 SENT = Direction.SENT
 

@@ -12,11 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.errors import CaptureError
-from mikas.recording import pcapng
-from mikas.recording.capture import CaptureReader, CaptureWriter, Packet, Problem
-from mikas.recording.notes import Kind, Note
-from mikas.recording.pcapng import Custom, EnhancedPacket, Interface, Section, SimplePacket
-from mikas.recording.scan import LARGEST
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.blocks import Custom, EnhancedPacket, Interface, Section, SimplePacket
+from mikas.recording.capture.notes import Kind, Note
+from mikas.recording.capture.reader import CaptureReader, Packet, Problem
+from mikas.recording.capture.scan import LARGEST
+from mikas.recording.capture.writer import CaptureWriter
 from mikas.recording.summary import summarise
 
 

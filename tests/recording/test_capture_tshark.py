@@ -12,7 +12,7 @@ import subprocess
 import pytest
 
 from mikas.link.tee import Direction
-from mikas.recording.capture import CaptureWriter
+from mikas.recording.capture.writer import CaptureWriter
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 FLAGS = {RECEIVED: 1, SENT: 2}

@@ -14,7 +14,8 @@ from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.link.tee import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
-from mikas.recording.capture import CaptureReader, CaptureWriter, Packet, Problem, Source
+from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
+from mikas.recording.capture.writer import CaptureWriter
 from mikas.recording.inspect.frames import (
     UNFINISHED,
     SeenDamage,

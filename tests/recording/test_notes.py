@@ -22,12 +22,13 @@ from mikas.client import Limits, Passport
 from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.link.tee import Direction
-from mikas.recording import CaptureReader, CaptureWriter, Kind, Note, pcapng, write_session_header
-from mikas.recording import notes as blocks
+from mikas.recording import CaptureReader, CaptureWriter, Kind, Note, write_session_header
 from mikas.recording.annotations.events import catalog_note, faults_note, note_of, unit_of
-from mikas.recording.index import index
-from mikas.recording.reader import Packet
-from mikas.recording.scan import LARGEST
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture import notes as blocks
+from mikas.recording.capture.index import index
+from mikas.recording.capture.reader import Packet
+from mikas.recording.capture.scan import LARGEST
 from mikas.sampling.alarms import Alarms
 from mikas.sampling.events import (
     FaultReading,

@@ -18,9 +18,9 @@ from mikas.i18n import Text
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording import CaptureWriter, write_session_header
 from mikas.recording.annotations.events import note_of
-from mikas.recording.deriving import FRESH, Deriver
-from mikas.recording.notebook import Table, arrow_table, pandas_frame, polars_frame
-from mikas.recording.table import Channel, Rows
+from mikas.recording.table.channels import Channel, Rows
+from mikas.recording.table.dataframes import Table, arrow_table, pandas_frame, polars_frame
+from mikas.recording.table.derived import FRESH, Deriver
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import MethodChosen, Sampled
 from mikas.sampling.plan import Plan, PlannedParameter

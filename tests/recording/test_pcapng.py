@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.recording import pcapng
-from mikas.recording.pcapng import (
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.blocks import (
     Custom,
     EnhancedPacket,
     Interface,

@@ -10,10 +10,10 @@ import mikas
 from mikas.catalog import shipped
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter, Coalescer, Note, write_session_header
-from mikas.recording import index as file_index
 from mikas.recording import summary as summaries
 from mikas.recording.annotations.comment import write_comment
 from mikas.recording.annotations.events import events_of, note_of, unit_of
+from mikas.recording.capture import index as file_index
 from mikas.recording.summary import summarise
 from mikas.sampling.events import (
     Gap,

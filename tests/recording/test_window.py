@@ -11,8 +11,8 @@ import mikas
 from mikas.catalog import shipped
 from mikas.errors import UnknownParameter, UsageError
 from mikas.recording import CaptureWriter
-from mikas.recording.table import Rows
-from mikas.recording.window import Windows
+from mikas.recording.table.channels import Rows
+from mikas.recording.table.window import Windows
 
 NAN = np.nan
 PORT = "sim:?clock=simulated&scenario=city"

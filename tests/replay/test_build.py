@@ -15,7 +15,7 @@ from mikas.catalog import shipped
 from mikas.errors import MikasError
 from mikas.framing import encode
 from mikas.recording import CaptureWriter
-from mikas.recording.exchanges.capture import column_exchanges
+from mikas.recording.exchanges.packet_reader import column_exchanges
 from mikas.recording.exchanges.reading import scalar_exchanges
 from mikas.replay import behaviour as replay_habits
 from mikas.replay.build import ReplayBuilder, build
@@ -106,8 +106,8 @@ def test_most_of_a_long_session_is_not_looked_at_one_by_one(few, tmp_path, monke
 
 
 def test_two_ports_in_turns_keep_their_order(tmp_path):
-    from mikas.recording import pcapng
-    from mikas.recording.reader import FLAGS
+    from mikas.recording.capture import blocks as pcapng
+    from mikas.recording.capture.reader import FLAGS
 
     blocks = [pcapng.Section(), pcapng.Interface(name="a", speed=9600)]
     blocks.append(pcapng.Interface(name="b", speed=9600))

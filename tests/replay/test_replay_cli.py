@@ -12,7 +12,7 @@ from mikas.cli.commands import sim
 from mikas.cli.context import CommandContext
 from mikas.cli.main import run
 from mikas.recording import CaptureReader
-from mikas.recording.reader import Packet
+from mikas.recording.capture.reader import Packet
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from mikas.link import open_link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.virtual import VirtualLink
 from mikas.recording import CaptureReader
-from mikas.recording.opening import Recording
+from mikas.recording.recording import Recording
 from mikas.replay import load, playing, replay_bus
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import CycleFailed, Sampled, StateChanged

@@ -127,7 +127,7 @@ def test_what_was_read_before_the_recording_began(tmp_path) -> None:
     "told", [None, 3, {}, [3], [{"time": "x", "codes": []}], [{"time": 1, "codes": [256]}]]
 )
 def test_a_note_that_says_nothing(told, tmp_path) -> None:
-    from mikas.recording.notes import Kind, Note
+    from mikas.recording.capture.notes import Kind, Note
 
     path = tmp_path / "a.pcapng"
     with CaptureWriter(path, url=IDLE) as sink:

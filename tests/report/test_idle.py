@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from report_bench import START, rows
 
-from mikas.recording.table import Rows
+from mikas.recording.table.channels import Rows
 from mikas.report.warm_idle import ENOUGH, PAUSE, SETTLING, WarmIdleFinder
 
 NAMES = ("TWAT", "FREQ", "FREQX", "THR", "RXX")

@@ -11,7 +11,7 @@ from pydantic import BaseModel, Field
 from mikas.dashboard.api.errors import TwoTexts, two_or_none
 from mikas.dashboard.api.messages import RecordedEvent
 from mikas.dashboard.library.folder import Shelved
-from mikas.recording.opening import Recording
+from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary
 from mikas.sampling.events import MethodChosen
 

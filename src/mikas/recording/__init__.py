@@ -1,9 +1,10 @@
 """Keeping what was seen: captures of the wire, and what is made from them."""
 
 from mikas.recording.annotations.events import note_of, write_session_header
-from mikas.recording.capture import CaptureReader, CaptureWriter
-from mikas.recording.coalescing import Coalescer
-from mikas.recording.notes import Kind, Note
+from mikas.recording.capture.coalescer import Coalescer
+from mikas.recording.capture.notes import Kind, Note
+from mikas.recording.capture.reader import CaptureReader
+from mikas.recording.capture.writer import CaptureWriter
 
 __all__ = [
     "CaptureReader",

@@ -20,10 +20,10 @@ from mikas.errors import CaptureError, MikasError
 from mikas.link.tee import Direction
 from mikas.recording.annotations.annotator import SessionAnnotator
 from mikas.recording.annotations.events import note_of
-from mikas.recording.capture import CaptureWriter
-from mikas.recording.coalescing import Coalescer, NotedSink
-from mikas.recording.notes import Note
-from mikas.recording.reader import reason_of
+from mikas.recording.capture.coalescer import Coalescer, NotedSink
+from mikas.recording.capture.notes import Note
+from mikas.recording.capture.reader import reason_of
+from mikas.recording.capture.writer import CaptureWriter
 from mikas.sampling.events import Event, Marker, TextNote, UnitFound
 
 if TYPE_CHECKING:

@@ -22,15 +22,15 @@ from mikas.catalog import Catalog, shipped
 from mikas.errors import CaptureError, MikasError
 from mikas.i18n import Text
 from mikas.link.tee import Direction
-from mikas.recording import pcapng
 from mikas.recording.annotations.comment import comment_of
 from mikas.recording.annotations.events import RecordedUnit, events_of, unit_of
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.index import FileIndex, index
+from mikas.recording.capture.notes import Kind, Note
+from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, reason_of
+from mikas.recording.capture.scan import scan
 from mikas.recording.exchanges.scalar import ScalarMatcher
-from mikas.recording.index import FileIndex, index
-from mikas.recording.notes import Kind, Note
-from mikas.recording.reader import Blocks, CaptureReader, Packet, reason_of
-from mikas.recording.scan import scan
-from mikas.recording.table import PLAINLY_UNIX
+from mikas.recording.table.channels import PLAINLY_UNIX
 from mikas.sampling.events import Gap
 
 _TAIL: Final = 1 << 14
@@ -196,7 +196,7 @@ def _samples(
 ) -> tuple[int | None, bool]:
     """How many responses with data; and whether that was counted."""
     if places.size <= _COUNTED:
-        from mikas.recording.exchanges.table import TableReader
+        from mikas.recording.table.reader import TableReader
 
         with suppress(MikasError):
             return sum(len(rows.times) for rows in TableReader(path, catalog).rows()), True

@@ -19,11 +19,11 @@ from mikas.commands.base import ERROR
 from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.link.base import BITS_PER_BYTE
-from mikas.recording.capture import CaptureReader, Problem, Source
+from mikas.recording.capture.notes import Kind, Note
+from mikas.recording.capture.reader import CaptureReader, Problem, Source
 from mikas.recording.exchanges.reading import read_exchanges
 from mikas.recording.exchanges.result import Exchanges
 from mikas.recording.exchanges.scalar import DEFAULT_BAUD
-from mikas.recording.notes import Kind, Note
 from mikas.replay.behaviour import EcuBehaviour
 from mikas.replay.contents import Contents, Port, Request
 from mikas.replay.model import ReplayData

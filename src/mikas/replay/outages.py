@@ -14,8 +14,8 @@ from collections.abc import Iterable, Sequence
 from statistics import median
 from typing import Final
 
+from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.exchanges.result import GAP
-from mikas.recording.notes import Kind, Note
 from mikas.replay.model import Series
 
 Stretch = tuple[float, float]

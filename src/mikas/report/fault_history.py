@@ -10,9 +10,9 @@ from pathlib import Path
 from mikas.catalog import Catalog, Fault
 from mikas.commands import ERASE_FAULTS, ReadFaults
 from mikas.errors import MikasError
+from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges.reading import read_exchanges
 from mikas.recording.exchanges.result import Exchanges
-from mikas.recording.reader import Problem, Source
 from mikas.sampling.events import FaultReading
 
 

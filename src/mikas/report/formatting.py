@@ -7,7 +7,7 @@ from math import isfinite
 
 from mikas.catalog import Confidence, Derived, Parameter
 from mikas.i18n import Language, Text
-from mikas.recording.table import PLAINLY_UNIX
+from mikas.recording.table.channels import PLAINLY_UNIX
 
 
 def number(value: float, decimals: int, language: Language) -> str:

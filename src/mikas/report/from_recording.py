@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from mikas.catalog import Catalog
 from mikas.recording.annotations.comment import comment_of
 from mikas.recording.annotations.events import RecordedUnit, events_of, recorded_faults, unit_of
-from mikas.recording.deriving import Deriver
-from mikas.recording.exchanges.table import TableReader
-from mikas.recording.notes import Note
-from mikas.recording.reader import CaptureReader, Source
-from mikas.recording.table import Rows
+from mikas.recording.capture.notes import Note
+from mikas.recording.capture.reader import CaptureReader, Source
+from mikas.recording.table.channels import Rows
+from mikas.recording.table.derived import Deriver
+from mikas.recording.table.reader import TableReader
 from mikas.report.fault_history import cleared_faults, faults_heard
 from mikas.report.findings import Findings, find
 from mikas.report.formatting import date_of

@@ -19,7 +19,7 @@ from contextlib import contextmanager
 import pytest
 
 from mikas.recording import CaptureReader
-from mikas.recording.reader import Packet, Problem
+from mikas.recording.capture.reader import Packet, Problem
 
 pytestmark = pytest.mark.realtime
 PATIENCE = 20

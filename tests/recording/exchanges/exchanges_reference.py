@@ -8,8 +8,8 @@ from math import nan
 from mikas import commands as c
 from mikas.errors import MikasError
 from mikas.link.tee import Direction
+from mikas.recording.capture.reader import Packet
 from mikas.recording.inspect.frames import SeenFrame, decode
-from mikas.recording.reader import Packet
 
 
 def answers(items):

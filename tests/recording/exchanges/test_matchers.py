@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.link.tee import Direction
+from mikas.recording.capture.reader import Packet, Problem, Source
 from mikas.recording.exchanges.columnar import ColumnarMatcher
 from mikas.recording.exchanges.packets import Packets
 from mikas.recording.exchanges.scalar import ScalarMatcher
-from mikas.recording.reader import Packet, Problem, Source
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 LINE = Source(0, "sim:", baud=9600)

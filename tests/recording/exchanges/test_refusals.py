@@ -13,9 +13,11 @@ from hypothesis import strategies as st
 from mikas.catalog import shipped
 from mikas.framing import encode
 from mikas.link.tee import Direction
-from mikas.recording.capture import CaptureReader, CaptureWriter
-from mikas.recording.exchanges import capture, table
-from mikas.recording.exchanges.table import TableReader
+from mikas.recording.capture.reader import CaptureReader
+from mikas.recording.capture.writer import CaptureWriter
+from mikas.recording.exchanges import packet_reader as capture
+from mikas.recording.table import reader as table
+from mikas.recording.table.reader import TableReader
 
 CATALOG = shipped()
 

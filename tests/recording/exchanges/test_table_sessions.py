@@ -21,8 +21,9 @@ from mikas.framing import Decoder, encode
 from mikas.link import Chunk
 from mikas.link.tee import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
-from mikas.recording.capture import CaptureReader, CaptureWriter, Problem
-from mikas.recording.exchanges.table import TableReader
+from mikas.recording.capture.reader import CaptureReader, Problem
+from mikas.recording.capture.writer import CaptureWriter
+from mikas.recording.table.reader import TableReader
 from mikas.tester.timed_decoder import TimedDecoder
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus

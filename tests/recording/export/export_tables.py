@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mikas.i18n import Text
 from mikas.recording.export import export
-from mikas.recording.table import Channel, Rows
+from mikas.recording.table.channels import Channel, Rows
 from mikas.sampling.events import AlarmChanged, Gap, Marker, StateChanged, TextNote
 
 NAN = float("nan")

@@ -12,7 +12,7 @@ from hypothesis import given
 
 from mikas.i18n import Text
 from mikas.recording.export import EXCEL, PLAIN, Dialect, export
-from mikas.recording.table import Channel
+from mikas.recording.table.channels import Channel
 
 
 def test_a_file_as_a_person_sees_it(tmp_path):

@@ -10,7 +10,7 @@ from export_tables import CHANNELS
 
 from mikas.recording.export import SUFFIXES, export
 from mikas.recording.export import sheet as sheets
-from mikas.recording.table import Rows
+from mikas.recording.table.channels import Rows
 
 
 def source(count, size=1000):

@@ -26,7 +26,7 @@ from mikas.errors import ExportError
 from mikas.i18n import Text
 from mikas.recording.export import export
 from mikas.recording.export import sheet as sheets
-from mikas.recording.table import Channel
+from mikas.recording.table.channels import Channel
 from mikas.sampling.events import Marker
 
 

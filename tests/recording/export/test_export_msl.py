@@ -11,7 +11,7 @@ from hypothesis import given
 
 from mikas.i18n import Text
 from mikas.recording.export import export
-from mikas.recording.table import Channel
+from mikas.recording.table.channels import Channel
 
 
 def read(path):

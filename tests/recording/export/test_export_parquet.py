@@ -25,7 +25,7 @@ from mikas.i18n import Text
 from mikas.recording.export import export
 from mikas.recording.export import parquet as writer
 from mikas.recording.export import sheet as sheets
-from mikas.recording.table import Channel
+from mikas.recording.table.channels import Channel
 
 
 def facts(path):

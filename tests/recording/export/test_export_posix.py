@@ -11,7 +11,7 @@ from export_tables import CHANNELS
 
 from mikas.errors import ExportError
 from mikas.recording.export import SUFFIXES, export
-from mikas.recording.table import Rows
+from mikas.recording.table.channels import Rows
 
 
 @contextmanager

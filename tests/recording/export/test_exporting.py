@@ -13,7 +13,7 @@ from mikas.errors import CaptureError, ExportError, MissingExtra, UsageError
 from mikas.i18n import Text
 from mikas.recording.export import SUFFIXES, Result, export
 from mikas.recording.export import sheet as sheets
-from mikas.recording.table import Channel, Rows
+from mikas.recording.table.channels import Channel, Rows
 
 every_format = pytest.mark.parametrize("suffix", SUFFIXES)
 

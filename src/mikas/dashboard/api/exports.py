@@ -152,7 +152,7 @@ def _export(
 ) -> None:
     from mikas.recording.export import DIALECTS
     from mikas.recording.export import export as write
-    from mikas.recording.opening import Recording
+    from mikas.recording.recording import Recording
 
     recording = Recording(it.path, desk.catalog, desk.interpretation, names)
     write(

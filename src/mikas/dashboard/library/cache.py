@@ -14,7 +14,7 @@ from typing import Final
 
 from mikas.catalog import Catalog
 from mikas.dashboard.library.folder import Shelved
-from mikas.recording.opening import Recording
+from mikas.recording.recording import Recording
 
 _MOST: Final = 2
 _GROWING: Final = 10.0  # s that a recording in progress is taken as it was

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from mikas.i18n import Text
 from mikas.recording.annotations.events import catalog_note, note_of
-from mikas.recording.notes import Note
+from mikas.recording.capture.notes import Note
 from mikas.sampling.events import (
     CycleFailed,
     Event,

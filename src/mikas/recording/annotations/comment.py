@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Final
 
 from mikas.errors import CaptureError, reason_of
-from mikas.recording import pcapng
-from mikas.recording.notes import Note, block_of
-from mikas.recording.reader import CaptureReader
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.notes import Note, block_of
+from mikas.recording.capture.reader import CaptureReader
 
 KIND: Final = "about"
 LONGEST: Final = 10_000

@@ -14,7 +14,7 @@ from typing import Any, Final
 from mikas.catalog import Catalog
 from mikas.client import Limits, Passport
 from mikas.i18n import Text
-from mikas.recording.notes import Kind, Note, NoteSink
+from mikas.recording.capture.notes import Kind, Note, NoteSink
 from mikas.sampling.events import (
     AlarmChanged,
     Event,

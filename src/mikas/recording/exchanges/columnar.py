@@ -16,13 +16,13 @@ from typing import Final
 import numpy as np
 
 from mikas.link.base import BITS_PER_BYTE
+from mikas.recording.capture.reader import Source
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, equal
 from mikas.recording.exchanges.matching import AVAILABILITY, NO_REQUEST, Matching, SentRequest
 from mikas.recording.exchanges.packets import Packets
 from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
 from mikas.recording.exchanges.scalar import DEFAULT_BAUD
 from mikas.recording.exchanges.stream import Events, Stream
-from mikas.recording.reader import Source
 
 _ECHO: Final = -2
 """Marker for echoes; they answer no request."""

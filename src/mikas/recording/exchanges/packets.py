@@ -9,11 +9,11 @@ from typing import BinaryIO, Final
 import numpy as np
 
 from mikas.link.tee import Direction
-from mikas.recording import pcapng
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.reader import FLAGS, Blocks, Packet, Source
+from mikas.recording.capture.scan import LARGEST, RawBlock
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, joined
 from mikas.recording.exchanges.result import JUMP
-from mikas.recording.reader import FLAGS, Blocks, Packet, Source
-from mikas.recording.scan import LARGEST, RawBlock
 
 _EXACT: Final = 1 << 53  # integers up to here are exact as 64-bit floats
 _HEAD: Final = 28  # bytes of an Enhanced Packet before its data

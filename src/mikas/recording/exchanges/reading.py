@@ -6,9 +6,9 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Protocol, TypeVar
 
+from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.exchanges.result import JUMP, Exchanges
 from mikas.recording.exchanges.scalar import ScalarMatcher
-from mikas.recording.reader import CaptureReader, Packet, Problem, Source
 
 _STRETCH = 1024  # packets
 
@@ -37,7 +37,7 @@ def read_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem
         import numpy  # noqa: F401, ICN001  (only whether it is there)
     except ImportError:
         return scalar_exchanges(path)
-    from mikas.recording.exchanges.capture import column_exchanges
+    from mikas.recording.exchanges.packet_reader import column_exchanges
 
     return column_exchanges(path)
 

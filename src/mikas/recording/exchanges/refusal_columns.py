@@ -15,6 +15,7 @@ import numpy as np
 from mikas.commands.base import ERROR
 from mikas.recording.exchanges.arrays import Index, Mask
 from mikas.recording.exchanges.columnar import ResponseColumns
+from mikas.recording.exchanges.groups import ResponseGroup
 from mikas.recording.exchanges.layouts import STREAMS, Layout
 from mikas.recording.exchanges.refusals import (
     DATUM,
@@ -25,7 +26,6 @@ from mikas.recording.exchanges.refusals import (
     is_twice,
     was_one,
 )
-from mikas.recording.exchanges.values import ResponseGroup
 
 _ONE: Final = ERROR[0]
 _NOWHERE: Final = np.empty(0, np.int64)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from mikas.recording.reader import Source
+    from mikas.recording.capture.reader import Source
 
 GAP: Final = 0.5
 """s without a packet that `Exchanges.gaps` lists."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from mikas.framing import Damage, Decoder, Event, Frame
 from mikas.link.base import BITS_PER_BYTE
 from mikas.link.tee import Direction
+from mikas.recording.capture.reader import Packet, Source
 from mikas.recording.exchanges.matching import (
     NO_REQUEST,
     SILENCE,
@@ -22,7 +23,6 @@ from mikas.recording.exchanges.matching import (
     SentRequest,
 )
 from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
-from mikas.recording.reader import Packet, Source
 
 DEFAULT_BAUD = 9600  # §1
 

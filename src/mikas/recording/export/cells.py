@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mikas.recording.table import Channel
+from mikas.recording.table.channels import Channel
 
 
 def spelled(

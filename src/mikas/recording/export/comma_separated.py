@@ -12,7 +12,7 @@ import numpy as np
 
 from mikas.recording.export.cells import lines, spelled, without
 from mikas.recording.export.sheet import Sheet
-from mikas.recording.table import Channel
+from mikas.recording.table.channels import Channel
 
 
 def write(path: Path, sheet: Sheet) -> None:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from mikas.errors import ExportError, MikasError, MissingExtra, reason_of
 from mikas.i18n import Language, Text
 from mikas.recording.export.dialect import PLAIN, Dialect
-from mikas.recording.table import Channel, Rows
+from mikas.recording.table.channels import Channel, Rows
 
 if TYPE_CHECKING:
     from mikas.recording.export.sheet import Sheet

@@ -28,7 +28,7 @@ from mikas.i18n import Text
 from mikas.recording.export.heading import heading
 from mikas.recording.export.marks import Mark, marked
 from mikas.recording.export.sheet import Column, Sheet
-from mikas.recording.table import Channel
+from mikas.recording.table.channels import Channel
 
 _HEADER = struct.Struct(">6sHIHIHH")
 _FIELD = struct.Struct(">B34s10sBffb")

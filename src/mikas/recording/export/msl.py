@@ -14,7 +14,7 @@ from mikas.recording.export.cells import lines, spelled, without
 from mikas.recording.export.heading import heading
 from mikas.recording.export.marks import Mark, marked
 from mikas.recording.export.sheet import Sheet
-from mikas.recording.table import Channel
+from mikas.recording.table.channels import Channel
 
 _TIME = Channel("Time", "s", Text("Time", "Время"), decimals=3)
 

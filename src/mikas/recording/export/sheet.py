@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from mikas.i18n import Language
 from mikas.recording.export.dialect import Dialect
 from mikas.recording.export.moments import Moment, began, moments_of
-from mikas.recording.gap_rows import with_gaps
-from mikas.recording.table import Channel, Rows, calendar
+from mikas.recording.table.channels import Channel, Rows, calendar
+from mikas.recording.table.gaps import with_gaps
 from mikas.sampling.events import Event
 
 STRETCH = 32_768  # × 24 columns × 8 bytes: 6 MB

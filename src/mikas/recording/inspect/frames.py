@@ -14,8 +14,8 @@ from mikas.commands import COMMANDS_BY_CODE
 from mikas.framing import Damage, DamageReason, Frame
 from mikas.i18n import Language, Text
 from mikas.link.tee import Direction
+from mikas.recording.capture.reader import Packet, Problem, Source
 from mikas.recording.exchanges.scalar import Line, LineEvent
-from mikas.recording.reader import Packet, Problem, Source
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

@@ -19,8 +19,8 @@ from mikas.i18n import Text
 from mikas.recording.export import DIALECTS
 
 if TYPE_CHECKING:
-    from mikas.recording.opening import Recording
-    from mikas.recording.table import Rows
+    from mikas.recording.recording import Recording
+    from mikas.recording.table.channels import Rows
 
 MOST_PROBLEMS = 20
 
@@ -63,7 +63,7 @@ def export(
 ) -> None:
     from mikas.recording.export import PLAIN
     from mikas.recording.export import export as write
-    from mikas.recording.opening import Recording
+    from mikas.recording.recording import Recording
 
     _check(file, out, dialect)
     recording = Recording(file, context.catalog(), context.interpretation, names)

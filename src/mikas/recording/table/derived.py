@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import numpy as np
 
 from mikas.catalog import Catalog
-from mikas.recording.table import Rows
+from mikas.recording.table.channels import Rows
 from mikas.sampling.derived import DerivedChannels
 
 if TYPE_CHECKING:

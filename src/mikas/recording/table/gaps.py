@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mikas.recording.table import Rows
+from mikas.recording.table.channels import Rows
 from mikas.sampling.events import Event, Gap
 
 

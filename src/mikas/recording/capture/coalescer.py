@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Final, Protocol, Self
 from mikas.framing import TERMINATOR
 from mikas.link.base import BITS_PER_BYTE
 from mikas.link.tee import Direction, Sink
-from mikas.recording.notes import Note, NoteSink
+from mikas.recording.capture.notes import Note, NoteSink
 
 if TYPE_CHECKING:
     from types import TracebackType

@@ -17,10 +17,10 @@ from mikas.errors import CaptureError
 from mikas.errors import reason_of as system_reason_of
 from mikas.i18n import Text
 from mikas.link.tee import Direction
-from mikas.recording import pcapng
-from mikas.recording.index import index
-from mikas.recording.notes import Note
-from mikas.recording.scan import Gap, RawBlock, goes_on_as_one, is_section_start, scan
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.index import index
+from mikas.recording.capture.notes import Note
+from mikas.recording.capture.scan import Gap, RawBlock, goes_on_as_one, is_section_start, scan
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

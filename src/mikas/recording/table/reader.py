@@ -16,18 +16,14 @@ from typing import Final
 import numpy as np
 
 from mikas.catalog import Catalog
+from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges.arrays import Floats
-from mikas.recording.exchanges.capture import column_exchanges
 from mikas.recording.exchanges.columnar import ResponseColumns
+from mikas.recording.exchanges.groups import ResponseClassifier, ResponseGroup
+from mikas.recording.exchanges.packet_reader import column_exchanges
 from mikas.recording.exchanges.refusal_columns import RefusalColumns, Verdicts
-from mikas.recording.exchanges.values import (
-    Definitions,
-    ResponseClassifier,
-    ResponseGroup,
-    converted,
-)
-from mikas.recording.reader import Problem, Source
-from mikas.recording.table import Channel, Rows
+from mikas.recording.table.channels import Channel, Rows
+from mikas.recording.table.values import Definitions, converted
 
 STRETCH: Final = 65536
 _MOST_PROBLEMS: Final = 1000

@@ -19,17 +19,15 @@ from mikas.catalog import Catalog, load
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.recording.annotations.events import RecordedUnit, events_of, unit_of
-from mikas.recording.capture import CaptureReader
-from mikas.recording.columns import all_channels, is_recorded, named
-from mikas.recording.notes import Kind, Note
-from mikas.recording.reader import Packet, Problem, Source
-from mikas.recording.table import Rows, calendar
+from mikas.recording.capture.notes import Kind, Note
+from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
+from mikas.recording.table.channels import Rows, all_channels, calendar, is_recorded, named
 from mikas.sampling.events import Event, MethodChosen
 
 if TYPE_CHECKING:
-    from mikas.recording.exchanges.table import TableReader
-    from mikas.recording.notebook import Table
-    from mikas.recording.window import Windows
+    from mikas.recording.table.dataframes import Table
+    from mikas.recording.table.reader import TableReader
+    from mikas.recording.table.window import Windows
 
 
 def open(  # noqa: A001  (read as `mikas.open`)
@@ -145,7 +143,7 @@ class Recording:
 
     @cached_property
     def _windows(self) -> Windows:
-        from mikas.recording.window import Windows
+        from mikas.recording.table.window import Windows
 
         conversions = {
             each.name: each.interpretation(self.interpretation) for each in self.catalog.parameters
@@ -176,7 +174,7 @@ class Recording:
             for _, rows in self._reader.stretches():
                 yield self._chosen(rows)
             return
-        from mikas.recording.deriving import Deriver
+        from mikas.recording.table.derived import Deriver
 
         derivers: dict[Source, Deriver] = {}
         for source, rows, corrected in self._stretches():
@@ -187,21 +185,21 @@ class Recording:
 
     def to_pandas(self) -> Any:  # noqa: ANN401  (pandas may not be installed)
         """A `pandas.DataFrame`, its index the seconds since the start; units are in `attrs`."""
-        from mikas.recording import notebook
+        from mikas.recording.table import dataframes as notebook
 
         notebook.library("pandas")
         return notebook.pandas_frame(self._table())
 
     def to_polars(self) -> Any:  # noqa: ANN401  (polars may not be installed)
         """A `polars.DataFrame`; what is missing is null."""
-        from mikas.recording import notebook
+        from mikas.recording.table import dataframes as notebook
 
         notebook.library("polars")
         return notebook.polars_frame(self._table())
 
     def to_arrow(self) -> Any:  # noqa: ANN401  (pyarrow may not be installed)
         """A `pyarrow.Table`; units and texts are in the metadata of its fields."""
-        from mikas.recording import notebook
+        from mikas.recording.table import dataframes as notebook
 
         notebook.library("pyarrow")
         return notebook.arrow_table(self._table())
@@ -226,8 +224,8 @@ class Recording:
     def _table(self) -> Table:
         import numpy as np
 
-        from mikas.recording.gap_rows import with_gaps
-        from mikas.recording.notebook import Table
+        from mikas.recording.table.dataframes import Table
+        from mikas.recording.table.gaps import with_gaps
 
         stretches = list(with_gaps(self.rows(), self.events))
         times = np.concatenate([np.empty(0), *(rows.times for rows in stretches)])
@@ -259,7 +257,7 @@ class Recording:
 
 
 def _reader(path: Path, catalog: Catalog, interpretation: str) -> TableReader:
-    from mikas.recording.exchanges.table import TableReader
+    from mikas.recording.table.reader import TableReader
 
     return TableReader(path, catalog, interpretation)
 

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, Final, Protocol
 
-from mikas.recording import pcapng
-from mikas.recording.scan import LARGEST
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.scan import LARGEST
 
 ENTERPRISE: Final = 32473  # RFC 5612: for documentation
 TAG: Final = b"mikas/1\n"

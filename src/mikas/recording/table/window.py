@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from mikas.catalog.conversion import Conversion
 from mikas.recording.exchanges.arrays import Floats, Index, Mask
-from mikas.recording.table import Rows
+from mikas.recording.table.channels import Rows
 
 _BLOCK: Final = 64  # rows
 _ENOUGH: Final = 4  # blocks in a piece of time

@@ -1,9 +1,9 @@
 """Recording a capture: everything that passes on the wire, in a pcapng file.
 
 `CaptureWriter` is the sink behind `mikas.link.tee`: one packet a chunk of one direction, with the
-link's time in microseconds; chunks are never merged here (`mikas.recording.coalescing` can stand in
-front). Notes on the session go in between as custom blocks. `mikas.recording.reader` gives them
-back, and so do other tools: `docs/capture.md` has the format field by field.
+link's time in microseconds; chunks are never merged here (`capture.coalescer` does that before).
+Notes on the session go in between as custom blocks. `capture.reader` reads them back, and so do
+other tools: `docs/capture.md` has the format field by field.
 
 Every packet goes to the operating system at once, unbuffered: the line brings 960 bytes a second
 (§1) and a write costs microseconds. So there is nothing that a `kill -9` could lose, and no timer
@@ -23,17 +23,15 @@ from typing import TYPE_CHECKING, BinaryIO, Final, Self
 
 from mikas.errors import CaptureError
 from mikas.i18n import Text
-from mikas.recording import pcapng
-from mikas.recording.notes import Note, block_of
-from mikas.recording.reader import FLAGS, CaptureReader, Packet, Problem, Source, reason_of
-from mikas.recording.scan import RawBlock, scan
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.notes import Note, block_of
+from mikas.recording.capture.reader import FLAGS, CaptureReader, reason_of
+from mikas.recording.capture.scan import RawBlock, scan
 
 if TYPE_CHECKING:
     from types import TracebackType
 
     from mikas.link.tee import Direction
-
-__all__ = ["CaptureReader", "CaptureWriter", "Note", "Packet", "Problem", "Source"]
 
 _LARGEST_CHUNK: Final = 1 << 16  # tools refuse packets over 256 KiB; a longer chunk is split
 _MICROSECOND = 1_000_000

@@ -14,9 +14,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import BinaryIO, Final
 
-from mikas.recording import pcapng
-from mikas.recording.notes import TAG, Note, read_block
-from mikas.recording.scan import RawBlock, is_headless, scan
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.notes import TAG, Note, read_block
+from mikas.recording.capture.scan import RawBlock, is_headless, scan
 
 _WINDOW: Final = 1 << 20
 _OVERLAP: Final = 64  # longer than any pattern with what precedes it in its block

@@ -18,7 +18,7 @@ import numpy as np
 
 from mikas.errors import MissingExtra
 from mikas.i18n import Text
-from mikas.recording.table import Channel
+from mikas.recording.table.channels import Channel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

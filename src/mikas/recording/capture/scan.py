@@ -15,7 +15,7 @@ import re
 import struct
 from typing import TYPE_CHECKING, BinaryIO, Final, NamedTuple
 
-from mikas.recording import pcapng
+from mikas.recording.capture import blocks as pcapng
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -3,7 +3,7 @@
 Nearly every block of a capture is an Enhanced Packet. Their type is looked for in a whole window of
 the file at once; those that follow each other without a gap are a run, and a run's fields are read
 as columns. A packet that has anything unusual about it (a comment, a cut, no direction), and every
-block of another kind, goes through `mikas.recording.scan` and `Blocks`, and so does damage: the
+block of another kind, goes through `capture.scan` and `capture.reader`, and so does damage: the
 same packets come out, and the same problems in the same places.
 
 Memory is bounded by the window.
@@ -20,13 +20,13 @@ import numpy as np
 
 from mikas.errors import CaptureError
 from mikas.link.tee import Direction
-from mikas.recording import pcapng
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, Problem, reason_of
+from mikas.recording.capture.scan import RawBlock, scan
 from mikas.recording.exchanges.arrays import Index
 from mikas.recording.exchanges.columnar import ColumnarMatcher, ExchangeColumns
 from mikas.recording.exchanges.packets import PacketColumns, Packets, Window
 from mikas.recording.exchanges.reading import matched
-from mikas.recording.reader import Blocks, CaptureReader, Packet, Problem, reason_of
-from mikas.recording.scan import RawBlock, scan
 
 WINDOW: Final = 1 << 20
 

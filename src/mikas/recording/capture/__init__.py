@@ -1,0 +1,1 @@
+"""Recordings as files: pcapng blocks, a scan that survives damage, reader, writer, notes."""

@@ -1,0 +1,1 @@
+"""Recordings as tables: columns over time, derived channels, gaps, windows, data frames."""
