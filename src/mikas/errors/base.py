@@ -35,8 +35,8 @@ class MikasError(Exception):
         self.time = time
         self.fields = fields
         self.reason = self.what.filled(**fields)
-        self._class_advice = type(self).advice.filled(**fields)
-        self.advice = advice.filled(**fields) if advice else self._class_advice
+        self.advice = (advice or type(self).advice).filled(**fields)
+        self._class_advice = None if advice else self.advice
         super().__init__(self.reason.en)
 
     def __str__(self) -> str:
