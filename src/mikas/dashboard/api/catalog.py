@@ -22,7 +22,8 @@ from mikas.dashboard.api.presets import Preset
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.session.event_log import page_json
-from mikas.dashboard.session.history import decimated
+from mikas.dashboard.session.history import json_columns
+from mikas.recording.table.decimation import decimated
 
 router = APIRouter(tags=["about"])
 
@@ -178,7 +179,7 @@ def history(
     rows = hub.history.rows(seconds, wanted)
     since = (rows.times[-1] if len(rows.times) else hub.now()) - seconds
     events = [page_json(event) for event in hub.monitor.events if event.time >= since]
-    shown = decimated(rows, points).json_columns()
+    shown = json_columns(decimated(rows, points))
     return Response(dumps({**shown, "events": events}), media_type="application/json")
 
 

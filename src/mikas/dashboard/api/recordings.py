@@ -26,7 +26,7 @@ from mikas.dashboard.recordings_told import (
     detailed,
     listed,
 )
-from mikas.dashboard.session.history import plain
+from mikas.dashboard.session.history import json_columns
 from mikas.dashboard.settings import check_folder
 from mikas.errors import UsageError
 from mikas.recording.annotations.comment import LONGEST, comment_note, write_comment
@@ -90,13 +90,7 @@ def rows(
     with desk.opened.using:
         opened = desk.opened.one(it, growing=desk.is_growing(it))
         found, decimated = opened.window(begin, end, points, wanted)
-    told = {
-        "names": list(found.values),
-        "times": found.times.round(6).tolist(),
-        "values": [plain(column) for column in found.values.values()],
-        "decimated": decimated,
-    }
-    return _json(told)
+    return _json(json_columns(found) | {"decimated": decimated})
 
 
 @router.put("/recordings/{identity}/note", responses=errors(404))

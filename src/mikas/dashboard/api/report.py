@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
 from fastapi import APIRouter
 from fastapi.responses import Response
 
@@ -14,8 +14,8 @@ from mikas.dashboard.api.errors import errors
 from mikas.dashboard.api.exports import HTML, page_answer
 from mikas.dashboard.errors import NotConnected
 from mikas.dashboard.library.service import TheDesk
-from mikas.dashboard.session.history import Rows
 from mikas.i18n import Language
+from mikas.recording.table.channels import Rows
 from mikas.sampling.events import Event, Gap, UnitFound
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def _since(rows: Rows, events: list[Event]) -> Rows:
     """Return the rows since the present unit was found first; before it, it was another car."""
     came = (each.time for each in events if isinstance(each, UnitFound) and each.another)
     since = max(came, default=float("-inf"))
-    first = int(np.searchsorted(rows.times, since))
+    first = bisect_left(rows.times, since)
     return Rows(rows.times[first:], {name: it[first:] for name, it in rows.values.items()})
 
 

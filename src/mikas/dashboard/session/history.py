@@ -1,161 +1,124 @@
-"""The last hours of live values, for whoever looks later: a reload, a phone, the report.
+"""The last hours of live values: for a page that is reloaded, another client, the report.
 
-Blocks of rows by time, a column a channel, 64-bit numbers: an hour at 35 sets a second of 30
-channels is 30 MB. NaN is a value that did not come in that row; flags are 0 and 1. A block has the
+Blocks of rows by time, a column for each channel, 64-bit numbers: an hour at 35 sets a second of 30
+channels is 30 MB. NaN: the value was not read in that row; flags are 0 and 1. A block has the
 channels of its time: a changed plan begins a new one.
+
+Works without numpy, which a browser does not have; `rows` are numpy's where it is installed.
 """
 
 from __future__ import annotations
 
 import threading
+from array import array
+from bisect import bisect_left
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from math import isnan
+from itertools import repeat
+from math import isnan, nan
+from typing import Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
+from mikas.recording.table.channels import Rows
 
-Column = NDArray[np.float64]
-
-_ROWS = 2048
-LONGEST = 2 * 3600.0
-_MOST_VALUES = 16_000_000  # 128 MB, whatever the rate: strokes at 6000 rpm with all channels
-
-
-@dataclass(frozen=True, slots=True)
-class Rows:
-    """Columns over time."""
-
-    times: Column
-    values: dict[str, Column]
-
-    def json_columns(self) -> dict[str, object]:
-        """`{"names", "times", "values"}` as the API has it."""
-        return {
-            "names": list(self.values),
-            "times": np.round(self.times, 6).tolist(),
-            "values": [plain(column) for column in self.values.values()],
-        }
+_ROWS: Final = 2048
+LONGEST: Final = 2 * 3600.0
+_MOST_VALUES: Final = 16_000_000  # 128 MB at any rate: strokes at 6000 rpm with all channels
 
 
 class _Block:
     def __init__(self, names: tuple[str, ...]) -> None:
         self.names = names
-        self.times = np.empty(_ROWS)
-        self.values = np.empty((_ROWS, len(names)))
-        self.count = 0
+        self.times = array("d")
+        self.columns = [array("d") for _ in names]
 
-    def trim(self) -> int:
-        """Lets go of the rows that were not used; returns how many values that is."""
-        before = self.values.size
-        if self.count < len(self.times):
-            self.times = self.times[: self.count].copy()
-            self.values = self.values[: self.count].copy()
-        return before - self.values.size
+    @property
+    def size(self) -> int:
+        return len(self.times) * len(self.names)
 
 
 class History:
-    """Rows of the last `seconds`. Any thread may add or ask."""
+    """Rows of the last `seconds`. Any thread may add or read."""
 
     def __init__(self, seconds: float = LONGEST) -> None:
         self._seconds = seconds
         self._lock = threading.Lock()
         self._blocks: deque[_Block] = deque()
-        self._held = 0
+        self._held = 0  # values in the blocks before the last one
 
     def add(self, time: float, names: tuple[str, ...], row: Sequence[float]) -> None:
-        """One row; `row` has a number or NaN for each of `names`."""
+        """Add one row; `row` has a number or NaN for each of `names`."""
         with self._lock:
             block = self._blocks[-1] if self._blocks else None
-            if block is None or block.names != names or block.count == _ROWS:
+            if block is None or block.names != names or len(block.times) == _ROWS:
                 if block is not None:
-                    self._held -= block.trim()
+                    self._held += block.size
                 block = _Block(names)
                 self._blocks.append(block)
-                self._held += block.values.size
                 self._forget(time)
-            block.times[block.count] = time
-            block.values[block.count] = row
-            block.count += 1
+            block.times.append(time)
+            for column, value in zip(block.columns, row, strict=True):
+                column.append(value)
 
     def rows(self, seconds: float, names: Sequence[str] | None = None) -> Rows:
-        """The rows of the last `seconds`, of `names` or of every channel that had a turn."""
+        """Return the rows of the last `seconds`, of `names` or of every channel that they have."""
         with self._lock:
-            blocks = [(b.names, b.times[: b.count], b.values[: b.count]) for b in self._blocks]
+            blocks = [(block, len(block.times)) for block in self._blocks]
+        times, columns = array("d"), {name: array("d") for name in names or ()}
         if not blocks:
-            return Rows(np.empty(0), {name: np.empty(0) for name in names or ()})
-        since = blocks[-1][1][-1] - seconds
-        kept = [
-            (own, times[at:], values[at:])
-            for own, times, values in blocks
-            if (at := int(np.searchsorted(times, since))) < len(times)
+            return _rows(times, columns)
+        since = blocks[-1][0].times[blocks[-1][1] - 1] - seconds
+        parts = [
+            (block, slice(at, count))
+            for block, count in blocks
+            if (at := bisect_left(block.times, since, 0, count)) < count
         ]
-        wanted = (
-            tuple(names)
-            if names is not None
-            else tuple(dict.fromkeys(name for own, _, _ in reversed(kept) for name in own))
-        )
-        times = np.concatenate([times for _, times, _ in kept])
-        columns = {name: np.full(len(times), np.nan) for name in wanted}
-        start = 0
-        for own, part, values in kept:
-            for index, name in enumerate(own):
-                if name in columns:
-                    columns[name][start : start + len(part)] = values[:, index]
-            start += len(part)
-        return Rows(times, columns)
+        if names is None:
+            channels = (name for block, _ in reversed(parts) for name in block.names)
+            columns = {name: array("d") for name in channels}
+        for block, part in parts:
+            times += block.times[part]
+            own = dict(zip(block.names, block.columns, strict=True))
+            for name, column in columns.items():
+                if name in own:
+                    column.extend(own[name][part])
+                else:
+                    column.extend(repeat(nan, part.stop - part.start))
+        return _rows(times, columns)
 
     def _forget(self, now: float) -> None:
         blocks = self._blocks
         while len(blocks) > 1 and (
-            blocks[0].times[blocks[0].count - 1] < now - self._seconds or self._held > _MOST_VALUES
+            blocks[0].times[-1] < now - self._seconds
+            or self._held + _ROWS * len(blocks[-1].names) > _MOST_VALUES
         ):
-            self._held -= blocks.popleft().values.size
+            self._held -= blocks.popleft().size
 
 
-def decimated(rows: Rows, points: int) -> Rows:
-    """At most about `points` rows, with each column's lowest and highest of every stretch kept.
-
-    A stretch of rows becomes two, at its first and last time; in each column they hold the
-    stretch's minimum and maximum, in the order in which they came. So a spike is never lost.
-    """
-    count, pairs = len(rows.times), max(1, points // 2)
-    if count <= max(2, points):
-        return rows
-    edges = np.linspace(0, count, pairs + 1).astype(np.intp)
-    starts = edges[:-1]
-    times = np.empty(2 * pairs)
-    times[0::2], times[1::2] = rows.times[starts], rows.times[edges[1:] - 1]
-    return Rows(times, {name: _ends(column, starts) for name, column in rows.values.items()})
+def _rows(times: array[float], columns: Mapping[str, array[float]]) -> Rows:
+    rows: Any = Rows
+    try:
+        import numpy as np
+    except ImportError:
+        return rows(times, columns)  # type: ignore[no-any-return]
+    return Rows(np.asarray(times), {name: np.asarray(each) for name, each in columns.items()})
 
 
-def _ends(column: Column, starts: NDArray[np.intp]) -> Column:
-    missing = np.isnan(column)
-    low = np.minimum.reduceat(np.where(missing, np.inf, column), starts)
-    high = np.maximum.reduceat(np.where(missing, -np.inf, column), starts)
-    stretch = np.repeat(np.arange(len(starts)), np.diff([*starts, len(column)]))
-    first = np.full(len(starts), len(column))
-    last = first.copy()
-    for extreme, place in ((low, first), (high, last)):
-        hits = np.flatnonzero(column == extreme[stretch])
-        np.minimum.at(place, stretch[hits], hits)
-    falls = last < first  # the highest came before the lowest
-    ends = np.empty(2 * len(starts))
-    ends[0::2], ends[1::2] = np.where(falls, high, low), np.where(falls, low, high)
-    ends[~np.isfinite(ends)] = np.nan
-    return ends
+def json_columns(rows: Rows) -> dict[str, object]:
+    """Return `{"names", "times", "values"}` as the API has it."""
+    return {
+        "names": list(rows.values),
+        "times": [round(time, 6) for time in rows.times.tolist()],
+        "values": [plain(column.tolist()) for column in rows.values.values()],
+    }
 
 
-def plain(column: Column) -> list[float | int | None]:
-    """For JSON: whole numbers as such, null for what did not come."""
+def plain(values: Sequence[float]) -> list[float | int | None]:
+    """Return values for JSON: whole numbers as such, null for a missing one."""
     return [
-        None if isnan(value) else int(value) if value.is_integer() else value
-        for value in column.tolist()
+        None if isnan(value) else int(value) if value.is_integer() else value for value in values
     ]
 
 
 def row_of(names: Sequence[str], values: Mapping[str, float]) -> list[float]:
-    """`values` in the order of `names`, NaN where there is none."""
-    nan = float("nan")
+    """Return `values` in the order of `names`, NaN where there is none."""
     return [values.get(name, nan) for name in names]

@@ -1,13 +1,11 @@
 """Any window of a recording at once, for scrubbing through it: the columns in memory, packed.
 
-Ten hours by list are a million rows. Parameters are kept as the whole numbers that they came from
+Ten hours by list are a million rows. Parameters are kept as the whole numbers of their raw data
 (one to two bytes each, two to four here), so values are those of `rows()` to the bit; about 130 MB
 for ten hours of all channels.
 
-More rows than a picture has points are decimated: time is cut into equal pieces, and of each piece
-every column keeps its least and its greatest value, in the order in which they came. A spike stays.
-A piece of time in which nothing came is one row without values. Wide windows go by blocks of rows
-whose extremes are known beforehand.
+More rows than a picture has points are decimated (`decimation.py`). Wide windows are decimated by
+blocks of rows whose extremes were computed before.
 """
 
 from __future__ import annotations
@@ -20,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mikas.catalog.conversion import Conversion
-from mikas.recording.exchanges.arrays import Floats, Index, Mask
+from mikas.recording.exchanges.arrays import Floats, Index
 from mikas.recording.table.channels import Rows
+from mikas.recording.table.decimation import Pieces
 
 _BLOCK: Final = 64  # rows
 _ENOUGH: Final = 4  # blocks in a piece of time
@@ -30,7 +29,7 @@ _MISSING: Final = {2: np.iinfo(np.int16).min, 4: np.iinfo(np.int32).min}
 
 @dataclass(frozen=True, slots=True)
 class _Packed:
-    """A column as whole numbers, or as it is where that would not give every value back.
+    """A column as whole numbers, or as it is where they would not give every value back.
 
     `first`, `second`: the extremes of each block of rows, in their order.
     """
@@ -70,7 +69,7 @@ class Windows:
     def window(
         self, begin: float, end: float, points: int, names: Sequence[str]
     ) -> tuple[Rows, bool]:
-        """The rows from `begin` to `end`, and whether there were more of them than `points`."""
+        """Return the rows from `begin` to `end`, and whether there were more than `points`."""
         if points < 2:
             raise ValueError("a picture has at least two points")
         first, last = self.times.searchsorted([begin, np.nextafter(end, np.inf)])
@@ -82,29 +81,16 @@ class Windows:
         return self._decimated(first, last, points // 2, names), True
 
     def _decimated(self, first: int, last: int, count: int, names: Sequence[str]) -> Rows:
-        begin, end = float(self.times[first]), float(self.times[last - 1])
-        edges = np.linspace(begin, end, count + 1)[1:-1]
-        raw = np.concatenate(([first], self.times[first:last].searchsorted(edges) + first, [last]))
+        pieces = Pieces(float(self.times[first]), float(self.times[last - 1]), count)
         by_blocks = last - first >= _ENOUGH * _BLOCK * count
-        rows = _Extracted(self.times, first, last, by_blocks=by_blocks)
-        starts = np.concatenate(([0], rows.times.searchsorted(edges)))
-        stops = np.append(starts[1:], rows.times.size)
-        filled = stops > starts
-        silent = ~filled & (np.diff(raw) == 0)
-        shown = filled.astype(np.int64) * 2 + silent  # rows of each piece of time
-        at = shown.cumsum() - shown
-        times = np.empty(int(shown.sum()))
-        middles = begin + (end - begin) * (np.arange(count) + 0.5) / count
-        times[at[silent]] = middles[silent]
-        times[at[filled]] = rows.times[starts[filled]]
-        times[at[filled] + 1] = rows.times[stops[filled] - 1]
-        columns = {}
-        for name in names:
-            column = np.full(times.size, np.nan)
-            values = rows.values(self._columns[name])
-            column[at[filled]], column[at[filled] + 1] = _extremes(values, starts[filled])
-            columns[name] = column
-        return Rows(times, columns)
+        shown = _Extracted(self.times, first, last, by_blocks=by_blocks)
+        return pieces.extremes(
+            shown.times,
+            pieces.starts(shown.times),
+            pieces.starts(self.times[first:last]),
+            names,
+            lambda name: shown.values(self._columns[name]),
+        )
 
 
 class _Extracted:
@@ -133,21 +119,6 @@ class _Extracted:
         before = column.values(slice(self._first, self._inner[0]))
         behind = column.values(slice(self._inner[1], self._last))
         return np.concatenate((before, both.reshape(-1), behind))
-
-
-def _extremes(values: Floats, starts: Index) -> tuple[Floats, Floats]:
-    """Of each piece of `values` its least and its greatest, the earlier one first."""
-    least, greatest = np.fmin.reduceat(values, starts), np.fmax.reduceat(values, starts)
-    lengths = np.diff(np.append(starts, values.size))
-    later: Mask = _place(values, least, starts, lengths) > _place(values, greatest, starts, lengths)
-    return np.where(later, greatest, least), np.where(later, least, greatest)
-
-
-def _place(values: Floats, wanted: Floats, starts: Index, lengths: Index) -> Index:
-    """Where each piece has its wanted value first; the end where that is missing."""
-    places = np.where(values == np.repeat(wanted, lengths), np.arange(values.size), values.size)
-    found: Index = np.minimum.reduceat(places, starts)
-    return found
 
 
 def _packed(

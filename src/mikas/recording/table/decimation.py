@@ -1,0 +1,135 @@
+"""Decimation: fewer rows for a picture, with the extremes of each column kept.
+
+Time is cut into equal pieces. Of each piece every column keeps its least and its greatest value, in
+the order in which they came, at the piece's first and last time: a spike stays. A piece in which no
+row came is one row without values: a gap stays, too.
+
+numpy is used where it is installed. Without it (in a browser) the reference does the same.
+"""
+
+from __future__ import annotations
+
+from array import array
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import pairwise
+from math import isnan, nan
+from typing import TYPE_CHECKING, Any
+
+from mikas.recording.table.channels import Rows
+
+if TYPE_CHECKING:
+    from mikas.recording.exchanges.arrays import Floats, Index
+
+
+def decimated(rows: Rows, points: int) -> Rows:
+    """Return at most about `points` rows; `rows` itself, if there are no more."""
+    if len(rows.times) <= max(2, points):
+        return rows
+    try:
+        import numpy as np
+    except ImportError:
+        return decimated_scalar(rows, points)
+    times = np.asarray(rows.times)
+    pieces = Pieces(float(times[0]), float(times[-1]), max(1, points // 2))
+    starts = pieces.starts(times)
+    return pieces.extremes(
+        times, starts, starts, rows.values, lambda name: np.asarray(rows.values[name])
+    )
+
+
+def decimated_scalar(rows: Rows, points: int) -> Rows:
+    """Return the same as `decimated`, without numpy."""
+    times, count = rows.times, max(1, points // 2)
+    begin, end = float(times[0]), float(times[-1])
+    edges = (begin + number * ((end - begin) / count) for number in range(1, count))
+    starts = [0, *(bisect_left(times, edge) for edge in edges), len(times)]
+    kept = array("d")
+    values = {name: array("d") for name in rows.values}
+    for number, (start, stop) in enumerate(pairwise(starts)):
+        if start == stop:
+            kept.append(begin + (end - begin) * (number + 0.5) / count)
+        else:
+            kept.extend((float(times[start]), float(times[stop - 1])))
+        for name, column in rows.values.items():
+            piece = [float(value) for value in column[start:stop]]
+            values[name].extend(_ends(piece) if piece else (nan,))
+    made: Any = Rows
+    result: Rows = made(kept, values)
+    return result
+
+
+def _ends(piece: Sequence[float]) -> tuple[float, float]:
+    """Return the least and the greatest value, the earlier one first; NaN: there is none."""
+    present = [value for value in piece if not isnan(value)]
+    if not present:
+        return nan, nan
+    least, greatest = min(present), max(present)
+    if present.index(least) > present.index(greatest):
+        return greatest, least
+    return least, greatest
+
+
+class Pieces:
+    """`count` equal pieces of the time from `begin` to `end`, by numpy."""
+
+    def __init__(self, begin: float, end: float, count: int) -> None:
+        import numpy as np
+
+        self._edges: Floats = np.linspace(begin, end, count + 1)[1:-1]
+        self._middles: Floats = begin + (end - begin) * (np.arange(count) + 0.5) / count
+
+    def starts(self, times: Floats) -> Index:
+        """Return the index of each piece's first row, and the number of rows at the end."""
+        import numpy as np
+
+        return np.concatenate(([0], times.searchsorted(self._edges), [times.size]))
+
+    def extremes(
+        self,
+        times: Floats,
+        starts: Index,
+        rows: Index,
+        names: Iterable[str] | Mapping[str, object],
+        column: Callable[[str], Floats],
+    ) -> Rows:
+        """Return the decimated rows.
+
+        `times`, and the values of each `column`, may be extremes themselves: `starts` is of these,
+        `rows` of the rows that they were made from, by which a piece is empty or not.
+        """
+        import numpy as np
+
+        filled = np.diff(starts) > 0
+        silent = ~filled & (np.diff(rows) == 0)
+        shown = filled.astype(np.int64) * 2 + silent  # rows of each piece
+        at = shown.cumsum() - shown
+        first, last = starts[:-1][filled], starts[1:][filled] - 1
+        kept = np.empty(int(shown.sum()))
+        kept[at[silent]] = self._middles[silent]
+        kept[at[filled]], kept[at[filled] + 1] = times[first], times[last]
+        columns = {}
+        for name in names:
+            ends = np.full(kept.size, np.nan)
+            ends[at[filled]], ends[at[filled] + 1] = _extremes(column(name), first)
+            columns[name] = ends
+        return Rows(kept, columns)
+
+
+def _extremes(values: Floats, starts: Index) -> tuple[Floats, Floats]:
+    """Return the least and the greatest of each piece of `values`, the earlier one first."""
+    import numpy as np
+
+    least, greatest = np.fmin.reduceat(values, starts), np.fmax.reduceat(values, starts)
+    lengths = np.diff(np.append(starts, values.size))
+    later = _place(values, least, starts, lengths) > _place(values, greatest, starts, lengths)
+    return np.where(later, greatest, least), np.where(later, least, greatest)
+
+
+def _place(values: Floats, wanted: Floats, starts: Index, lengths: Index) -> Index:
+    """Return where each piece has its wanted value first; the end, where that is missing."""
+    import numpy as np
+
+    places = np.where(values == np.repeat(wanted, lengths), np.arange(values.size), values.size)
+    found: Index = np.minimum.reduceat(places, starts)
+    return found
