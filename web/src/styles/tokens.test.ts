@@ -61,7 +61,7 @@ describe.each(["night", "day"] as const)("by %s", (name) => {
     expect(of("on-danger-button", "danger-button")).toBeGreaterThanOrEqual(4.5);
   });
 
-  it("what is old fades and can still be read, ≥ 4.5", () => {
+  it("stale values ≥ 4.5", () => {
     const stale = Number(/--stale: ([\d.]+);/.exec(css)![1]);
     expect(of("text", "ground", stale)).toBeGreaterThanOrEqual(4.5);
     expect(of("text", "raised", stale)).toBeGreaterThanOrEqual(4.5);

@@ -10,24 +10,24 @@ const state = (names: string[], recording = false): State =>
 
 const limits = { danger_low: null, warning_low: null, warning_high: 100, danger_high: null };
 
-describe("the plan to ask for", () => {
-  it("is what is shown, and how often stays as it was", () => {
+describe("planFor", () => {
+  it("contains the shown channels and keeps their divisors", () => {
     expect(planFor(["FREQ", "TWAT"], [], state(["TWAT", "UOZ"]))).toEqual([
       { name: "FREQ", every: 1 },
       { name: "TWAT", every: 10 },
     ]);
   });
 
-  it("is left alone when it does already, in whatever order", () => {
+  it("is null when the current plan has the same channels in any order", () => {
     expect(planFor(["FREQ", "UOZ"], [], state(["UOZ", "FREQ"]))).toBeNull();
   });
 
-  it("takes nothing away from a recording", () => {
+  it("removes no channel while recording", () => {
     expect(planFor(["FREQ"], [], state(["UOZ", "INJ"], true))?.map(({ name }) => name)).toEqual(["FREQ", "UOZ", "INJ"]);
     expect(planFor(["UOZ"], [], state(["UOZ", "INJ"], true))).toBeNull();
   });
 
-  it("asks in passing for what is alarmChannels and not shown", () => {
+  it("samples alarm channels that are not shown at a low rate", () => {
     const passing = planFor(["FREQ"], ["TWAT"], state(["FREQ"]))!;
     expect(passing.map(({ name }) => name)).toEqual(["FREQ", "TWAT"]);
     expect(passing[1]!.every).toBeGreaterThanOrEqual(10);
@@ -39,17 +39,17 @@ describe("the plan to ask for", () => {
     expect(planFor(["FREQ"], ["TWAT"], { ...asked, plan: { ...asked.plan, wanted: shown } })).toEqual(passing);
   });
 
-  it("makes nothing slower that is being recorded", () => {
+  it("slows no channel while recording", () => {
     expect(planFor(["FREQ"], ["UACC"], state(["FREQ", "UACC"], true))).toBeNull();
   });
 });
 
-it("what has limits or is an alarm when set is alarmChannels", () => {
+it("channels with limits and flags that raise an alarm are alarm channels", () => {
   const channel = (name: string, own: object) => ({ name, limits: null, alarm_when_true: "none" as const, ...own });
   expect(alarmChannels([channel("FREQ", {}), channel("TWAT", { limits }), channel("RDET", { alarm_when_true: "warning" })])).toEqual(["TWAT", "RDET"]);
   expect(withAlarmChannels([{ name: "TWAT", every: 1 }], ["TWAT"])).toEqual([{ name: "TWAT", every: 1 }]);
 });
 
-it("everything is all that the unit does not refuse", () => {
+it("supportedNames leaves out unsupported channels", () => {
   expect(supportedNames([{ name: "FREQ" }, { name: "UOZ" }], { dropped_parameters: ["UOZ"] })).toEqual(["FREQ"]);
 });

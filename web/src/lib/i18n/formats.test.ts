@@ -8,7 +8,7 @@ afterEach(() => {
 });
 
 describe("numbers", () => {
-  it("have a comma in Russian, a real minus, and no group marks", () => {
+  it("have a comma in Russian, a minus sign, and no grouping", () => {
     language.code = "ru";
     expect(number(14.25, 1)).toBe("14,3");
     expect(number(-0.469, 3)).toBe("−0,469");
@@ -27,8 +27,8 @@ describe("numbers", () => {
   });
 });
 
-describe("others", () => {
-  it("read as a person writes them", () => {
+describe("other formats", () => {
+  it("follow the language", () => {
     language.code = "ru";
     expect(percent(0.973)).toBe("97 %");
     expect(size(999)).toBe("999 Б");
@@ -48,7 +48,7 @@ describe("a dictionary", () => {
     rate: { en: "{rate} sets/s", ru: "{rate} наб/с" },
   });
 
-  it("knows the plurals of both languages", () => {
+  it("selects plural forms of both languages", () => {
     expect([1, 2, 0].map((n) => t("found", { n }))).toEqual(["1 fault", "2 faults", "0 faults"]);
     language.code = "ru";
     expect([1, 2, 5, 11, 21, 104].map((n) => t("found", { n }))).toEqual([
@@ -61,7 +61,7 @@ describe("a dictionary", () => {
     ]);
   });
 
-  it("writes numbers as the language does, and leaves what it was not given", () => {
+  it("formats numbers and leaves missing parameters in place", () => {
     language.code = "ru";
     expect(t("rate", { rate: 34.8 })).toBe("34,8 наб/с");
     expect(t("rate", {})).toBe("{rate} наб/с");

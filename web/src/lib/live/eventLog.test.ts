@@ -12,32 +12,32 @@ function told(...batches: LineEvent[][]): readonly LineEvent[] {
   return batches.map((batch) => happened.add(batch)).at(-1)!;
 }
 
-describe("events", () => {
-  it("come in order, each once, however often they are told", () => {
+describe("EventLog", () => {
+  it("orders events and drops repeated ones", () => {
     expect(told([marker(1), marker(5)], [marker(5), marker(3)]).map(({ time }) => time)).toEqual([1, 3, 5]);
     expect(told([marker(5), marker(5), marker(1)])).toEqual([marker(1), marker(5)]);
   });
 
-  it("a gap that has ended replaces its beginning, and is not reopened by the past", () => {
+  it("replaces an open gap by the ended one, never the reverse", () => {
     expect(told([gap(2, null)], [marker(3)], [gap(2, 4)])).toEqual([gap(2, 4), marker(3)]);
     expect(told([gap(2, null)], [gap(2, 4)], [gap(2, null)])).toEqual([gap(2, 4)]);
   });
 
-  it("gives another list each time, and leaves the one before as it was", () => {
+  it("returns a new list and leaves the previous one unchanged", () => {
     const happened = new EventLog();
     const before = happened.add([marker(1)]);
     expect(happened.add([marker(2)])).not.toBe(before);
     expect(before).toEqual([marker(1)]);
   });
 
-  it("holds the latest; what is over the edge may come again", () => {
+  it("keeps the latest events", () => {
     const happened = new EventLog();
     happened.add(Array.from({ length: 2000 }, (_, time) => marker(time)));
     expect(happened.add([marker(2000)]).map(({ time }) => time)).toEqual(Array.from({ length: 2000 }, (_, at) => at + 1));
     expect(happened.add([marker(0)]).at(0)).toEqual(marker(1));
   });
 
-  it("an event costs its own key only, however many are held", () => {
+  it("adds an event without sorting or comparing the others", () => {
     const happened = new EventLog();
     happened.add(Array.from({ length: 1500 }, (_, time) => marker(time)));
     const stringify = vi.spyOn(JSON, "stringify");

@@ -3,7 +3,7 @@ import { unplugged } from "./unplugged";
 
 const model = { en: "Mikas 7.1", ru: "Микас 7.1" };
 
-it("only an adapter that something came from was unplugged", () => {
+it("only an adapter that has delivered data counts as unplugged", () => {
   const gone = { reason_code: "PortNotFound", model, samples: 12 };
   expect(unplugged(gone)).toBe(true);
   expect(unplugged({ ...gone, model: null })).toBe(true);

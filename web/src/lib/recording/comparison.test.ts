@@ -24,7 +24,7 @@ beforeEach(async () => {
 });
 
 describe("a second recording", () => {
-  it("begins where the first one does, whatever their clocks said", async () => {
+  it("starts where the first one does, whatever its clock", async () => {
     await comparison.start("second", player.first);
     expect(comparison.active).toBe(true);
     expect(comparison.first + comparison.lag).toBe(5000);
@@ -32,7 +32,7 @@ describe("a second recording", () => {
     expect(comparison.extremes("THR")).toBeUndefined();
   });
 
-  it("is moved by tenths that stay tenths", async () => {
+  it("is moved in exact tenths", async () => {
     await comparison.start("second", player.first);
     for (let step = 0; step < 13; step += 1) comparison.shift(0.1);
     expect(comparison.offset).toBe(1.3);
@@ -41,7 +41,7 @@ describe("a second recording", () => {
     expect(comparison.lag).toBe(4910);
   });
 
-  it("is aligned by a moment of its own and the same one of the first", async () => {
+  it("is aligned by a moment of its own and the same moment of the first one", async () => {
     await comparison.start("second", player.first);
     comparison.alignAt(5003);
     expect(comparison.offset).toBe(0);
@@ -53,14 +53,14 @@ describe("a second recording", () => {
     expect(comparison.aligning).toBeNull();
   });
 
-  it("goes with the first one, and its offset with it", async () => {
+  it("is closed with the first one", async () => {
     await comparison.start("second", player.first);
     comparison.shift(2);
     player.close();
     expect([comparison.active, comparison.offset, comparison.columns.length]).toEqual([false, 0, 0]);
   });
 
-  it("that was asked for later holds, though the earlier one answers after it", async () => {
+  it("replaces one that is still loading", async () => {
     let answer: () => void = () => undefined;
     const slow = new Promise<void>((done) => (answer = done));
     const rows = vi.mocked(api.rows).getMockImplementation()!;

@@ -36,7 +36,7 @@ beforeEach(() => {
 });
 
 describe("the player", () => {
-  it("shows a coarse view at once and then every row", async () => {
+  it("shows an overview at once and then every row", async () => {
     await player.open("a.pcapng");
     expect(display.source).toBe(player);
     expect(player.columns.length).toBeGreaterThan(100);
@@ -46,7 +46,7 @@ describe("the player", () => {
     expect(player.extremes("FREQ")).toEqual({ min: 0, max: SAMPLES - 1 });
   });
 
-  it("begins at the first sample, though the first byte came earlier", async () => {
+  it("starts at the first sample, not at the first byte", async () => {
     vi.spyOn(api, "recording").mockResolvedValue({ ...detail, first: FIRST - 3 });
     await player.open("a.pcapng");
     expect(player.position).toBe(FIRST);
@@ -55,7 +55,7 @@ describe("the player", () => {
     expect(player.position).toBe(FIRST);
   });
 
-  it("steps a sample, seeks within the recording, and has the value of the place", async () => {
+  it("steps by samples, seeks within the recording, and returns the value at its position", async () => {
     await player.open("a.pcapng");
     await vi.waitFor(() => expect(player.loaded).toBe(1));
     player.seek(FIRST + 10);
@@ -71,7 +71,7 @@ describe("the player", () => {
     expect(player.latest("NONE")).toBeUndefined();
   });
 
-  it("gives the screen back to the live line", async () => {
+  it("returns to live data", async () => {
     await player.open("a.pcapng");
     player.close();
     expect(display.source.kind).toBe("live");
@@ -80,12 +80,12 @@ describe("the player", () => {
 });
 
 describe("advance", () => {
-  it("goes on to the end and no farther", () => {
+  it("ends at the end of the recording", () => {
     expect(advance(1, 2, 10, null)).toBe(3);
     expect(advance(9, 2, 10, null)).toBe(10);
   });
 
-  it("stays in the loop, however fast", () => {
+  it("stays in the loop at any speed", () => {
     const loop = { from: 2, to: 4 };
     expect(advance(3.5, 1, 10, loop)).toBeCloseTo(2.5);
     expect(advance(3.5, 4, 10, loop)).toBeCloseTo(3.5);

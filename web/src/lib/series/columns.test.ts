@@ -4,7 +4,7 @@ import { Columns } from "./columns";
 const range = (from: number, to: number) => Array.from({ length: to - from }, (_, index) => from + index);
 
 describe("Columns", () => {
-  it("keeps rows and gives them as views", () => {
+  it("stores rows and returns views", () => {
     const columns = new Columns();
     columns.append(["A", "B"], [1, 2, 3], [[10, null, 30], [true, false, null]]);
     expect([...columns.times()]).toEqual([1, 2, 3]);
@@ -14,7 +14,7 @@ describe("Columns", () => {
     expect([columns.first, columns.last]).toEqual([1, 3]);
   });
 
-  it("takes a message again without doubling it", () => {
+  it("ignores a repeated message", () => {
     const columns = new Columns();
     expect(columns.append(["A"], [1, 2], [[1, 2]])).toBe(2);
     expect(columns.append(["A"], [1, 2, 3], [[1, 2, 3]])).toBe(1);
@@ -22,7 +22,7 @@ describe("Columns", () => {
     expect([...columns.column("A")!]).toEqual([1, 2, 3]);
   });
 
-  it("has nothing for a name before it came, and after it has gone", () => {
+  it("has NaN for a channel before its first and after its last row", () => {
     const columns = new Columns();
     columns.append(["A"], [1, 2], [[1, 2]]);
     columns.append(["B"], [3], [[5]]);
@@ -31,7 +31,7 @@ describe("Columns", () => {
     expect([...columns.column("B")!]).toEqual([NaN, NaN, 5, NaN]);
   });
 
-  it("grows, then drops the oldest, in order, whatever comes", () => {
+  it("grows, then drops the oldest rows in order", () => {
     const columns = new Columns(10_000);
     let next = 0;
     for (const size of [1, 5000, 3000, 700, 4999, 1, 10_000, 3]) {
@@ -46,7 +46,7 @@ describe("Columns", () => {
     }
   });
 
-  it("takes more at once than it can hold: the last of it stays", () => {
+  it("keeps the last rows of an append beyond the capacity", () => {
     const columns = new Columns(5000);
     const times = range(0, 12_000);
     columns.append(["A"], times, [times]);
@@ -55,7 +55,7 @@ describe("Columns", () => {
     expect([...columns.column("A")!]).toEqual([...columns.times()]);
   });
 
-  it("keeps no more than its span, about", () => {
+  it("drops rows older than its span", () => {
     const columns = new Columns(1 << 18, 1000);
     for (let time = 0; time < 50_000; time += 100) {
       const times = range(time, time + 100).map((at) => at / 10);
@@ -76,7 +76,7 @@ describe("Columns", () => {
     expect(columns.valueAt("B", 2)).toBeUndefined();
   });
 
-  it("forgets", () => {
+  it("clears", () => {
     const columns = new Columns();
     columns.append(["A"], [1, 2], [[1, 2]]);
     columns.clear();

@@ -3,14 +3,14 @@ import { toasts } from "./toasts.svelte";
 
 const said = () => toasts.shown.map((toast) => toast.text());
 
-describe("messages", () => {
+describe("toasts", () => {
   beforeEach(() => void vi.useFakeTimers());
   afterEach(() => {
     vi.runAllTimers();
     vi.useRealTimers();
   });
 
-  it("go by themselves, and trouble stays in the list", () => {
+  it("disappear after a while; errors stay in the history", () => {
     toasts.success(() => "done");
     toasts.error(() => "no answer");
     expect(said()).toEqual(["done", "no answer"]);
@@ -19,7 +19,7 @@ describe("messages", () => {
     expect(toasts.history.at(-1)?.text()).toBe("no answer");
   });
 
-  it("go at once when what they tell is mended", () => {
+  it("disappear when their error no longer applies", () => {
     toasts.error(() => "no unit", { code: "NotConnected" });
     toasts.error(() => "no such channel", { code: "UnknownParameter" });
     toasts.dismiss(new Set(["NotConnected"]));

@@ -2,13 +2,13 @@ import { describe, expect, it } from "vitest";
 import { moved, placeAt } from "./arrange";
 
 describe("moved", () => {
-  it("moves on and back", () => {
+  it("moves forward and back", () => {
     expect(moved(["a", "b", "c", "d"], 0, 2)).toEqual(["b", "c", "a", "d"]);
     expect(moved(["a", "b", "c", "d"], 3, 1)).toEqual(["a", "d", "b", "c"]);
     expect(moved(["a", "b"], 1, 1)).toEqual(["a", "b"]);
   });
 
-  it("loses nothing when asked for what is not there", () => {
+  it("ignores an index that does not exist", () => {
     expect(moved(["a", "b"], 5, 0)).toEqual(["a", "b"]);
   });
 });
@@ -19,7 +19,7 @@ describe("placeAt", () => {
     { left: 20, right: 30, top: 0, bottom: 10 },
   ];
 
-  it("is the box under the point, else the nearest", () => {
+  it("returns the box under the point, else the nearest", () => {
     expect(placeAt(boxes, 25, 5)).toBe(1);
     expect(placeAt(boxes, 12, 40)).toBe(0);
     expect(placeAt([], 0, 0)).toBeNull();

@@ -7,7 +7,7 @@ const text = { en: "x", ru: "х" };
 const gap = (began: number, ended: number | null): LineEvent => ({ kind: "gap", time: ended ?? began, began, ended, reason: text });
 
 describe("flags", () => {
-  it("are the markers and alarms of the window, close ones as one", () => {
+  it("are the markers and alarms of the window, close ones merged", () => {
     const alarm = { kind: "alarm", time: 12, name: "TWAT", level: "warning", before: "none", side: "high", value: 101, limit: 100, text } as const;
     const over = { ...alarm, time: 13, level: "none" } as const;
     const flags = flagsOf([marker(1), marker(10, "a"), marker(10.4, "b"), alarm, over, marker(30)], 5, 20, 1);
@@ -19,7 +19,7 @@ describe("flags", () => {
 });
 
 describe("flags of one moment", () => {
-  it("are one of each kind, in whatever order they came", () => {
+  it("are merged by kind", () => {
     const alarm = (level: "warning" | "danger", name: string): LineEvent => ({ kind: "alarm", time: 12, name, level, before: "none", side: "high", value: 1, limit: 0, text });
     const flags = flagsOf([alarm("warning", "A"), alarm("danger", "B"), alarm("warning", "C")], 5, 20, 1);
     expect(flags.map(({ kind, count }) => [kind, count])).toEqual([
@@ -30,7 +30,7 @@ describe("flags of one moment", () => {
 });
 
 describe("gaps", () => {
-  it("reach into the window, and last until now while they go on", () => {
+  it("overlap the window, and last until now while open", () => {
     const bands = gapsOf([gap(1, 2), gap(4, 6), gap(8, null)], 5, 20, 9);
     expect(bands.map(({ from, to }) => [from, to])).toEqual([
       [4, 6],
@@ -38,19 +38,19 @@ describe("gaps", () => {
     ]);
   });
 
-  it("localized what the line was said to be, not the whole advice", () => {
+  it("have the state of the line as their short reason", () => {
     const silent = { en: "echo, but the ECU is silent", ru: "эхо есть, блок молчит" };
     const said: LineEvent = { kind: "state", time: 5, state: "echo-only", text: silent, reason: text, code: null };
     expect(gapsOf([gap(4, 6), said], 0, 20, 9)[0]!.reason).toEqual(silent);
     expect(gapsOf([gap(7, 8), said], 0, 20, 9)[0]!.reason).toEqual(text);
   });
 
-  it("keep all of their reason to be told", () => {
+  it("keep their full reason", () => {
     const said: LineEvent = { kind: "state", time: 5, state: "echo-only", text: { en: "silent", ru: "молчит" }, reason: text, code: null };
     expect(gapsOf([gap(4, 6), said], 0, 20, 9)[0]!.whole).toEqual(text);
   });
 
-  it("are flags, close ones as one, with a place within for the cursor", () => {
+  it("are flags, close ones merged, with a time inside for the cursor", () => {
     const flags = gapFlags(gapsOf([gap(4, 6), gap(7, 7.2), gap(7.3, 7.4), gap(12, 40)], 5, 20, 50), 5, 20, 1);
     expect(flags.map(({ time, at, count }) => [time, at, count])).toEqual([
       [5, 5.5, 1],
@@ -59,7 +59,7 @@ describe("gaps", () => {
     ]);
   });
 
-  it("are gone through one after the other, the second recording's among them, round and round", () => {
+  it("are visited in order, with the second recording's, and wrap around", () => {
     const bands = [...gapsOf([gap(1, 3), gap(8, 10)], 0, 20, 20), ...shiftedBy(gapsOf([gap(101, 103)], 0, 200, 200), -97)];
     const after = (time: number) => nextGap(bands, time, 1)!.from;
     expect([after(0), after(2), after(5), after(9)]).toEqual([1, 4, 8, 1]);
@@ -68,7 +68,7 @@ describe("gaps", () => {
     expect(nextGap([], 2, 1)).toBeUndefined();
   });
 
-  it("write it in lines that fit, and end in an ellipsis where they do not", () => {
+  it("wrap their reason into lines that fit, ended by an ellipsis", () => {
     const fits = (words: string) => words.length <= 9;
     expect(wrapText("echo, but the ECU is silent", fits, 3)).toEqual(["echo, but", "the ECU", "is silent"]);
     expect(wrapText("echo, but the ECU is silent", fits, 2)).toEqual(["echo, but", "the ECU…"]);

@@ -10,8 +10,8 @@ function rows(first: number, count: number, none: [number, number] = [0, 0]): Co
   return columns;
 }
 
-describe("what a pane draws", () => {
-  it("has the second recording later by the lag, its own gaps, its own rows", () => {
+describe("drawing", () => {
+  it("shifts the second recording by the lag, with its own gaps and rows", () => {
     const later = { columns: rows(5000, 100, [5002, 5006]), lag: -3999.95 };
     const { times, values, holes } = drawing(rows(1000, 100), later, ["A"], 1000, 1010, 300);
     expect(values).toHaveLength(2);
@@ -23,13 +23,13 @@ describe("what a pane draws", () => {
     expect(holes[1]!.flat().map((time) => Number(time.toFixed(3)))).toEqual([1001.95, 1006.05]);
   });
 
-  it("puts what comes at the same moment into one row, and says nothing of a channel that is not there", () => {
+  it("merges rows with the same time, and leaves missing channels empty", () => {
     const { times, values } = drawing(rows(1000, 10), { columns: rows(1000, 10), lag: 0 }, ["A", "B"], 1000, 1001, 300);
     expect(times).toHaveLength(10);
     expect(values.map((cells) => cells.filter((value) => value !== undefined).length)).toEqual([10, 0, 10, 0]);
   });
 
-  it("keeps a spike of the second one among a hundred thousand rows", () => {
+  it("keeps a spike of the second recording among a hundred thousand rows", () => {
     const columns = rows(0, 100_000);
     columns.append(["A"], [10_000], [[900]]);
     const { values, times } = drawing(rows(0, 100_000), { columns, lag: 1 }, ["A"], 0, 10_002, 400);
@@ -38,12 +38,12 @@ describe("what a pane draws", () => {
     expect(values[0]).not.toContain(900);
   });
 
-  it("does not take the way from one wide stretch to the next for a hole", () => {
+  it("does not take the distance between wide buckets for a gap", () => {
     const columns = rows(0, 40_000, [2000, 2100]);
     expect(drawing(columns, null, ["A"], 0, 4000, 100).holes[0]).toHaveLength(1);
   });
 
-  it("nor the way between rows that came thinned", () => {
+  it("does not take the distance between decimated rows for a gap", () => {
     const thin = new Columns();
     // The lowest and the highest of each stretch lie close together, the stretches far apart.
     const times = Array.from({ length: 100 }, (_, row) => (row >> 3) * 7 + (row % 8) / 100);

@@ -2,13 +2,13 @@ import { describe, expect, it } from "vitest";
 import { fitting, lane, stretched } from "./scales";
 
 describe("fitting", () => {
-  it("leaves room", () => {
+  it("adds room", () => {
     const [low, high] = fitting(0, 100, 1);
     expect(low).toBeLessThan(0);
     expect(high).toBeGreaterThan(100);
   });
 
-  it("does not blow up a still line", () => {
+  it("does not enlarge noise", () => {
     const [low, high] = fitting(14.1, 14.2, 0.8);
     expect(low).toBeCloseTo(13.75);
     expect(high).toBeCloseTo(14.55);
@@ -18,7 +18,7 @@ describe("fitting", () => {
 });
 
 describe("stretched", () => {
-  it("scales about the middle and shifts by shares", () => {
+  it("scales around the centre and shifts by shares", () => {
     expect(stretched([0, 10], undefined)).toEqual([0, 10]);
     expect(stretched([0, 10], { shift: 0, scale: 0.5 })).toEqual([2.5, 7.5]);
     expect(stretched([0, 10], { shift: 0.5, scale: 1 })).toEqual([5, 15]);
@@ -26,7 +26,7 @@ describe("stretched", () => {
 });
 
 describe("lane", () => {
-  it("puts each range into its own part, the first at the top", () => {
+  it("places each range in its own part, the first at the top", () => {
     const height = 300;
     const at = (value: number, [low, high]: [number, number]) => height - ((value - low) / (high - low)) * height;
     for (const index of [0, 1, 2]) {

@@ -2,17 +2,17 @@ import { describe, expect, it } from "vitest";
 import { counted, elapsed } from "./timeAxis";
 
 describe("elapsed", () => {
-  it("counts from the beginning, to either side", () => {
+  it("counts from the start in both directions", () => {
     expect([elapsed(0, 1), elapsed(65, 5), elapsed(-10, 10), elapsed(3720, 60)]).toEqual(["0:00", "1:05", "−0:10", "1:02:00"]);
   });
 
-  it("has the decimals of its steps, and never sixty seconds", () => {
+  it("has the decimals of its step, and never sixty seconds", () => {
     expect([elapsed(9.5, 0.5), elapsed(59.999, 0.01), elapsed(-0.0001, 0.1), elapsed(61.25, 0.05)]).toEqual(["0:09.5", "1:00.00", "0:00.0", "1:01.25"]);
   });
 });
 
 describe("an axis that counts from a moment", () => {
-  it("has its marks at round numbers since then", () => {
+  it("has labels at round times", () => {
     const axis = counted(1003.7);
     const splits = axis.splits(null, 0, 1000, 1020, 5);
     expect(splits).toEqual([1003.7, 1008.7, 1013.7, 1018.7]);

@@ -25,11 +25,11 @@ const channel = (about: Partial<Channel>): Channel => ({
 });
 
 describe("a gauge's range", () => {
-  it("is the plausible one", () => {
+  it("is the plausible range", () => {
     expect(rangeOf(channel({ range: [-40, 130] }))).toEqual({ low: -40, high: 130 });
   });
 
-  it("keeps limits in their places, and comes closer where there are none", () => {
+  it("keeps limits in place, and is narrower without limits", () => {
     const limits = { danger_low: null, warning_low: null, warning_high: 6000, danger_high: null };
     expect(rangeOf(channel({ range: [0, 6500], reference: [800, 900], limits })).high).toBe(6500);
     expect(rangeOf(channel({ range: [0, 450], reference: [13, 16] }), { min: 14, max: 15 }).high).toBe(20);
@@ -37,7 +37,7 @@ describe("a gauge's range", () => {
     expect(rangeOf(channel({ range: [0, 100], reference: [0, 0] })).high).toBe(100);
   });
 
-  it("takes in reference, limits and what was seen, with room", () => {
+  it("contains reference, limits and values seen, with room", () => {
     const range = rangeOf(channel({ reference: [800, 900] }), { min: 780, max: 2100 });
     expect(range.low).toBe(0);
     expect(range.high).toBeGreaterThan(2100);
@@ -49,7 +49,7 @@ describe("a gauge's range", () => {
     expect(range.high).toBeGreaterThan(3);
   });
 
-  it("is something for a channel nothing is known of, and for one that stands still", () => {
+  it("exists for an unknown channel and for a constant one", () => {
     expect(rangeOf(undefined)).toEqual({ low: 0, high: 1 });
     const still = rangeOf(channel({}), { min: 0, max: 0 });
     expect(still.high).toBeGreaterThan(still.low);
@@ -69,7 +69,7 @@ describe("its bands", () => {
     ]);
   });
 
-  it("go on to the end where there is no worse limit, and leave out what is not there", () => {
+  it("extend to the end without a danger limit, and omit missing limits", () => {
     const limits = { danger_low: null, warning_low: 10, warning_high: null, danger_high: 18 };
     expect(bandsOf(channel({ limits }), range)).toEqual([
       { from: 0, to: 0.5, level: "warning" },
@@ -87,7 +87,7 @@ describe("its bands", () => {
 });
 
 describe("a strip", () => {
-  it("puts lines of one unit on one scale", () => {
+  it("has one scale for each unit", () => {
     const rpm = channel({ unit: { en: "rpm", ru: "об/мин" } });
     const seen: Record<string, { min: number; max: number }> = { A: { min: 800, max: 900 }, B: { min: 700, max: 800 }, C: { min: 1, max: 1 } };
     const frames = framesOf(["A", "B", "C", "D"], (name) => (name === "C" ? channel({}) : rpm), (name) => seen[name]);

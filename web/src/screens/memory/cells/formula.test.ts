@@ -22,17 +22,17 @@ describe("the formulas of §4", () => {
   ])("%s", (text, bytes, value) => {
     expect(of(text, ...bytes)).toBeCloseTo(value, 10);
   });
-  it("tells how many bytes it needs", () => {
+  it("states how many bytes it needs", () => {
     expect(compile("b").size).toBe(1);
     expect(compile("w - b").size).toBe(2);
     expect(of("w", 1)).toBeNull();
   });
-  it("has no value where there is none", () => {
+  it("has no value without enough bytes", () => {
     expect(of("1 / b", 0)).toBeNull();
   });
 });
 
-describe("what is refused, and where", () => {
+describe("errors and their positions", () => {
   it.each([
     ["", "empty", 0],
     ["b +", "end", 3],

@@ -26,7 +26,7 @@ describe("addresses", () => {
   it.each(["", "x", "0x", "12 34", "-1", "1.5", "12345678"])("%s is none", (text) => {
     expect(parseAddress(text)).toBeNull();
   });
-  it("is as wide as its space", () => {
+  it("have as many digits as their space needs", () => {
     expect(addressText(0x0a, spaceOf("ram"))).toBe("0A");
     expect(addressText(0x0a, spaceOf("code"))).toBe("000A");
   });
@@ -45,7 +45,7 @@ describe("bytes", () => {
   it.each(["", "  ", "G0", "123", "0A FFF"])("“%s” is none", (text) => {
     expect(parseBytes(text)).toBeNull();
   });
-  it("goes to hex and back", () => {
+  it("convert to hex and back", () => {
     const all = Uint8Array.from({ length: 256 }, (_, at) => at);
     expect(fromHex(toHex(all))).toEqual(all);
     expect(parseBytes(toHex(all))).toEqual(all);
@@ -55,7 +55,7 @@ describe("bytes", () => {
 });
 
 describe("rows", () => {
-  it("begin at multiples of sixteen and leave gaps where there is no byte", () => {
+  it("begin at multiples of sixteen, with gaps where there is no byte", () => {
     const rows = rowsOf(Uint8Array.of(1, 2, 3), 0x1e);
     expect(rows.map((row) => row.address)).toEqual([0x10, 0x20]);
     expect(rows[0]!.cells.slice(13)).toEqual([null, 1, 2]);
@@ -70,7 +70,7 @@ describe("rows", () => {
       expect(flat).toEqual([...data]);
     }
   });
-  it("are text as mikas mem read prints it", () => {
+  it("are formatted as by mikas mem read", () => {
     expect(dumpText(Uint8Array.of(0x8c, 0xa8, 0x41), 0x40, "cp866")).toBe(
       `0040  8C A8 41${" ".repeat(15)}  ${" ".repeat(23)}  МиA`,
     );
@@ -84,6 +84,6 @@ it("characters are those of code page 866, or of ASCII alone", () => {
   expect(character(0x8c, "ascii")).toBe("·");
 });
 
-it("the spaces end where the protocol says", () => {
+it("the spaces have the ends of the protocol", () => {
   expect(SPACES.map((it) => it.last)).toEqual([0xff, 0xffff, 0xffff, 0xff]);
 });

@@ -1,7 +1,7 @@
 import { expect, it } from "vitest";
 import { mayFrame, reportAddress, reportFile } from "./address";
 
-it("is asked for by its recording and language", () => {
+it("the address contains recording and language", () => {
   expect(reportAddress(null, "ru", true)).toBe("/api/report?lang=ru&inline=1");
   expect(reportAddress("a b.pcapng", "en", false)).toBe(
     "/api/recordings/a%20b.pcapng/report?lang=en",
@@ -9,7 +9,7 @@ it("is asked for by its recording and language", () => {
   expect(reportFile("a b.pcapng", "en")).toBe("a b-report-en.html");
 });
 
-it("is shown in a frame only where the server allows that", () => {
+it("a report is framed only where the server allows it", () => {
   const of = (policy: string | null, options: string | null) => {
     const headers = new Headers();
     if (policy) headers.set("Content-Security-Policy", policy);

@@ -1,0 +1,30 @@
+import { describe, expect, it } from "vitest";
+import { faster, keyStep, nextLoop, precise, share, slower } from "./scrub";
+
+describe("the player bar", () => {
+  it("steps through the speeds and stops at the ends", () => {
+    expect([faster(1), faster(16), slower(1), slower(0.25)]).toEqual([2, 16, 0.5, 0.25]);
+  });
+  it("maps a time to a share", () => {
+    expect([share(5, 0, 10), share(-1, 0, 10), share(11, 0, 10), share(1, 1, 1)]).toEqual([
+      0.5, 0, 1, 0,
+    ]);
+  });
+  it("loops between two marks in either order and ends with the third", () => {
+    const one = nextLoop(null, 7);
+    const two = nextLoop(one.loop, 3);
+    expect(two.whole).toEqual({ from: 3, to: 7 });
+    expect(nextLoop(two.loop, 5)).toEqual({ loop: null, whole: null });
+    expect(nextLoop({ from: 3 }, 3)).toEqual({ loop: null, whole: null });
+  });
+  it("maps keys to steps", () => {
+    expect(keyStep("ArrowLeft", false)).toBe(-1);
+    expect(keyStep("ArrowRight", true)).toBe(10);
+    expect(keyStep("Home", false)).toBe("first");
+    expect(keyStep("a", false)).toBeNull();
+  });
+  it("never shows sixty seconds", () => {
+    expect([precise(0), precise(59.97), precise(65.25)]).toEqual(["00:00.0", "01:00.0", "01:05.3"]);
+    expect([precise(0.021, 2), precise(59.999, 2), precise(65.25, 2)]).toEqual(["00:00.02", "01:00.00", "01:05.25"]);
+  });
+});
