@@ -23,6 +23,7 @@ from mikas.sampling.choosing import CANDIDATES, FALLBACK, best_method
 from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import Event, LineState, MethodChosen, PlanChanged
 from mikas.sampling.jobs import JobQueue
+from mikas.sampling.line_state import LineEvent
 from mikas.sampling.method_trial import MethodTrials
 from mikas.sampling.plan import Plan, PlannedParameter, Price
 from mikas.sampling.plan_runner import PlanRunner
@@ -137,7 +138,7 @@ class Sampler:
             failure = error
             raise
         finally:
-            self._supervisor.ecu = None
+            self._supervisor.end()
             self._jobs.close(failure)
 
     def _on(self, link: Link) -> Iterator[Event]:
@@ -188,7 +189,7 @@ class Sampler:
                 yield from self._idle(ecu, requested, _LONG)
                 context.refused.clear()
                 continue
-            yield from self._supervisor.now_in(LineState.SAMPLING, ecu.tester.link.now())
+            yield from self._supervisor.process(LineEvent.ACCEPTED, ecu.tester.link.now())
             method = yield from self._method(ecu, plan, requested)
             if not context.is_current(requested):
                 continue
@@ -250,6 +251,6 @@ class Sampler:
     def _idle(self, ecu: Ecu, requested: SamplingRequest, seconds: float) -> Iterator[Event]:
         """Nothing can be sampled: only jobs are done. It goes on when something else is wanted."""
         context, due = self._context, ecu.tester.link.now() + seconds
-        yield from self._supervisor.now_in(LineState.ECU_ALIVE, ecu.tester.link.now())
+        yield from self._supervisor.process(LineEvent.REFUSED, ecu.tester.link.now())
         while context.is_current(requested) and not context.wait_until_due(ecu, requested, due):
             self._jobs.run(ecu)

@@ -1,9 +1,8 @@
-"""The way to the ECU: kept open, and opened again, without a hand on the keyboard.
+"""Keeps the way to the ECU open: opens the port, finds the unit, and reports each change of state.
 
-    no port ─► no echo ─► echo only ─► the ECU answers ─► sampling        (LineState)
-
-An adapter that was pulled out is looked for, a silent ECU is asked until it answers, and whoever
-answers is compared with the one before: it may be another car.
+A lost adapter is looked for, a silent ECU is asked until it answers, and a unit that answers is
+compared with the one before: it may be another car. The states and what leads from one to the next
+stand in `line_state`.
 """
 
 from __future__ import annotations
@@ -13,12 +12,10 @@ from collections.abc import Callable, Generator, Iterator
 from mikas.client import Ecu, Passport
 from mikas.commands import Availability
 from mikas.errors import (
-    EchoOnly,
     LineError,
     LinkLost,
     MikasError,
     NoConnection,
-    NoEcho,
     NotAKLineAdapter,
     SyncLost,
 )
@@ -27,50 +24,53 @@ from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.context import SamplingContext
 from mikas.sampling.events import CycleFailed, Event, LineState, StateChanged, UnitFound
 from mikas.sampling.identity_check import IdentityCheck
+from mikas.sampling.line_state import LineEvent, LineStateMachine, event_of
 
 UnitIdentity = tuple[int, Passport]
 
-_PORT_LOOK = 1.0  # s between looks for an adapter that is not there
+_RETRY_PORT = 1.0  # s between attempts to open the port
 
 
 class ConnectionSupervisor:
-    """Opens `plug` and finds the unit behind it, as often as needed.
+    """Opens `port` and finds the unit at its other end, as often as needed.
 
-    While the way is broken, jobs fail with what broke it; so do the methods here in a strict
-    session before its first sample.
+    While the way is broken, queued jobs fail with the error that broke it. With `strict` the
+    methods raise that error until the first sample.
     """
 
     def __init__(
         self, port: ReconnectingPort, make_ecu: Callable[[Link], Ecu], context: SamplingContext
     ) -> None:
         self.state: LineState | None = None
+        """The state that was reported last; None before the first run."""
         self.unit: UnitIdentity | None = None
         self.ecu: Ecu | None = None
-        """That of the open link; None until a unit has been met on it."""
+        """That of the open link; None until a unit was identified on it."""
         self.identity_check = IdentityCheck(self._verify)
-        """Whether it is still `unit`."""
+        """Whether `unit` is still the unit that answers."""
         self._port = port
         self._make_ecu = make_ecu
         self._context = context
-        self._reported: type[MikasError] | None = None
+        self._machine = LineStateMachine()
+        self._reported: type[MikasError] | None = None  # the reason reported with `state`
 
     def open_port(self) -> Generator[Event, None, Link | None]:
-        """The link; None: nobody wants it any more."""
+        """Open the port; None: sampling was stopped before that succeeded."""
         while not self._context.stopped:
             try:
                 return self._port.open()
             except NoConnection as error:
-                yield from self.port_lost(error, self._port.now())
-                self._port.wait(_PORT_LOOK)
+                yield from self._broken(LineEvent.PORT_MISSING, self._port.now(), error)
+                self._port.wait(_RETRY_PORT)
         return None
 
-    def port_lost(self, error: NoConnection, time: float) -> Iterator[Event]:
-        """The adapter is gone. Raises `error` in a strict beginning."""
+    def port_lost(self, error: LinkLost, time: float) -> Iterator[Event]:
+        """Report that the open port is gone. Raises `error` with `strict` before any sample."""
         self.ecu = None
-        yield from self._broken(LineState.NO_PORT, time, error)
+        yield from self._broken(LineEvent.PORT_LOST, time, error)
 
     def find_unit(self, link: Link) -> Generator[Event, None, Ecu | None]:
-        """A connected `Ecu` on `link`; None: nobody wants it any more."""
+        """Return a connected `Ecu` on `link`; None: sampling was stopped."""
         ecu = self._make_ecu(link)
         unit = yield from self._wait_for_answer(ecu, again=False)
         if unit is None:
@@ -83,11 +83,12 @@ class ConnectionSupervisor:
     def find_unit_again(
         self, ecu: Ecu, error: NoConnection | SyncLost
     ) -> Generator[Event, None, bool]:
-        """After `error`, until a unit answers. False: it is not that of `ecu`, or nobody wants it
-        any more.
+        """After `error`, wait for a unit; return whether it is that of `ecu`.
+
+        Also False if sampling was stopped.
         """
         yield from self._no_answer(ecu, error)
-        # A unit that can't be brought in step may be one of another version.
+        # A unit that cannot be resynchronized may be one of another version.
         unit = yield from self._wait_for_answer(ecu, again=not isinstance(error, SyncLost))
         if unit is None or self.unit is None or not is_same_unit(unit, self.unit):
             return False
@@ -95,22 +96,30 @@ class ConnectionSupervisor:
         yield _found(ecu, unit, another=False)
         return True
 
-    def now_in(
-        self, state: LineState, time: float, error: MikasError | None = None
+    def process(
+        self, event: LineEvent, time: float, error: MikasError | None = None
     ) -> Iterator[Event]:
-        """Tells a state that is another one, or has another reason."""
+        """Enter the state that follows `event`; report it if state or kind of `error` changed."""
+        state = self._machine.process(event)
+        if state is None:
+            return
         if state is not self.state or (error is not None and type(error) is not self._reported):
             self.state, self._reported = state, None if error is None else type(error)
             yield StateChanged(time, state, error)
 
+    def end(self) -> None:
+        """The run is over. `state` stays as reported."""
+        self._machine.process(LineEvent.ENDED)
+        self.ecu = None
+
     def _wait_for_answer(
         self, ecu: Ecu, *, again: bool
     ) -> Generator[Event, None, UnitIdentity | None]:
-        """Asks until a unit answers; each attempt waits for it by itself (D14)."""
+        """Ask until a unit answers; each attempt waits for the unit by itself (D14)."""
         while not self._context.stopped:
             try:
                 if again and self.unit and ecu.version_code == self.unit[0]:
-                    ecu.tester.request(Availability())  # after a short dip that is enough
+                    ecu.tester.request(Availability())  # enough after a short voltage dip
                     again = False
                 else:
                     ecu.tester.connect()
@@ -122,12 +131,12 @@ class ConnectionSupervisor:
                 yield from self._no_answer(ecu, error)
             else:
                 self.identity_check.confirm(ecu)
-                yield from self.now_in(LineState.ECU_ALIVE, ecu.tester.link.now())
+                yield from self.process(LineEvent.IDENTIFIED, ecu.tester.link.now())
                 return unit
         return None
 
     def _identify(self, ecu: Ecu) -> UnitIdentity:
-        """Who answers. Another one than before has to say so twice: a piece may have been lost."""
+        """Read the identity; another one than before is read twice: a part may have been lost."""
         unit = ecu.version_code, ecu.passport(again=True)
         if self.unit is None:
             return unit
@@ -139,7 +148,7 @@ class ConnectionSupervisor:
         return unit[0], unit[1].filled_from(self.unit[1])
 
     def _verify(self, ecu: Ecu) -> None:
-        """Raises `SyncLost` if it is not `unit` that answers, or not certain, `NoConnection`."""
+        """Raise `SyncLost` unless `unit` is certainly the one that answers; `NoConnection`."""
         try:
             unit = self._identify(ecu)
         except LineError as error:
@@ -148,24 +157,18 @@ class ConnectionSupervisor:
             raise SyncLost(time=ecu.tester.link.now())
 
     def _no_answer(self, ecu: Ecu, error: NoConnection | LineError) -> Iterator[Event]:
-        state = LineState.ECHO_ONLY  # something talks, but it is no use yet
-        if isinstance(error, NoEcho) or (
-            isinstance(error, NoConnection) and not isinstance(error, EchoOnly)
-        ):
-            state = LineState.NO_ECHO
-        yield from self._broken(state, ecu.tester.link.now(), error)
+        yield from self._broken(event_of(error), ecu.tester.link.now(), error)
 
     def _broken(
-        self, state: LineState, time: float, error: NoConnection | LineError
+        self, event: LineEvent, time: float, error: NoConnection | LineError
     ) -> Iterator[Event]:
-        self._context.jobs.fail(error)
-        if self._context.strict and not self._context.has_sampled:
+        context = self._context
+        context.jobs.fail(error)
+        if context.strict and not context.has_sampled:
             raise error
-        if (
-            self._context.has_sampled
-        ):  # at each attempt, about once a second: those who wait see time go
+        if context.has_sampled:  # at each attempt, about once a second: waiting stays visible
             yield CycleFailed(time, error)
-        yield from self.now_in(state, time, error)
+        yield from self.process(event, time, error)
 
 
 def _found(ecu: Ecu, unit: UnitIdentity, *, another: bool) -> UnitFound:
@@ -183,5 +186,5 @@ def _found(ecu: Ecu, unit: UnitIdentity, *, another: bool) -> UnitFound:
 
 
 def is_same_unit(one: UnitIdentity, other: UnitIdentity) -> bool:
-    """Whether both are one unit, as far as is known of each."""
+    """Return whether both are one unit, as far as their passports are known."""
     return one[0] == other[0] and one[1].may_be(other[1])

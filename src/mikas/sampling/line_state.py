@@ -1,0 +1,141 @@
+"""The way to the unit as a state machine: one table, in which every transition stands.
+
+    not running
+         │ the first look at port and line: PORT_MISSING, PORT_LOST ─► NO_PORT,
+         │ ECHO_MISSING ─► NO_ECHO, SILENT or SPOILT ─► ECHO_ONLY, IDENTIFIED ─► ECU_ALIVE
+         ▼
+      NO_PORT  ◄──────────── PORT_LOST ───────────┬───────────────┬──────────────┐
+         │ ECHO_MISSING, SILENT, SPOILT           │               │              │
+         ▼                                        │               │              │
+      NO_ECHO ◄─ ECHO_MISSING ─ · ─ SILENT, SPOILT ─► ECHO_ONLY   │              │
+         │                                        │               │              │
+         └─────────────── IDENTIFIED ─────────────┤               │              │
+                                                  ▼               │              │
+      NO_ECHO, ECHO_ONLY ◄─ ECHO_MISSING, ─── ECU_ALIVE ──────────┘              │
+               ▲            SILENT, SPOILT      │   ▲                            │
+               │                       ACCEPTED │   │ REFUSED                    │
+               │                                ▼   │                            │
+               └─ ECHO_MISSING, SILENT, SPOILT ─ SAMPLING ───────────────────────┘
+
+    ENDED leads from every state to “not running”.
+
+`TRANSITIONS` is the whole rule. An event that has no cell in the row of the present state cannot
+occur there: it is a bug of the caller, and `ImpossibleTransition` is raised. The machine knows no
+port, no clock and no unit; `supervisor` and `sampler` observe these and feed it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+from typing import Final
+
+from mikas.errors import EchoOnly, LineError, MikasError, NoConnection
+from mikas.sampling.events import LineState
+
+
+class LineEvent(Enum):
+    """An observation that may change the state."""
+
+    PORT_MISSING = "the port could not be opened"
+    PORT_LOST = "the open port is gone: the adapter was pulled out"
+    ECHO_MISSING = "a request was not even echoed: no 12 V at the adapter"
+    SILENT = "a request was echoed and not answered: the ignition is off"
+    SPOILT = "responses are damaged, out of step, or of another unit"
+    IDENTIFIED = "a unit answered and gave its version and passport"
+    ACCEPTED = "the unit gives requested parameters"
+    REFUSED = "the unit refuses every requested parameter, or every method"
+    ENDED = "sampling was stopped, or an error ended it"
+
+
+class ImpossibleTransition(RuntimeError):
+    """A bug: `event` cannot occur in `state`."""
+
+    def __init__(self, state: LineState | None, event: LineEvent) -> None:
+        super().__init__(f"{event.name} cannot occur in state {state.name if state else 'None'}")
+        self.state = state
+        self.event = event
+
+
+TRANSITIONS: Final[Mapping[LineState | None, Mapping[LineEvent, LineState | None]]] = {
+    None: {  # not running
+        LineEvent.PORT_MISSING: LineState.NO_PORT,
+        LineEvent.PORT_LOST: LineState.NO_PORT,
+        LineEvent.ECHO_MISSING: LineState.NO_ECHO,
+        LineEvent.SILENT: LineState.ECHO_ONLY,
+        LineEvent.SPOILT: LineState.ECHO_ONLY,
+        LineEvent.IDENTIFIED: LineState.ECU_ALIVE,
+        LineEvent.ENDED: None,
+    },
+    LineState.NO_PORT: {
+        LineEvent.PORT_MISSING: LineState.NO_PORT,
+        LineEvent.PORT_LOST: LineState.NO_PORT,  # the port opened, and failed at its first use
+        LineEvent.ECHO_MISSING: LineState.NO_ECHO,
+        LineEvent.SILENT: LineState.ECHO_ONLY,
+        LineEvent.SPOILT: LineState.ECHO_ONLY,
+        LineEvent.IDENTIFIED: LineState.ECU_ALIVE,
+        LineEvent.ENDED: None,
+    },
+    LineState.NO_ECHO: {
+        LineEvent.PORT_LOST: LineState.NO_PORT,
+        LineEvent.ECHO_MISSING: LineState.NO_ECHO,
+        LineEvent.SILENT: LineState.ECHO_ONLY,
+        LineEvent.SPOILT: LineState.ECHO_ONLY,
+        LineEvent.IDENTIFIED: LineState.ECU_ALIVE,
+        LineEvent.ENDED: None,
+    },
+    LineState.ECHO_ONLY: {
+        LineEvent.PORT_LOST: LineState.NO_PORT,
+        LineEvent.ECHO_MISSING: LineState.NO_ECHO,
+        LineEvent.SILENT: LineState.ECHO_ONLY,
+        LineEvent.SPOILT: LineState.ECHO_ONLY,
+        LineEvent.IDENTIFIED: LineState.ECU_ALIVE,
+        LineEvent.ENDED: None,
+    },
+    LineState.ECU_ALIVE: {
+        LineEvent.PORT_LOST: LineState.NO_PORT,
+        LineEvent.ECHO_MISSING: LineState.NO_ECHO,
+        LineEvent.SILENT: LineState.ECHO_ONLY,
+        LineEvent.SPOILT: LineState.ECHO_ONLY,
+        LineEvent.IDENTIFIED: LineState.ECU_ALIVE,  # another unit: once more, as a new one
+        LineEvent.ACCEPTED: LineState.SAMPLING,
+        LineEvent.REFUSED: LineState.ECU_ALIVE,
+        LineEvent.ENDED: None,
+    },
+    LineState.SAMPLING: {
+        LineEvent.PORT_LOST: LineState.NO_PORT,
+        LineEvent.ECHO_MISSING: LineState.NO_ECHO,
+        LineEvent.SILENT: LineState.ECHO_ONLY,
+        LineEvent.SPOILT: LineState.ECHO_ONLY,
+        LineEvent.ACCEPTED: LineState.SAMPLING,  # another plan
+        LineEvent.REFUSED: LineState.ECU_ALIVE,
+        LineEvent.ENDED: None,
+    },
+}
+
+FAILURES: Final[tuple[tuple[type[MikasError], LineEvent], ...]] = (
+    (EchoOnly, LineEvent.SILENT),
+    (NoConnection, LineEvent.ECHO_MISSING),
+    (LineError, LineEvent.SPOILT),
+)
+"""The event of a failed request, by the first class that fits; a lost port is none of them."""
+
+
+def event_of(error: NoConnection | LineError) -> LineEvent:
+    """Return the event of a request that failed with `error`."""
+    return next(event for kind, event in FAILURES if isinstance(error, kind))
+
+
+class LineStateMachine:
+    """Follows `TRANSITIONS`; `state` is None while not running."""
+
+    def __init__(self) -> None:
+        self.state: LineState | None = None
+
+    def process(self, event: LineEvent) -> LineState | None:
+        """Enter the state that follows `event`, and return it. Raises `ImpossibleTransition`."""
+        row = TRANSITIONS[self.state]
+        if event not in row:
+            raise ImpossibleTransition(self.state, event)
+        self.state = row[event]
+        return self.state
