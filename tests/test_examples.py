@@ -23,7 +23,7 @@ EXPECTED = {
 def run(tmp_path, monkeypatch, capsys):
     """Run an example in an empty folder; returns its output."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("mikas.client.journal.default_path", lambda: tmp_path / "journal.jsonl")
+    monkeypatch.setattr("mikas.client.gate.default_journal", lambda: tmp_path / "journal.jsonl")
     monkeypatch.setattr("mikas.client.limits.default_folder", lambda: tmp_path / "units")
     monkeypatch.setattr("builtins.input", lambda _: "y")
 

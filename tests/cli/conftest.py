@@ -21,7 +21,7 @@ def mikas(capsys, monkeypatch, tmp_path):
     monkeypatch.setenv("MIKAS_PORT", SIM)
     monkeypatch.setenv("LANG", "C.UTF-8")
     monkeypatch.setattr(
-        "mikas.client.journal.default_path", lambda: home / "state/mikas/journal.jsonl"
+        "mikas.client.gate.default_journal", lambda: home / "state/mikas/journal.jsonl"
     )
     monkeypatch.setattr("mikas.client.limits.default_folder", lambda: home / "state/mikas/units")
     monkeypatch.setattr("sys.stdin", NoTerminal())

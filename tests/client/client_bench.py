@@ -11,7 +11,7 @@ from pathlib import Path
 
 from mikas.catalog import shipped
 from mikas.client import METHODS, AsyncEcu, Ecu
-from mikas.client.journal import Journal
+from mikas.client.gate import Journal
 from mikas.client.limits import LimitsStore
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester

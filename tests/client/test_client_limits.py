@@ -131,7 +131,7 @@ class TestKeptForTheUnit:
         ecu = ecu_on(it, state=tmp_path)
         ecu.read()
         paces = {"batch": MethodTiming(21, 0.002), "stream": MethodTiming(21, None)}
-        ecu.learn_paces("cable, 2 ms", paces)
+        ecu.keep_timings("cable, 2 ms", paces)
         assert ecu.limits().refused
         assert ecu.limits().methods == {"cable, 2 ms": paces}
         ecu.close()

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.client import Limits
-from mikas.client.asking import COMMON
+from mikas.client.data import COMMON
 from mikas.errors import LineError, NoConnection, NotSupported
 from mikas.virtual.fault_injector import LineFault
 from virtual_bench import DATA

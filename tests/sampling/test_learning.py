@@ -225,7 +225,7 @@ class TestAdapters:
         ecu = ecu_factory(tmp_path)(VirtualLink(bus))
         ecu.tester.connect()
         for number in range(20):
-            ecu.learn_paces(f"adapter {number}", {"batch": MethodTiming(21, 0.002)})
+            ecu.keep_timings(f"adapter {number}", {"batch": MethodTiming(21, 0.002)})
         assert list(ecu.limits().methods) == [f"adapter {n}" for n in range(12, 20)]
 
 

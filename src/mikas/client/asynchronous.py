@@ -203,7 +203,7 @@ class AsyncEcu:
     goto = _Delegated(Ecu.goto)
     raw = _Delegated(Ecu.raw)
     limits = _Delegated(Ecu.limits)
-    learn_paces = _Delegated(Ecu.learn_paces)
+    keep_timings = _Delegated(Ecu.keep_timings)
     forget_limits = _Delegated(Ecu.forget_limits)
     watch = _Iterated(Ecu.watch)
     supported = _Iterated(Ecu.supported)

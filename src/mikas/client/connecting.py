@@ -8,11 +8,9 @@ from pathlib import Path
 
 from mikas.catalog import Catalog, load, shipped
 from mikas.catalog.model import check_interpretation
-from mikas.client import journal as journals
-from mikas.client import limits as stores
+from mikas.client import gate, limits
 from mikas.client.ecu import Ecu
-from mikas.client.gate import Confirm
-from mikas.client.journal import Journal
+from mikas.client.gate import Confirm, Journal
 from mikas.client.limits import LimitsStore
 from mikas.link import CaptureTee, Link, Sink, choose_port, open_link
 from mikas.options import check_choice, check_number
@@ -89,8 +87,8 @@ class ConnectionOptions:
             self.catalog,
             interpretation=self.interpretation,
             confirm=self.confirm,
-            journal=Journal(Path(self.journal or journals.default_path())),
-            store=LimitsStore(Path(self.state or stores.default_folder())),
+            journal=Journal(Path(self.journal or gate.default_journal())),
+            store=LimitsStore(Path(self.state or limits.default_folder())),
         )
 
 

@@ -1,144 +1,264 @@
-"""Data by code, in as few requests as the unit takes (§3 rows 61, 63; D10, D11)."""
+"""Data by code, in as few requests as the unit takes (§3 rows 61, 63; D10, D11).
+
+A refusal is the single byte `01`, so it can be mistaken for a datum only where one datum of one
+byte was requested. Requested twice in one list, the code shows which it is: two data, or still one
+byte. That is done whenever a lone code answers `01`, and from then on at once, for as long as the
+datum is 01.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import islice
 
-from mikas.client.asking import Asking, Got
 from mikas.client.limits import Limits
-from mikas.commands import Datum
-from mikas.errors import LineError, NoResponse, NotSupported, WrongLength
+from mikas.commands import Datum, ReadParameters
+from mikas.errors import EcuRefused, LineError, NoResponse, NotSupported, WrongLength
 from mikas.i18n import Text
-from mikas.tester import Tester
+from mikas.tester import Reply, Tester
 
-__all__ = ["DataReader", "Got", "refused"]
+COMMON = (Datum(0x29, 1), Datum(0x2C, 1), Datum(0x1A, 1), Datum(0x1E, 1))
+"""What most units have (FREQ, FREQX, TWAT, UACC), though nothing promises any of them."""
 
-_TOO_OFTEN = 3
-_NOTHING_ELSE = 10  # times that all a code says is 01, before that counts as its refusal
+_ONE = b"\x01"
+_PROBES = 8  # codes that are tried before 61 itself counts as unknown to the unit
+_PAIR_TRIES = 3  # times that a unit has to refuse a pair before it counts as taking no two
+_TOO_OFTEN = 3  # failures in a row of a list length that worked before
+_AMBIGUOUS = 10  # times that a code answers nothing but 01 before that counts as its refusal
+
+
+@dataclass(frozen=True, slots=True)
+class RawDatum:
+    """One datum and the time when the response with it began."""
+
+    raw: bytes
+    time: float
 
 
 class DataReader:
-    """Reads any number of data, learning how many fit one request and which codes are refused.
+    """Reads any number of data; learns how many fit one request, and which codes are refused.
 
-    Only what was told twice is learnt, so a lost response leaves no trace: a list that got no
-    answer is tried once more after its halves were answered, and a code that has answered before is
-    not taken for an unknown one.
+    Only what showed twice is learnt, so a lost response leaves no trace: a list without a response
+    is tried once more after its halves were answered, and a code that has answered before is not
+    taken for an unknown one. `keep` stores the limits after a change.
     """
 
     def __init__(
-        self, tester: Tester, limits: Callable[[], Limits], learnt: Callable[[], None]
+        self, tester: Tester, limits: Callable[[], Limits], keep: Callable[[], None]
     ) -> None:
         self._limits = limits
-        self._learnt = learnt
-        self._asking = Asking(tester, limits, learnt)
-        self._unclear: Counter[int] = Counter()  # 01 from these codes; nothing tells what it is
-        self._too_long = 0  # how often one that it has answered before was too long, in a row
+        self._keep = keep
+        self._requests = _Requests(tester, limits, keep)
+        self._ambiguous: Counter[int] = Counter()  # answers 01 of these codes: datum or refusal
+        self._too_long = 0  # failures in a row of a list length that the unit has answered before
 
-    def batch(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, Got]:
-        """`wanted`, of distinct codes, in the largest requests that the unit takes.
+    def batch(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, RawDatum]:
+        """Read `wanted`, of distinct codes, in the largest requests that the unit takes.
 
-        A code that the unit refuses is missing from the result, and is not asked for another time
-        unless `again` says so. Raises a `LineError`, a `NoConnection`, or `NotSupported` if the
-        unit does not know 61 at all.
+        A code that the unit refuses is missing from the result, and is not requested another time
+        unless `again` is set. Raises a `LineError`, a `NoConnection`, or `NotSupported` if the unit
+        does not know 61 at all.
         """
         limits = self._limits()
-        asked = self._to_ask(wanted, limits, again=again)
-        return self._parts(asked, limits)
+        return self._read_all(self._not_refused(wanted, limits, again=again), limits)
 
-    def single(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, Got]:
-        """As `batch`, one request a code."""
+    def single(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, RawDatum]:
+        """As `batch`, one request for each code."""
         limits = self._limits()
-        got: dict[int, Got] = {}
-        for datum in self._to_ask(wanted, limits, again=again):
-            got |= self._part([datum], limits)
-        return got
+        found: dict[int, RawDatum] = {}
+        for datum in self._not_refused(wanted, limits, again=again):
+            found |= self._read([datum], limits)
+        return found
 
     def refuses(self, codes: Iterable[int]) -> bool:
-        """Whether the unit refuses every one of them, or all that it ever says is an 01 that may be
-        a refusal.
-        """
+        """Whether the unit refuses every one of `codes`, or answers nothing but ambiguous 01."""
         refused = {*self._limits().refused}
-        for code, times in self._unclear.items():
-            if times >= _NOTHING_ELSE and not self._asking.knows(code):
+        for code, times in self._ambiguous.items():
+            if times >= _AMBIGUOUS and not self._requests.has_answered(code):
                 refused.add(code)
         return refused.issuperset(codes)
 
-    def _to_ask(self, wanted: Sequence[Datum], limits: Limits, *, again: bool) -> list[Datum]:
+    def _not_refused(self, wanted: Sequence[Datum], limits: Limits, *, again: bool) -> list[Datum]:
         if again:
             for datum in wanted:
-                del self._unclear[datum.code]
+                del self._ambiguous[datum.code]
         if again and (known := {d.code for d in wanted}.intersection(limits.refused)):
             limits.refused = [code for code in limits.refused if code not in known]
-            self._learnt()
+            self._keep()
         return [d for d in wanted if d.code not in limits.refused]
 
-    def _parts(self, asked: list[Datum], limits: Limits) -> dict[int, Got]:
-        got: dict[int, Got] = {}
-        while asked:
-            part, asked = asked[: limits.max_list], asked[limits.max_list :]
-            got |= self._part(part, limits)
-        return got
+    def _read_all(self, wanted: list[Datum], limits: Limits) -> dict[int, RawDatum]:
+        found: dict[int, RawDatum] = {}
+        while wanted:
+            part, wanted = wanted[: limits.max_list], wanted[limits.max_list :]
+            found |= self._read(part, limits)
+        return found
 
-    def _half(self, part: list[Datum], limits: Limits) -> dict[int, Got]:
+    def _read_half(self, part: list[Datum], limits: Limits) -> dict[int, RawDatum]:
         if len(part) >= 2 * limits.max_list:
-            return self._parts(part, limits)  # meanwhile it was learnt that this is too long
-        return self._part(part, limits, halved=True)
+            return self._read_all(part, limits)  # the first half has shown that this is too long
+        return self._read(part, limits, halved=True)
 
-    def _part(self, part: list[Datum], limits: Limits, *, halved: bool = False) -> dict[int, Got]:
+    def _read(
+        self, part: list[Datum], limits: Limits, *, halved: bool = False
+    ) -> dict[int, RawDatum]:
         try:
             return self._request(part, halved=halved)
         except (NotSupported, NoResponse, WrongLength) as error:
-            # Silent, short or refused (D11): too many at once, or one that it does not know.
-            if not self._asking.works(part):
-                raise  # no parameter is to blame
+            # Silent, short or refused (D11): too many at once, or a code that it does not know.
+            if not self._requests.answers_any(part):
+                raise  # no single code is the cause
             if len(part) == 1:
                 return self._refuse(part[0], limits, error)
         middle = (len(part) + 1) // 2
-        got = self._half(part[:middle], limits) | self._half(part[middle:], limits)
-        if len(got) == len(part) > 1:  # both halves came whole: was it the length?
+        found = self._read_half(part[:middle], limits) | self._read_half(part[middle:], limits)
+        if len(found) == len(part) > 1:  # both halves came whole: was the length the cause?
             if len(part) <= limits.max_list:
                 try:
                     return self._request(part)
                 except (NotSupported, NoResponse, WrongLength):
                     pass  # yes
                 except LineError:
-                    return got  # no telling this time
+                    return found  # unknown, on such a line
             self._shorten(len(part), limits)
-        return got
+        return found
 
     def _shorten(self, length: int, limits: Limits) -> None:
-        """A list of `length` is too long. One that was taken before has to fail again and again."""
-        asking = self._asking
-        if length <= asking.proven:
+        """A list of `length` is too long; one that worked before has to fail several times."""
+        requests = self._requests
+        if length <= requests.longest_list:
             self._too_long += 1
             if self._too_long < _TOO_OFTEN:
                 return
-            asking.proven = (length + 1) // 2
+            requests.longest_list = (length + 1) // 2
         self._too_long = 0
-        limits.max_list = asking.proven
-        self._learnt()
+        limits.max_list = requests.longest_list
+        self._keep()
 
     def _refuse(
         self, datum: Datum, limits: Limits, error: NotSupported | NoResponse | WrongLength
-    ) -> dict[int, Got]:
-        if isinstance(error, WrongLength) or self._asking.knows(datum.code):
-            raise error  # it knows the parameter: another size than asked, or a bad line
+    ) -> dict[int, RawDatum]:
+        if isinstance(error, WrongLength) or self._requests.has_answered(datum.code):
+            raise error  # it knows the parameter: another size than requested, or a bad line
         if datum.code not in limits.refused:
             limits.refused.append(datum.code)
-            self._learnt()
+            self._keep()
         return {}
 
-    def _request(self, part: list[Datum], *, halved: bool = False) -> dict[int, Got]:
-        got = self._asking.request(part, halved=halved)
-        if len(part) == self._asking.proven:
+    def _request(self, part: list[Datum], *, halved: bool = False) -> dict[int, RawDatum]:
+        found = self._requests.send(part, halved=halved)
+        if len(part) == self._requests.longest_list:
             self._too_long = 0
-        if not got:
-            self._unclear[part[0].code] += 1
-        return got
+        if not found:
+            self._ambiguous[part[0].code] += 1
+        return found
+
+
+class _Requests:
+    """Sends single requests, and remembers what their responses show of this unit."""
+
+    def __init__(
+        self, tester: Tester, limits: Callable[[], Limits], keep: Callable[[], None]
+    ) -> None:
+        self.longest_list = 1
+        """The longest list that this unit has answered."""
+        self._tester = tester
+        self._limits = limits
+        self._keep = keep
+        self._answered: dict[int, Datum] = {}  # codes that are known to have answered with a datum
+        self._ones: set[int] = set()  # those of them whose latest datum was 01
+        self._silent: bool | None = None  # how a unit that takes no two refuses: by silence, or 01
+
+    def has_answered(self, code: int) -> bool:
+        """Whether this code is known to have answered with a datum."""
+        return code in self._answered
+
+    def answers_any(self, wanted: Iterable[Datum]) -> bool:
+        """Whether this unit has given any datum, or gives one now, of `COMMON` or `wanted`."""
+        for datum in islice(dict.fromkeys((*COMMON, *wanted)), _PROBES):
+            if self._answered:
+                break
+            with suppress(EcuRefused, LineError):
+                command = ReadParameters((datum,))
+                data, reply = self._tester.exchange(command, retries=0, trial=True)
+                if data != (_ONE,):
+                    self._record([datum], data, reply)
+        return bool(self._answered)
+
+    def send(self, part: Sequence[Datum], *, halved: bool = False) -> dict[int, RawDatum]:
+        """Request `part` and return its data by code; empty for an ambiguous 01.
+
+        `halved`: it is part of a list without a response. Raises what the tester raises.
+        """
+        lone = part[0] if len(part) == 1 else None
+        if lone and lone.code in self._ones and self.longest_list > 1:
+            return self._send_twice(lone)
+        retries = None
+        if lone and lone.code not in self._answered:
+            retries = max(1, self._tester.retries)
+        elif halved:
+            retries = 0  # its list was silent often enough; others wait while this one is
+        elif len(part) > self.longest_list:
+            retries = 1  # it may be too long: the time for more is better spent on its halves
+        trial = len(part) > self.longest_list or part[0].code not in self._answered
+        data, reply = self._tester.exchange(
+            ReadParameters(tuple(part)), retries=retries, trial=trial
+        )
+        if lone and data == (_ONE,):
+            return self._resolve_one(lone, reply)
+        return self._record(part, data, reply)
+
+    def _send_twice(self, datum: Datum, *, retries: int | None = None) -> dict[int, RawDatum]:
+        pair = (datum, datum)
+        return self._record(pair, *self._tester.exchange(ReadParameters(pair), retries=retries))
+
+    def _record(
+        self, requested: Sequence[Datum], data: Sequence[bytes], reply: Reply
+    ) -> dict[int, RawDatum]:
+        if len(requested) > 1:
+            self._silent = None
+        self.longest_list = max(self.longest_list, len(requested))
+        found = {d.code: RawDatum(raw, reply.began) for d, raw in zip(requested, data, strict=True)}
+        self._answered |= {datum.code: datum for datum in requested}
+        ones = {code for code, each in found.items() if each.raw == _ONE}
+        self._ones = (self._ones - found.keys()) | ones
+        return found
+
+    def _resolve_one(self, datum: Datum, reply: Reply) -> dict[int, RawDatum]:
+        """Find out what 01 to a request for one byte is. Raises `NotSupported` for a refusal."""
+        if self._silent is None:
+            try:
+                return self._send_twice(datum)
+            except WrongLength:
+                return self._record([datum], [_ONE], reply)  # one, and no 01: it has just changed
+            except (NotSupported, NoResponse) as error:
+                if self._accepts_two(datum):
+                    raise
+                self._silent = isinstance(error, NoResponse)
+        # A unit that is silent to what it does not take does not say 01 to that.
+        return self._record([datum], [_ONE], reply) if self._silent else {}
+
+    def _accepts_two(self, wanted: Datum) -> bool:
+        """Whether the unit takes two known codes in a list; learns that it does not."""
+        limits = self._limits()
+        if self.longest_list > 1 or limits.max_list == 1:
+            return self.longest_list > 1
+        if not self.answers_any([wanted]):
+            return True  # there is nothing that it knows
+        known = next(iter(self._answered.values()))
+        for _ in range(_PAIR_TRIES):
+            with suppress(NotSupported, NoResponse, WrongLength):
+                self._send_twice(known, retries=0)
+                return True
+        limits.max_list = 1
+        self._keep()
+        return False
 
 
 def refused(name: str, code: int) -> NotSupported:
-    """The error for a parameter that was asked for by name and that the unit does not know."""
+    """Return the error for a parameter that the user named and the unit does not know."""
     named = Text(f"parameter {name} (61 {code:02X})", f"параметра {name} (61 {code:02X})")
     return NotSupported(command=named, request=bytes([0x61, code]))

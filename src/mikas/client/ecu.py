@@ -16,7 +16,7 @@ from mikas import commands as c
 from mikas.catalog import Catalog, Fault, Model, Parameter
 from mikas.catalog.model import check_interpretation
 from mikas.client.data import DataReader
-from mikas.client.gate import Change, Confirm, Gate, hex_or_none
+from mikas.client.gate import Change, Confirm, Gate, Journal, hex_or_none
 from mikas.client.identity import (
     Info,
     Passport,
@@ -25,9 +25,7 @@ from mikas.client.identity import (
     read_passport,
     try_commands,
 )
-from mikas.client.journal import Journal
-from mikas.client.limits import Limits, LimitsStore, MethodTiming
-from mikas.client.limits_cache import LimitsCache
+from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory.spaces import Memory
 from mikas.client.parameters import Parameters, WrittenParameter
 from mikas.client.polling import (
@@ -75,7 +73,7 @@ class Ecu:
         self.tester = tester
         self.catalog = catalog
         self._passport: Passport | None = None
-        self._learnt = LimitsCache(store, lambda: self.version_code, self.passport)
+        self._limits = LimitsCache(store, lambda: self.version_code, lambda: self.passport().pieces)
         self._gate = Gate(
             confirm=confirm,
             journal=journal,
@@ -83,9 +81,9 @@ class Ecu:
             whose=self._whose,
             ready=tester.check_free,
         )
-        data = DataReader(tester, self._learnt.limits, self._learnt.keep)
+        data = DataReader(tester, self._limits.limits, self._limits.keep)
         self._parameters = Parameters(tester, catalog, self._gate, data, interpretation)
-        self.memory = Memory(tester, self._gate, self._learnt.limits, self._learnt.keep)
+        self.memory = Memory(tester, self._gate, self._limits.limits, self._limits.keep)
 
     @property
     def version_code(self) -> int:
@@ -123,7 +121,7 @@ class Ecu:
                 found = found.filled_from(before)
             self._passport = found
             if before is not None and before != found:
-                self._learnt.another_unit()
+                self._limits.reset()
         return self._passport
 
     def supported(self) -> Iterator[Support]:
@@ -277,15 +275,15 @@ class Ecu:
 
         May ask the unit for its passport, and raises what that raises.
         """
-        return self._learnt.limits().copy()
+        return self._limits.limits().copy()
 
-    def learn_paces(self, adapter: str, paces: Mapping[str, MethodTiming]) -> None:
+    def keep_timings(self, adapter: str, timings: Mapping[str, MethodTiming]) -> None:
         """Keeps how fast each method of sampling is with this kind of adapter."""
-        self._learnt.learn_paces(adapter, paces)
+        self._limits.keep_timings(adapter, timings)
 
     def forget_limits(self) -> None:
         """Forgets all that was learnt of this unit, kept or not: it is found out anew."""
-        self._learnt.forget()
+        self._limits.forget()
 
     def _whose(self) -> dict[str, object]:
         return {"port": self.tester.link.url, "model": self.model.text.en}

@@ -1,21 +1,22 @@
-"""The one gate that every change of an ECU goes through (rule 7 of the house).
+"""The gate that every change of an ECU passes (rule 7 of the architecture), and its journal.
 
-It knows how dangerous a change is, asks whoever was put in charge, keeps the journal, and lets
-changes through one at a time. Reading back is done by whoever makes the change, inside the gate:
-what was read back is part of the outcome that the journal keeps.
+The gate knows how dangerous a change is, asks for confirmation, keeps the journal, and makes one
+change at a time. The function that makes a change also reads back, inside the gate: what was read
+back is part of the outcome in the journal.
 """
 
 from __future__ import annotations
 
+import json
 import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TypeVar
+from pathlib import Path
+from typing import Any, TypeVar
 
-from mikas.client.journal import Journal
 from mikas.commands import Safety
-from mikas.errors import JournalError, MikasError, NotConfirmed
+from mikas.errors import JournalError, MikasError, NotConfirmed, reason_of
 from mikas.i18n import Text
 
 T = TypeVar("T")
@@ -23,7 +24,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What is about to be done. `before` and `after` in hex, complete; None: not known."""
+    """A change before it is made. `before` and `after` in hex, complete; None: not known."""
 
     what: Text
     safety: Safety
@@ -47,11 +48,12 @@ _NO_OUTCOME = Text(
 
 
 class Gate:
-    """Lets changes through.
+    """Confirms, makes and journals changes.
 
     `confirm` is asked for each one; without it everything but the dangerous passes, for a program
-    that calls `write` has decided already. `ready` raises if this is no time for a change: before
-    waiting for another thread's, which may be waiting for this one to end a stream.
+    that calls `write` has decided already. `ready` raises if this thread can make no change now: it
+    is called before the wait for another thread's change, which may itself wait for this thread to
+    end a stream.
     """
 
     def __init__(
@@ -70,8 +72,8 @@ class Gate:
         self._ready = ready
         self._one_at_a_time = threading.RLock()
 
-    def make(self, change: Change, act: Callable[[], T], told: Callable[[T], str | None]) -> T:
-        """Asks, journals, acts, journals the outcome. `told` gives what was read back, in hex.
+    def make(self, change: Change, act: Callable[[], T], read_back: Callable[[T], str | None]) -> T:
+        """Ask, journal, act, and journal the outcome. `read_back` gives what was read, in hex.
 
         Raises `NotConfirmed` or `JournalError` before anything was changed, or what `act` raises; a
         `JournalError` after it says that the change was made.
@@ -83,7 +85,7 @@ class Gate:
             try:
                 outcome = act()
             except MikasError as error:
-                with suppress(JournalError):  # what went wrong on the wire is what is told
+                with suppress(JournalError):  # the error on the wire is the one to raise
                     self._note(change, "failed", str(error))
                 raise
             except BaseException as error:
@@ -91,16 +93,16 @@ class Gate:
                     self._note(change, "interrupted", type(error).__name__)
                 raise
             try:
-                self._note(change, "done", told(outcome))
+                self._note(change, "done", read_back(outcome))
             except JournalError as error:
                 error.advice = _NO_OUTCOME
                 raise
             return outcome
 
     def refuse_unasked(self, what: Text, safety: Safety) -> None:
-        """Raises `NotConfirmed` for a dangerous change if there is nobody to ask.
+        """Raise `NotConfirmed` for a dangerous change if there is no `confirm`.
 
-        `make` does so too; this is for those who first read at length what is there.
+        `make` does so too; this is for callers that first read for long what is there.
         """
         if self._confirm is None and safety >= Safety.DANGEROUS:
             raise NotConfirmed(change=what, how=_NOBODY_ASKED)
@@ -130,5 +132,34 @@ class Gate:
 
 
 def hex_or_none(data: bytes | None) -> str | None:
-    """All of `data`: what the journal keeps is what a change can be undone with."""
+    """All of `data` in hex: a change is undone with what the journal has."""
     return None if data is None else data.hex(" ").upper()
+
+
+class Journal:
+    """A file of changes, a line of JSON each, appended and never rewritten.
+
+    Each change is written twice: before it is made, and afterwards with its outcome. So a change
+    without a known outcome (the cable pulled out, the process killed) is in the file too.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def write(self, entry: dict[str, Any]) -> None:
+        """Append `entry`. Raises `JournalError`; before a change that means: it is not made."""
+        line = json.dumps(entry, ensure_ascii=False) + "\n"
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            # A port's name may hold what is no Unicode; \udc80 is how JSON writes that.
+            with self.path.open("a", encoding="utf-8", errors="backslashreplace") as file:
+                file.write(line)
+        except OSError as error:
+            raise JournalError(file=str(self.path), problem=reason_of(error)) from error
+
+
+def default_journal() -> Path:
+    """The journal in the user's state folder."""
+    from platformdirs import user_state_path
+
+    return user_state_path("mikas", appauthor=False) / "journal.jsonl"

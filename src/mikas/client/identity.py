@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from mikas import commands as c
 from mikas.catalog import Model
-from mikas.client.asking import COMMON
+from mikas.client.data import COMMON
 from mikas.client.limits import Limits
 from mikas.errors import EcuRefused, LineError, NoResponse, NotSupported
 from mikas.tester import Tester

@@ -1,12 +1,15 @@
 """What was learnt about one unit: how long a list and a block it takes (D11), what it lacks (D10),
-and how fast each way of asking it is with each kind of adapter.
+and how fast each sampling method is with each kind of adapter.
 
 Kept in the user's state folder under the unit's passports, so that the next session begins with it.
+`LimitsCache` has the limits of the connected unit: loaded when first needed, saved as they change.
 """
 
 from __future__ import annotations
 
 import json
+import threading
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from hashlib import sha256
@@ -15,9 +18,11 @@ from pathlib import Path
 from typing import Any
 
 from mikas.commands import LARGEST_BLOCK
+from mikas.errors import LineError, NoConnection
 
 STARTING_LIST = 64  # far over the 21 codes of §4, and a request of 66 bytes is still only 70 ms
 
+_ADAPTERS = 8  # kinds of adapter whose timings are kept for a unit: the latest
 # What reading a file can raise that holds anything but limits.
 _NO_LIMITS = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError)
 
@@ -71,13 +76,13 @@ class LimitsStore:
 
     @property
     def empty(self) -> bool:
-        """Whether nothing was ever learnt: then there is no need to ask a unit for its passport."""
+        """Whether nothing was ever saved: then no unit has to be asked for its passport."""
         with suppress(OSError):
             return not any(self.folder.glob("*.json"))
         return True
 
     def load(self, version_code: int, passports: tuple[str, ...]) -> Limits:
-        """What was learnt of this unit; a file that can't be read counts as nothing learnt."""
+        """Load what was learnt of this unit; a file that can't be read counts as nothing learnt."""
         with suppress(OSError, *_NO_LIMITS):
             stored = json.loads(self._file(version_code, passports).read_text("utf-8"))
             limits = Limits(
@@ -97,10 +102,10 @@ class LimitsStore:
         return Limits()
 
     def save(self, version_code: int, passports: tuple[str, ...], limits: Limits) -> None:
-        """Keeps `limits`; that this fails costs only the next session's time, so it is not told.
+        """Save `limits`. A failure costs only time in the next session, so it is not reported.
 
-        Units with no word in their passports can't be told apart. Of them only paces are kept,
-        which are held against what the first cycles show.
+        Units with empty passports can't be distinguished. Of them only timings are saved, which
+        the first cycles of a session check.
         """
         if not any(passports):
             limits = Limits(methods=_working(limits.methods))
@@ -114,7 +119,7 @@ class LimitsStore:
             fresh.replace(kept)
 
     def forget(self, version_code: int, passports: tuple[str, ...]) -> None:
-        """Nothing is known of this unit any more; a file that can't be removed stays in force."""
+        """Delete what was learnt of this unit; a file that can't be deleted stays in force."""
         with suppress(OSError):
             self._file(version_code, passports).unlink(missing_ok=True)
 
@@ -123,8 +128,68 @@ class LimitsStore:
         return self.folder / f"{sha256(named.encode()).hexdigest()[:16]}.json"
 
 
+class LimitsCache:
+    """The limits in force. `store`: where those of every unit are kept, by version and passport.
+
+    `passport`: reads the unit's passport; called only if there is anything to load or to save.
+    """
+
+    def __init__(
+        self,
+        store: LimitsStore | None,
+        version_code: Callable[[], int],
+        passport: Callable[[], tuple[str, ...]],
+    ) -> None:
+        self._store = store
+        self._version_code = version_code
+        self._passport = passport
+        self._lock = threading.RLock()
+        self._limits: Limits | None = None
+
+    def limits(self) -> Limits:
+        """Return the limits, which the caller may change. May ask the unit for its passport, and
+        raises what that raises.
+        """
+        with self._lock:
+            if self._limits is None:
+                if self._store is None or self._store.empty:
+                    self._limits = Limits()
+                else:
+                    self._limits = self._store.load(self._version_code(), self._passport())
+            return self._limits
+
+    def keep(self) -> None:
+        """Save the limits for the next session."""
+        if self._store is not None and self._limits is not None:
+            # What was read is valid, even if the unit's passport can't be read now.
+            with self._lock, suppress(LineError, NoConnection):
+                self._store.save(self._version_code(), self._passport(), self._limits)
+
+    def keep_timings(self, adapter: str, timings: Mapping[str, MethodTiming]) -> None:
+        """Replace what is known of this kind of adapter, and save it."""
+        with self._lock:
+            kinds = self.limits().methods
+            kinds.pop(adapter, None)
+            while len(kinds) >= _ADAPTERS:
+                del kinds[next(iter(kinds))]
+            kinds[adapter] = dict(timings)
+            self.keep()
+
+    def forget(self) -> None:
+        """Forget all limits of this unit, the saved ones too."""
+        with self._lock:
+            self._limits = Limits()
+            if self._store is not None:
+                self._store.forget(self._version_code(), self._passport())
+
+    def reset(self) -> None:
+        """Forget which limits are in force: another unit is connected."""
+        with self._lock:
+            self._limits = None
+
+
 def _working(methods: dict[str, dict[str, MethodTiming]]) -> dict[str, dict[str, MethodTiming]]:
-    """Without those that a unit does not take: another one may."""
+    """Leave out the methods that a unit does not take: another unit may take them."""
     return {
         adapter: {method: pace for method, pace in paces.items() if pace.delay is not None}
         for adapter, paces in methods.items()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from mikas import commands as c
 from mikas.catalog import Catalog, Parameter
-from mikas.client.data import DataReader, Got, refused
+from mikas.client.data import DataReader, RawDatum, refused
 from mikas.client.gate import Change, Gate, hex_or_none
 from mikas.client.reading import Reading, decode
 from mikas.errors import (
@@ -87,7 +87,7 @@ class Parameters:
 
     def fetch(
         self, wanted: Sequence[Parameter], method: str = "batch", *, again: bool = False
-    ) -> dict[int, Got]:
+    ) -> dict[int, RawDatum]:
         """The data of `wanted` by code, every code asked once.
 
         `again`: also those that the unit has refused before. Raises as `DataReader.batch` does.
@@ -99,7 +99,7 @@ class Parameters:
         """Whether the unit is known to refuse every one of them."""
         return self._data.refuses(p.code for p in wanted)
 
-    def readings(self, wanted: Sequence[Parameter], got: dict[int, Got]) -> dict[str, Reading]:
+    def readings(self, wanted: Sequence[Parameter], got: dict[int, RawDatum]) -> dict[str, Reading]:
         """What `got` means for each of `wanted` that it has."""
         return {
             p.name: decode(p, got[p.code].raw, got[p.code].time, self._interpretation)
@@ -174,7 +174,7 @@ class Parameters:
             except (NoConnection, NoResponse, NotSupported, WrongLength):
                 self.forget_list()
                 raise
-            got = {d.code: Got(raw, reply.began) for d, raw in zip(data, values, strict=True)}
+            got = {d.code: RawDatum(raw, reply.began) for d, raw in zip(data, values, strict=True)}
             return self.readings(self._listed, got)
 
     def through_list(self, wanted: tuple[Parameter, ...]) -> dict[str, Reading]:
@@ -207,7 +207,7 @@ class Parameters:
     def of_item(self, wanted: Sequence[Parameter], item: StreamItem) -> dict[str, Reading]:
         """The readings of one streamed response."""
         data = distinct(wanted)
-        got = {d.code: Got(raw, item.time) for d, raw in zip(data, item.data, strict=True)}
+        got = {d.code: RawDatum(raw, item.time) for d, raw in zip(data, item.data, strict=True)}
         return self.readings(wanted, got)
 
     # Writing, 62

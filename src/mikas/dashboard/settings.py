@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mikas.client import journal as journals
+from mikas.client import gate
 from mikas.client.connecting import ConnectionOptions
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Language, Text
@@ -21,7 +21,7 @@ _ELSEWHERE = Text(
 
 
 def _state_folder() -> Path:
-    return journals.default_path().parent
+    return gate.default_journal().parent
 
 
 def default_recordings() -> Path:

@@ -97,7 +97,7 @@ class MethodKnowledge:
     def save(self) -> None:
         """For the next context."""
         if self._ecu is not None and self._kind:
-            self._ecu.learn_paces(self._kind, self._known)
+            self._ecu.keep_timings(self._kind, self._known)
 
     def rates(self, plan: Plan, baud: int) -> dict[FixedMethod, float]:
         """Cycles a second of every candidate that is known for such a plan."""

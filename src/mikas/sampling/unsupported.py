@@ -11,8 +11,7 @@ from collections.abc import Collection, Generator, Iterator
 from enum import Enum
 
 from mikas.client import Ecu
-from mikas.client.asking import COMMON
-from mikas.client.data import refused
+from mikas.client.data import COMMON, refused
 from mikas.client.ecu import poller_of
 from mikas.commands import Datum, ReadParameters
 from mikas.errors import (
