@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import runpy
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+
+import mikas
+from mikas.link import urls
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 EXPECTED = {
@@ -17,6 +21,7 @@ EXPECTED = {
     "async_watch.py": "FREQ 840 rpm",
     "own_catalog/read_own.py": "TWAT 86 °C danger above 105",
 }
+LINK = "own_link/mikas_trace.py"  # a package, which is installed
 
 
 @pytest.fixture
@@ -37,7 +42,7 @@ def run(tmp_path, monkeypatch, capsys):
 
 def test_every_example_is_run():
     scripts = {path.relative_to(EXAMPLES).as_posix() for path in EXAMPLES.rglob("*.py")}
-    assert scripts == set(EXPECTED)
+    assert scripts == {*EXPECTED, LINK}
 
 
 @pytest.mark.parametrize("name", EXPECTED)
@@ -45,12 +50,12 @@ def test_it_runs(run, name):
     assert EXPECTED[name] in run(name)
 
 
-@pytest.mark.parametrize("name", EXPECTED)
+@pytest.mark.parametrize("name", [*EXPECTED, LINK])
 def test_it_is_short(name):
     assert 10 <= len((EXAMPLES / name).read_text("utf-8").splitlines()) <= 40
 
 
-@pytest.mark.parametrize("name", EXPECTED)
+@pytest.mark.parametrize("name", [*EXPECTED, LINK])
 def test_the_guide_names_it(name):
     guide = (EXAMPLES / "README.md").read_text("utf-8")
     assert f"]({name})" in guide or f"]({Path(name).parent}/)" in guide
@@ -67,3 +72,30 @@ def test_what_was_logged_is_drawn(run, tmp_path):
 def test_what_is_not_confirmed_is_not_erased(run, monkeypatch):
     monkeypatch.setattr("builtins.input", lambda _: "")
     assert "nothing was changed" in run("erase_faults.py")
+
+
+@pytest.fixture
+def installed_link(tmp_path, monkeypatch):
+    """The package of the example, as `pip install` would register it."""
+    project = tomllib.loads((EXAMPLES / "own_link/pyproject.toml").read_text("utf-8"))["project"]
+    metadata = tmp_path / "mikas_trace-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text(f"Name: {project['name']}\nVersion: {project['version']}\n")
+    entries = project["entry-points"]["mikas.links"].items()
+    lines = ["[mikas.links]", *(f"{name} = {place}" for name, place in entries)]
+    (metadata / "entry_points.txt").write_text("\n".join(lines))
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.syspath_prepend(EXAMPLES / "own_link")
+    urls._registered.cache_clear()
+    yield
+    urls._registered.cache_clear()
+    sys.modules.pop("mikas_trace", None)
+
+
+@pytest.mark.usefixtures("installed_link")
+def test_a_link_of_another_package_is_found_by_its_scheme(capsys, tmp_path):
+    with mikas.connect("trace:sim:?clock=simulated", state=tmp_path / "units") as ecu:
+        assert ecu.read("TWAT")["TWAT"].value == 86
+    printed = capsys.readouterr().err
+    assert " > 61 1a 85 0d\n" in printed
+    assert " < 7e\n" in printed  # 126 − 40 °C
