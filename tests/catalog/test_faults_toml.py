@@ -72,11 +72,11 @@ def test_195_is_the_one_of_its_three_that_has_a_source() -> None:
 
 def test_some_texts() -> None:
     assert shipped().fault(17).text == Text(
-        "Air temperature signal low (short)",
-        "Низкий уровень датчика температуры воздуха (замыкание)",
+        "Air temperature signal low (short to ground)",
+        "Низкий уровень сигнала датчика температуры воздуха, ДТВ (замыкание на массу)",
     )
     assert shipped().fault(83).text.en == "Knock retard at its limit, cylinder 3"
-    assert shipped().fault(64).text.ru == "Чтение энергонезависимой памяти блока"
+    assert shipped().fault(64).text.ru == "Ошибка чтения энергонезависимой памяти блока"
     assert "Injector 4" in shipped().fault(142).text.en
 
 

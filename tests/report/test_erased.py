@@ -43,9 +43,9 @@ def test_a_report_right_after_erasing_is_not_green() -> None:
         assert code in told.ru
     assert "not known yet" in told.en
     page = render(it, "ru")
-    assert "Стёрты в " in page
+    assert "Сброшены в " in page
     assert shipped().fault(53).text.ru in page
-    assert "прочитайте ошибки снова" in page
+    assert "считайте ошибки снова" in page
     assert "read the faults again" in render(it, "en")
 
 

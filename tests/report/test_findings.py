@@ -37,7 +37,7 @@ def test_a_sound_engine() -> None:
     assert findings.outcome is Outcome.GOOD
     assert findings.off == ()
     assert sentence(findings).en == (
-        "No faults are stored; all 8 values that can be judged are in their bands at warm idle."
+        "No faults are stored; all 8 values that can be rated are normal at warm idle."
     )
     assert sentence(findings).ru == (
         "Ошибок в памяти блока нет; все значения, которые можно оценить (8), на прогретом "
@@ -83,8 +83,8 @@ def test_what_is_off_is_in_the_sentence() -> None:
     findings = found(rows(JAIR=11.2, UACC=12.9), faults=(13,))
     assert findings.outcome is Outcome.ATTENTION
     assert sentence(findings).en == (
-        "1 fault is stored: 13; at warm idle 2 of the 8 values that can be judged are outside the "
-        "usual band: battery voltage (low), air flow (low)."
+        "1 fault is stored: 13; at warm idle 2 of the 8 values that can be rated are outside the "
+        "normal range: battery voltage (low), air flow (low)."
     )
     assert sentence(findings).ru == (
         "В памяти блока 1 ошибка: 13; на прогретом холостом ходу вне нормы 2 значения из 8: "
@@ -98,12 +98,12 @@ def test_a_throttle_that_was_asked_for_a_part_of_the_time_only() -> None:
         return np.where(times < 20, 0.0, np.nan)
 
     findings = found(rows(THR=part, RXX=None))
-    assert "For 37 s of 1 min the throttle position (THR) was not asked" in of_idle(findings).en
-    assert "37 с из 1 мин не измерялось: положение дроссельной" in of_idle(findings).ru
+    assert "For 37 s of 1 min the throttle position (THR) was not read" in of_idle(findings).en
+    assert "37 с из 1 мин не опрашивалось: положение дроссельной" in of_idle(findings).ru
     all_texts(findings)
     findings = found(rows(THR=part))
     assert "was not asked, and" not in of_idle(findings).en
-    assert "the unit's own sign of idle" in of_idle(findings).en
+    assert "the unit's idle flag" in of_idle(findings).en
     all_texts(findings)
 
 
@@ -122,7 +122,7 @@ def test_nothing_is_judged_that_was_not_at_warm_idle() -> None:
     assert not findings.at_idle
     assert findings.outcome is Outcome.OPEN
     assert sentence(findings).en == (
-        "No faults are stored; the engine was not seen at warm idle, so no value is judged."
+        "No faults are stored; there was no warm idle, so no value is rated."
     )
     assert "coolant temperature was 45 °C" in of_idle(findings).en
     assert "температура охлаждающей жидкости — 45 °C" in of_idle(findings).ru
@@ -145,8 +145,8 @@ def test_only_values_at_warm_idle_count() -> None:
 def test_too_little_warm_idle() -> None:
     findings = found(rows(SETTLING + ENOUGH - 2))
     assert findings.judged == ()
-    assert "There were only 8 s of it; 10 s are needed" in of_idle(findings).en
-    assert "Его было только 8 с" in of_idle(findings).ru
+    assert "Only 8 s found; 10 s are needed" in of_idle(findings).en
+    assert "Найдено только 8 с" in of_idle(findings).ru
 
 
 def test_too_few_values_of_one_parameter() -> None:
@@ -161,7 +161,10 @@ def test_too_few_values_of_one_parameter() -> None:
 def test_without_what_tells_warm_idle() -> None:
     findings = found(rows(THR=None, RXX=None))
     assert findings.judged == ()
-    assert "Not recorded, so it can't be told: throttle at 5 % or less" in of_idle(findings).en
+    assert (
+        "Can't be determined, as this was not recorded: throttle at 5 % or less"
+        in of_idle(findings).en
+    )
     assert "Not measured: throttle position." in all_texts(findings)
 
 
@@ -169,14 +172,14 @@ def test_no_values_at_all() -> None:
     findings = found(rows(0), faults=None)
     assert findings.outcome is Outcome.OPEN
     texts = all_texts(findings)
-    assert "there is none in the data" in texts
+    assert "the data contain none" in texts
     assert "faults were not read" in texts.lower()
 
 
 @pytest.mark.parametrize(
     ("faults", "en", "ru"),
     [
-        (None, "The stored faults were not read;", "Память ошибок не прочитана;"),
+        (None, "The stored faults were not read;", "Ошибки не считывались;"),
         ((), "No faults are stored;", "Ошибок в памяти блока нет;"),
         ((12,), "No faults are stored;", "Ошибок в памяти блока нет;"),
         ((12, 53), "1 fault is stored: 53;", "В памяти блока 1 ошибка: 53;"),
@@ -206,9 +209,9 @@ def test_a_fault_and_its_values_know_of_each_other() -> None:
 
 def test_what_the_file_could_not_tell() -> None:
     texts = all_texts(found(faults=(99,), sessions=3, damaged=1))
-    assert "The file holds 3 sessions; this report is of the last one." in texts
+    assert "The file holds 3 sessions; this report covers the last one." in texts
     assert "1 damaged place of the file" in texts
-    assert "fault numbers without a text" in texts
+    assert "the unknown fault numbers" in texts
     assert "damaged" not in all_texts(found())
 
 
@@ -220,6 +223,6 @@ def test_a_unit_that_tells_no_passport_and_one_that_was_not_asked() -> None:
     findings = found()
     silent = UnitIdentity(shipped().model(9), (None, None, None), (None,) * 5)
     told = unknowns(replace(findings, subject=replace(findings.subject, unit=silent)))
-    assert told[0].en == "The unit's passports: it does not tell them."
+    assert told[0].en == "The unit's passports: it does not report them."
     told = unknowns(replace(findings, subject=replace(findings.subject, unit=None)))
-    assert "not asked who it is" in told[0].en
+    assert "it was not identified" in told[0].en

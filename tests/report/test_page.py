@@ -142,7 +142,7 @@ def test_russian_is_russian() -> None:
 def test_what_it_says() -> None:
     said = Parsed(page.render(every_kind(), "en")).said
     for part in (
-        "Something needs attention",
+        "Attention needed",
         "3 faults are stored: 13, 53, 99;",
         "Mikas 7.1",
         "МИКАС 7.1 · 241.3763",
@@ -150,15 +150,15 @@ def test_what_it_says() -> None:
         "Air mass signal low",
         "Check: Connector and wiring of the air mass meter",
         "the text is from one source · measured: Air flow 11.0\N{NO-BREAK SPACE}kg/h",
-        "text unconfirmed: commonly printed, no source seen",
-        "a number that our catalog does not have",
+        "text unconfirmed: commonly printed, no source known",
+        "unknown fault number",
         "a message, not a fault; the text is confirmed by two sources",
         "Air flow JAIR 11.0\N{NO-BREAK SPACE}kg/h 11.0 13 … 16 low 0\N{NO-BREAK SPACE}% of the",
-        "A stored fault (13) concerns it",
+        "Stored fault 13 concerns this value",
         "a stream from the unit (71)",
         "CH340 · /dev/ttyUSB0",
         "5: 0:10–0:15 (no echo); 0:20–…; 0:10–0:15 (no echo); 2 more",
-        "600, 10.0 a second",
+        "600, 10.0 readings/s",
         "The file holds 2 sessions",
         shipped().version,
     ):

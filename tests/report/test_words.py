@@ -79,4 +79,4 @@ def test_every_label_speaks_both_languages() -> None:
     english, russian = Labels("en"), Labels("ru")
     for name in NAMES - {"date"}:
         assert english(name) != russian(name), name
-    assert russian("sample_rate", count=3, rate="1,5") == "3, 1,5 в секунду"
+    assert russian("sample_rate", count=3, rate="1,5") == "3, 1,5 опр/с"

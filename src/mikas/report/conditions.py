@@ -19,12 +19,16 @@ from mikas.report.summary import of_idle
 from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS
 
 _METHODS: Final = {
-    "single": Text("one request a parameter (61)", "запрос на каждый параметр (61)"),
-    "batch": Text("many parameters a request (61)", "много параметров одним запросом (61)"),
+    "single": Text("one request per parameter (61)", "запрос на каждый параметр (61)"),
+    "batch": Text(
+        "several parameters per request (61)", "несколько параметров одним запросом (61)"
+    ),
     "list": Text("a list in the unit (64, 63)", "список в блоке (64, 63)"),
     "stream": Text("a stream from the unit (71)", "поток от блока (71)"),
 }
-_STROKE: Final = Text("a response each engine cycle (7F–83)", "ответ на каждый цикл (7F–83)")
+_STROKE: Final = Text(
+    "a response every engine cycle (7F–83)", "ответ на каждый рабочий цикл (7F–83)"
+)
 _MOST_PAUSES: Final = 3
 _BEHIND: Final = re.compile(
     r" \((?:sent|received|послано|принято|не принято) |\.(?:\s|$)"

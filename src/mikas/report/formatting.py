@@ -98,13 +98,13 @@ def duration(seconds: float) -> Text:
 
 SURE = {
     Confidence.CONFIRMED: Text(
-        "the text is confirmed by two sources", "текст подтверждён двумя источниками"
+        "the text is confirmed by two sources", "расшифровка подтверждена двумя источниками"
     ),
-    Confidence.REPORTED: Text("the text is from one source", "текст из одного источника"),
+    Confidence.REPORTED: Text("the text is from one source", "расшифровка из одного источника"),
     Confidence.UNCONFIRMED: Text(
-        "text unconfirmed: commonly printed, no source seen",
-        "текст не подтверждён: так пишут, источника не видели",
+        "text unconfirmed: commonly printed, no source known",
+        "расшифровка не подтверждена: распространена, но источник неизвестен",
     ),
-    Confidence.UNKNOWN: Text("the number is not in the catalog", "такого номера в каталоге нет"),
+    Confidence.UNKNOWN: Text("unknown fault number", "неизвестный номер ошибки"),
 }
 """How well a fault's text is known, in plain words."""

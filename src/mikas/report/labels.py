@@ -1,4 +1,4 @@
-"""The fixed words of the page, by name."""
+"""The fixed texts of the page, by name."""
 
 from __future__ import annotations
 
@@ -12,59 +12,58 @@ _LABELS: Final = {
     "model": Text("Model", "Модель"),
     "program": Text("Program", "Программа"),
     "data": Text("Calibration", "Калибровка"),
-    "not_told": Text("the unit does not tell", "блок не сообщает"),
-    "not_asked": Text("not asked", "не спрашивали"),
+    "not_told": Text("not reported by the unit", "блок не сообщает"),
+    "not_asked": Text("not read", "не считывалось"),
     "of_recording": Text("From the recording", "По записи"),
-    "live": Text("measured live", "измерено на связи с блоком"),
+    "live": Text("measured live", "измерено на подключённой машине"),
     "faults": Text("Stored faults", "Ошибки в памяти блока"),
     "faults_none": Text("No faults are stored.", "Ошибок нет."),
-    "faults_unread": Text("They were not read in this session.", "В этом сеансе их не читали."),
-    "faults_read": Text("Read {when}.", "Прочитаны {when}."),
-    "erased": Text("Erased {when}:", "Стёрты {when}:"),
+    "faults_unread": Text("Not read in this session.", "В этом сеансе не считывались."),
+    "faults_read": Text("Read {when}.", "Считаны {when}."),
+    "erased": Text("Erased {when}:", "Сброшены {when}:"),
     "gone": Text(
-        "Stored before, and no longer {when} (nobody was seen to erase them):",
-        "Были в памяти, а {when} их уже нет (как их стирали, не видно):",
+        "Stored before, no longer stored {when} (no erase command was recorded):",
+        "Были в памяти, {when} их уже нет (команды сброса в записи нет):",
     ),
     "drive_again": Text(
-        "Drive as usual, then read the faults again: one that comes back still has its cause.",
-        "Поездите как обычно и прочитайте ошибки снова: если ошибка вернулась, причина осталась.",
+        "Drive as usual, then read the faults again: a fault that comes back still has its cause.",
+        "Поездите как обычно и считайте ошибки снова: если ошибка вернулась, причина не устранена.",
     ),
     "check": Text("Check:", "Проверить:"),
-    "no_text": Text("a number that our catalog does not have", "такого номера в каталоге нет"),
-    "message": Text("a message, not a fault", "сообщение, не неисправность"),
+    "no_text": Text("unknown fault number", "неизвестный номер ошибки"),
+    "message": Text("a message, not a fault", "сообщение, не ошибка"),
     "measured": Text("measured", "измерено"),
     "values": Text("Values at warm idle", "Значения на прогретом холостом ходу"),
     "value": Text("Value", "Параметр"),
     "median": Text("Median", "Медиана"),
     "spread": Text("90 % within", "90 % в пределах"),
-    "band": Text("Usual", "Норма"),
-    "mark": Text("Mark", "Оценка"),
+    "band": Text("Normal", "Норма"),
+    "mark": Text("Rating", "Оценка"),
     "within_band": Text("{share} of the time", "{share} времени"),
     "fault_bears": Text(
-        "A stored fault ({codes}) concerns it: the unit may work with a substitute.",
-        "К нему относится ошибка ({codes}): блок может подставлять своё число.",
+        "Stored fault {codes} concerns this value: the unit may use a substitute value.",
+        "К этому параметру относится ошибка {codes}: блок может подставлять расчётное значение.",
     ),
     "others_idle": Text(
-        "Measured at warm idle as well; no band is known, so not judged",
-        "Также измерено на прогретом холостом ходу; нормы неизвестны, поэтому без оценки",
+        "Also measured at warm idle; not rated, as no normal range is known",
+        "Также измерено на прогретом холостом ходу; без оценки: нормы неизвестны",
     ),
     "others_whole": Text(
-        "Over the whole time; not judged, since the engine was not seen at warm idle",
-        "За всё время; без оценки, так как прогретого холостого хода не было",
+        "Over the whole time; not rated, as there was no warm idle",
+        "За всё время; без оценки: прогретого холостого хода не было",
     ),
     "set_share": Text("on for {share} of the time", "вкл. {share} времени"),
-    "charts": Text("Course", "Ход измерения"),
+    "charts": Text("Charts", "Графики"),
     "legend": Text(
-        "Shaded: the usual band at warm idle. Bar at the bottom: warm idle. Grey field: nothing "
-        "came.",
+        "Shaded: normal range at warm idle. Bar at the bottom: warm idle. Grey: no data.",
         "Полоса: норма на прогретом холостом ходу. Черта внизу: прогретый холостой ход. Серое "
-        "поле: данных не было.",
+        "поле: нет данных.",
     ),
     "how": Text("How it was measured", "Как измерено"),
     "length": Text("Length", "Длительность"),
     "samples": Text("Samples", "Отсчёты"),
-    "sample_rate": Text("{count}, {rate} a second", "{count}, {rate} в секунду"),
-    "method": Text("Method", "Способ"),
+    "sample_rate": Text("{count}, {rate} readings/s", "{count}, {rate} опр/с"),
+    "method": Text("Method", "Способ опроса"),
     "adapter": Text("Adapter", "Адаптер"),
     "echo": Text("Echo", "Эхо"),
     "yes": Text("yes", "есть"),
@@ -72,9 +71,9 @@ _LABELS: Final = {
     "gaps": Text("Gaps", "Пропуски"),
     "gaps_none": Text("none", "нет"),
     "errors": Text("Line errors", "Ошибки линии"),
-    "catalog": Text("Definitions", "Определения"),
+    "catalog": Text("Catalog", "Каталог параметров"),
     "idle": Text("Warm idle", "Прогретый холостой ход"),
-    "unknown": Text("What could not be known", "Чего узнать не удалось"),
+    "unknown": Text("What remains unknown", "Чего узнать не удалось"),
     "made_by": Text("Made by {program}", "Создано программой {program}"),
     "date": Text("%d.%m.%Y %H:%M", "%d.%m.%Y %H:%M"),
     "no_date": Text("date unknown", "дата неизвестна"),
@@ -83,7 +82,7 @@ NAMES: Final = frozenset(_LABELS)
 
 
 class Labels:
-    """The words in one language, filled in: `labels("gaps")`, `labels("sample_rate", count=3)`."""
+    """The texts in one language: `labels("gaps")`, `labels("sample_rate", count=3)`."""
 
     def __init__(self, language: Language) -> None:
         self._language = language

@@ -1,4 +1,4 @@
-"""What could not be known: the other half of an honest report."""
+"""What remains unknown: the limits of the report."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mikas.report.warm_idle import COOLANT
 
 
 def unknowns(found: Findings) -> tuple[Text, ...]:
-    """One sentence each, the weightiest first."""
+    """Return one sentence each, the most important first."""
     return tuple(
         text
         for group in (_of_the_unit, _of_the_judging, _of_the_data, _of_the_car)
@@ -24,29 +24,29 @@ def _of_the_unit(found: Findings) -> Iterator[Text]:
     unit = found.subject.unit
     if unit is None:
         yield Text(
-            "Which unit this was: it was not asked who it is.",
-            "Что это за блок: его об этом не спрашивали.",
+            "The model of the unit: it was not identified.",
+            "Модель блока: она не запрашивалась.",
         )
     elif not any((*unit.program, *unit.data)):
         yield Text(
-            "The unit's passports: it does not tell them.",
+            "The unit's passports: it does not report them.",
             "Паспорта блока: он их не сообщает.",
         )
     if found.faults is None:
         yield Text(
             "Which faults are stored: they were not read in this session.",
-            "Какие ошибки в памяти: в этом сеансе их не читали.",
+            "Какие ошибки в памяти: в этом сеансе они не считывались.",
         )
     elif not found.real_faults and not found.gone:
         yield Text(
-            "Whether there were faults before: the unit is said (by one source) to keep them for "
-            "about two hours, and loses them when the battery is taken off.",
+            "Whether there were faults before: according to one source the unit keeps them for "
+            "about two hours and loses them when the battery is disconnected.",
             "Были ли ошибки раньше: по одному источнику, блок хранит их около двух часов и "
-            "забывает, если снять аккумулятор.",
+            "теряет при отключении аккумулятора.",
         )
     if any(each.fault.confidence is Confidence.UNKNOWN for each in found.faults or ()):
         yield Text(
-            "What the fault numbers without a text mean.", "Что значат номера ошибок без текста."
+            "The meaning of the unknown fault numbers.", "Значение неизвестных номеров ошибок."
         )
 
 
@@ -54,18 +54,18 @@ def _of_the_judging(found: Findings) -> Iterator[Text]:
     judged = [value.channel for value in found.judged if isinstance(value.channel, Parameter)]
     if any(each.reference_confidence is Confidence.UNCONFIRMED for each in judged):
         yield Text(
-            "How exact the bands are: they are what is commonly printed for a sound ZMZ-406 at "
-            "warm idle; no source was seen. A value outside is a reason to look, not a proof.",
-            "Насколько точны нормы: это то, что обычно пишут об исправном ЗМЗ-406 на прогретом "
-            "холостом ходу; источника мы не видели. Значение вне нормы — повод проверить, а не "
-            "доказательство.",
+            "How exact the normal ranges are: they are commonly printed ones for a good ZMZ-406 at "
+            "warm idle, without a known source. A value outside is a reason to check, not a "
+            "proof.",
+            "Насколько точны нормы: это распространённые данные для исправного ЗМЗ-406 на "
+            "прогретом холостом ходу, первоисточник неизвестен. Значение вне нормы — повод "
+            "проверить, а не доказательство.",
         )
     if found.off or found.real_faults:
         yield Text(
-            "The cause: what to check is general knowledge of such engines, put in the order of "
-            "what is easy to look at.",
-            "Причина: советы, что проверить, — общее знание таких двигателей, начиная с того, "
-            "что легко осмотреть.",
+            "The cause: the checks are general knowledge of such engines, the easiest first.",
+            "Причина: рекомендации по проверке — общие для таких двигателей, начиная с самых "
+            "простых.",
         )
     doubtful = [
         value
@@ -76,9 +76,9 @@ def _of_the_judging(found: Findings) -> Iterator[Text]:
         codes = ", ".join(map(str, doubtful[0].faults))
         yield Text(
             f"Whether the engine was warm: fault {codes} concerns the coolant temperature, and "
-            "then the unit may work with a substitute for it.",
+            "the unit may use a substitute value for it.",
             f"Был ли двигатель прогрет: ошибка {codes} касается температуры охлаждающей жидкости, "
-            "и вместо неё блок может подставлять своё число.",
+            "и блок может подставлять вместо неё расчётное значение.",
         )
 
 
@@ -93,18 +93,17 @@ def _of_the_data(found: Findings) -> Iterator[Text]:
                 f"Не измерено: {', '.join(within(p.text).ru for p in absent)}.",
             )
     else:
-        yield Text("Any value: there is none in the data.", "Значения: в данных нет ни одного.")
+        yield Text("All values: the data contain none.", "Значения: в данных нет ни одного.")
     if doubted := [c.name for c in measured.channels if getattr(c, "errata", ())]:
         names = ", ".join(doubted)
         yield Text(
-            f"{names}: the protocol's source is doubtful here; the reading that makes sense is "
-            "taken.",
-            f"{names}: источник протокола здесь сомнителен; взято толкование, в котором есть "
-            "смысл.",
+            f"{names}: the protocol's source is doubtful here; the plausible interpretation is "
+            "used.",
+            f"{names}: описание протокола здесь сомнительно; принято правдоподобное толкование.",
         )
     if how.sessions > 1:
         yield Text(
-            f"The file holds {how.sessions} sessions; this report is of the last one.",
+            f"The file holds {how.sessions} sessions; this report covers the last one.",
             f"В файле несколько сеансов ({how.sessions}); отчёт — о последнем.",
         )
     if how.damaged:
@@ -113,20 +112,20 @@ def _of_the_data(found: Findings) -> Iterator[Text]:
             ("повреждённое место", "повреждённых места", "повреждённых мест"),
         )  # fmt: skip
         yield Text(
-            f"What stood in {places.en} of the file; all that can be read was used.",
-            f"Что было в файле там, где он повреждён ({places.ru}); всё, что читается, учтено.",
+            f"The data in {places.en} of the file; all readable data were used.",
+            f"Данные в повреждённой части файла ({places.ru}); всё остальное учтено.",
         )
 
 
 def _of_the_car(found: Findings) -> Iterator[Text]:
     if found.at_idle:
         yield Text(
-            "Whether the car stood: the unit sends no speed, so that rolling in neutral looks like "
-            "idle.",
-            "Стояла ли машина: скорость блок не передаёт, и накат на нейтрали выглядит как "
-            "холостой ход.",
+            "Whether the car stood still: the unit sends no vehicle speed, so coasting in neutral "
+            "looks like idle.",
+            "Стояла ли машина: скорость блок не передаёт, и движение накатом на нейтрали "
+            "выглядит как холостой ход.",
         )
     yield Text(
-        "What the unit does not measure: compression, fuel pressure, the spark, the exhaust.",
+        "Quantities that the unit does not measure: compression, fuel pressure, spark, exhaust.",
         "То, чего блок не измеряет: компрессия, давление топлива, искра, состав выхлопа.",
     )

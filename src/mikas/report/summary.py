@@ -1,4 +1,4 @@
-"""What it all comes to, in a sentence; and how warm idle was found, or why it was not."""
+"""The summary in one sentence, and a description of how warm idle was found or why not."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from mikas.report.formatting import duration, moment, number, within
 from mikas.report.warm_idle import ENOUGH, SETTLING, RuleResult, WarmIdle
 
 HEADLINES = {
-    Outcome.GOOD: Text("Nothing wrong was found", "Отклонений не найдено"),
-    Outcome.ATTENTION: Text("Something needs attention", "Есть на что обратить внимание"),
-    Outcome.OPEN: Text("Not enough is known to judge", "Для вывода данных недостаточно"),
+    Outcome.GOOD: Text("No problems found", "Отклонений не найдено"),
+    Outcome.ATTENTION: Text("Attention needed", "Есть на что обратить внимание"),
+    Outcome.OPEN: Text("Not enough data for a conclusion", "Для вывода недостаточно данных"),
 }
 MARKS = {
-    BandPosition.INSIDE: Text("in the band", "в норме"),
+    BandPosition.INSIDE: Text("normal", "в норме"),
     BandPosition.LOW: Text("low", "ниже нормы"),
     BandPosition.HIGH: Text("high", "выше нормы"),
-    BandPosition.NONE: Text("not judged", "без оценки"),
+    BandPosition.NONE: Text("not rated", "без оценки"),
 }
 
 
 def sentence(found: Findings) -> Text:
-    """Faults first, then values."""
+    """Return the summary: faults first, then values."""
     faults, values = _of_faults(found), _of_values(found)
     return Text(f"{faults.en}; {values.en}.", f"{faults.ru}; {values.ru}.")
 
 
 def _of_faults(found: Findings) -> Text:
     if found.faults is None:
-        return Text("The stored faults were not read", "Память ошибок не прочитана")
+        return Text("The stored faults were not read", "Ошибки не считывались")
     stored = found.real_faults
     if not stored:
         none = Text("No faults are stored", "Ошибок в памяти блока нет")
@@ -59,9 +59,9 @@ def _were(found: Findings, gone: ClearedFaults) -> Text:
     else:
         who = Text(f"faults {codes} were", f"ошибки {codes}")
     if gone.erased:
-        done = Text("erased", "стёрта" if only else "стёрты")
+        done = Text("erased", "сброшена" if only else "сброшены")
     else:
-        done = Text("no longer there", "пропала" if only else "пропали")
+        done = Text("no longer stored", "исчезла" if only else "исчезли")
     how = Text(f"{who.en} {done.en} {when.en}", f"{who.ru} {done.ru} {when.ru}")
     if is_open(found.subject, gone):
         back = "it comes" if only else "they come"
@@ -79,8 +79,8 @@ def _were(found: Findings, gone: ClearedFaults) -> Text:
 def _of_values(found: Findings) -> Text:
     if not found.at_idle:
         return Text(
-            "the engine was not seen at warm idle, so no value is judged",
-            "прогретого холостого хода в данных нет, поэтому значения не оценены",
+            "there was no warm idle, so no value is rated",
+            "прогретого холостого хода в данных нет, поэтому значения без оценки",
         )
     if not found.judged:
         return Text(
@@ -91,11 +91,11 @@ def _of_values(found: Findings) -> Text:
     if not off:
         if count == 1:
             return Text(
-                "the one value that can be judged is in its band at warm idle",
+                "the one value that can be rated is normal at warm idle",
                 "единственное значение, которое можно оценить, на прогретом холостом ходу в норме",
             )
         return Text(
-            f"all {count} values that can be judged are in their bands at warm idle",
+            f"all {count} values that can be rated are normal at warm idle",
             f"все значения, которые можно оценить ({count}), на прогретом холостом ходу в норме",
         )
     listed = Text(
@@ -104,25 +104,25 @@ def _of_values(found: Findings) -> Text:
     )
     out = counted(len(off), ("is", "are"), ("значение", "значения", "значений"))
     return Text(
-        f"at warm idle {len(off)} of the {count} values that can be judged "
-        f"{out.en.split()[1]} outside the usual band: {listed.en}",
+        f"at warm idle {len(off)} of the {count} values that can be rated "
+        f"{out.en.split()[1]} outside the normal range: {listed.en}",
         f"на прогретом холостом ходу вне нормы {out.ru} из {count}: {listed.ru}",
     )
 
 
 def of_idle(found: Findings) -> Text:
-    """By which rules warm idle was looked for, and how much of it there was."""
+    """Return the rules for warm idle, and how much of it was found."""
     idle, catalog = found.measured.idle, found.subject.catalog
     rules = Text(
         ", ".join(seen.rule.text.en for seen in idle.rules),
         ", ".join(seen.rule.text.ru for seen in idle.rules),
     )
-    told = Text(
-        f"Warm idle is taken to be: {rules.en}; all of it for {SETTLING:g} s before values count.",
-        f"Прогретым холостым ходом считается: {rules.ru}; значения учитываются, когда всё это "
-        f"держится {SETTLING:g} с.",
+    definition = Text(
+        f"Warm idle means: {rules.en}; values count after {SETTLING:g} s of this.",
+        f"Прогретым холостым ходом считается: {rules.ru}; значения учитываются через "
+        f"{SETTLING:g} с после этого.",
     )
-    parts = [told, *_instead(idle), _how_much(found, catalog), *_missing(found, catalog)]
+    parts = [definition, *_instead(idle), _how_much(found, catalog), *_missing(found, catalog)]
     return Text(" ".join(part.en for part in parts), " ".join(part.ru for part in parts))
 
 
@@ -130,24 +130,22 @@ def _instead(idle: WarmIdle) -> Iterator[Text]:
     for seen in idle.rules:
         if seen.instead is not None:
             yield Text(
-                f"Where that was not asked ({seen.rule.text.en}): {seen.instead.text.en}.",
-                f"Где это не спрашивали ({seen.rule.text.ru}): {seen.instead.text.ru}.",
+                f"Where this was not read ({seen.rule.text.en}): {seen.instead.text.en}.",
+                f"Где это не опрашивалось ({seen.rule.text.ru}): {seen.instead.text.ru}.",
             )
 
 
 def _missing(found: Findings, catalog: Catalog) -> Iterator[Text]:
-    """What was asked for a part of the time only, so that the rest could not be told."""
+    """Yield the channels that were read for a part of the time only."""
     whole = duration(found.measured.seconds)
     for seen in found.measured.idle.rules:
         if seen.name is not None and seen.missing >= ENOUGH:
             lacked, what = duration(seen.missing), within(catalog.channel(seen.name).text)
             yield Text(
-                f"For {lacked.en} of {whole.en} the {what.en} ({seen.name}) was not asked, and "
-                "that time does not count. To measure it again, choose the preset “Idle” on the "
-                "Live screen: it asks all that is needed.",
-                f"{lacked.ru} из {whole.ru} не измерялось: {what.ru} ({seen.name}); это время не "
-                "учтено. Чтобы измерить, выберите на экране «Приборы» набор «Холостой ход»: в нём "
-                "есть всё нужное.",
+                f"For {lacked.en} of {whole.en} the {what.en} ({seen.name}) was not read; that "
+                "time does not count. Read it together with the other values to rate all of it.",
+                f"{lacked.ru} из {whole.ru} не опрашивалось: {what.ru} ({seen.name}); это время не "
+                "учтено. Чтобы его учесть, опрашивайте этот параметр вместе с остальными.",
             )
 
 
@@ -161,18 +159,18 @@ def _how_much(found: Findings, catalog: Catalog) -> Text:
         en = ", ".join(rule.text.en for rule in missing)
         ru = ", ".join(rule.text.ru for rule in missing)
         return Text(
-            f"Not recorded, so it can't be told: {en}.",
-            f"Не записано, поэтому не определить: {ru}.",
+            f"Can't be determined, as this was not recorded: {en}.",
+            f"Определить нельзя, не записано: {ru}.",
         )
     seen = [_seen(each, catalog) for each in idle.rules if not each.held]
     if seen:
         return Text(
-            f"It was not there: {', '.join(s.en for s in seen)}.",
-            f"Его не было: {', '.join(s.ru for s in seen)}.",
+            f"Not found: {', '.join(s.en for s in seen)}.",
+            f"Не найден: {', '.join(s.ru for s in seen)}.",
         )
     return Text(
-        f"There were only {lasted.en} of it; {ENOUGH:g} s are needed.",
-        f"Его было только {lasted.ru}; нужно {ENOUGH:g} с.",
+        f"Only {lasted.en} found; {ENOUGH:g} s are needed.",
+        f"Найдено только {lasted.ru}; нужно {ENOUGH:g} с.",
     )
 
 

@@ -69,7 +69,7 @@ THROTTLE: Final = IdleRule(
     ("THR",), -inf, 5, PAUSE,
 )  # fmt: skip
 IDLE_FLAG: Final = IdleRule(
-    Text("the unit's own sign of idle", "признак холостого хода от блока"), ("RXX",), 1, 1, PAUSE
+    Text("the unit's idle flag", "признак холостого хода"), ("RXX",), 1, 1, PAUSE
 )
 
 

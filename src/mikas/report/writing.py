@@ -27,8 +27,8 @@ def check(out: Path, *, overwrite: bool) -> None:
         raise ExportError(
             str(out),
             Text(
-                "the file is there already; give another name, or say that it may be overwritten",
-                "файл уже есть; дайте другое имя или разрешите перезаписать",
+                "the file exists; give another name, or allow overwriting",
+                "файл уже есть; укажите другое имя или разрешите перезапись",
             ),
         )
     if not out.absolute().parent.is_dir():
