@@ -27,7 +27,7 @@ def check(out: Path, *, overwrite: bool) -> None:
         raise ExportError(
             str(out),
             Text(
-                "the file exists; give another name, or allow overwriting",
+                "the file is there already; give another name, or allow overwriting",
                 "файл уже есть; укажите другое имя или разрешите перезапись",
             ),
         )
