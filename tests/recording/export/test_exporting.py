@@ -124,9 +124,6 @@ def test_a_folder_that_is_a_file(tmp_path, suffix):
 @pytest.mark.parametrize(
     ("suffix", "library", "extra"),
     [
-        (".csv", "numpy", "numpy"),
-        (".msl", "numpy", "numpy"),
-        (".mlg", "numpy", "numpy"),
         (".mf4", "asammdf", "mdf"),
         (".parquet", "duckdb", "parquet"),
     ],

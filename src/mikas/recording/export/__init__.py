@@ -1,4 +1,4 @@
-"""Recordings as files that other programs read; each format has its module (docs/exports.md)."""
+"""Recordings as files for other programs; each format has its module (docs/exports.md)."""
 
 from mikas.recording.export.dialect import DIALECTS, EXCEL, PLAIN, Dialect
 from mikas.recording.export.exporting import SUFFIXES, Result, export

@@ -1,4 +1,4 @@
-"""How a CSV file is spelled. There is no spelling that every program reads, so there are two."""
+"""The two dialects of CSV: none is read by every program."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Dialect:
-    """`mark`: the file begins with a byte order mark, by which Excel knows that it is UTF-8."""
+    """`mark`: the file begins with a byte order mark, so that Excel reads it as UTF-8."""
 
     separator: str = ","
     decimal: str = "."

@@ -1,8 +1,8 @@
-"""One door to every format: what to write is taken from OUT's suffix.
+"""Writing a table to a file in the format of its suffix.
 
-A file is written beside its place, as `OUT.part`, and renamed when it is whole and on the disk:
-what is called OUT is complete. Whatever goes wrong, the part is removed; only a killed program
-leaves it. Rows come in stretches and go out in stretches: ten hours need no more memory than one.
+A file is written as `OUT.part` and renamed when it is whole and on the disk: a file called OUT is
+complete. After an error the part is removed; only a killed program leaves it. Rows are read and
+written in stretches: ten hours need no more memory than one.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ if TYPE_CHECKING:
     from mikas.recording.export.sheet import Sheet
     from mikas.sampling.events import Event
 
-TIME = "time"  # the column that every format has; no channel may be called so
+TIME = "time"  # the column of every format; no channel may have this name
 
 
 class _Format(NamedTuple):
     name: str
     module: str
-    extra: str
-    library: str
+    extra: str = ""
+    library: str = ""  # of the extra
 
 
 _FORMATS = {
-    ".csv": _Format("CSV", "comma_separated", "numpy", "numpy"),
+    ".csv": _Format("CSV", "csv"),
     ".mf4": _Format("MDF4", "mdf", "mdf", "asammdf"),
     ".parquet": _Format("Parquet", "parquet", "parquet", "duckdb"),
-    ".msl": _Format("MegaLogViewer", "msl", "numpy", "numpy"),
-    ".mlg": _Format("MegaLogViewer", "mlg", "numpy", "numpy"),
+    ".msl": _Format("MegaLogViewer", "msl"),
+    ".mlg": _Format("MegaLogViewer", "mlg"),
 }
 
 SUFFIXES = tuple(_FORMATS)
@@ -47,7 +47,7 @@ SUFFIXES = tuple(_FORMATS)
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What was written: how many rows, which channels, where."""
+    """The number of rows that were written, their channels, the file."""
 
     rows: int
     channels: tuple[str, ...]
@@ -69,22 +69,22 @@ def export(
 ) -> Result:
     """Write `rows` to `out`, in the format of its suffix.
 
-    `start`: the link's time that is zero in the file; unless given, the first row's.
-    `started`: what a calendar said then, with its time zone; unless given, it is taken from `start`
-    where that plainly counts from 1970, and else left unknown.
-    `about`: what a reader should know of the recording (unit, passport, catalog), by its title.
-    `events`: a recording's; its markers, notes, gaps and alarms stand in every format but CSV.
-    `language`: of the texts in a CSV's one header line and of the marks in MegaLogViewer's formats;
-    all else holds both.
-    `dialect`: how a CSV is spelled.
+    `start`: the link's time that is zero in the file; by default the first row's.
+    `started`: the date and time of `start`, with its time zone; by default taken from `start`, if
+    that plainly counts from 1970, and else unknown.
+    `about`: facts of the recording (unit, passport, catalog), by title.
+    `events`: of the recording; markers, notes, gaps and alarms are in every format but CSV.
+    `language`: of the texts in a CSV's header line and of the marks in MegaLogViewer's formats; all
+    else has both.
+    `dialect`: of a CSV.
     A channel that a stretch lacks is missing in its rows.
 
-    Raises `ExportError` (unknown suffix, OUT is there already, can't be written) or `MissingExtra`.
+    Raises `ExportError` (unknown suffix, OUT exists already, can't be written) or `MissingExtra`.
     """
     form = _format(out)
     _check(out, channels, overwrite=overwrite)
-    _need("numpy", "numpy", form.name)
-    _need(form.library, form.extra, form.name)
+    if form.library:
+        _need(form.library, form.extra, form.name)
     from mikas.recording.export.sheet import sheet_of
 
     sheet = sheet_of(
@@ -151,13 +151,13 @@ def _write(out: Path, write: Callable[[Path, Sheet], None], sheet: Sheet, overwr
             write(part, sheet)
             with part.open("rb+") as file:
                 os.fsync(file.fileno())
-            if not overwrite and os.path.lexists(out):  # it came while we were writing
+            if not overwrite and os.path.lexists(out):  # made by another program meanwhile
                 raise _already_there(out)
             part.replace(out)
         finally:
-            # Gone after the rename. Should it not go away, the error that led here matters more.
+            # After the rename there is none. An error here would hide the one that led here.
             _remove(part)
-    except MikasError:  # some are OSErrors as well: the recording's own troubles, told already
+    except MikasError:  # some are OSErrors as well: errors of the recording itself
         raise
     except OSError as error:
         problem = Text("can't be written: {why}", "не записать: {why}")

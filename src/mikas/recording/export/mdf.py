@@ -27,8 +27,7 @@ from asammdf.blocks.v4_constants import (
     EVENT_TYPE_MARKER,
 )
 
-from mikas.recording.export.heading import program
-from mikas.recording.export.sheet import Column, Sheet
+from mikas.recording.export.sheet import Column, Sheet, program
 
 _PACKED: Final = 2
 _EVENTS: Final = {
@@ -37,7 +36,7 @@ _EVENTS: Final = {
     "alarm": (EVENT_TYPE_MARKER, EVENT_CAUSE_TOOL),
     "gap": (EVENT_TYPE_ACQUISITION_INTERRUPT, EVENT_CAUSE_ERROR),
 }
-"""By the kind of moment: what sort of event it is, and what brought it about."""
+"""By the kind of moment: the type of the event and its cause."""
 _UNKNOWN = datetime(1970, 1, 1, tzinfo=UTC)
 
 
@@ -50,17 +49,17 @@ def write(path: Path, sheet: Sheet) -> None:
     ):
         mdf.start_time = sheet.started or _UNKNOWN
         mdf.header.comment = _comment(sheet)
-        begun = False
+        started = False
         for times, columns in sheet.stretches:
-            if begun:
+            if started:
                 mdf.extend(0, [(times, None), *((column, None) for column in columns)])
             else:
                 _begin(mdf, sheet, times, columns)
-                begun = True
-        if not begun:
+                started = True
+        if not started:
             empty = np.empty(0)
             _begin(mdf, sheet, empty, [empty] * len(sheet.channels))
-        _happened(mdf, sheet)
+        _add_events(mdf, sheet)
         mdf.save(file, compression=_PACKED)
 
 
@@ -78,7 +77,7 @@ def _begin(mdf: MDF, sheet: Sheet, times: Column, columns: list[Column]) -> None
     mdf.append(signals, common_timebase=True)
 
 
-def _happened(mdf: MDF, sheet: Sheet) -> None:
+def _add_events(mdf: MDF, sheet: Sheet) -> None:
     events: list[EventBlock] = mdf.events
     for moment in sheet.moments:
         text = moment.text

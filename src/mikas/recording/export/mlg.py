@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 
 from mikas.errors import ExportError
 from mikas.i18n import Text
-from mikas.recording.export.heading import heading
-from mikas.recording.export.marks import Mark, marked
+from mikas.recording.export.megalogviewer import Mark, heading, marked
 from mikas.recording.export.sheet import Column, Sheet
 from mikas.recording.table.channels import Channel
 
@@ -102,7 +101,7 @@ def _digits(channel: Channel) -> int:
 
 
 def _names(channels: tuple[Channel, ...]) -> list[bytes]:
-    """Names that fit and are still different."""
+    """Return names that fit and are still different."""
     names: list[bytes] = []
     taken = {b"Time"}
     for channel in channels:
@@ -117,5 +116,5 @@ def _names(channels: tuple[Channel, ...]) -> list[bytes]:
 
 
 def _fitting(text: str, size: int) -> bytes:
-    """`text` in UTF-8, cut between two characters."""
+    """Return `text` in UTF-8, cut between two characters."""
     return text.encode()[:size].decode(errors="ignore").encode()

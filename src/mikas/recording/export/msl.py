@@ -1,8 +1,8 @@
 """MegaLogViewer's text log: tab separated, as TunerStudio writes it.
 
 Two quoted lines, the fields' names, their units, then the data; the first field is `Time`, in
-seconds. A missing value is `NaN`: between two tabs some readers see a zero, and at a line's end
-they lose it. A line `MARK 000 - …` between the rows is a marker, a note, a gap or an alarm.
+seconds. A missing value is `NaN`: some readers take nothing between two tabs for a zero, and lose
+it at a line's end. A line `MARK 000 - …` between the rows is a marker, a note, a gap or an alarm.
 """
 
 from __future__ import annotations
@@ -10,10 +10,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from mikas.i18n import Text
-from mikas.recording.export.cells import lines, spelled, without
-from mikas.recording.export.heading import heading
-from mikas.recording.export.marks import Mark, marked
-from mikas.recording.export.sheet import Sheet
+from mikas.recording.export.megalogviewer import Mark, heading, marked
+from mikas.recording.export.sheet import Sheet, lines, spelled, without
 from mikas.recording.table.channels import Channel
 
 _TIME = Channel("Time", "s", Text("Time", "Время"), decimals=3)

@@ -1,9 +1,8 @@
 """Parquet, by duckdb: `time` in seconds, a DOUBLE a channel, a BOOLEAN a flag, missing as NULL.
 
-Units and texts have no place in a Parquet column, nor has what happened beside the values, so they
-stand in the file's own metadata, as JSON under the key `mikas`. Rows are collected in a duckdb
-database beside OUT, which packs them as they come, and copied from there: that bounds the memory,
-and is quicker than a table in it.
+Units, texts and events have no place in a Parquet column, so they are in the file's own metadata,
+as JSON under the key `mikas`. Rows are collected in a duckdb database beside OUT, which packs them
+as they come, and copied from there: that bounds the memory, and is quicker than a table in it.
 """
 
 from __future__ import annotations
@@ -18,8 +17,7 @@ from tempfile import TemporaryDirectory
 import duckdb
 import numpy as np
 
-from mikas.recording.export.heading import program
-from mikas.recording.export.sheet import Sheet
+from mikas.recording.export.sheet import Sheet, program
 
 _MEMORY = "256MB"
 _THREADS = 2  # each holds a row group; more gain little with so few columns
@@ -34,8 +32,8 @@ def write(path: Path, sheet: Sheet) -> None:
             with _opened(Path(folder)) as database:
                 _collect(database, sheet)
                 database.execute(_copying(path, sheet))
-        except (duckdb.OperationalError, duckdb.FatalException) as error:  # the disk, not us
-            raise _as_the_system_said(error) from error
+        except (duckdb.OperationalError, duckdb.FatalException) as error:  # of the disk
+            raise _system_error(error) from error
 
 
 def _opened(folder: Path) -> duckdb.DuckDBPyConnection:
@@ -50,10 +48,10 @@ def _opened(folder: Path) -> duckdb.DuckDBPyConnection:
 
 
 def _collect(database: duckdb.DuckDBPyConnection, sheet: Sheet) -> None:
-    """All rows into one table. Never committed: the database is thrown away and needs no log.
+    """Insert all rows into one table. Never committed: the database is deleted and needs no log.
 
-    The stretch that duckdb looks at is registered once and filled anew: a transaction keeps alive
-    all that was registered in it.
+    One stretch is registered and filled again and again: a transaction keeps everything alive that
+    was registered in it.
     """
     names = ["time", *(f"c{number}" for number in range(len(sheet.channels)))]
     stretch = {name: np.empty(sheet.stretches.longest) for name in names}
@@ -107,8 +105,8 @@ def _metadata(sheet: Sheet) -> str:
     return json.dumps(facts, ensure_ascii=False)
 
 
-def _as_the_system_said(error: duckdb.Error) -> OSError:
-    """duckdb hides the system's number in its own words."""
+def _system_error(error: duckdb.Error) -> OSError:
+    """Return the system's error, whose number is in the text of duckdb's."""
     if found := re.search(r'"errno":"(\d+)"', str(error)):
         number = int(found[1])
         return OSError(number, os.strerror(number))

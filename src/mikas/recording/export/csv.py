@@ -10,13 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from mikas.recording.export.cells import lines, spelled, without
-from mikas.recording.export.sheet import Sheet
+from mikas.recording.export.sheet import Sheet, lines, spelled, without
 from mikas.recording.table.channels import Channel
 
 
 def write(path: Path, sheet: Sheet) -> None:
-    """Write the whole sheet; its dialect says how."""
+    """Write the whole sheet, as its dialect has it."""
     dialect = sheet.dialect
     with path.open("wb") as file:
         if dialect.mark:
