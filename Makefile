@@ -1,15 +1,15 @@
-# Needs Python 3.11 or newer and make (GNU make 3.81 or newer), nothing else: a virtual environment is made in .venv on first
-# use, and brought up to date when pyproject.toml changes. After that everything works without a network.
+# Needs Python 3.11 or newer and GNU make 3.81 or newer. The first call makes a virtual environment in .venv; a change
+# of pyproject.toml updates it. After that no target needs a network.
 # Windows without make: CONTRIBUTING.md gives the same steps with pip.
 
 PYTHON ?= python3
 
-# Looked for when PYTHON was not set by hand and python3 is too old.
+# Searched if PYTHON was not set by hand and python3 is too old.
 others := $(if $(filter file,$(origin PYTHON)),python3.14 python3.13 python3.12 python3.11)
 venv_python := .venv/bin/python
 
-# Two things spoil an environment silently: the folder was moved or copied (it still points at the old place), or its Python
-# was removed. Both make it start afresh.
+# An environment breaks without a message if its folder was moved or copied (its scripts have the old path), or if its Python
+# was removed. Both cause a new installation.
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
@@ -18,10 +18,10 @@ $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(p
 help: ## list these targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
 
-demo: .venv/installed ## the product against a virtual car: no cable needed
+demo: .venv/installed ## the product with a virtual car: no cable needed
 	@.venv/bin/mikas demo
 
-# The tests of these three with their coverage, then all others without: measuring costs the long runs half their speed.
+# The tests of these three run with coverage, all others without: measuring halves the speed of long runs.
 gated := tests/test_framing.py tests/commands tests/catalog
 
 test: .venv/with-test web/node_modules/installed ## all tests but those in a browser; framing, commands, catalog: 100 % branches
@@ -61,13 +61,13 @@ page := pyproject.toml hatch_build.py $(shell find web -path web/node_modules -p
 
 # Dependency groups need pip 25.1; a new environment has the pip that came with its Python.
 .venv/with-test: .venv/installed
-	@echo "Installing what the tests need"
+	@echo "Installing the packages of the tests"
 	@$(venv_python) -m pip install --quiet --disable-pip-version-check 'pip>=25.1'
 	@$(venv_python) -m pip install --quiet --disable-pip-version-check --group test
 	@touch $@
 
 .venv/with-check: .venv/with-test
-	@echo "Installing what the checks need"
+	@echo "Installing the packages of the checks"
 	@$(venv_python) -m pip install --quiet --disable-pip-version-check --group check
 	@touch $@
 
@@ -75,7 +75,7 @@ page := pyproject.toml hatch_build.py $(shell find web -path web/node_modules -p
 npm := PATH="$(CURDIR)/.venv/bin:$$PATH" npm --prefix web --silent
 
 web/node_modules/installed: web/package-lock.json .venv/with-test
-	@echo "Installing what the page is made of"
+	@echo "Installing the packages of the page"
 	@$(npm) ci
 	@touch $@
 
@@ -87,8 +87,8 @@ for candidate in "$(PYTHON)" $(others); do \
   fi; \
 done; \
 if [ -z "$$python" ]; then \
-  echo "mikas needs Python 3.11 or newer. Tried, and older or not there: $(PYTHON) $(others)" >&2; \
-  echo "Install one, or say where it is: make PYTHON=/path/to/python3.12 $(MAKECMDGOALS)" >&2; \
+  echo "mikas needs Python 3.11 or newer. These are older or missing: $(PYTHON) $(others)" >&2; \
+  echo "Install one, or give its path: make PYTHON=/path/to/python3.12 $(MAKECMDGOALS)" >&2; \
   exit 1; \
 fi
 endef
