@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pytest
 
@@ -12,6 +13,7 @@ DOCUMENTS = ("CONTRIBUTING.md", "SECURITY.md", "README.md", *sorted(
     path.relative_to(REPOSITORY).as_posix() for path in (REPOSITORY / "docs").glob("*.md")
 ))  # fmt: skip
 ROOTS = "src/|tests/|docs/|bench/|examples/|web/|changes/|\\.ci/|\\.github/|\\.importlinter"
+OTHER_NAMES = {"mikas.links"}  # the group of entry points
 PLACEHOLDER = re.compile(r"[A-Z]{3,}|…")  # web/src/screens/NAME/Screen.svelte
 
 
@@ -44,6 +46,21 @@ def test_every_path_exists(name):
         if not PLACEHOLDER.search(path) and not list(REPOSITORY.glob(path.rstrip("/")))
     ]
     assert missing == []
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_every_python_name_exists(name):
+    named = set(re.findall(r"\bmikas(?:\.[A-Za-z_]\w*)+", (REPOSITORY / name).read_text("utf-8")))
+    assert [each for each in sorted(named - OTHER_NAMES) if not exists(each)] == []
+
+
+def exists(name: str) -> bool:
+    """Whether a dotted name is a module, or something in one."""
+    try:
+        resolve_name(name)
+    except (ImportError, AttributeError):
+        return False
+    return True
 
 
 def test_the_paths_are_found():
