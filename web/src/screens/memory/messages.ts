@@ -6,7 +6,7 @@ export const t = dictionary({
     ru: "Память читается из самого блока. Готовые дампы — ниже.",
   },
   spaces: { en: "Memory spaces", ru: "Области памяти" },
-  ram: { en: "fast internal RAM, 256 bytes", ru: "быстрая внутренняя память, 256 байтов" },
+  ram: { en: "fast internal RAM, 256 bytes", ru: "быстрая внутренняя память, 256 байт" },
   xram: { en: "external RAM: working data of the program", ru: "внешняя память: рабочие данные программы" },
   code: { en: "program and calibrations", ru: "программа и калибровки" },
   sfr: { en: "processor registers, read one by one", ru: "регистры процессора, читаются по одному" },
@@ -169,7 +169,7 @@ export const t = dictionary({
   unlocked: { en: "Writing is unlocked for {time}", ru: "Запись в память разрешена ещё {time}" },
   locked_more: {
     en: "Reading needs no unlocking. Unlock before writing.",
-    ru: "Для чтения разрешение не нужно. Перед записью её нужно разрешить.",
+    ru: "Для чтения разрешение не нужно. Запись нужно сначала разрешить.",
   },
 
   write: { en: "Write bytes", ru: "Записать байты" },
