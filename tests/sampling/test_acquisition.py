@@ -21,8 +21,7 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.plan import Plan
-from mikas.sampling.selecting import select
+from mikas.sampling.plan import Plan, select
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity

@@ -32,9 +32,8 @@ from mikas.sampling.events import (
     Sampled,
     UnitFound,
 )
-from mikas.sampling.plan import Plan, Price
+from mikas.sampling.plan import Plan, Price, select
 from mikas.sampling.sampler import Sampler
-from mikas.sampling.selecting import select
 
 T = TypeVar("T")
 

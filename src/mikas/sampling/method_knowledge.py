@@ -8,25 +8,26 @@ after the second time not used any more.
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from math import log2
+from statistics import median
 
 from mikas.client import Ecu
 from mikas.client.limits import STARTING_LIST, MethodTiming
-from mikas.client.polling import FixedMethod
+from mikas.client.polling import STREAMS, FixedMethod
+from mikas.commands import Availability
 from mikas.errors import LineError
-from mikas.sampling.choosing import (
-    CANDIDATES,
-    FALLBACK,
-    WITH_OWN_COMMANDS,
-    TrialResult,
-    best_method,
-    kind_of_adapter,
-    rates_of,
-    timing_of,
-    untested,
-)
 from mikas.sampling.plan import Plan, Price
 
+CANDIDATES: tuple[FixedMethod, ...] = ("stream", "list", "batch")
+"""In the order of §5: what should be the fastest first."""
+FALLBACK: FixedMethod = "single"
+"""What is left where none of them works."""
+WITH_OWN_COMMANDS: frozenset[FixedMethod] = frozenset({"stream", "list"})
+"""Those with commands of their own, which a unit may lack (D10); the others are all 61."""
+_AMPLE = 1.05  # of a rate that is enough
+_PROBES = 5
 _SLOWER = 0.75  # of what was promised: then it is another adapter, or another system
 _CYCLES, _SECONDS = 6, 1.0  # that a promise is held against
 _OFTEN = 2
@@ -167,3 +168,80 @@ class RateEstimate:
         if self._cycles < _CYCLES or self._seconds < _SECONDS:
             return None
         return self._cycles >= _SLOWER * self._rate * self._seconds
+
+
+@dataclass(frozen=True, slots=True)
+class TrialResult:
+    """How a method did: cycles a second; 0 if it brought nothing, `refused` if it never will."""
+
+    method: FixedMethod
+    rate: float
+    refused: bool = False
+
+
+def kind_of_adapter(ecu: Ecu) -> str:
+    """What is behind the port, and about how long its answers are held up, to a factor of two.
+
+    Raises a `LineError` or a `NoConnection`.
+    """
+    tester, link = ecu.tester, ecu.tester.link
+    delays = []
+    for _ in range(_PROBES):
+        began = link.now()
+        _, reply = tester.exchange(Availability())
+        wire = (len(reply.wire) + 3) * link.byte_time  # and 01 FF 0D
+        delays.append(link.now() - began - wire)
+    ms = 2 ** max(0, round(log2(max(median(delays), 1e-6) * 1000)))
+    return f"{link.description}, {ms} ms"
+
+
+def timing_of(measured: TrialResult, plan: Plan, baud: int) -> MethodTiming | None:
+    """What `measured` says of other plans too; None: nothing."""
+    codes = len(plan.with_method(measured.method).fast)
+    if not measured.rate:
+        return MethodTiming(codes, None) if measured.refused else None
+    wire, responses = _cost(plan.with_method(measured.method), baud)
+    return MethodTiming(codes, max(0.0, (1 / measured.rate - wire) / responses))
+
+
+def rates_of(plan: Plan, paces: Mapping[str, MethodTiming], baud: int) -> dict[FixedMethod, float]:
+    """Cycles a second by each candidate of which anything is known for such a plan."""
+    rates: dict[FixedMethod, float] = {}
+    for method in (*CANDIDATES, FALLBACK):
+        by = plan.with_method(method)
+        pace, codes = paces.get(method), len(by.fast)
+        if pace is None or (pace.delay is None and codes < pace.codes and codes <= plan.max_list):
+            continue  # a shorter list than the one that was refused may be taken
+        wire, responses = _cost(by, baud)
+        rates[method] = 0.0 if pace.delay is None else 1 / (wire + responses * pace.delay)
+    return rates
+
+
+def best_method(
+    rates: Mapping[FixedMethod, float], enough: float | None = None
+) -> FixedMethod | None:
+    """The fastest; of those that give a rate that is `enough`, the one that does least to the unit.
+
+    None: none works.
+    """
+    working = {method: rate for method, rate in rates.items() if rate > 0}
+    if enough is not None:
+        for method in reversed(CANDIDATES):
+            if working.get(method, 0.0) >= enough * _AMPLE:
+                return method
+    return max(working, key=lambda method: working[method], default=None)
+
+
+def untested(
+    known: Iterable[FixedMethod], enough: float | None, without: Iterable[FixedMethod] = ()
+) -> list[FixedMethod]:
+    """The candidates of which nothing is known, in the order of trying."""
+    skipped = {*known, *without}
+    order = reversed(CANDIDATES) if enough else CANDIDATES
+    return [method for method in order if method not in skipped]
+
+
+def _cost(plan: Plan, baud: int) -> tuple[float, float]:
+    """Seconds on the wire, and responses, of a cycle that asks for anything."""
+    price = plan.price(baud=baud, turn_round=0.0)
+    return price.seconds, 1.0 if plan.method in STREAMS else price.requests / plan.busy_share

@@ -10,16 +10,24 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from dataclasses import replace
+from itertools import count
+from statistics import median
 
 from mikas.client import Ecu, Reading
-from mikas.errors import MikasError, NoConnection, SyncLost
-from mikas.sampling.choosing import WITH_OWN_COMMANDS, TrialResult, run_trial
+from mikas.client.polling import STREAMS
+from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, SyncLost
 from mikas.sampling.context import SamplingContext, SamplingRequest, datum_of
-from mikas.sampling.cycles import PlanCycles
 from mikas.sampling.events import CycleFailed, Event
-from mikas.sampling.identity_check import IdentityCheck
+from mikas.sampling.method_knowledge import WITH_OWN_COMMANDS, TrialResult
 from mikas.sampling.plan import Plan
+from mikas.sampling.plan_runner import PlanCycles
+from mikas.sampling.supervisor import IdentityCheck
 
+_SECONDS = 1.0
+_CYCLES = 6  # at least; one that sets lists, learns limits or begins a stream is not counted
+_PATIENCE = 3  # line errors in a row
+_ACCIDENT = 8  # times as long as the usual cycle
+Trial = Generator[dict[str, Reading] | MikasError, None, TrialResult]
 _SHORTEST = 2  # data: 01 can't be taken for that
 
 
@@ -107,3 +115,69 @@ class MethodTrials:
                 if came and not isinstance(came, MikasError):
                     break
         return False
+
+
+def run_trial(
+    ecu: Ecu,
+    plan: Plan,
+    identity_check: IdentityCheck | None = None,
+    aside: Callable[[Callable[[], None]], bool] = lambda _: False,
+) -> Trial:
+    """Runs `plan` for a second: gives what came, and what went wrong; returns how fast it was.
+
+    `aside` may ask for something else between two cycles, after it has called what it is given;
+    returns whether it did. Raises a `NoConnection` if the unit goes away meanwhile, `SyncLost` if
+    another one comes.
+    """
+    cycles = PlanCycles(ecu, plan, identity_check)
+    clock = ecu.tester.link.now
+    turns = filter(plan.sends_in, count())  # an empty cycle says nothing of the method
+    turn = next(turns)
+    spans: list[float] = []  # of the cycles
+    before: float | None = None  # when the latest ended, if nothing else was asked since
+    free = False  # for other things: not before each cycle, or nothing would ever be measured
+    failures = 0
+    try:
+        while len(spans) < _CYCLES or sum(spans) < _SECONDS:
+            try:
+                if free and aside(cycles.pause):
+                    before, free = None, False
+                fresh = cycles.run(turn)
+            except (NoConnection, SyncLost):
+                raise
+            except LineError as error:
+                free = True
+                failures += 1
+                if failures == _PATIENCE:
+                    return TrialResult(plan.method, 0.0, refused=cycles.is_refusal(error))
+                yield error
+                continue
+            except MikasError as error:  # refused, or nobody allowed it
+                yield error
+                return TrialResult(plan.method, 0.0, refused=isinstance(error, EcuRefused))
+            if fresh or plan.method not in STREAMS:
+                failures, now = 0, clock()
+                if before is not None:
+                    spans.append(now - before)
+                    free = True
+                before, turn = now, next(turns)
+            yield fresh
+    finally:
+        ended = _ended(cycles)
+    # What can't be ended as it should is not to be begun again.
+    return TrialResult(plan.method, _rate(spans) if ended else 0.0)
+
+
+def _ended(cycles: PlanCycles) -> bool:
+    try:
+        cycles.pause()
+    except LineError:
+        return False
+    return True
+
+
+def _rate(spans: list[float]) -> float:
+    """One repeated request says nothing of the method."""
+    accident = max(spans) > _ACCIDENT * median(spans)
+    counted = sorted(spans)[:-1] if accident else spans
+    return len(counted) / sum(counted)

@@ -19,11 +19,11 @@ from mikas.client.polling import FixedMethod
 from mikas.errors import LinkLost, MikasError, NoConnection, RecordingOver, SyncLost
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.sampling.choosing import CANDIDATES, FALLBACK, best_method
 from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import Event, LineState, MethodChosen, PlanChanged
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.line_state import LineEvent
+from mikas.sampling.method_knowledge import CANDIDATES, FALLBACK, best_method
 from mikas.sampling.method_trial import MethodTrials
 from mikas.sampling.plan import Plan, PlannedParameter, Price
 from mikas.sampling.plan_runner import PlanRunner

@@ -23,7 +23,6 @@ from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.context import SamplingContext
 from mikas.sampling.events import CycleFailed, Event, LineState, StateChanged, UnitFound
-from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.line_state import LineEvent, LineStateMachine, event_of
 
 UnitIdentity = tuple[int, Passport]
@@ -188,3 +187,28 @@ def _found(ecu: Ecu, unit: UnitIdentity, *, another: bool) -> UnitFound:
 def is_same_unit(one: UnitIdentity, other: UnitIdentity) -> bool:
     """Return whether both are one unit, as far as their passports are known."""
     return one[0] == other[0] and one[1].may_be(other[1])
+
+
+class IdentityCheck:
+    """`compare` raises what is in the way, or that it is another unit."""
+
+    def __init__(self, compare: Callable[[Ecu], None]) -> None:
+        self._compare = compare
+        self._raised = False
+        self._silences = 0
+
+    def suspect(self) -> None:
+        """A stream fell silent: that it is not the unit's own doing is not certain."""
+        self._raised = True
+
+    def confirm(self, ecu: Ecu) -> None:
+        """Who is behind `ecu` has been found out just now."""
+        self._raised = False
+        self._silences = ecu.tester.silences
+
+    def check(self, ecu: Ecu, pause: Callable[[], None]) -> None:
+        """Compares, if there is any doubt. `pause` leaves the line free for it."""
+        if self._raised or ecu.tester.silences != self._silences:
+            pause()
+            self._compare(ecu)
+            self.confirm(ecu)

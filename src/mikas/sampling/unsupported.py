@@ -13,6 +13,7 @@ from enum import Enum
 from mikas.client import Ecu
 from mikas.client.data import COMMON, refused
 from mikas.client.ecu import poller_of
+from mikas.client.polling import STREAMS
 from mikas.commands import Datum, ReadParameters
 from mikas.errors import (
     LineError,
@@ -22,10 +23,12 @@ from mikas.errors import (
     SyncLost,
     WrongLength,
 )
+from mikas.framing import Decoder, Frame
+from mikas.i18n import Text
 from mikas.sampling.context import SamplingContext, SamplingRequest, datum_of
 from mikas.sampling.events import CycleFailed, Event, ParameterDropped
-from mikas.sampling.identity_check import IdentityCheck
 from mikas.sampling.plan import Plan
+from mikas.sampling.supervisor import IdentityCheck
 
 _HOPELESS = 6  # refusals before the first answer: it is not the parameters
 _ATTEMPTS = 3
@@ -182,3 +185,32 @@ def _probe(ecu: Ecu, datum: Datum) -> ProbeResult:
             if attempt == _ATTEMPTS:
                 raise
     return ProbeResult.DATUM
+
+
+def explained(ecu: Ecu, plan: Plan, error: MikasError, *, worked: bool) -> MikasError:
+    """What is to be told of `error`. `worked`: `plan` has brought something before."""
+    frames = Decoder().feed(error.request or b"") if isinstance(error, NotSupported) else []
+    bodies = [frame.body for frame in frames if isinstance(frame, Frame)]
+    if not bodies:
+        return error
+    code, *asked = bodies[0]
+    if not (ecu.tester.has_answered(code) or worked):
+        return error
+    known = _refusal(plan, code, asked)
+    known.request, known.received, known.time = error.request, error.received, error.time
+    known.__cause__ = error.__cause__
+    return known
+
+
+def _refusal(plan: Plan, code: int, asked: list[int]) -> NotSupported:
+    names = [w.parameter.name for w in plan.parameters if w.parameter.code in asked]
+    if code in ReadParameters.CODES and len(set(asked)) == 1 and names:
+        return refused(", ".join(names), asked[0])
+    kind = Text("a stream", "потока") if plan.method in STREAMS else Text("a list", "списка")
+    count = len(set(asked)) or len(plan.fast)  # 63 names none
+    return NotSupported(
+        command=Text(
+            f"{kind.en} ({code:02X}) of these parameters ({count})",
+            f"{kind.ru} ({code:02X}) из этих параметров ({count})",
+        )
+    )

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, tr
 from mikas.cli.sampling_run import SamplingOptions
-from mikas.sampling.plan import Plan, PlannedParameter
-from mikas.sampling.selecting import select
+from mikas.sampling.plan import Plan, PlannedParameter, select
 
 if TYPE_CHECKING:
     from mikas.catalog import Catalog, Parameter

@@ -12,7 +12,7 @@ from mikas.client.polling import FixedMethod
 from mikas.commands import ALL_COMMANDS
 from mikas.i18n import Text
 from mikas.link.urls import parse
-from mikas.sampling.choosing import rates_of
+from mikas.sampling.method_knowledge import rates_of
 from mikas.sampling.plan import Plan, PlannedParameter
 
 _BAUD = 9600  # §1

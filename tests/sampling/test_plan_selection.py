@@ -6,7 +6,7 @@ import pytest
 
 from mikas.catalog import Derived, shipped
 from mikas.errors import UnknownParameter, UsageError
-from mikas.sampling.selecting import select
+from mikas.sampling.plan import select
 
 
 def asked(*names: str) -> dict[str, int]:

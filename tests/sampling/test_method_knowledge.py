@@ -25,16 +25,16 @@ from mikas.catalog import shipped
 from mikas.client.limits import LimitsStore, MethodTiming
 from mikas.client.polling import STREAMS
 from mikas.link.virtual import VirtualLink
-from mikas.sampling.choosing import (
+from mikas.sampling.events import MethodChosen, Sampled
+from mikas.sampling.method_knowledge import (
     CANDIDATES,
     TrialResult,
     best_method,
     kind_of_adapter,
     rates_of,
-    run_trial,
     timing_of,
 )
-from mikas.sampling.events import MethodChosen, Sampled
+from mikas.sampling.method_trial import run_trial
 from mikas.sampling.plan import Plan, PlannedParameter
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus

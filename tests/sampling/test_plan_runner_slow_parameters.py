@@ -21,9 +21,9 @@ from sampling_bench import (
     wishes,
 )
 
-from mikas.sampling.cycles import PlanCycles
 from mikas.sampling.events import CycleFailed, MethodChosen, Sampled
 from mikas.sampling.plan import Plan
+from mikas.sampling.plan_runner import PlanCycles
 from mikas.virtual.quirks import GROUPS, EcuQuirks
 from virtual_bench import make_bus
 
