@@ -3,8 +3,8 @@
     recording = mikas.open("drive.pcapng")
     frame = recording.to_pandas()          # or to_polars(), to_arrow(), rows()
 
-Parameters come from the raw bytes by the catalog of today, derived channels from the parameters.
-numpy and the data frames' libraries are imported when they are used.
+Parameters come from the raw bytes by the present catalog, derived channels from the parameters.
+numpy and the data frames' libraries are imported on use.
 """
 
 from __future__ import annotations
@@ -37,13 +37,14 @@ def open(  # noqa: A001  (read as `mikas.open`)
     catalogs: Iterable[str | os.PathLike[str]] = (),
     names: Iterable[str] = (),
 ) -> Recording:
-    """Looks through a recording (.pcapng) and returns it as a table.
+    """Read a recording (.pcapng) and return it as a table.
 
-    `reading`: corrected, literal or alternative (errata). `catalogs`: your own files, laid over the
-    shipped definitions. `names`: the channels wanted, in that order; none: all that it holds.
+    `interpretation`: corrected, literal or alternative (errata). `catalogs`: your own files, which
+    add to and override the shipped definitions. `names`: the wanted channels, in that order; none:
+    all recorded ones.
 
-    Raises `CaptureError` for a file that is no capture, `UsageError` for a name or a setting that
-    makes no sense, `MissingExtra` without numpy. What is damaged in the file is in `problems`.
+    Raises `CaptureError` for a file that is no capture, `UsageError` for an invalid name or
+    setting. Damage in the file is listed in `problems`.
     """
     return Recording(path, load(*map(Path, catalogs)), interpretation, names)
 
@@ -51,12 +52,12 @@ def open(  # noqa: A001  (read as `mikas.open`)
 class Recording:
     """One recording. `channels`: its columns, parameters first, then those derived from them.
 
-    `problems`: what could not be read of the file, with offsets, up to a thousand; `problem_count`
-    counts them all. `absent`: those of the wanted channels that nothing was recorded for; their
-    columns are empty. `about`: what it says of itself, by title.
+    `problems`: the places of the file that could not be read, with offsets, up to a thousand;
+    `problem_count` counts them all. `absent`: the wanted channels without recorded values; their
+    columns are empty. `about`: facts of the recording, by title.
 
-    The file is looked through once when it is opened, a second for ten hours; what its notes tell
-    (`unit`, `events`, part of `about`) is read when it is asked for.
+    The file is read once when it is opened, a second for ten hours; its notes (`unit`, `events`,
+    part of `about`) are read on first use.
     """
 
     def __init__(
@@ -88,7 +89,7 @@ class Recording:
 
     @cached_property
     def about(self) -> dict[str, str]:
-        """What the first recording of the file says of itself, by title; the rest is left out."""
+        """Facts of the file's first recording, by title; unknown ones are left out."""
         about = _about(self._capture, self.unit, self.catalog, self.interpretation)
         if self.unit and (chosen := self._chosen_methods()):
             about["method"] = ", ".join(chosen)  # the first plan was made before any was measured
@@ -100,23 +101,23 @@ class Recording:
 
     @cached_property
     def unit(self) -> RecordedUnit | None:
-        """Who was recorded, by the notes of the file's first recording that tells; else None."""
+        """The recorded unit, from the first recording of the file with a note of it; else None."""
         first = next((note.recording for note in self._notes if note.kind == Kind.UNIT), 0)
         return unit_of((it for it in self._notes if it.recording == first), self.catalog)
 
     @cached_property
     def events(self) -> tuple[Event, ...]:
-        """What happened beside the wire: markers, gaps, states, alarms …, in the file's order."""
+        """Events beside the wire: markers, gaps, states, alarms …, in the file's order."""
         return tuple(events_of(self._notes, self.catalog))
 
     def window(
         self, begin: float, end: float, points: int = 2000, names: Iterable[str] | None = None
     ) -> tuple[Rows, bool]:
-        """The rows from `begin` to `end` of the link's clock, at most about `points` of them.
+        """Return the rows from `begin` to `end` of the link's clock, at most about `points`.
 
-        Where there are more, each piece of time keeps the least and the greatest of each column, in
-        their order; a piece in which nothing came is one row without values. The second value says
-        whether that was done. `names`: of `channels`, all by default. The first call reads the
+        If there are more, each piece of time keeps the least and the greatest value of each column
+        in their order; a piece without rows is one row without values. The second returned value
+        is whether that was done. `names`: of `channels`, all by default. The first call reads the
         whole recording into memory (seconds, and some 130 MB for ten hours); all others are quick.
         """
         known = [each.name for each in self.channels]
@@ -157,18 +158,18 @@ class Recording:
 
     @property
     def problem_count(self) -> int:
-        """How many there are, also of those beyond the first thousand."""
+        """Their number, also of those beyond the first thousand."""
         return self._reader.problem_count
 
     def __repr__(self) -> str:
         return f"<Recording {str(self.path)!r}: {len(self.channels)} channels>"
 
     def rows(self) -> Iterator[Rows]:
-        """The recording in stretches, from the file every time anew.
+        """Yield the recording in stretches, read from the file at each call.
 
-        A row is a response, its time on the link's clock (UNIX time of a real one) when that began;
-        what was not in it is NaN, flags are 0 and 1. Times rise within a stretch. They may run back
-        between two: another port, another session.
+        A row is a response, its time the response's beginning on the link's clock (UNIX time of a
+        real one); a missing value is NaN, flags are 0 and 1. Times rise within a stretch. They may
+        run back between two stretches: another port, another session.
         """
         if not self._derived:
             for _, rows in self._reader.stretches():
@@ -184,28 +185,28 @@ class Recording:
             yield self._chosen(Rows(rows.times, {**rows.values, **derived}))
 
     def to_pandas(self) -> Any:  # noqa: ANN401  (pandas may not be installed)
-        """A `pandas.DataFrame`, its index the seconds since the start; units are in `attrs`."""
+        """Return a `pandas.DataFrame`; its index: seconds since the start; units are in `attrs`."""
         from mikas.recording.table import dataframes as notebook
 
         notebook.library("pandas")
         return notebook.pandas_frame(self._table())
 
     def to_polars(self) -> Any:  # noqa: ANN401  (polars may not be installed)
-        """A `polars.DataFrame`; what is missing is null."""
+        """Return a `polars.DataFrame`; a missing value is null."""
         from mikas.recording.table import dataframes as notebook
 
         notebook.library("polars")
         return notebook.polars_frame(self._table())
 
     def to_arrow(self) -> Any:  # noqa: ANN401  (pyarrow may not be installed)
-        """A `pyarrow.Table`; units and texts are in the metadata of its fields."""
+        """Return a `pyarrow.Table`; units and texts are in the metadata of its fields."""
         from mikas.recording.table import dataframes as notebook
 
         notebook.library("pyarrow")
         return notebook.arrow_table(self._table())
 
     def _stretches(self) -> Iterator[tuple[Source, Rows, Rows]]:
-        """Each stretch with the same one in the corrected reading, which formulas take."""
+        """Yield each stretch, and its corrected values for the derived channels."""
         if self._corrected is self._reader:
             for source, rows in self._reader.stretches():
                 yield source, rows, rows

@@ -1,10 +1,10 @@
-"""What a recording is, for a list of many: a fraction of a second even for ten hours.
+"""The summary of a recording, for a list of many: a fraction of a second even for ten hours.
 
-The file is searched once, for notes, beginnings of sessions and requests for faults; of packets
-only the first and last ones are read, and some samples of a long file. So all figures are exact but
-one: `samples` of a long file is an estimate (`samples_exact` says so), and `rate` follows from it.
+The file is searched once (`index`); of packets only the first and last ones are read, and some
+pieces of a long file. So all figures are exact but one: `samples` of a long file is an estimate
+(`samples_exact`), and `rate` follows from it.
 
-Any file has a summary; one that can't be read has its `problem` in it.
+Any file has a summary; that of an unreadable one has a `problem`.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ _MOST_PACKETS: Final = 64  # behind a request, in which its response must be
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """What a list shows. None: not known.
+    """The facts that a list shows. None: not known.
 
-    `date`: UNIX time of the begin; None too for a simulated clock. `length`: seconds from each
+    `date`: UNIX time of the beginning; None for a simulated clock, too. `length`: seconds from each
     session's first packet to its last. `samples`: responses with data. `rate`: of them a second,
     gaps left out. `faults`: codes of the last response to 02; None: there is none. `note`: a
     person's words on it all. `problem`: why the file can't be read.
@@ -68,12 +68,12 @@ class Summary:
 
     @property
     def model(self) -> Text | None:
-        """What the unit calls itself."""
+        """The unit's model."""
         return self.unit.model if self.unit else None
 
     @property
     def passport(self) -> tuple[str | None, ...] | None:
-        """51–58 as the notes have them."""
+        """51–58 as in the notes."""
         return self.unit.passport if self.unit else None
 
 
@@ -84,7 +84,7 @@ def summarise(path: str | os.PathLike[str], catalog: Catalog | None = None) -> S
     size = 0
     try:
         size = path.stat().st_size
-        CaptureReader(path)  # that it is one
+        CaptureReader(path)  # raises, if it is no capture
         with path.open("rb") as file:
             return _summed_up(path, file, catalog)
     except CaptureError as error:
@@ -103,7 +103,7 @@ def _summed_up(path: Path, file: BinaryIO, catalog: Catalog) -> Summary:
     length = sum(last - begin for begin, last in spans) if spans else None
     samples, exact = _samples(path, file, places, catalog)
     silent = sum(max(0.0, gap.ended - gap.began) for gap in gaps if gap.ended is not None)
-    told = next((note.recording for note in notes if note.kind == Kind.UNIT), 0)
+    first_noted = next((note.recording for note in notes if note.kind == Kind.UNIT), 0)
     lasted = (length or 0.0) - silent
     return Summary(
         path=path,
@@ -111,7 +111,7 @@ def _summed_up(path: Path, file: BinaryIO, catalog: Catalog) -> Summary:
         date=first if first is not None and first >= PLAINLY_UNIX else None,
         first=first,
         length=length,
-        unit=unit_of((note for note in notes if note.recording == told), catalog),
+        unit=unit_of((note for note in notes if note.recording == first_noted), catalog),
         samples=samples,
         samples_exact=exact,
         rate=samples / lasted if samples and lasted > 0 else None,
@@ -132,7 +132,7 @@ def _first_words(notes: Iterable[Note]) -> str:
 
 
 def _head(file: BinaryIO, start: int, stop: int) -> tuple[Blocks, Packet | None]:
-    """What a section's ports are, and its first packet."""
+    """Return a section's ports and its first packet."""
     blocks = Blocks()
     for item in scan(file, start):
         if item.offset >= stop:
@@ -144,7 +144,7 @@ def _head(file: BinaryIO, start: int, stop: int) -> tuple[Blocks, Packet | None]
 
 
 def _spans(file: BinaryIO, places: FileIndex) -> Iterator[tuple[float, float]]:
-    """Each session's first and last time."""
+    """Yield each session's first and last time."""
     for start, stop in pairwise([*places.sections, places.size]):
         blocks, packet = _head(file, start, stop)
         if packet is not None:
@@ -167,7 +167,7 @@ def _packets(
 
 
 def _faults(file: BinaryIO, places: FileIndex) -> tuple[int, ...] | None:
-    """The last answer to 02."""
+    """Return the codes of the last response to 02."""
     edges = [*places.sections, places.size]
     for offset in reversed(places.fault_requests):
         section = places.section(offset)
@@ -194,7 +194,7 @@ def _faults(file: BinaryIO, places: FileIndex) -> tuple[int, ...] | None:
 def _samples(
     path: Path, file: BinaryIO, places: FileIndex, catalog: Catalog
 ) -> tuple[int | None, bool]:
-    """How many responses with data; and whether that was counted."""
+    """Return the number of responses with data, and whether it was counted."""
     if places.size <= _COUNTED:
         from mikas.recording.table.reader import TableReader
 
@@ -205,7 +205,7 @@ def _samples(
 
 
 def _estimated(file: BinaryIO, places: FileIndex) -> int:
-    """Responses in pieces of the file, and the same for the rest of it."""
+    """Count responses in pieces of the file, and take the rest to be alike."""
     from mikas.recording.exchanges.columnar import ColumnarMatcher
     from mikas.recording.exchanges.packets import PacketColumns, Window
 
