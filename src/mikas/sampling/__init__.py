@@ -1,1 +1,1 @@
-"""What to ask, how and how often; and what is made of the answers: derived channels, alarms."""
+"""What to request, by which method and how often; derived channels and alarms of the values."""

@@ -1,4 +1,4 @@
-"""What the parts of a sampler share: what is wanted, what is known of the unit, what came last."""
+"""State shared by the parts of a sampler: the request, the unit's methods, the latest values."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from mikas.sampling.jobs import JobQueue
 from mikas.sampling.method_knowledge import MethodKnowledge
 from mikas.sampling.plan import Plan, PlannedParameter
 
-_SLICE = 0.1  # s that a wait for the next cycle lasts before others get a look in
+_SLICE = 0.1  # s between looks for jobs and new requests while waiting for the next cycle
 
 
 @dataclass(frozen=True)
 class SamplingRequest:
-    """What is wanted, until another is. `again`: also what the unit has refused before."""
+    """What to sample. `retry_refused`: also parameters that the unit refused before."""
 
     parameters: tuple[PlannedParameter, ...]
     method: FixedMethod | None = None
@@ -32,7 +32,7 @@ class SamplingRequest:
 
 
 class SamplingContext:
-    """`strict` counts until `begun`: until the first sample ever."""
+    """`strict` holds until `has_sampled`, the first sample of the run."""
 
     def __init__(self, requested: SamplingRequest, jobs: JobQueue, *, strict: bool) -> None:
         self.request = requested
@@ -44,13 +44,13 @@ class SamplingContext:
         self.knowledge = MethodKnowledge()
         self.refused: set[Datum] = set()
         self.dropped: set[str] = set()
-        """Names that were told to be refused."""
+        """Names that were reported as refused."""
         self.due = -inf
-        """When the next cycle begins, if a rate is wanted, or the one that runs asks nothing."""
+        """When the next cycle begins, with a rate or during a cycle without requests."""
         self._last: dict[str, Reading] = {}
 
     def forget_unit(self) -> None:
-        """What was known was known of another one, or is to be forgotten."""
+        """Forget methods, refusals and values of the unit."""
         self.knowledge = MethodKnowledge()
         self.refused.clear()
         self.dropped.clear()
@@ -66,18 +66,18 @@ class SamplingContext:
             self.knowledge.reset_failures(requested.method)
 
     def is_current(self, requested: SamplingRequest) -> bool:
-        """Whether `requested` is what is wanted, and anything at all."""
+        """Return whether `requested` is the latest request and nothing stops or restarts it."""
         return requested is self.request and not self.relearn and not self.stopped
 
     def sample_of(self, fresh: dict[str, Reading]) -> Sampled:
-        """What came, with the last known of what did not."""
+        """Return the event of `fresh` readings, with the latest known of the others."""
         self.has_sampled = True
         stale = {name: r for name, r in self._last.items() if name not in fresh}
         self._last.update(fresh)
         return Sampled(min(r.time for r in fresh.values()), fresh, stale)
 
     def is_due(self, sampled: Sampled) -> bool:
-        """Whether it is not sooner than the rate that is wanted; sets when the next is due."""
+        """Return whether the requested rate allows `sampled`; if so, set when the next is due."""
         if not self.request.rate:
             return True
         if sampled.time < self.due:
@@ -86,9 +86,7 @@ class SamplingContext:
         return True
 
     def schedule_empty_cycle(self, time: float, length: float) -> None:
-        """The cycle that begins at `time` asks for nothing: it lasts what the rate that is wanted
-        makes of one, else `length`.
-        """
+        """Let a cycle without requests last as long as the rate says, else `length` seconds."""
         if self.request.rate:
             self._schedule_after(time, 1 / self.request.rate)
         else:
@@ -98,14 +96,14 @@ class SamplingContext:
         self.due = next_due(time if self.due == -inf else self.due, time, period)
 
     def forget_values_outside(self, plan: Plan) -> None:
-        """What is not asked any more is not stale, but gone."""
+        """Forget values of parameters outside `plan`: they are not stale, but gone."""
         names = {wanted.parameter.name for wanted in plan.parameters}
         self._last = {name: r for name, r in self._last.items() if name in names}
 
     def wait_until_due(
         self, ecu: Ecu, requested: SamplingRequest, due: float | None = None
     ) -> bool:
-        """Waits until `due`, or the next sample is; False: somebody wants something before."""
+        """Wait until `due`, by default the next cycle; False: a job or a request came first."""
         due = self.due if due is None else due
         now = ecu.tester.link.now
         while now() < due:
@@ -116,5 +114,5 @@ class SamplingContext:
 
 
 def datum_of(parameter: Parameter) -> Datum:
-    """What of the unit it is read from."""
+    """Return the unit's datum that holds `parameter`."""
     return Datum(parameter.code, parameter.size)

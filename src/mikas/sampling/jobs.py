@@ -1,8 +1,8 @@
-"""One-off requests (faults, memory, a write) that other threads want done between two cycles.
+"""Jobs of other threads (read faults, read memory, write), run between two cycles.
 
-None of them waits for what may never come: while nobody answers, each fails with the error that
-says why, after one more look at the line; when sampling has ended, so do they. And none starves the
-others: those that were waiting are all done, then there is a cycle, however many come meanwhile.
+No job waits for ever: while no ECU answers, each fails with the error of the next attempt; after
+the end of sampling each fails at once. Jobs do not starve the sampling: those that wait are all
+run, then a cycle follows, however many arrive meanwhile.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class JobQueue:
         return bool(self._waiting)
 
     def submit(self, job: Callable[[Ecu], T]) -> Future[T]:
-        """`job` waits for its turn, which the future tells the end of. Cancelling it is safe."""
+        """Queue `job`; the future gets its result and may be cancelled."""
         future: Future[T] = Future()
         with self._lock:
             if self._over is None:
@@ -46,24 +46,24 @@ class JobQueue:
         return future
 
     def open(self) -> None:
-        """From here on jobs are looked after."""
+        """Begin to accept jobs."""
         with self._lock:
             self._over = None
 
     def close(self, error: BaseException | None = None) -> None:
-        """Nobody looks after jobs any more: those that wait fail, and all later ones."""
+        """Fail the waiting jobs and all later ones, with `error` or `LinkLost`."""
         with self._lock:
             self._over = error or LinkLost(url=self._url, problem=_ENDED, advice=_BEGIN_AGAIN)
         self.fail(self._over)
 
     def fail(self, error: BaseException) -> None:
-        """What waits now fails with `error`."""
+        """Fail the jobs that wait now with `error`."""
         for future, _ in self._take_all():
             if future.set_running_or_notify_cancel():
                 future.set_exception(error)
 
     def run(self, ecu: Ecu) -> None:
-        """Does what waits now. Raises the `NoConnection` that one of them met."""
+        """Run the jobs that wait now. Raises the `NoConnection` of one of them."""
         taken = self._take_all()
         while taken:
             future, job = taken.popleft()
@@ -71,12 +71,12 @@ class JobQueue:
                 continue
             try:
                 future.set_result(job(ecu))
-            except Exception as error:  # it is the caller's, whatever it is
+            except Exception as error:  # any error is the caller's
                 future.set_exception(error)
                 if isinstance(error, NoConnection):
                     self._put_back(taken)
                     raise
-            except BaseException as error:  # Ctrl-C: nobody may wait for this one for ever
+            except BaseException as error:  # Ctrl-C: the caller must not wait for ever
                 future.set_exception(error)
                 self._put_back(taken)
                 raise

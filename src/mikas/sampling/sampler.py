@@ -1,11 +1,11 @@
-"""The loop that runs a plan, for as long as anybody listens.
+"""The loop that connects, plans and samples, and yields events.
 
-It tells what happens as events; what becomes of them is not its business. What it wants may be
-changed from any thread (`want`), and other threads' requests (`call`) go in between two cycles; a
-stream is ended for them and begun again.
+Any thread may change the request (`reconfigure`) or queue a job for the unit (`call`); jobs run
+between two cycles, and a stream is interrupted for them.
 
-A unit may change its mind. A parameter that it refuses is dropped, with a notice, and the others go
-on. A method that it no longer takes, while it still answers, is replaced: they are measured anew.
+A unit may stop supporting what it supported. A parameter that it refuses is dropped with a notice,
+and the others go on. A method that fails while the unit still answers is replaced, after the
+methods were measured again.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from mikas.sampling.unsupported import UnsupportedParameters
 
 T = TypeVar("T")
 
-_SHORT = 1.0  # s before methods of which none works are tried again
-_LONG = 10.0  # s before a unit that refused everything is asked again
+_SHORT = 1.0  # s before the methods are tried again, where none works
+_LONG = 10.0  # s before a unit that refused every parameter is asked again
 
 
 class Sampler:
@@ -66,29 +66,29 @@ class Sampler:
         self._plan: Plan | None = None
         self._reported: tuple[SamplingRequest, Plan] | None = None
 
-    # For any thread
+    # Called from any thread
 
     @property
     def state(self) -> LineState | None:
-        """How far the way to the ECU is open; None before the start."""
+        """The line's state; None before the start."""
         return self._supervisor.state
 
     @property
     def ecu(self) -> Ecu | None:
-        """The unit of now, for a look at its model and statistics; requests go through `call`."""
+        """The present unit: its model and statistics may be read; requests go through `call`."""
         return self._supervisor.ecu
 
     @property
     def plan(self) -> Plan | None:
-        """The plan in force; None before the first."""
+        """The present plan; None before the first."""
         return self._plan
 
     def call(self, job: Callable[[Ecu], T]) -> Future[T]:
-        """`job(ecu)` between two cycles. What it raises is the future's.
+        """Run `job(ecu)` between two cycles; the future has its result or its exception.
 
-        Before `run` it waits. While no ECU answers, it fails with the `NoConnection` or `LineError`
-        of the next look at the line, within seconds; after the end of `run` with `LinkLost`.
-        A job has the line to itself: what takes long should be many jobs.
+        Before `run` the job waits. While no ECU answers, it fails within seconds with the
+        `NoConnection` or `LineError` of the next attempt; after the end of `run` with `LinkLost`.
+        No cycle runs during a job: split long work into many jobs.
         """
         return self._jobs.submit(job)
 
@@ -100,30 +100,30 @@ class Sampler:
         *,
         retry_refused: bool = False,
     ) -> None:
-        """Something else from the next cycle on; told by `PlanChanged`. Raises `UsageError`."""
+        """Change the request from the next cycle on; `PlanChanged` follows. Raises `UsageError`."""
         self._context.request = SamplingRequest(tuple(parameters), method, rate, retry_refused)
 
     def price(
         self, parameters: Sequence[PlannedParameter], method: FixedMethod | None = None
     ) -> Price:
-        """What a cycle of `wanted` would cost; method None: by the best, as far as is known."""
+        """Return the price of a cycle of `parameters`; method None: of the best one known."""
         return self._context.knowledge.price(Plan(tuple(parameters)), method)
 
     def relearn(self) -> None:
-        """Forgets what was learnt of the unit, here and for later sessions; all is tried anew."""
+        """Forget the unit's methods and limits, saved ones included; measure them again."""
         self._context.relearn = True
 
     def stop(self) -> None:
-        """Ends `run` within a second or two, also while it waits for an adapter."""
+        """End `run` within two seconds, also while it waits for an adapter."""
         self._context.stopped = True
 
     # The loop
 
     def run(self) -> Generator[Event, None, None]:
-        """Events until `stop`; closing the iterator stops too, and leaves the line quiet.
+        """Yield events until `stop`; closing the iterator stops too, and leaves the line quiet.
 
-        Raises `NotAKLineAdapter`, `NotSupported` for a unit that gives nothing from the beginning,
-        `RecordingOver` at the end of one that was played, and what `strict` says.
+        Raises `NotAKLineAdapter`, `NotSupported` if the unit refuses everything before the first
+        sample, `RecordingOver` at the end of a replay, and with `strict` the errors named there.
         """
         self._context.stopped = self._context.has_sampled = False
         self._reported = None
@@ -149,12 +149,12 @@ class Sampler:
                     if ecu is not None:
                         yield from self._with(ecu)
             except RecordingOver:
-                raise  # it won't come back
+                raise  # a replay does not continue
             except LinkLost as error:
                 yield from self._supervisor.port_lost(error, link.now())
 
     def _with(self, ecu: Ecu) -> Iterator[Event]:
-        """Samples from `ecu` until another unit is met, or nobody wants it any more."""
+        """Sample from `ecu` until another unit answers or sampling is stopped."""
         unit = self._supervisor.unit
         if self._unit is None or unit is None or not is_same_unit(unit, self._unit):
             self._forget()
@@ -210,7 +210,7 @@ class Sampler:
     def _method(
         self, ecu: Ecu, plan: Plan, requested: SamplingRequest
     ) -> Generator[Event, None, FixedMethod | None]:
-        """The one that is wanted or the best, measured if need be; None: nothing works."""
+        """Return the requested method, or the fastest, measured if necessary; None: none works."""
         context, knowledge, baud = self._context, self._context.knowledge, ecu.tester.link.baud
         if requested.method is not None and not knowledge.has_failed(requested.method):
             return requested.method
@@ -220,7 +220,7 @@ class Sampler:
             trial := knowledge.next_to_measure(plan, requested.rate, baud)
         ):
             if not measured:
-                yield from self._tell(ecu, requested, plan)  # by any method, so far
+                yield from self._tell(ecu, requested, plan)  # its method is not known yet
             measured = True
             self._jobs.run(ecu)
             yield from self._trials.learn(ecu, plan.with_method(trial), requested)
@@ -249,7 +249,7 @@ class Sampler:
             yield PlanChanged(ecu.tester.link.now(), plan)
 
     def _idle(self, ecu: Ecu, requested: SamplingRequest, seconds: float) -> Iterator[Event]:
-        """Nothing can be sampled: only jobs are done. It goes on when something else is wanted."""
+        """Run only jobs for `seconds`, or until the request changes: nothing can be sampled."""
         context, due = self._context, ecu.tester.link.now() + seconds
         yield from self._supervisor.process(LineEvent.REFUSED, ecu.tester.link.now())
         while context.is_current(requested) and not context.wait_until_due(ecu, requested, due):

@@ -190,7 +190,15 @@ def is_same_unit(one: UnitIdentity, other: UnitIdentity) -> bool:
 
 
 class IdentityCheck:
-    """`compare` raises what is in the way, or that it is another unit."""
+    """Whether the unit that answers may be another one by now.
+
+    A response does not say which unit sent it (D13). Moving the plug to another car takes a second
+    or more, in which every request meets silence; a tester that only repeats its request would take
+    the other car's response for this one's. So after such a silence no value is accepted before the
+    passports were compared. A response lost or damaged now and then is no such silence.
+
+    `compare` raises `SyncLost` for another unit, or the error that prevents the comparison.
+    """
 
     def __init__(self, compare: Callable[[Ecu], None]) -> None:
         self._compare = compare
@@ -198,16 +206,16 @@ class IdentityCheck:
         self._silences = 0
 
     def suspect(self) -> None:
-        """A stream fell silent: that it is not the unit's own doing is not certain."""
+        """A stream fell silent: perhaps not by the unit's own doing."""
         self._raised = True
 
     def confirm(self, ecu: Ecu) -> None:
-        """Who is behind `ecu` has been found out just now."""
+        """The unit of `ecu` was identified just now."""
         self._raised = False
         self._silences = ecu.tester.silences
 
     def check(self, ecu: Ecu, pause: Callable[[], None]) -> None:
-        """Compares, if there is any doubt. `pause` leaves the line free for it."""
+        """Compare if in doubt, after `pause` has made the line quiet."""
         if self._raised or ecu.tester.silences != self._silences:
             pause()
             self._compare(ecu)
