@@ -92,12 +92,6 @@ def test_slow_ones_are_spread():
     assert [len(made.due(cycle)) for cycle in range(8)] == [2] * 8
 
 
-def test_a_refused_code_is_dropped_and_the_others_stay():
-    assert [w.parameter.name for w in plan("FREQ", "TWAT").without(0x1A).parameters] == ["FREQ"]
-    with pytest.raises(UsageError):
-        plan("TWAT").without(0x1A)
-
-
 def test_misuse():
     with pytest.raises(UsageError, match="nothing"):
         Plan(())

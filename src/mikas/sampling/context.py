@@ -57,7 +57,7 @@ class SamplingContext:
         self._last.clear()
 
     def start_request(self, requested: SamplingRequest) -> None:
-        """What held for the requested before does not hold for `requested`."""
+        """Reset what held only for the request before `requested`."""
         self.due = -inf
         if requested.retry_refused:
             self.refused.clear()

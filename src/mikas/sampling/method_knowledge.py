@@ -1,8 +1,13 @@
-"""What is known of one unit's methods while it is sampled, and the choice between them.
+"""What is known of the methods on one unit and adapter, and the choice of the fastest (D10–D12).
 
-It begins with what was kept for the unit and this kind of adapter; a choice made of that alone is
-held against what the first cycles show. A method that let its user down is measured again, and
-after the second time not used any more.
+Most of §3 was never tried by its author, and an adapter that delivers bytes in lumps reverses the
+order of the methods. So each method is measured for a second (`method_trial`), and its delay beyond
+its bytes is kept: from that and from the prices of plans (§5) the fastest is known for any other
+plan too. A measurement with one kind of adapter does not hold for another.
+
+The knowledge begins with what was saved for the unit and this kind of adapter; a choice made from
+memory is compared with the first cycles. A method that fails is measured again, and after the
+second failure not used any more.
 """
 
 from __future__ import annotations
@@ -21,37 +26,37 @@ from mikas.errors import LineError
 from mikas.sampling.plan import Plan, Price
 
 CANDIDATES: tuple[FixedMethod, ...] = ("stream", "list", "batch")
-"""In the order of §5: what should be the fastest first."""
+"""In the order of §5: the presumably fastest first."""
 FALLBACK: FixedMethod = "single"
-"""What is left where none of them works."""
+"""Used where none of them works."""
 WITH_OWN_COMMANDS: frozenset[FixedMethod] = frozenset({"stream", "list"})
 """Those with commands of their own, which a unit may lack (D10); the others are all 61."""
-_AMPLE = 1.05  # of a rate that is enough
+_AMPLE = 1.05  # times a sufficient rate
 _PROBES = 5
-_SLOWER = 0.75  # of what was promised: then it is another adapter, or another system
-_CYCLES, _SECONDS = 6, 1.0  # that a promise is held against
+_SLOWER = 0.75  # of the estimated rate: below, adapter or computer are others than before
+_CYCLES, _SECONDS = 6, 1.0  # after which an estimate is compared
 _OFTEN = 2
 _BAUD = 9600  # §1
 _NEVER = MethodTiming(0, None)  # refused, however short the list is
 
 
 class MethodKnowledge:
-    """Of one unit; a new one for another unit."""
+    """The methods of one unit; another unit gets a new one."""
 
     def __init__(self) -> None:
         self.method: FixedMethod | None = None
-        """The choice that was told last."""
+        """The choice that was reported last."""
         self.max_list = STARTING_LIST
-        """The longest list that the unit is asked for by 61, as far as is known (D11)."""
-        self._paces: dict[str, dict[str, MethodTiming]] = {}
+        """The longest list that the unit is known to take by 61 (D11)."""
+        self._timings: dict[str, dict[str, MethodTiming]] = {}
         self._kind = ""
         self._ecu: Ecu | None = None
-        self._proved: set[str] = set()  # kinds of adapter
+        self._confirmed: set[str] = set()  # kinds of adapter
         self._tried: set[FixedMethod] = set()
-        self._blamed: Counter[FixedMethod] = Counter()
+        self._failures: Counter[FixedMethod] = Counter()
 
     def begin_trials(self, ecu: Ecu) -> None:
-        """Looks at the adapter, if it may be another one; recalls what is known with such."""
+        """Identify the adapter if it may be another one; load what is known with its kind."""
         self._tried.clear()
         if ecu is self._ecu:
             return
@@ -60,18 +65,18 @@ class MethodKnowledge:
             self._kind = kind_of_adapter(ecu)
             kinds = ecu.limits().methods
         except LineError:
-            self._kind, kinds = "", {}  # no telling on such a line
-        # What the unit does not know it knows with no adapter.
-        found = [each.items() for each in (*kinds.values(), *self._paces.values())]
-        lacks = {name: pace for paces in found for name, pace in paces if pace == _NEVER}
-        self._paces.setdefault(self._kind, lacks | kinds.get(self._kind, {}))
+            self._kind, kinds = "", {}  # unknown on such a line
+        # A command that the unit lacks is lacking with every adapter.
+        found = [each.items() for each in (*kinds.values(), *self._timings.values())]
+        lacks = {name: timing for timings in found for name, timing in timings if timing == _NEVER}
+        self._timings.setdefault(self._kind, lacks | kinds.get(self._kind, {}))
 
     @property
     def _known(self) -> dict[str, MethodTiming]:
-        return self._paces.setdefault(self._kind, {})
+        return self._timings.setdefault(self._kind, {})
 
     def next_to_measure(self, plan: Plan, enough: float | None, baud: int) -> FixedMethod | None:
-        """The method to be tried next; None: enough is known."""
+        """Return the method to measure next; None: enough is known."""
         rates = self.rates(plan, baud)
         good = best_method(rates, enough)
         if enough and good is not None and rates[good] >= enough and good in CANDIDATES:
@@ -85,75 +90,77 @@ class MethodKnowledge:
         return None
 
     def record(self, measured: TrialResult, plan: Plan, baud: int) -> None:
-        """What was measured just now."""
-        self._proved.add(self._kind)
-        pace = timing_of(measured, plan, baud)
-        if pace is not None:
-            self._known[measured.method] = pace
+        """Record the result of a trial."""
+        self._confirmed.add(self._kind)
+        timing = timing_of(measured, plan, baud)
+        if timing is not None:
+            self._known[measured.method] = timing
 
     def record_missing(self, method: FixedMethod) -> None:
-        """The unit does not know it, however short the list is."""
+        """Record that the unit lacks `method`, however short the list is."""
         self._known[method] = _NEVER
 
     def save(self) -> None:
-        """For the next context."""
+        """Save the timings for the next session."""
         if self._ecu is not None and self._kind:
             self._ecu.keep_timings(self._kind, self._known)
 
     def rates(self, plan: Plan, baud: int) -> dict[FixedMethod, float]:
-        """Cycles a second of every candidate that is known for such a plan."""
+        """Return cycles a second of every method that is known for such a plan."""
         rates = rates_of(plan, self._known, baud)
-        return rates | {m: 0.0 for m, count in self._blamed.items() if count >= _OFTEN}
+        return rates | {m: 0.0 for m, count in self._failures.items() if count >= _OFTEN}
 
     def price(self, plan: Plan, method: FixedMethod | None) -> Price:
-        """What a cycle would cost, with the delays that were measured; §5's where none was.
+        """Return the price of a cycle with the measured delay, or with that of §5.
 
-        `method` None: the best of those that are known, or batch.
+        `method` None: the fastest known one, or batch.
         """
-        known = self._paces.get(self._kind, {})
+        known = self._timings.get(self._kind, {})
         plan = replace(plan, max_list=self.max_list)
         if method is None:
             method = best_method(rates_of(plan, known, _BAUD)) or "batch"
-        pace = known.get(method)
+        timing = known.get(method)
         by = plan.with_method(method)
-        if pace is None or pace.delay is None:
+        if timing is None or timing.delay is None:
             return by.price()
-        return by.price(turn_round=pace.delay, pause=pace.delay)
+        return by.price(turn_round=timing.delay, pause=timing.delay)
 
     def record_failure(self, method: FixedMethod) -> None:
-        """It worked, or should have, and does not: what works is to be measured anew."""
-        self._blamed[method] += 1
+        """Count a failure of `method`; all methods are to be measured again."""
+        self._failures[method] += 1
         self.invalidate()
 
     def has_failed(self, method: FixedMethod) -> bool:
-        """Whether it has let its user down before."""
-        return self._blamed[method] > 0
+        """Return whether `method` failed before."""
+        return self._failures[method] > 0
 
     def reset_failures(self, method: FixedMethod) -> None:
-        """It is wanted once more."""
-        del self._blamed[method]
+        """Forget the failures of `method`: it was requested once more."""
+        del self._failures[method]
 
     def invalidate(self) -> None:
-        """The rates known of this kind of adapter are not so; what the unit refuses it refuses."""
+        """Forget the rates with this kind of adapter; refusals of the unit stay."""
         known = self._known.items()
-        self._paces[self._kind] = {
-            name: pace for name, pace in known if pace.delay is None and name in WITH_OWN_COMMANDS
+        self._timings[self._kind] = {
+            name: timing
+            for name, timing in known
+            if timing.delay is None and name in WITH_OWN_COMMANDS
         }
 
     def rate_estimate(self, plan: Plan, baud: int) -> RateEstimate | None:
-        """What the first cycles have to show, if the choice was made from memory."""
-        if self._kind in self._proved:
+        """Return the rate to compare with the first cycles, if the choice is from memory."""
+        if self._kind in self._confirmed:
             return None
         rate = self.rates(plan, baud).get(plan.method, 0.0)
         return RateEstimate(rate) if rate else None
 
     def confirm(self) -> None:
-        """The promise was kept."""
-        self._proved.add(self._kind)
+        """The estimated rate was confirmed by the first cycles."""
+        self._confirmed.add(self._kind)
 
 
 class RateEstimate:
-    """A rate that the first cycles are held against."""
+    """A rate from memory that is compared with the first cycles."""
 
     def __init__(self, rate: float) -> None:
         self._rate = rate
@@ -161,7 +168,7 @@ class RateEstimate:
         self._seconds = 0.0
 
     def count(self, seconds: float, *, whole: bool) -> bool | None:
-        """`seconds` went by, in which a cycle ended if `whole`. Whether it was kept; None: wait."""
+        """Count `seconds`, and a cycle if `whole`. Return whether the rate holds; None: wait."""
         if self._cycles >= 0:
             self._seconds += seconds
         self._cycles += whole
@@ -172,7 +179,7 @@ class RateEstimate:
 
 @dataclass(frozen=True, slots=True)
 class TrialResult:
-    """How a method did: cycles a second; 0 if it brought nothing, `refused` if it never will."""
+    """The cycles a second of a method; 0 if it failed, `refused` if the unit lacks it."""
 
     method: FixedMethod
     rate: float
@@ -180,7 +187,7 @@ class TrialResult:
 
 
 def kind_of_adapter(ecu: Ecu) -> str:
-    """What is behind the port, and about how long its answers are held up, to a factor of two.
+    """Return the port's description with its delay in ms, rounded to a power of two.
 
     Raises a `LineError` or a `NoConnection`.
     """
@@ -196,7 +203,7 @@ def kind_of_adapter(ecu: Ecu) -> str:
 
 
 def timing_of(measured: TrialResult, plan: Plan, baud: int) -> MethodTiming | None:
-    """What `measured` says of other plans too; None: nothing."""
+    """Return the part of `measured` that holds for other plans too; None: nothing."""
     codes = len(plan.with_method(measured.method).fast)
     if not measured.rate:
         return MethodTiming(codes, None) if measured.refused else None
@@ -204,23 +211,27 @@ def timing_of(measured: TrialResult, plan: Plan, baud: int) -> MethodTiming | No
     return MethodTiming(codes, max(0.0, (1 / measured.rate - wire) / responses))
 
 
-def rates_of(plan: Plan, paces: Mapping[str, MethodTiming], baud: int) -> dict[FixedMethod, float]:
-    """Cycles a second by each candidate of which anything is known for such a plan."""
+def rates_of(
+    plan: Plan, timings: Mapping[str, MethodTiming], baud: int
+) -> dict[FixedMethod, float]:
+    """Return cycles a second of each method whose timing is known for such a plan."""
     rates: dict[FixedMethod, float] = {}
     for method in (*CANDIDATES, FALLBACK):
         by = plan.with_method(method)
-        pace, codes = paces.get(method), len(by.fast)
-        if pace is None or (pace.delay is None and codes < pace.codes and codes <= plan.max_list):
+        timing, codes = timings.get(method), len(by.fast)
+        if timing is None or (
+            timing.delay is None and codes < timing.codes and codes <= plan.max_list
+        ):
             continue  # a shorter list than the one that was refused may be taken
         wire, responses = _cost(by, baud)
-        rates[method] = 0.0 if pace.delay is None else 1 / (wire + responses * pace.delay)
+        rates[method] = 0.0 if timing.delay is None else 1 / (wire + responses * timing.delay)
     return rates
 
 
 def best_method(
     rates: Mapping[FixedMethod, float], enough: float | None = None
 ) -> FixedMethod | None:
-    """The fastest; of those that give a rate that is `enough`, the one that does least to the unit.
+    """Return the fastest method; with `enough`, the simplest one that reaches that rate.
 
     None: none works.
     """
@@ -235,13 +246,13 @@ def best_method(
 def untested(
     known: Iterable[FixedMethod], enough: float | None, without: Iterable[FixedMethod] = ()
 ) -> list[FixedMethod]:
-    """The candidates of which nothing is known, in the order of trying."""
+    """Return the candidates that are not known, in the order of the trials."""
     skipped = {*known, *without}
     order = reversed(CANDIDATES) if enough else CANDIDATES
     return [method for method in order if method not in skipped]
 
 
 def _cost(plan: Plan, baud: int) -> tuple[float, float]:
-    """Seconds on the wire, and responses, of a cycle that asks for anything."""
+    """Return the seconds on the wire and the responses of a cycle with requests."""
     price = plan.price(baud=baud, turn_round=0.0)
     return price.seconds, 1.0 if plan.method in STREAMS else price.requests / plan.busy_share

@@ -1,8 +1,8 @@
-"""Finding out how fast a method is, while whoever wants something else gets it: what comes are
-samples, other threads' requests go in between two cycles, and `stop` is heard.
+"""Trials: a method runs for a second, and its rate is measured.
 
-A refusal may only mean that the list is too long (D11). The shortest, tried at once, tells; what is
-refused then is not tried with any other.
+Sampling continues meanwhile: readings are samples, jobs of other threads run between two cycles,
+and `stop` works. A refusal may only mean that the list is too long (D11); so the shortest list is
+tried at once, and if that is refused too, the method is not tried with any other.
 """
 
 from __future__ import annotations
@@ -28,18 +28,18 @@ _CYCLES = 6  # at least; one that sets lists, learns limits or begins a stream i
 _PATIENCE = 3  # line errors in a row
 _ACCIDENT = 8  # times as long as the usual cycle
 Trial = Generator[dict[str, Reading] | MikasError, None, TrialResult]
-_SHORTEST = 2  # data: 01 can't be taken for that
+_SHORTEST = 2  # data: 01 cannot be mistaken for these
 
 
 class MethodTrials:
-    """Measures methods and tells `context.learning`."""
+    """Measures methods and records the results in `context.knowledge`."""
 
     def __init__(self, context: SamplingContext, identity_check: IdentityCheck) -> None:
         self._context = context
         self._identity_check = identity_check
 
     def learn(self, ecu: Ecu, plan: Plan, requested: SamplingRequest) -> Iterator[Event]:
-        """Learns how fast `plan` is, unless something else than `requested` is wanted meanwhile."""
+        """Measure the rate of `plan`, unless `requested` is replaced meanwhile."""
         measured = yield from self._try(ecu, plan, requested)
         if measured is None:
             return
@@ -73,7 +73,7 @@ class MethodTrials:
         return None
 
     def _try_shortest(self, ecu: Ecu, plan: Plan, requested: SamplingRequest) -> Iterator[Event]:
-        """Its method was refused: so long a list, or any? Before and after it there are values."""
+        """Find out whether the unit refused the length of the list or the method."""
         short = yield from self._shortest_answered(ecu, plan)
         if short is None:
             return  # it may be the parameters
@@ -85,7 +85,7 @@ class MethodTrials:
         self._context.knowledge.record_missing(plan.method)
 
     def _shortest_answered(self, ecu: Ecu, plan: Plan) -> Generator[Event, None, Plan | None]:
-        """A cycle by 61. The shortest plan, by `plan`'s method, of what that brought."""
+        """Run a cycle by 61; return the shortest plan of its readings, by `plan`'s method."""
         context, now = self._context, ecu.tester.link.now
         try:
             fresh = PlanCycles(ecu, plan.with_method("batch"), self._identity_check).run(0)
@@ -105,7 +105,7 @@ class MethodTrials:
             yield sampled
 
     def _refused(self, ecu: Ecu, short: Plan, requested: SamplingRequest) -> bool:
-        """Whether the unit refuses it, as far as can be told while nothing else is wanted."""
+        """Return whether the unit refuses `short`; False if `requested` is replaced meanwhile."""
         with closing(run_trial(ecu, short, self._identity_check)) as found:
             while self._context.is_current(requested):
                 try:
@@ -123,7 +123,7 @@ def run_trial(
     identity_check: IdentityCheck | None = None,
     aside: Callable[[Callable[[], None]], bool] = lambda _: False,
 ) -> Trial:
-    """Runs `plan` for a second: gives what came, and what went wrong; returns how fast it was.
+    """Run `plan` for a second: yield readings and errors, return the rate.
 
     `aside` may ask for something else between two cycles, after it has called what it is given;
     returns whether it did. Raises a `NoConnection` if the unit goes away meanwhile, `SyncLost` if
@@ -131,7 +131,7 @@ def run_trial(
     """
     cycles = PlanCycles(ecu, plan, identity_check)
     clock = ecu.tester.link.now
-    turns = filter(plan.sends_in, count())  # an empty cycle says nothing of the method
+    turns = filter(plan.sends_in, count())  # an empty cycle does not show the rate
     turn = next(turns)
     spans: list[float] = []  # of the cycles
     before: float | None = None  # when the latest ended, if nothing else was asked since
@@ -152,7 +152,7 @@ def run_trial(
                     return TrialResult(plan.method, 0.0, refused=cycles.is_refusal(error))
                 yield error
                 continue
-            except MikasError as error:  # refused, or nobody allowed it
+            except MikasError as error:  # refused, or not confirmed by the user
                 yield error
                 return TrialResult(plan.method, 0.0, refused=isinstance(error, EcuRefused))
             if fresh or plan.method not in STREAMS:
@@ -164,7 +164,7 @@ def run_trial(
             yield fresh
     finally:
         ended = _ended(cycles)
-    # What can't be ended as it should is not to be begun again.
+    # A method that cannot be ended properly is not begun again.
     return TrialResult(plan.method, _rate(spans) if ended else 0.0)
 
 
@@ -177,7 +177,7 @@ def _ended(cycles: PlanCycles) -> bool:
 
 
 def _rate(spans: list[float]) -> float:
-    """One repeated request says nothing of the method."""
+    """Return cycles a second, without the one that a repeated request made long."""
     accident = max(spans) > _ACCIDENT * median(spans)
     counted = sorted(spans)[:-1] if accident else spans
     return len(counted) / sum(counted)

@@ -1,14 +1,15 @@
-"""From wanted parameters and rates to requests, and what they cost (§5, D11).
+"""From names and rates to requests, and what they cost (§5, D11).
 
-A plan is pure: it sends nothing. Parameters that share a byte are asked once (RXX, BITPOW and RDET
-are one); a parameter wanted every tenth cycle is asked every tenth, and several such are spread
-over the ten, so that no cycle is much longer than another; but what a derived channel is made of
-has to come in one. A cycle in which nothing has its turn is as long as one in which something has:
-every tenth is every tenth, also where all that is wanted is slow.
+A name is `FREQ`, `TWAT/10` (every tenth cycle), `0x1A`, `0x3F:2` or a derived channel's, which
+needs its inputs as often as itself, in the same cycles, whether or not they were named.
 
-Prices are §5's: bytes at the wire's pace plus the unit's turn-round for each request. Data are
-taken for random, so two in 256 bytes are stuffed; a request's stuffing is known and counted
-exactly.
+A plan is pure: it sends nothing. Parameters that share a byte are requested once (RXX, BITPOW and
+RDET are one). Parameters of a divisor are spread over its cycles, so that no cycle is much longer
+than another; inputs of a derived channel stay in one cycle. A cycle without requests is as long as
+one with requests: every tenth is every tenth, also where all parameters are slow.
+
+Prices are §5's: bytes at the wire's pace plus the unit's turn-round for each request. Data count as
+random, so two in 256 bytes are stuffed; a request's stuffing is known and counted exactly.
 """
 
 from __future__ import annotations
@@ -27,15 +28,15 @@ from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.sampling.derived import DerivedChannels
 
-_STUFFED = 2 / 256  # of random bytes: 0D and 40 take two on the wire
-_LARGEST_EVERY = 1000
+_STUFFED = 2 / 256  # of random bytes: 0D and 40 take two bytes on the wire
+_LARGEST_DIVISOR = 1000
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedParameter:
-    """A parameter, and in which cycles it is wanted: 1 is every one, 10 every tenth.
+    """A parameter and its divisor: 10 means every tenth cycle.
 
-    `together`: in the same cycles as the others that are; something is made of them.
+    `aligned`: in the same cycles as the other aligned ones; a derived channel needs them together.
     """
 
     parameter: Parameter
@@ -43,13 +44,13 @@ class PlannedParameter:
     aligned: bool = False
 
     def __post_init__(self) -> None:
-        if not 1 <= self.divisor <= _LARGEST_EVERY:
+        if not 1 <= self.divisor <= _LARGEST_DIVISOR:
             raise UsageError(
                 problem=Text(
                     f"{self.parameter.name}: every {self.divisor} cycles; it can be 1 to "
-                    f"{_LARGEST_EVERY}",
+                    f"{_LARGEST_DIVISOR}",
                     f"{self.parameter.name}: раз в {self.divisor} циклов; можно от 1 до "
-                    f"{_LARGEST_EVERY}",
+                    f"{_LARGEST_DIVISOR}",
                 )
             )
 
@@ -70,7 +71,7 @@ class Price:
 
 @dataclass(frozen=True)
 class Plan:
-    """What is asked, by which method, in lists of at most `max_list` codes."""
+    """Parameters, the method that reads them, and the longest list of codes in one request."""
 
     parameters: tuple[PlannedParameter, ...]
     method: FixedMethod = "batch"
@@ -83,12 +84,12 @@ class Plan:
             raise ValueError("a list has at least one code")
 
     def check(self) -> None:
-        """Raises `UsageError` if one code is wanted with two sizes: no telling the data apart."""
+        """Raise `UsageError` if one code is requested with two sizes: the data are ambiguous."""
         distinct([wanted.parameter for wanted in self.parameters])
 
     @cached_property
     def divisors(self) -> dict[Datum, int]:
-        """Each code once, with how often it is asked: as often as the keenest that shares it."""
+        """The divisor of each code: the smallest of the parameters that share it."""
         asked: dict[Datum, int] = {}
         for wanted in self.parameters:
             datum = Datum(wanted.parameter.code, wanted.parameter.size)
@@ -97,12 +98,12 @@ class Plan:
 
     @cached_property
     def round_length(self) -> int:
-        """Cycles after which everything has been asked at least once."""
+        """Cycles after which every code was requested at least once."""
         return max(self.divisors.values())
 
     @cached_property
     def _offsets(self) -> dict[Datum, int]:
-        """In which cycle of its own count each slow code has its turn; the first, if together."""
+        """The cycle of its divisor in which each code is due; the first if aligned."""
         parameters = (wanted.parameter for wanted in self.parameters if wanted.aligned)
         together = {Datum(each.code, each.size) for each in parameters}
         turns = dict.fromkeys(together, 0)
@@ -115,14 +116,14 @@ class Plan:
 
     @cached_property
     def fast(self) -> tuple[Datum, ...]:
-        """What a list or a stream holds: for a stream all, else those of the highest rate."""
+        """The codes of a list or a stream: all for a stream, else those of the highest rate."""
         if self.method in STREAMS:
             return tuple(self.divisors)
         keenest = min(self.divisors.values())
         return tuple(datum for datum, every in self.divisors.items() if every == keenest)
 
     def due(self, cycle: int) -> tuple[Datum, ...]:
-        """The codes whose turn is in this cycle, counted from 0; a stream brings all, always."""
+        """Return the codes due in this cycle, counted from 0; a stream always brings all."""
         if self.method in STREAMS:
             return self.fast
         return tuple(
@@ -130,7 +131,7 @@ class Plan:
         )
 
     def requests(self, cycle: int) -> list[tuple[Datum, ...]]:
-        """The lists asked by 61 in this cycle; empty where a list (63) or a stream brings all."""
+        """Return the lists requested by 61 in this cycle; none where 63 or a stream brings all."""
         if self.method in STREAMS:
             return []
         due = self.due(cycle)
@@ -140,24 +141,24 @@ class Plan:
         return [due[at : at + size] for at in range(0, len(due), size)]
 
     def sends_in(self, cycle: int) -> bool:
-        """Whether anything has its turn in this cycle; where nothing has, the wire is idle."""
+        """Return whether anything is sent in this cycle; else the wire is idle."""
         return self.method in STREAMS or self.reads_list(cycle) or bool(self.requests(cycle))
 
     @cached_property
     def busy_share(self) -> float:
-        """Which part of its cycles ask for anything."""
+        """The share of cycles in which anything is sent."""
         cycles = self._period()
         return sum(map(self.sends_in, range(cycles))) / cycles
 
     def reads_list(self, cycle: int) -> bool:
-        """Whether 63 is sent in this cycle."""
+        """Return whether 63 is sent in this cycle."""
         return self.method == "list" and cycle % min(self.divisors.values()) == 0
 
     def price(self, *, baud: int = 9600, turn_round: float = 0.002, pause: float = 0.0) -> Price:
-        """The average over as many cycles as it takes for every code to have had its turn.
+        """Return the average over as many cycles as every code needs to be due.
 
         `turn_round`: seconds from a request to its response; `pause`: between those of a stream.
-        A cycle lasts as long as one that asks for something.
+        An idle cycle lasts as long as one with requests.
         """
         cycles = self._period()
         size = count = 0.0
@@ -176,37 +177,30 @@ class Plan:
         return Price(size, count, (size * 10 / baud + waited) / self.busy_share)
 
     def _period(self) -> int:
-        """Cycles that are enough to average over: all of a small common multiple, else a long
-        run.
-        """
+        """Return how many cycles to average over: the common multiple, or many."""
         from math import lcm
 
-        return min(lcm(*self.divisors.values()), 2 * _LARGEST_EVERY)
+        return min(lcm(*self.divisors.values()), 2 * _LARGEST_DIVISOR)
 
     def with_parameter(self, more: PlannedParameter) -> Plan:
-        """This plan and one more: `price` of both tells what it would cost."""
+        """Return this plan with one parameter more."""
         return Plan((*self.parameters, more), self.method, self.max_list)
 
-    def without(self, code: int) -> Plan:
-        """This plan less a code that the unit refuses. Raises `UsageError` if nothing is left."""
-        left = tuple(w for w in self.parameters if w.parameter.code != code)
-        return Plan(left, self.method, self.max_list)
-
     def with_method(self, method: FixedMethod) -> Plan:
-        """The same wishes by another method."""
+        """Return this plan with another method."""
         return Plan(self.parameters, method, self.max_list)
 
 
 def _response(data: Sequence[Datum]) -> float:
-    """Bytes of a response with these data: the data and the checksum as random bytes, and 0D."""
+    """Return the length of a response: data and checksum as random bytes, and 0D."""
     return (sum(d.size for d in data) + 1) * (1 + _STUFFED) + 1
 
 
 @dataclass(frozen=True)
 class Selection:
-    """`channels` as they were named, each once; `wanted`: the parameters that takes.
+    """`channels` as they were named, each once, and the `parameters` that they need.
 
-    `named`: whether anything was named at all, and not just everything wanted.
+    `explicit`: at least one name was given.
     """
 
     channels: tuple[Parameter | Derived, ...]
@@ -216,13 +210,16 @@ class Selection:
 
 
 def select(catalog: Catalog, names: Iterable[str]) -> Selection:
-    """What `names` select; none: all parameters. Raises `UnknownParameter`, `UsageError`."""
+    """Return the selection of `names`; none: all parameters.
+
+    Raises `UnknownParameter`, `UsageError`.
+    """
     every: dict[str, int] = {}
     parameters: dict[str, Parameter] = {}
     channels: dict[str, Parameter | Derived] = {}
-    needed: dict[str, int] = {}  # inputs of derived channels, and what their cycles divide
+    needed: dict[str, int] = {}  # inputs of derived channels: their divisor
 
-    def want(parameter: Parameter, turns: int) -> None:
+    def add(parameter: Parameter, turns: int) -> None:
         parameters[parameter.name] = parameter
         every[parameter.name] = min(turns, every.get(parameter.name, turns))
 
@@ -231,15 +228,15 @@ def select(catalog: Catalog, names: Iterable[str]) -> Selection:
         channel, turns = _parsed(catalog, name)
         channels[channel.name] = channel
         if isinstance(channel, Parameter):
-            want(channel, turns)
+            add(channel, turns)
         else:
             for name_of_input in DerivedChannels(catalog, [channel.name]).requires:
-                want(catalog.parameter(name_of_input), turns)
+                add(catalog.parameter(name_of_input), turns)
                 needed[name_of_input] = gcd(turns, needed.get(name_of_input, turns))
     for name_of_input, common in needed.items():
-        # What comes every third cycle would meet what comes every tenth in every thirtieth only.
+        # Inputs of every third and of every tenth cycle would meet in every thirtieth only.
         every[name_of_input] = gcd(common, every[name_of_input])
-    distinct(list(parameters.values()))  # one code with two sizes could not be told apart
+    distinct(list(parameters.values()))  # one code with two sizes is ambiguous
     return Selection(
         tuple(channels.values()),
         tuple(
@@ -267,7 +264,7 @@ def _parsed(catalog: Catalog, text: str) -> tuple[Parameter | Derived, int]:
     if not (turns.isascii() and turns.isdigit()):
         raise UsageError(
             problem=Text(
-                f"“{text}”: behind the slash is a whole number, as in TWAT/10 (every tenth cycle)",
+                f"“{text}”: after the slash: a whole number, as in TWAT/10 (every tenth cycle)",
                 f"«{text}»: после черты — целое число, как в TWAT/10 (раз в десять циклов)",
             )
         )

@@ -1,6 +1,4 @@
-"""One plan on one unit, cycle after cycle, until something else is wanted or it has to be made
-anew.
-"""
+"""One plan on one unit, cycle after cycle, until the request changes or the plan is invalid."""
 
 from __future__ import annotations
 
@@ -20,7 +18,7 @@ from mikas.sampling.supervisor import IdentityCheck
 from mikas.sampling.unsupported import UnsupportedParameters, explained
 
 _BAD_LINE = 6  # failed cycles in a row after which another method may do better
-_DOUBTS = 2  # of the unit's refusals in a row after which the method is given up
+_REFUSALS = 2  # refusals by the unit in a row after which the method is given up
 
 
 class PlanCycles:
@@ -90,7 +88,7 @@ class PlanCycles:
 
 
 class PlanRunner:
-    """Runs `plan`, which is made of `requested`."""
+    """Runs `plan`, which was made for `requested`."""
 
     def __init__(
         self,
@@ -110,23 +108,23 @@ class PlanRunner:
         self._now = ecu.tester.link.now
         self._cycles = PlanCycles(ecu, plan, identity_check)
         self._streams = plan.method in STREAMS
-        # Between one-off requests a stream is not begun again: it is asked once, by 61.
+        # Between two jobs a stream is not begun again: one cycle by 61 takes its place.
         self._between = (
             PlanCycles(ecu, plan.with_method("batch"), identity_check)
             if self._streams
             else self._cycles
         )
         knowledge, baud = context.knowledge, ecu.tester.link.baud
-        self._promise = None if requested.method else knowledge.rate_estimate(plan, baud)
+        self._estimate = None if requested.method else knowledge.rate_estimate(plan, baud)
         self._length = plan.price(baud=baud).seconds  # of a cycle, until one was measured
         self._failures = 0  # in a row
-        self._doubts = 0  # of these, those that may be the unit's answer
+        self._refusals = 0  # of these, those that may be the unit's answer
         self._worked = False
         self._over = False
 
     def events(self) -> Iterator[Event]:
-        """What happens. Raises the `NoConnection` or `SyncLost` that ends it, and what `strict`
-        says.
+        """Yield events. Raises the `NoConnection` or `SyncLost` that ends the plan; with `strict`
+        also the refusal of the requested method.
         """
         number = 0
         try:
@@ -141,7 +139,7 @@ class PlanRunner:
                 yield from self._cycle(cycles, number)
                 number += 1
         finally:
-            with suppress(LineError):  # who comes next finds out how the line is
+            with suppress(LineError):  # the next exchange finds the line's fault
                 self._cycles.pause()
 
     def _cycle(self, cycles: PlanCycles, number: int) -> Iterator[Event]:
@@ -158,11 +156,11 @@ class PlanRunner:
             yield CycleFailed(
                 self._now(), explained(self._ecu, cycles.plan, error, worked=self._worked)
             )
-            yield from self._after(error, cycles)
+            yield from self._judge(error, cycles)
             return
         if cycles is self._cycles:
             self._length = self._now() - began
-            self._hold_against_promise(began, whole=bool(fresh) or not self._streams)
+            self._compare_with_estimate(began, whole=bool(fresh) or not self._streams)
         if fresh:
             yield from self._sampled(fresh)
         if len(fresh) < cycles.expected(number):
@@ -170,42 +168,42 @@ class PlanRunner:
             self._over |= any(cycles.refuses(w.parameter) for w in wanted)
 
     def _sampled(self, fresh: dict[str, Reading]) -> Iterator[Event]:
-        self._failures = self._doubts = 0
+        self._failures = self._refusals = 0
         self._worked = True
         sampled = self._context.sample_of(fresh)
         if self._context.is_due(sampled):
             yield sampled
 
-    def _after(self, error: MikasError, cycles: PlanCycles) -> Iterator[Event]:
-        """After `error`: is it the line, a parameter, or the method?"""
+    def _judge(self, error: MikasError, cycles: PlanCycles) -> Iterator[Event]:
+        """Decide whether `error` is due to the line, a parameter or the method."""
         strict = self._context.strict and not self._context.has_sampled
         if strict and self._request.method and not isinstance(error, LineError):
             raise error
         self._failures += 1
         if not isinstance(error, LineError | EcuRefused):
-            self._doubts = _DOUBTS  # nobody allowed it
+            self._refusals = _REFUSALS  # not confirmed by the user
         elif cycles.is_refusal(error):
-            self._doubts += 1
-            weed = self._unsupported.drop_unsupported(
+            self._refusals += 1
+            dropping = self._unsupported.drop_unsupported(
                 self._ecu, self._plan, self._request, going=True
             )
-            if (yield from weed) or not self._context.is_current(self._request):
+            if (yield from dropping) or not self._context.is_current(self._request):
                 self._over = True
                 return
-        if self._doubts >= _DOUBTS:
+        if self._refusals >= _REFUSALS:
             self._context.knowledge.record_failure(self._plan.method)
             self._over = True
         elif self._failures >= _BAD_LINE and self._request.method is None:
             self._context.knowledge.invalidate()
             self._over = True
 
-    def _hold_against_promise(self, began: float, *, whole: bool) -> None:
-        if self._promise is None:
+    def _compare_with_estimate(self, began: float, *, whole: bool) -> None:
+        if self._estimate is None:
             return
-        kept = self._promise.count(self._now() - began, whole=whole)
+        kept = self._estimate.count(self._now() - began, whole=whole)
         if kept is None:
             return
-        self._promise = None
+        self._estimate = None
         if kept:
             self._context.knowledge.confirm()
         else:
@@ -213,8 +211,9 @@ class PlanRunner:
             self._over = True
 
     def _is_time_for(self, cycles: PlanCycles) -> bool:
-        """Waits for the next cycle's time; False: somebody wants something before. A stream keeps
-        its own time, and what comes too early is left out.
+        """Wait for the next cycle; False: a job or another request came first.
+
+        A stream is not waited for; its surplus samples are omitted.
         """
         if self._streams and cycles is self._cycles:
             return True

@@ -37,12 +37,12 @@ _LONG = 10.0  # s before a unit that refused every parameter is asked again
 
 
 class Sampler:
-    """Samples `wanted` from whatever unit is behind `plug`.
+    """Samples `parameters` from the unit at `port`.
 
     `make_ecu` makes an `Ecu`, not yet connected, of a link. `method` None: the fastest that works.
-    `rate`: cycles a second at most. `strict`: until the first sample, what is in the way is raised
-    (no port, no ECU, a bad line, a `method` that the unit refuses) instead of waited out.
-    `again`: parameters that this unit refused in an earlier session are asked once more.
+    `rate`: cycles a second at most. `strict`: until the first sample, an obstacle (no port, no ECU,
+    a bad line, a `method` that the unit refuses) is raised instead of waited for.
+    `retry_refused`: request parameters again that this unit refused in an earlier session.
     """
 
     def __init__(

@@ -1,8 +1,11 @@
-"""Which parameters a unit refuses, at the beginning and in the middle of sampling (D10).
+"""Parameters that a unit refuses, at the beginning and while sampling (D10).
 
-A list or a stream is refused as a whole because of a single code, and a unit may change its mind.
-What is refused is dropped with a notice, and the others go on: a log that is silently empty because
-of one bad channel is no log.
+A unit refuses a list or a stream as a whole because of a single code, and may begin to refuse what
+it gave before. A refused parameter is dropped with a notice, and the others go on: a log that is
+silently empty because of one bad channel is no log.
+
+A tester only sees that a command was refused. If the unit has answered the command before,
+`explained` names the parameter or the list that it refuses instead (D10).
 """
 
 from __future__ import annotations
@@ -30,33 +33,33 @@ from mikas.sampling.events import CycleFailed, Event, ParameterDropped
 from mikas.sampling.plan import Plan
 from mikas.sampling.supervisor import IdentityCheck
 
-_HOPELESS = 6  # refusals before the first answer: it is not the parameters
+_HOPELESS = 6  # refusals before the first datum: the parameters are not the reason
 _ATTEMPTS = 3
 _ASKED_AGAIN = 2  # times, before silence is taken for a refusal
 
 
 class UnsupportedParameters:
-    """Makes plans without what the unit refuses."""
+    """Makes plans without the parameters that the unit refuses."""
 
     def __init__(self, context: SamplingContext, identity_check: IdentityCheck) -> None:
         self._context = context
         self._identity_check = identity_check
-        self._asked_again: SamplingRequest | None = None
+        self._retried: SamplingRequest | None = None
 
     def supported_plan(
         self, ecu: Ecu, requested: SamplingRequest
     ) -> Generator[Event, None, Plan | None]:
-        """The plan of what the unit gives; None: it gives nothing, which was told, or something
-        else is wanted by now.
+        """Return the plan of the supported parameters.
 
-        Raises `NotSupported` instead if there has never been a sample, and what `strict` says.
+        None: the unit refuses all, which was reported, or `requested` was replaced. Raises
+        `NotSupported` if the unit refuses all before the first sample.
         """
         for attempt in range(1, _ATTEMPTS + 1):
             if attempt > 1:
-                self._context.jobs.run(ecu)  # an attempt takes seconds, where the unit is silent
+                self._context.jobs.run(ecu)  # an attempt takes seconds if the unit is silent
             if not self._context.is_current(requested):
                 return None
-            plan = self._left(requested)
+            plan = self._remaining(requested)
             if plan is None:
                 break
             try:
@@ -65,35 +68,35 @@ class UnsupportedParameters:
             except LineError as error:
                 yield CycleFailed(ecu.tester.link.now(), error)
                 if attempt == _ATTEMPTS:
-                    return plan  # on such a line there is no telling
+                    return plan  # on such a line refusals are not known
             except NotSupported as error:
-                weeded = yield from self.drop_unsupported(ecu, plan, requested)
-                if not weeded and self._context.is_current(requested):
-                    yield from self._nothing(ecu, error)
+                dropped = yield from self.drop_unsupported(ecu, plan, requested)
+                if not dropped and self._context.is_current(requested):
+                    yield from self._all_refused(ecu, error)
                     return None
-        plan = self._left(requested)
+        plan = self._remaining(requested)
         if plan is None:
             first = requested.parameters[0].parameter
-            yield from self._nothing(ecu, refused(first.name, first.code))
+            yield from self._all_refused(ecu, refused(first.name, first.code))
         return plan
 
     def _try(self, ecu: Ecu, requested: SamplingRequest, plan: Plan) -> Iterator[Event]:
         named = [wanted.parameter for wanted in plan.parameters]
-        again = requested.retry_refused and requested is not self._asked_again
+        again = requested.retry_refused and requested is not self._retried
         poller = poller_of(ecu, "batch", again=again)
         poller.cycle([named])
-        self._asked_again = requested
+        self._retried = requested
         self._context.knowledge.max_list = ecu.limits().max_list
         lost = {datum_of(p) for p in named if poller.refuses([p])}
         yield from self._drop(ecu, plan, lost)
 
-    def _left(self, requested: SamplingRequest) -> Plan | None:
+    def _remaining(self, requested: SamplingRequest) -> Plan | None:
         left = tuple(
             w for w in requested.parameters if datum_of(w.parameter) not in self._context.refused
         )
         return Plan(left, max_list=self._context.knowledge.max_list) if left else None
 
-    def _nothing(self, ecu: Ecu, error: MikasError) -> Generator[Event, None, None]:
+    def _all_refused(self, ecu: Ecu, error: MikasError) -> Generator[Event, None, None]:
         if not self._context.has_sampled:
             raise error
         yield CycleFailed(ecu.tester.link.now(), error)
@@ -101,15 +104,15 @@ class UnsupportedParameters:
     def drop_unsupported(
         self, ecu: Ecu, plan: Plan, requested: SamplingRequest, *, going: bool = False
     ) -> Generator[Event, None, bool]:
-        """Drops what the unit refuses now; whether that is anything.
+        """Drop the parameters that the unit refuses now; return whether there are any.
 
-        A silent one takes a second each time that it is asked; whoever wants something else gets it
-        before the next. `going`: then the others have a cycle, lest they wait for it too.
+        A silent parameter takes a second each time; jobs run in between, and with `going` also a
+        cycle of the parameters that have answered.
         """
         context = self._context
         asked = tuple(plan.divisors)
         answered: list[Datum] = []
-        left: dict[Datum, int] = {}  # those that did not answer; how often they are asked again
+        left: dict[Datum, int] = {}  # without a datum: how often they are requested again
         to_ask = list(dict.fromkeys((*COMMON, *asked)))
         try:
             while to_ask and context.is_current(requested):
@@ -117,12 +120,12 @@ class UnsupportedParameters:
                 datum = to_ask.pop(0)
                 if answered and datum not in asked:
                     continue
-                if (said := _probe(ecu, datum)) is ProbeResult.DATUM:
+                if (result := _probe(ecu, datum)) is ProbeResult.DATUM:
                     answered.append(datum)
                     left.pop(datum, None)
                     continue
                 left[datum] = (
-                    0 if said is ProbeResult.REFUSED else left.get(datum, _ASKED_AGAIN + 1) - 1
+                    0 if result is ProbeResult.REFUSED else left.get(datum, _ASKED_AGAIN + 1) - 1
                 )
                 if not answered and len(left) == _HOPELESS:
                     return False
@@ -141,7 +144,7 @@ class UnsupportedParameters:
         return bool(lost)
 
     def _rest(self, ecu: Ecu, plan: Plan, answered: Collection[Datum]) -> Iterator[Event]:
-        """A cycle of those that have answered."""
+        """Run a cycle of the parameters that have answered."""
         named = [w.parameter for w in plan.parameters if datum_of(w.parameter) in answered]
         if not named:
             return
@@ -162,16 +165,16 @@ class UnsupportedParameters:
 
 
 class ProbeResult(Enum):
-    """What comes of asking for a datum."""
+    """The outcome of a request for one datum."""
 
     DATUM = "a datum"
     REFUSED = "a refusal"
-    SILENCE = "nothing, or nothing that is one: it may have been lost"
+    SILENCE = "no response, or none of the right length: it may have been lost"
 
 
 def _probe(ecu: Ecu, datum: Datum) -> ProbeResult:
-    """Asked once; damage says nothing. Raises the `LineError` of too much of it."""
-    # Asked for twice at once, a datum of 01 can't be taken for a refusal.
+    """Request `datum` once; damage is no answer. Raises the third `LineError` in a row."""
+    # With the code twice in a request, a datum 01 differs from a refusal.
     command = ReadParameters((datum,) * (2 if ecu.limits().max_list > 1 else 1))
     for attempt in range(1, _ATTEMPTS + 1):
         try:
@@ -188,7 +191,7 @@ def _probe(ecu: Ecu, datum: Datum) -> ProbeResult:
 
 
 def explained(ecu: Ecu, plan: Plan, error: MikasError, *, worked: bool) -> MikasError:
-    """What is to be told of `error`. `worked`: `plan` has brought something before."""
+    """Return `error` as it is true of this unit. `worked`: `plan` gave readings before."""
     frames = Decoder().feed(error.request or b"") if isinstance(error, NotSupported) else []
     bodies = [frame.body for frame in frames if isinstance(frame, Frame)]
     if not bodies:
