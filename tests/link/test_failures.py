@@ -60,7 +60,7 @@ def test_the_reason_decides_the_error(error, raised):
 @pytest.mark.parametrize(
     ("error", "said"),
     [
-        (wrapping(ConnectionRefusedError(111, "Connection refused")), "nobody listens there"),
+        (wrapping(ConnectionRefusedError(111, "Connection refused")), "no program listens there"),
         (wrapping(socket.gaierror(-2, "Name or service not known")), "host is not known"),
         (wrapping(TimeoutError("timed out")), "no answer from there"),
         (wrapping(OSError(errno.EHOSTUNREACH, "No route to host")), ": No route to host."),

@@ -127,7 +127,7 @@ def test_denied(native, monkeypatch):
 def test_nobody_listens(scheme):
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
-    with pytest.raises(PortFailed, match="nobody listens there"):
+    with pytest.raises(PortFailed, match="no program listens there"):
         open_link(f"{scheme}://127.0.0.1:{port}")
 
 

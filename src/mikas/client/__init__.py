@@ -1,6 +1,6 @@
-"""The public object and what its methods give.
+"""The public object `Ecu` and the types that its methods return.
 
-What is for asyncio programs is imported when it is first used: nobody else waits for asyncio.
+The asyncio interface is imported when it is first used, so that other programs do not load asyncio.
 """
 
 from __future__ import annotations

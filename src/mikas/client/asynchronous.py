@@ -32,8 +32,8 @@ _END = object()
 class _Remote(Protocol[T]):
     """Something whose methods run in the worker thread of an `AsyncEcu`."""
 
-    _here: AsyncEcu
-    _there: T
+    _async_ecu: AsyncEcu
+    _sync: T
 
 
 class _Delegated(Generic[T, P, R]):
@@ -47,8 +47,8 @@ class _Delegated(Generic[T, P, R]):
         self, instance: _Remote[T], owner: type[_Remote[T]]
     ) -> Callable[P, asyncio.Future[R]]:
         def call(*args: P.args, **kwargs: P.kwargs) -> asyncio.Future[R]:
-            here, there = instance._here, instance._there  # noqa: SLF001  (they are for this)
-            return here.run(partial(self._method, there, *args, **kwargs))
+            ecu, sync = instance._async_ecu, instance._sync  # noqa: SLF001  (they are for this)
+            return ecu.run(partial(self._method, sync, *args, **kwargs))
 
         update_wrapper(call, self._method)
         return call
@@ -63,8 +63,8 @@ class _Iterated(Generic[T, P, R]):
 
     def __get__(self, instance: _Remote[T], owner: type[_Remote[T]]) -> Callable[P, AsyncItems[R]]:
         def call(*args: P.args, **kwargs: P.kwargs) -> AsyncItems[R]:
-            here, there = instance._here, instance._there  # noqa: SLF001  (they are for this)
-            return here.iterate(partial(self._method, there, *args, **kwargs))
+            ecu, sync = instance._async_ecu, instance._sync  # noqa: SLF001  (they are for this)
+            return ecu.iterate(partial(self._method, sync, *args, **kwargs))
 
         update_wrapper(call, self._method)
         return call
@@ -95,10 +95,10 @@ class _Connect(Generic[P]):
 
 
 class AsyncItems(AsyncIterator[R]):
-    """What an iterator gives, each item fetched in the worker thread.
+    """The items of an iterator, each fetched in the worker thread.
 
-    It ends when the task that waits for an item is cancelled, and when nobody holds it any more, so
-    a `break` frees the unit too; `aclose` tells what went wrong with ending it.
+    It ends when the task that waits for an item is cancelled, and when it is garbage-collected, so
+    a `break` frees the unit too; `aclose` raises the error of ending it.
     """
 
     def __init__(self, ecu: AsyncEcu, make: Callable[[], Iterator[R]]) -> None:
@@ -112,27 +112,27 @@ class AsyncItems(AsyncIterator[R]):
         try:
             item = await self._ecu.run(self._items.next)
         except asyncio.CancelledError:
-            self._let_go()
+            self._end()
             raise
         if item is _END:
             raise StopAsyncIteration
         return item  # type: ignore[return-value]  # anything but _END is the iterator's
 
     async def aclose(self) -> None:
-        """Ends the iterator, and with it a stream that it runs. A second call does nothing."""
+        """End the iterator, and with it a stream that it runs. A second call does nothing."""
         await self._ecu.run(self._items.close)
 
-    def _let_go(self) -> None:
+    def _end(self) -> None:
         # Behind what the worker is doing now, before whatever it is given next.
-        self._ecu._submit(self._items.close)  # noqa: SLF001  (it is the one whose items these are)
+        self._ecu._submit(self._items.close)  # noqa: SLF001  (these items belong to it)
 
     def __del__(self) -> None:
         if not self._items.ended:
-            self._let_go()
+            self._end()
 
 
 class _Items(Generic[R]):
-    """The worker's side of `AsyncItems`, which it must not keep alive."""
+    """The worker's side of `AsyncItems`; it must not keep that object alive."""
 
     def __init__(self, make: Callable[[], Iterator[R]]) -> None:
         self._make = make
@@ -163,24 +163,24 @@ class AsyncMemorySpace:
     write = _Delegated(MemorySpace.write)
     write_block = _Delegated(MemorySpace.write_block)
 
-    def __init__(self, here: AsyncEcu, there: MemorySpace) -> None:
-        self._here = here
-        self._there = there
-        self.name = there.name
-        self.last = there.last
+    def __init__(self, ecu: AsyncEcu, sync: MemorySpace) -> None:
+        self._async_ecu = ecu
+        self._sync = sync
+        self.name = sync.name
+        self.last = sync.last
 
 
 class AsyncMemory:
     """`memory.ram`, `.xram`, `.code`, `.sfr`; or by name, `memory["ram"]`."""
 
-    def __init__(self, here: AsyncEcu, there: Memory) -> None:
-        self._there = there
+    def __init__(self, ecu: AsyncEcu, sync: Memory) -> None:
+        self._sync = sync
         self.ram, self.xram, self.code, self.sfr = (
-            AsyncMemorySpace(here, there[name]) for name in Memory.NAMES
+            AsyncMemorySpace(ecu, sync[name]) for name in Memory.NAMES
         )
 
     def __getitem__(self, name: str) -> AsyncMemorySpace:
-        space: AsyncMemorySpace = getattr(self, self._there[name].name)
+        space: AsyncMemorySpace = getattr(self, self._sync[name].name)
         return space
 
 
@@ -211,8 +211,8 @@ class AsyncEcu:
     def __init__(self, ecu: Ecu, worker: ThreadPoolExecutor) -> None:
         self.ecu = ecu
         self.memory = AsyncMemory(self, ecu.memory)
-        self._here = self
-        self._there = ecu
+        self._async_ecu = self
+        self._sync = ecu
         self._worker = worker
         self._closed = False
 
@@ -242,7 +242,7 @@ class AsyncEcu:
         return asyncio.wrap_future(self._worker.submit(call))
 
     def iterate(self, make: Callable[[], Iterator[R]]) -> AsyncItems[R]:
-        """What the iterator of `make()` gives, each item fetched in the worker thread."""
+        """Iterate over `make()`, with each item fetched in the worker thread."""
         return AsyncItems(self, make)
 
     @asynccontextmanager
@@ -261,7 +261,7 @@ class AsyncEcu:
         await self.run(partial(context.__exit__, None, None, None))
 
     async def close(self) -> None:
-        """Lets go of the port and ends the worker thread. A second call does nothing."""
+        """Close the port and end the worker thread. A second call does nothing."""
         if not self._closed:
             closing = self.run(self.ecu.close)
             self._closed = True

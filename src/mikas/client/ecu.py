@@ -1,4 +1,4 @@
-"""The public object: one ECU, everything that can be asked of it or done to it.
+"""The public object: one ECU, everything that can be read from it or changed in it.
 
 Each method says what it raises; all of it comes from `mikas.errors`. Reading changes nothing; every
 change goes through the gate. Several threads may use one `Ecu`.
@@ -44,14 +44,14 @@ from mikas.tester import Tester
 
 @dataclass(frozen=True, slots=True)
 class Erased:
-    """What an erase did: the faults that were stored, and those that are there now."""
+    """The faults that were stored before an erase, and those stored after it."""
 
     before: tuple[Fault, ...]
     after: tuple[Fault, ...]
 
 
 def erasing(count: int) -> Text:
-    """What erasing so many faults is called."""
+    """Return the text for erasing `count` faults."""
     faults = counted(count, ("stored fault", "stored faults"), ("ошибку", "ошибки", "ошибок"))
     return Text("erase {faults}", "стереть {faults}").filled(faults=faults)
 
@@ -87,16 +87,16 @@ class Ecu:
 
     @property
     def version_code(self) -> int:
-        """What the unit answered to 01 at connect."""
+        """The unit's answer to 01 at connect."""
         assert self.tester.version_code is not None
         return self.tester.version_code
 
     @property
     def model(self) -> Model:
-        """The model that the version code means; an unknown one says so."""
+        """The model of this version code; it may be an unknown one."""
         return self.catalog.model(self.version_code)
 
-    # Who it is
+    # Identity
 
     def info(self) -> Info:
         """Model, passports, number of parameters, echo, learnt limits: nine requests."""
@@ -110,10 +110,10 @@ class Ecu:
         )
 
     def passport(self, *, again: bool = False) -> Passport:
-        """The program's and the data's passport (51–58), asked once a session.
+        """Read the program's and the data's passport (51–58), once a session.
 
-        `again`: ask once more; after a pause it may be another unit that answers. A piece that was
-        given before and is not now was lost on the line, and stays.
+        `again`: read once more; after a pause another unit may answer. A piece that was read before
+        and is missing now was lost on the line, and stays.
         """
         if again or self._passport is None:
             before, found = self._passport, read_passport(self.tester)
@@ -125,13 +125,13 @@ class Ecu:
         return self._passport
 
     def supported(self) -> Iterator[Support]:
-        """Tries every harmless command once and tells what the unit knows (D10)."""
+        """Try every harmless command once and yield whether the unit knows it (D10)."""
         return try_commands(self.tester)
 
     # Parameters
 
     def read(self, *names: str) -> dict[str, Reading]:
-        """One reading of each named parameter; with no names, of all that the unit knows.
+        """Read each named parameter once; with no names, all that the unit knows.
 
         A raw code is written `0x1A`, or `0x3F:2`. Raises `UnknownParameter`, `NotSupported` for a
         named one that the unit does not know, or if it knows none, a `LineError`, `NoConnection`.
@@ -145,7 +145,7 @@ class Ecu:
         rate: float | None = None,
         count: int | None = None,
     ) -> Generator[Sample, None, None]:
-        """Samples, as fast as the wire gives them or `rate` times a second, `count` or for ever.
+        """Yield `count` samples, or without end, as fast as the wire allows or `rate` a second.
 
         A cycle that failed is a sample with `gap`; a parameter that the unit does not know is
         missing. Raises `LinkLost`, `UnknownParameter`, and `EcuRefused` if it refuses the method
@@ -154,8 +154,8 @@ class Ecu:
         auto, batch: as few requests (61) as the unit takes, which changes nothing in it and leaves
         the line free in between; single: one a parameter; list: by 64 and 63, which changes the
         unit's list; stream: 71; stroke0 … stroke4: 7F … 83. A stream keeps the line to itself until
-        what is returned is closed, or has given `count` samples. What is the fastest on a unit is
-        found by `mikas.sampling`.
+        what is returned is closed, or has yielded `count` samples. `mikas.sampling` finds out which
+        method is the fastest on a unit.
         """
         fixed = fixed_method(method) or "batch"
         return Watcher(self.tester, self._parameters, names, fixed, rate).samples(count)
@@ -170,14 +170,14 @@ class Ecu:
         return self._parameters.stream(names, stroke=stroke)
 
     def set_list(self, *names: str) -> tuple[str, ...]:
-        """Sets the list that `read_list` reads (64); returns the names in it.
+        """Set the list that `read_list` reads (64); return the names in it.
 
         Raises `UnknownParameter`, `NotConfirmed`, `WriteRefused`, `NotSupported`.
         """
         return self._parameters.set_list(names)
 
     def read_list(self) -> dict[str, Reading]:
-        """One reading of each parameter in the list (63), which `set_list` sets.
+        """Read each parameter of the list once (63); `set_list` sets it.
 
         Raises `UsageError` without a list, and after silence, for then the unit may have lost it.
         """
@@ -190,7 +190,7 @@ class Ecu:
     def write_parameter(
         self, name: str, value: float | None = None, *, raw: bytes | None = None
     ) -> WrittenParameter:
-        """Writes a physical `value`, or the `raw` datum, and reads it back (62).
+        """Write a physical `value`, or the `raw` datum, and read it back (62).
 
         Raises `ValueDoesNotFit`, `NotConfirmed`, `WriteRefused`, `ReadBackDiffers`.
         """
@@ -199,11 +199,11 @@ class Ecu:
     # Faults
 
     def faults(self) -> tuple[Fault, ...]:
-        """The stored faults in the unit's order; one that the catalog lacks has no text."""
+        """Read the stored faults, in the unit's order; one that the catalog lacks has no text."""
         return tuple(self.catalog.fault(code) for code in self.tester.request(c.ReadFaults()))
 
     def erase_faults(self) -> Erased:
-        """Erases them (two writes, §3) and reads again. Raises `NotConfirmed`, `WriteRefused`."""
+        """Erase the faults (two writes, §3), read again. Raises `NotConfirmed`, `WriteRefused`."""
         before = self.faults()
         change = Change(
             what=erasing(len(before)),
@@ -230,9 +230,9 @@ class Ecu:
     # The rest
 
     def goto(self, address: int) -> bytes:
-        """Makes the ECU jump to `address` (41). The most dangerous command there is.
+        """Make the ECU jump to `address` (41), the most dangerous command.
 
-        Returns a response's body if one came, empty for the silence that is expected (D9).
+        Returns the body of a response, empty for the expected silence (D9).
         """
         command = c.GoTo(address)
         change = Change(
@@ -244,10 +244,10 @@ class Ecu:
         return self._gate.make(change, lambda: self.tester.raw(command.body()) or b"", hex_or_none)
 
     def raw(self, body: bytes) -> bytes | None:
-        """Sends any request body; returns the response's body, None for silence.
+        """Send any request body; return the response's body, None for silence.
 
-        What is not known to be harmless goes through the gate. Raises `NotConfirmed`, `NoEcho`, or
-        a `LineError` for a damaged or doubled response.
+        A command that is not known to be harmless passes the gate. Raises `NotConfirmed`, `NoEcho`,
+        or a `LineError` for a damaged or doubled response.
         """
         if not body:
             raise UsageError(problem=Text("there is nothing to send", "нечего посылать"))
@@ -271,25 +271,25 @@ class Ecu:
     # What was learnt
 
     def limits(self) -> Limits:
-        """What was learnt of this unit, as it is now; a copy.
+        """Return a copy of what was learnt of this unit.
 
-        May ask the unit for its passport, and raises what that raises.
+        May read the unit's passport, and raises what that raises.
         """
         return self._limits.limits().copy()
 
     def keep_timings(self, adapter: str, timings: Mapping[str, MethodTiming]) -> None:
-        """Keeps how fast each method of sampling is with this kind of adapter."""
+        """Save how fast each sampling method is with this kind of adapter."""
         self._limits.keep_timings(adapter, timings)
 
     def forget_limits(self) -> None:
-        """Forgets all that was learnt of this unit, kept or not: it is found out anew."""
+        """Forget all that was learnt of this unit, the saved limits too; it is learnt again."""
         self._limits.forget()
 
     def _whose(self) -> dict[str, object]:
         return {"port": self.tester.link.url, "model": self.model.text.en}
 
     def close(self) -> None:
-        """Ends what is running and lets go of the port. A second call does nothing."""
+        """End a running stream and close the port. A second call does nothing."""
         self.tester.close()
 
     def __enter__(self) -> Self:

@@ -1,4 +1,4 @@
-"""Who the ECU is and what it knows: passports, and every harmless command tried once (§3, D10)."""
+"""Identity and commands of the ECU: passports, and every harmless command tried once (§3, D10)."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ class Passport:
 
     @property
     def pieces(self) -> tuple[str, ...]:
-        """All eight, "" for what is missing: what a unit is recognised by."""
+        """All eight, "" for a missing one: they identify a unit."""
         return tuple(piece or "" for piece in (*self.program, *self.data))
 
     def may_be(self, other: Passport) -> bool:
-        """Whether both may be one unit's: noise can take pieces, but not change them."""
+        """Whether both may be of one unit: noise can make pieces missing, but not change them."""
         pairs = zip((*self.program, *self.data), (*other.program, *other.data), strict=True)
         both = [(own, others) for own, others in pairs if own is not None and others is not None]
         return all(own == others for own, others in both) and (bool(both) or self == other)
@@ -55,7 +55,7 @@ def _filled(
 
 @dataclass(frozen=True, slots=True)
 class Info:
-    """What is known of a unit. `parameter_count`: None if it does not tell."""
+    """What is known of a unit. `parameter_count`: None if the unit does not answer 60."""
 
     model: Model
     version_code: int
@@ -66,7 +66,7 @@ class Info:
 
 
 def read_passport(tester: Tester) -> Passport:
-    """Eight requests; a unit that refuses the first of a kind is not asked for the others."""
+    """Read the passports: eight requests, fewer if the unit refuses the first of a kind."""
     return Passport(_pieces(tester, c.ReadProgramPassport), _pieces(tester, c.ReadDataPassport))
 
 
@@ -89,14 +89,14 @@ def _asked(tester: Tester, command: c.Command[T]) -> T | None:
 
 
 def count_parameters(tester: Tester) -> int | None:
-    """60. A count of one can only be D10's `01`: no unit has a single parameter."""
+    """Send 60. A count of one can only be D10's `01`: no unit has a single parameter."""
     count = _asked(tester, c.CountParameters())
     return None if count == 1 else count
 
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """Whether the unit knows a command. `known` None: not tried, or no telling."""
+    """Whether the unit knows a command. `known` None: not tried, or not certain."""
 
     command: type[c.Command[Any]]
     known: bool | None
@@ -108,7 +108,7 @@ class Support:
 
 
 def try_commands(tester: Tester) -> Iterator[Support]:
-    """Every command of §3 in turn; those that would change something are not tried.
+    """Try every command of §3 in turn, except those that would change something.
 
     Raises a `NoConnection` if the unit goes away meanwhile.
     """

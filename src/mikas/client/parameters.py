@@ -48,7 +48,7 @@ class WrittenParameter:
 
 
 class Parameters:
-    """Names on one side, codes and bytes on the other."""
+    """Reads and writes parameters by name; the unit knows codes and bytes."""
 
     def __init__(
         self, tester: Tester, catalog: Catalog, gate: Gate, data: DataReader, interpretation: str
@@ -59,10 +59,10 @@ class Parameters:
         self._data = data
         self._interpretation = interpretation
         self._listed: tuple[Parameter, ...] = ()
-        self._list_lock = threading.RLock()  # the unit has one list, whoever sets it
+        self._list_lock = threading.RLock()  # the unit has one list for all threads
 
     def named(self, names: Sequence[str]) -> tuple[Parameter, ...]:
-        """The parameters of these names, all of the catalog if there are none."""
+        """Return the parameters of these names, all of the catalog if there are none."""
         for name in names:
             if not isinstance(name, str):
                 raise UsageError(
@@ -74,7 +74,7 @@ class Parameters:
         return tuple(map(self._catalog.parameter, names)) or self._catalog.parameters
 
     def read(self, names: Sequence[str]) -> dict[str, Reading]:
-        """One reading each. Raises `NotSupported` for a named one that the unit does not know.
+        """Read each once. Raises `NotSupported` for a named one that the unit does not know.
 
         With no names: all that the unit knows, the others are left out.
         """
@@ -88,7 +88,7 @@ class Parameters:
     def fetch(
         self, wanted: Sequence[Parameter], method: str = "batch", *, again: bool = False
     ) -> dict[int, RawDatum]:
-        """The data of `wanted` by code, every code asked once.
+        """Read the data of `wanted` by code, each code once.
 
         `again`: also those that the unit has refused before. Raises as `DataReader.batch` does.
         """
@@ -100,7 +100,7 @@ class Parameters:
         return self._data.refuses(p.code for p in wanted)
 
     def readings(self, wanted: Sequence[Parameter], got: dict[int, RawDatum]) -> dict[str, Reading]:
-        """What `got` means for each of `wanted` that it has."""
+        """Decode the readings of those of `wanted` that are in `got`."""
         return {
             p.name: decode(p, got[p.code].raw, got[p.code].time, self._interpretation)
             for p in wanted
@@ -110,7 +110,7 @@ class Parameters:
     # Lists, 63 and 64
 
     def set_list(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Sets the unit's list (64), which `read_list` then reads; a power cycle forgets it."""
+        """Set the unit's list (64), which `read_list` then reads; a power cycle forgets it."""
         wanted = self.named(names)
         self._write_list(wanted)
         return tuple(p.name for p in wanted)
@@ -142,7 +142,7 @@ class Parameters:
             except (NoResponse, NotSupported) as error:
                 if error.received:
                     raise
-                # Only the answer may be lost, and setting it twice does what setting it once does.
+                # Perhaps only the answer was lost, and setting the list twice does no harm.
                 self._tester.request(c.WriteList(data))
             self._listed = wanted
 
@@ -156,11 +156,11 @@ class Parameters:
             yield
 
     def forget_list(self) -> None:
-        """The unit's list may be another one now: `read_list` won't trust it."""
+        """Take the unit's list for unknown: it has to be set before `read_list`."""
         self._listed = ()
 
     def read_list(self) -> dict[str, Reading]:
-        """One reading of each parameter in the list that this session set (63).
+        """Read each parameter of the list that this session set (63).
 
         A unit that has lost its supply meanwhile has forgotten it: after silence or a refusal the
         list has to be set again.
@@ -178,7 +178,7 @@ class Parameters:
             return self.readings(self._listed, got)
 
     def through_list(self, wanted: tuple[Parameter, ...]) -> dict[str, Reading]:
-        """One reading of each of `wanted` by the unit's list, set first if it is another."""
+        """Read each of `wanted` by the unit's list, which is set first if it is another."""
         with self._holding_the_list():
             if self._listed != wanted:
                 self._write_list(wanted)
@@ -190,7 +190,7 @@ class Parameters:
     def stream(
         self, names: Sequence[str], *, stroke: int | None = None
     ) -> Iterator[Iterator[dict[str, Reading]]]:
-        """The readings that the unit sends by itself, until the `with` is left (D12).
+        """Yield the readings that the unit sends on its own, until the `with` is left (D12).
 
         `stroke`: 0 … 4 for one response an engine cycle (D15); None for the cyclic stream.
         """
@@ -199,13 +199,13 @@ class Parameters:
             yield (self.of_item(wanted, item) for item in stream)
 
     def raw_stream(self, wanted: Sequence[Parameter], stroke: int | None) -> Stream:
-        """The tester's own stream of `wanted`, to be closed."""
+        """Start the tester's stream of `wanted`, to be closed."""
         data = distinct(wanted)
         command = c.StreamCyclic(data) if stroke is None else c.StreamAtStroke(data, stroke)
         return self._tester.stream(command)
 
     def of_item(self, wanted: Sequence[Parameter], item: StreamItem) -> dict[str, Reading]:
-        """The readings of one streamed response."""
+        """Decode the readings of one streamed response."""
         data = distinct(wanted)
         got = {d.code: RawDatum(raw, item.time) for d, raw in zip(data, item.data, strict=True)}
         return self.readings(wanted, got)
@@ -213,7 +213,7 @@ class Parameters:
     # Writing, 62
 
     def write(self, name: str, value: float | None, raw: bytes | None) -> WrittenParameter:
-        """Writes a physical `value`, or the `raw` datum, and reads it back.
+        """Write a physical `value`, or the `raw` datum, and read it back.
 
         Raises `ValueDoesNotFit`, `NotConfirmed`, `WriteRefused`, `ReadBackDiffers`.
         """
@@ -273,9 +273,9 @@ class Parameters:
 
 
 def distinct(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
-    """Their codes, each once: RXX, BITPOW and RDET are one byte (§5).
+    """Return their codes, each once: RXX, BITPOW and RDET are one byte (§5).
 
-    Raises `UsageError` if one code is asked for with two sizes: the data could not be told apart.
+    Raises `UsageError` for one code with two sizes: its data could not be separated.
     """
     sizes: dict[int, int] = {}
     for p in parameters:
@@ -290,8 +290,8 @@ def distinct(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
 
 
 def _list_of(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
-    """What 64 is given. A list of a single byte holds it twice: a unit that has forgotten its list
-    may answer 63 with 01 (D10), and that must not look like a datum.
+    """Return the list for 64. A list of a single byte holds it twice: a unit that has forgotten its
+    list may answer 63 with 01 (D10), and that must not look like a datum.
     """
     data = distinct(parameters)
     return data * 2 if data == ((data[0].code, 1),) else data

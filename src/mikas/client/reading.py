@@ -1,6 +1,4 @@
-"""A value is never bare (rule 5 of the house): what it is, from which bytes, when, decoded with
-what.
-"""
+"""A value is never bare (rule 5 of the architecture): it has its unit, bytes, time and decoding."""
 
 from __future__ import annotations
 
@@ -40,7 +38,7 @@ class Reading:
 
 
 def decode(parameter: Parameter, raw: bytes, time: float, interpretation: str) -> Reading:
-    """The reading that `raw` is."""
+    """Decode `raw` into a reading."""
     conversion = parameter.interpretation(interpretation)
     taken = interpretation if interpretation in parameter.interpretations else "corrected"
     return Reading(parameter, conversion.decode(raw), conversion.unit, raw, time, taken)
@@ -48,9 +46,9 @@ def decode(parameter: Parameter, raw: bytes, time: float, interpretation: str) -
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """What one cycle of `watch` brought. A parameter that could not be read is missing.
+    """The readings of one cycle of `watch`. A parameter that could not be read is missing.
 
-    `gap`: nothing at all came, `error` says why. A value is never repeated from the cycle before.
+    `gap`: nothing came, `error` says why. A value is never repeated from the cycle before.
     """
 
     time: float

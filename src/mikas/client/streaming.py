@@ -1,7 +1,4 @@
-"""Readings that a unit sends by itself, begun again whenever they have stopped (71, 7F–83; D12).
-
-Both `Ecu.watch` and the sampler read streams by this; they differ in what they do about a failure.
-"""
+"""Readings that a unit sends on its own; a stopped stream is started again (71, 7F–83; D12)."""
 
 from __future__ import annotations
 
@@ -26,7 +23,7 @@ from mikas.tester import Stream, StreamItem, Tester
 
 
 class ReadingStream:
-    """The stream of `wanted`; `stroke` None: the cyclic one. To be closed, which ends it."""
+    """The stream of `wanted`; `stroke` None: the cyclic one. `close` ends it."""
 
     def __init__(
         self,
@@ -38,7 +35,7 @@ class ReadingStream:
         self.works = False
         """Whether anything ever came."""
         self.silent = 0
-        """How often running it was silent, though the unit answers and could well have sent."""
+        """How often in a row it was silent, though the unit answers and could have sent."""
         self._tester = tester
         self._parameters = parameters
         self._wanted = tuple(wanted)
@@ -47,18 +44,18 @@ class ReadingStream:
         self._heard = 0.0
 
     def next(self, patience: float | None = None) -> tuple[float, dict[str, Reading]] | None:
-        """The next response's time and readings. None: none came for `patience` seconds so far.
+        """Return the next response's time and readings; None: none came for `patience` seconds.
 
         Raises `NotSupported` for a stream that the unit does not begin, `LinkLost`, and any other
-        `NoConnection` or `LineError` for what the next call may get over: a response that came
-        damaged is one, behind which the stream goes on. `NoResponse`: the unit is there, but it has
-        fallen silent; `EngineStopped`: by strokes, and there are none.
+        `NoConnection` or `LineError` after which the next call may succeed: after a damaged
+        response the stream goes on. `NoResponse`: the unit is there, but sends nothing any more;
+        `EngineStopped`: a stream by strokes, and there are none.
         """
         while True:
             try:
                 item = self._next(patience)
             except StopIteration:
-                self._stream = None  # ended from outside: it is begun again, if there is a link
+                self._stream = None  # ended from outside: it is started again, if there is a link
             except NoResponse as error:
                 reason = self._end() or self._why_silent(error)
                 if self.works or not self.silent or reason is not error:
@@ -67,7 +64,7 @@ class ReadingStream:
                     raise self._not_supported(error) from error
             except MikasError as error:
                 if isinstance(error, LineError) and self._stream is not None:
-                    self._heard = self._tester.link.now()  # one response was spoilt, no more
+                    self._heard = self._tester.link.now()  # only one response was damaged
                 else:
                     self._end()
                 raise
@@ -78,13 +75,13 @@ class ReadingStream:
                 return item.time, self._parameters.of_item(self._wanted, item)
 
     def close(self) -> None:
-        """Ends the stream. Raises `LineNotQuiet` if the unit can't be made to stop.
+        """End the stream; `next` starts it again.
 
-        After it the next `next` begins it again.
+        Raises `LineNotQuiet` if the unit can't be made to stop.
         """
         stream, self._stream = self._stream, None
         if stream is not None:
-            with suppress(NoConnection):  # nobody is there any more, so nothing streams
+            with suppress(NoConnection):  # no ECU, so nothing streams
                 stream.close()
 
     def _next(self, patience: float | None) -> StreamItem | None:
@@ -106,19 +103,19 @@ class ReadingStream:
         return item
 
     def _end(self) -> NoConnection | None:
-        """After a failure, which is what is told; returns whether, and how, nobody was there."""
+        """End the stream after a failure; return the `NoConnection` that this met, or None."""
         stream, self._stream = self._stream, None
         if stream is not None:
             try:
                 stream.close()
-            except NoConnection as nobody:
-                return nobody
+            except NoConnection as error:
+                return error
             except MikasError:  # the same failure once more, or one that comes of it
                 pass
         return None
 
     def _why_silent(self, error: NoResponse) -> LineError | NoConnection:
-        """What kept the stream silent; counts it if the unit could well have sent."""
+        """Find out why the stream is silent; count it if the unit could have sent."""
         try:
             self._tester.request(Availability())
             if self._stroke is None:
@@ -127,8 +124,8 @@ class ReadingStream:
             rpm = self._parameters.read(["FREQ"])["FREQ"]
         except LinkLost:
             raise
-        except (LineError, NoConnection) as nobody:
-            return nobody
+        except (LineError, NoConnection) as cause:
+            return cause
         except NotSupported:
             return error
         if rpm.value:

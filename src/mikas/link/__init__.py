@@ -1,4 +1,4 @@
-"""Links: the wire to the ECU behind one interface, whatever carries it.
+"""Links: one interface to the wire, whatever carries it.
 
 `open_link` turns a URL into a `Link`; `find_ports` and `choose_port` help to find the URL.
 Importing this package is cheap: what a scheme needs is imported when it is opened.

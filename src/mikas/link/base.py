@@ -24,7 +24,7 @@ BITS_PER_BYTE = 10  # §1: start bit, eight data bits, stop bit
 
 
 class Chunk(NamedTuple):
-    """What one read brought. `data` is empty if the deadline came first."""
+    """The result of one read. `data` is empty if the deadline came first."""
 
     data: bytes
     """The bytes in the order of their arrival."""
@@ -37,7 +37,7 @@ class Link(ABC):
     """A wire with a clock. Opened by `mikas.link.open_link`; usable as a context manager."""
 
     url: str
-    """What was opened, as the user wrote it."""
+    """The port, as the user wrote it."""
 
     baud: int = 9600
     """Bits a second on the wire (§1)."""
@@ -49,7 +49,7 @@ class Link(ABC):
 
     @property
     def description(self) -> str:
-        """What is behind the URL, for a person; never empty."""
+        """The adapter behind the URL, for a person; never empty."""
         return self.url
 
     @property
@@ -61,7 +61,7 @@ class Link(ABC):
     def write(self, data: bytes) -> None:
         """Hand `data` to the adapter; return once the system has taken all of it.
 
-        That is before it is all on the wire: n bytes take n times `byte_time` from here on. Empty
+        The bytes are not yet on the wire then: n of them take n times `byte_time`. Empty
         data are allowed and do nothing.
 
         Raises `LinkLost` if the adapter is gone, takes nothing for seconds, or the link is closed;
@@ -89,11 +89,11 @@ class Link(ABC):
         """
 
     def gather(self, until: float) -> None:  # noqa: B027  (a back end may leave it at that)
-        """Let bytes come together until this time of the link's clock, then return.
+        """Sleep until this time of the link's clock, so that bytes accumulate.
 
-        For a caller that can do nothing with what comes before: the next `read` brings it all at
-        once, and the computer is woken once and not for every byte. A link that does better to hand
-        over each byte as it comes does not wait here at all, which is the default. Never raises
+        For a caller that has no use for earlier bytes: the next `read` returns them all at once,
+        and the computer wakes up once and not for every byte. A link whose bytes should be read as
+        they come does not sleep at all, which is the default. Never raises
         `LinkLost`; the next `read` does.
         """
 
@@ -107,7 +107,7 @@ class Link(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Let go of the adapter. A second call does nothing.
+        """Close the port. A second call does nothing.
 
         From then on `read`, `write` and `send_break` raise `LinkLost`; a `read` that another thread
         waits in does so within a second.

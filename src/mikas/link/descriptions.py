@@ -1,5 +1,5 @@
-"""What is behind a URL, in words: a product's name is the same in every language, a virtual unit's
-is not. Links and recordings keep the description as one string, in English.
+"""The text for a link's description: a product's name is the same in every language, a virtual
+unit's is not. Links and recordings keep the description as one string, in English.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What pyserial and the system say when a port does not open or goes away, in our words.
+"""Errors of pyserial and the system, translated: why a port does not open, or was lost.
 
 pyserial 3.5 has one exception for everything. The reason is its `errno` on POSIX, sometimes only
 the exception underneath it (`termios.error`, a socket's), and on Windows nothing but the text of a
@@ -21,7 +21,7 @@ from mikas.link.ports import find_ports, listed
 from mikas.link.urls import parse
 
 SYSTEM_ERRORS: tuple[type[Exception], ...] = (OSError, ValueError)
-"""What pyserial lets out; `ValueError` is a setting that the system or the far end refused."""
+"""Errors that pyserial raises; `ValueError`: the system or the far end refused a setting."""
 if sys.platform != "win32":
     import termios
 
@@ -48,7 +48,7 @@ _CHECK_NAME = Text("Serial ports found: {found}.", "Найденные посл�
 
 
 def opening_failed(url: str, error: Exception) -> NoConnection:
-    """The error to raise when opening `url` gave `error`."""
+    """Return the error to raise when opening `url` raised `error`."""
     code, windows = number_of(error), _windows_number(error)
     if code in _ABSENT or windows in _WINDOWS_ABSENT:
         return PortNotFound(url=url, found=listed(find_ports()))
@@ -81,7 +81,7 @@ def is_unable(error: Exception) -> bool:
 
 
 def number_of(error: Exception) -> int | None:
-    """The system's error number of `error`, or of the one that it wraps."""
+    """Return the system's error number of `error`, or of the error that it wraps."""
     for each in (error, _wrapped(error)):
         if isinstance(each, socket.gaierror):
             return None  # its numbers are of another kind
@@ -96,7 +96,7 @@ def _why_not_opened(error: Exception, code: int | None) -> Text:
     if isinstance(reason, (socket.gaierror, UnicodeError)):
         return Text("this host is not known", "такой адрес не найден")
     if isinstance(reason, ConnectionRefusedError):
-        return Text("nobody listens there", "там никто не слушает")
+        return Text("no program listens there", "там никто не слушает")
     if isinstance(reason, TimeoutError):
         return Text("no answer from there", "оттуда нет ответа")
     if "RFC2217" in str(error):
@@ -110,7 +110,7 @@ def _why_not_opened(error: Exception, code: int | None) -> Text:
 
 
 def _own_words(error: Exception) -> Text:
-    """The system's own words, without what pyserial puts around them."""
+    """Return the system's own text, without the text that pyserial puts around it."""
     reason = _wrapped(error)
     words = getattr(reason, "strerror", None) or str(reason) or type(reason).__name__
     return Text(words.rstrip("."), words.rstrip("."))
@@ -122,9 +122,9 @@ def _windows_number(error: Exception) -> int | None:
 
 
 def _wrapped(error: Exception) -> BaseException:
-    """What `error` wraps, or `error` itself.
+    """Return the error that `error` wraps, or `error` itself.
 
-    pyserial quotes what it wraps; any other context is what the caller was just handling.
+    pyserial quotes the wrapped error; any other context is an error that the caller was handling.
     """
     inner = error.__cause__ or error.__context__
     return inner if inner is not None and str(inner) and str(inner) in str(error) else error

@@ -81,7 +81,7 @@ _RANK = {chip: rank for rank, chip in enumerate(_CHIPS.values())}
 
 
 class Listed(Protocol):
-    """What the lister tells of a port; pyserial's `ListPortInfo` fits."""
+    """A port as the lister returns it; pyserial's `ListPortInfo` fits."""
 
     device: str
     description: str
@@ -99,16 +99,16 @@ class Port:
     """One serial port of this computer."""
 
     url: str
-    """What `--port` takes: `/dev/ttyUSB0`, `COM3`."""
+    """The value for `--port`: `/dev/ttyUSB0`, `COM3`."""
 
     description: str
-    """What the system calls it, with its maker: `FT232R USB UART (FTDI)`; never empty."""
+    """The system's name of it, with its maker: `FT232R USB UART (FTDI)`; never empty."""
 
     chip: str = ""
-    """Its USB serial chip by vendor and product number; empty if it has none that is known."""
+    """Its USB serial chip, by vendor and product number; empty if unknown."""
 
     quirks: tuple[Text, ...] = ()
-    """What to know about that chip."""
+    """Properties of that chip that matter here."""
 
     likely: bool = False
     """Whether an adapter may be behind it: a USB serial chip, not Bluetooth, not built in."""
@@ -118,11 +118,11 @@ class Port:
     serial_number: str | None = None
 
     latency_ms: int | None = None
-    """For how long the chip keeps bytes back, where the system tells (Linux, FTDI)."""
+    """The chip's latency timer, where the system has it (Linux, FTDI)."""
 
 
 def system_ports() -> Iterable[Listed]:
-    """The ports that pyserial lists. An adapter plugged in just now makes version 3.5 stumble."""
+    """List the ports by pyserial, once more if 3.5 fails on an adapter that was just plugged in."""
     from serial.tools.list_ports import comports
 
     try:
@@ -132,7 +132,7 @@ def system_ports() -> Iterable[Listed]:
 
 
 def find_ports(lister: Lister = system_ports, sysfs: Path = _SYSFS) -> list[Port]:
-    """All serial ports, the best guess first. None at all is an empty list."""
+    """Return all serial ports, the most likely adapter first."""
     return sorted((_port(each, sysfs) for each in lister()), key=_order)
 
 

@@ -1,6 +1,6 @@
 """A port that comes and goes: an adapter pulled out in a pothole, and put back in another socket.
 
-A `Link` that is lost stays lost; whoever wants to go on opens a new one here. A USB adapter is
+A `Link` that is lost stays lost; to go on, open a new one here. A USB adapter is
 known by vendor, product and serial number, not by its name: `/dev/ttyUSB0` may come back as
 `/dev/ttyUSB1`. While there is no link there is no link's clock either, so a plug has one, and is
 the only way to wait for the adapter.
@@ -21,7 +21,7 @@ from mikas.link.urls import open_link, parse
 
 
 class ReconnectingPort:
-    """Opens the same port again and again. `sink` gets what passes on every link (a `CaptureTee`).
+    """Opens the same port again and again. `sink` gets the bytes of every link (a `CaptureTee`).
 
     `clock` and `nap` are for tests.
     """
@@ -47,7 +47,7 @@ class ReconnectingPort:
         self._identity: tuple[int, int, str | None] | None = None
 
     def open(self) -> Link:
-        """The link, wherever the adapter is now. Raises a `NoConnection` if it is nowhere."""
+        """Open the link under the adapter's present name. Raises a `NoConnection` without one."""
         self.url = self._where()
         link = self._open_port(self.url)
         self._identity = self._identity or self._identify()
@@ -58,16 +58,16 @@ class ReconnectingPort:
         return link if self._sink is None else CaptureTee(link, self._sink)
 
     def now(self) -> float:
-        """Seconds on a clock that goes on while there is no link, and never runs back."""
+        """Return the seconds of a clock that goes on without a link, and never runs back."""
         now = self._clock() + self._ahead
         return now if self._link is None else max(now, self._link.now())
 
     def wait(self, seconds: float) -> None:
-        """Lets time pass. Ctrl-C interrupts it."""
+        """Sleep. Ctrl-C interrupts it."""
         self._nap(seconds)
 
     def _where(self) -> str:
-        """The port that has the adapter's identity; its old name as long as none has."""
+        """Return the port with the adapter's identity; its old name if there is none."""
         if self._identity is None:
             return self.url
         same = [port.url for port in self._find() if _identity(port) == self._identity]

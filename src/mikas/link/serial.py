@@ -6,8 +6,8 @@
   calls `flush`, which on a dead USB adapter or an unread pty does not return.
 - **Deadlines are exact.** Where the system can wait on the port it waits for just the time left.
   pyserial's own `timeout` is set once before opening: each change of it reconfigures the port.
-- **No byte is waited for that can't be there yet.** At 960 of them a second, to be woken for each
-  would be most of what a whole recording costs the computer; see `gather`.
+- **No wake-up for a byte that can't be the last.** At 960 bytes a second, a wake-up for each would
+  be most of a recording's load on the computer; see `gather`.
 - **A lost adapter is lost at once and for good.** The port is closed on the first sign, so that an
   adapter that is plugged in again gets its old name back.
 
@@ -48,7 +48,7 @@ _CLOSED = Text("it was closed here", "он закрыт этой програм�
 
 
 class OpenPort(Protocol):
-    """What a `SerialLink` uses of an open pyserial port."""
+    """The part of an open pyserial port that `SerialLink` uses."""
 
     break_condition: bool
 
@@ -68,14 +68,14 @@ class OpenPort(Protocol):
 
 
 class SerialLink(Link):
-    """A link over `port`, which is open and from here on belongs to the link.
+    """A link over `port`, which is open; the link owns it.
 
     A port with `timeout` 0 has a `fileno` that the system can wait on; it is waited for exactly.
     Any other has `timeout` `TICK` and is asked again and again: deadlines are kept to about 1 ms.
 
-    `low_latency` tells that the system was asked, and agreed, to hand over bytes at once. `paced`:
-    bytes come as the wire brings them; through a network they come late and then all together, and
-    `gather` would wait in vain.
+    `low_latency`: the system has agreed to hand over bytes at once. `paced`: bytes arrive one
+    by one as on the wire; through a network they arrive late and all together, and `gather` would
+    only lose time.
     """
 
     def __init__(
@@ -145,7 +145,7 @@ class SerialLink(Link):
             time.sleep(min(max(until - self._clock.now(), 0.0), LONGEST_WAIT))
 
     def send_break(self, seconds: float) -> None:
-        """As `Link.send_break`; the system first lets out what it still has to send."""
+        """As `Link.send_break`; the system first sends the bytes that it still has."""
         self._must_be_open()
         self._pull_low(True)
         try:
@@ -157,7 +157,7 @@ class SerialLink(Link):
         """As `Link.close`."""
         if self._gone is None:
             self._gone = _CLOSED
-            self._let_go()
+            self._close_port()
 
     def _pull_low(self, low: bool) -> None:
         if not self._can_break:
@@ -174,21 +174,21 @@ class SerialLink(Link):
             raise self._lost(self._gone, request)
 
     def _lose(self, why: Text, request: bytes | None = None) -> LinkLost:
-        """Remember that the adapter is gone, let go of it, and return the error to raise."""
+        """Remember that the adapter is gone, close it, and return the error to raise."""
         self._gone = self._gone or why  # closed by another thread: that is why
-        self._let_go()
+        self._close_port()
         return self._lost(self._gone, request)
 
     def _lost(self, why: Text, request: bytes | None) -> LinkLost:
         return LinkLost(url=self.url, problem=why, request=request, time=self.now())
 
-    def _let_go(self) -> None:
+    def _close_port(self) -> None:
         with suppress(*SYSTEM_ERRORS):  # the adapter may be gone already
             self._port.close()
 
 
 Receive = Callable[[float], bytes]
-"""Takes the seconds to wait; returns what arrived, as soon as it did; nothing, maybe early."""
+"""Takes the seconds to wait; returns bytes as soon as they arrive; or none, perhaps early."""
 
 
 def _by_select(port: OpenPort) -> Receive:
@@ -233,7 +233,7 @@ def open_serial(url: str, options: dict[str, str]) -> SerialLink:
 
 
 def open_socket(url: str, options: dict[str, str]) -> SerialLink:
-    """Open a port served as plain TCP: `socket://host:port`. `baud` tells what is behind it."""
+    """Open a port served as plain TCP: `socket://host:port`. `baud`: of the line behind it."""
     check_names(options, ("baud",))
     place = host_and_port(url)
     port = SocketPort()

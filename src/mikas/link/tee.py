@@ -1,6 +1,6 @@
-"""A link that shows everything that passes to somebody else: the capture's tap on the wire.
+"""A link that also passes every byte to a sink: the capture's tap on the wire.
 
-The tee knows a sink only as something with `record`; recording implements it. It sits between the
+The tee knows a sink only as an object with `record`; recording implements it. It sits between the
 tester and any link, changes nothing, and is itself a link.
 """
 
@@ -20,10 +20,10 @@ class Direction(Enum):
 
 
 class Sink(Protocol):
-    """Whoever keeps what passes."""
+    """The receiver of the bytes."""
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
-        """Take one piece of the wire's history; `time` is the link's clock and never runs back."""
+        """Record `data`; `time` is the link's clock and never runs back."""
 
 
 class CaptureTee(Link):
@@ -33,9 +33,9 @@ class CaptureTee(Link):
     - What was sent is recorded once the system has taken it, with the time of that: about when its
       first bit goes out, and never later than its echo. What the link refused is not recorded.
     - A sink that fails must not cost the session: `failure` keeps the exception, nothing is
-      recorded from there on, and the bytes go on flowing. Whoever made the sink looks at `failure`
-      and says so.
-    - Closing the tee closes the link. The sink stays its maker's, to be closed after the tee.
+      recorded after that, and the link goes on. The owner of the sink looks at `failure` and
+      reports it.
+    - Closing the tee closes the link. The owner of the sink closes it after the tee.
     """
 
     def __init__(self, link: Link, sink: Sink) -> None:
@@ -69,7 +69,7 @@ class CaptureTee(Link):
         return chunk
 
     def gather(self, until: float) -> None:
-        """Passed on."""
+        """Gather on the link."""
         self.link.gather(until)
 
     def now(self) -> float:
@@ -77,7 +77,7 @@ class CaptureTee(Link):
         return self.link.now()
 
     def send_break(self, seconds: float) -> None:
-        """Passed on; a break is no byte, so nothing is recorded."""
+        """Send the break on the link; it is no byte, so nothing is recorded."""
         self.link.send_break(seconds)
 
     def close(self) -> None:
@@ -90,4 +90,4 @@ class CaptureTee(Link):
         try:
             self._sink.record(direction, data, time)
         except Exception as error:
-            self.failure = error  # foreign code: whatever happened in it, the drive goes on
+            self.failure = error  # foreign code: whatever happened in it, the session goes on

@@ -21,7 +21,7 @@ from mikas.virtual.bus import Bus
 
 
 class _BusLink(Link):
-    """What the two clocks have in common."""
+    """The common part of both clocks' links."""
 
     def __init__(self, bus: Bus, url: str) -> None:
         self.bus = bus
@@ -38,7 +38,7 @@ class _BusLink(Link):
         self.bus.send(data, self.now())
 
     def unplug(self) -> None:
-        """The adapter is pulled out: what a test does to it."""
+        """Pull out the adapter, for tests."""
         self._problem = Text("it was unplugged", "его вынули")
 
     def close(self) -> None:
@@ -50,7 +50,7 @@ class _BusLink(Link):
 
 
 class VirtualLink(_BusLink):
-    """A virtual unit on simulated time, which passes only while somebody waits in `read`."""
+    """A virtual unit on simulated time, which passes only during `read`."""
 
     def __init__(self, bus: Bus, *, url: str = "sim:?clock=simulated", start: float = 0.0) -> None:
         super().__init__(bus, url)
@@ -66,7 +66,7 @@ class VirtualLink(_BusLink):
             if following > self._now:
                 if following > deadline or following == inf:
                     if deadline == inf:
-                        raise ValueError("nothing will ever come, and the wait has no end")
+                        raise ValueError("nothing will ever arrive, and the wait has no end")
                     self._now = max(self._now, deadline)
                     return Chunk(b"", self._now)
                 self._now = following
@@ -125,7 +125,7 @@ class RealTimeVirtualLink(_BusLink):
 
 
 def open_sim(url: str, options: dict[str, str]) -> Link:
-    """Opens `sim:?scenario=…&seed=…&clock=real|simulated&…`.
+    """Open `sim:?scenario=…&seed=…&clock=real|simulated&…`.
 
     The other options are those of `mikas.virtual.build`. Raises `BadPortUrl` for an unknown one, or
     a value that makes no sense; `CatalogError` for a scenario file with a mistake in it.

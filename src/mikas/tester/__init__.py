@@ -1,4 +1,4 @@
-"""Requests and responses that can be trusted, on one wire (D1, D2, D11–D14)."""
+"""Reliable requests and responses on one wire (D1, D2, D11–D14)."""
 
 from mikas.tester.handshake import Echo
 from mikas.tester.statistics import Failure, Statistics

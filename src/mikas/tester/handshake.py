@@ -1,4 +1,4 @@
-"""Finding out what is behind a link: an echo or none, a Mikas, an ELM327, or nobody (D1)."""
+"""The handshake: is there an echo, a Mikas, an ELM327, or nothing behind the link (D1)?"""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _ELM_TEXT = frozenset(b"?>\r\n .0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKL
 
 
 class Echo(Enum):
-    """Whether the line gives back what is sent; AUTO finds out at connect (D1)."""
+    """Whether the line returns what is sent; AUTO finds out at connect (D1)."""
 
     AUTO = "auto"
     ON = "on"
@@ -29,10 +29,10 @@ class Echo(Enum):
 
 
 def handshake(line: Line, step: LineSync, echo: Echo, *, again: bool = False) -> int:
-    """Settles `line.echo` and returns the unit's version code, given twice and alike.
+    """Set `line.echo` and return the unit's version code, which it has to give twice.
 
-    `again`: it has failed before, so an earlier session's stream by strokes is looked for, which
-    the pauses of a first, quick try may hide. Raises `NoEcho`, `EchoOnly`, `EchoDiffers`,
+    `again`: the handshake has failed before; so look for a stream by strokes of an earlier session,
+    which the short waits of the first attempt may miss. Raises `NoEcho`, `EchoOnly`, `EchoDiffers`,
     `NotAKLineAdapter`, `SyncLost` or another `LineError`.
     """
     came = step.silence(patient=again)
@@ -48,7 +48,7 @@ def handshake(line: Line, step: LineSync, echo: Echo, *, again: bool = False) ->
 def _find_echo(line: Line, expected: Echo, came_before: bytes) -> bool:
     """`01` comes back as itself, or is answered by something that it can't be.
 
-    Settles `line.echo`, against what is `expected`; returns whether there was more than an echo.
+    Sets `line.echo`, checked against `expected`; returns whether more than an echo came.
     """
     request, data = _call(line)
     if not data:
@@ -66,7 +66,7 @@ def _find_echo(line: Line, expected: Echo, came_before: bytes) -> bool:
 
 
 def _call(line: Line) -> tuple[bytes, bytes]:
-    """Sends `01`; returns it and all that comes then."""
+    """Send `01`; return it and all bytes that come."""
     link, timing = line.link, line.timing
     request = line.interject(AVAILABILITY)
     deadline = line.sent_until + timing.response_timeout
@@ -81,7 +81,7 @@ def _call(line: Line) -> tuple[bytes, bytes]:
 
 
 def _ask_who(line: Line, quiet: float, *, answered: bool) -> int:
-    """The one-byte answer to `01`, with nothing behind it for `quiet` seconds.
+    """Return the one-byte answer to `01`, after which nothing comes for `quiet` seconds.
 
     `answered`: the unit has answered before, so its silence is a lost response.
     """
@@ -101,9 +101,7 @@ def _ask_who(line: Line, quiet: float, *, answered: bool) -> int:
 
 
 def refuse_elm(came: bytes) -> None:
-    """Raises `NotAKLineAdapter` if `came` is what an ELM327 says to bytes that it takes for
-    text.
-    """
+    """Raise `NotAKLineAdapter` if `came` is an ELM327's answer to bytes that it takes for text."""
     text = came.replace(encode(AVAILABILITY), b"").lstrip(b"\x01\xff")
     if _ELM_TEXT.issuperset(text) and (b"?" in text or b">" in text):
         raise NotAKLineAdapter(received=came)

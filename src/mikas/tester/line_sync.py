@@ -1,10 +1,10 @@
-"""In step with the ECU: what a response has to be before it is trusted (D12, D13).
+"""Synchronization with the ECU: when a response can be trusted (D12, D13).
 
-A response carries neither its command nor an id. `LineSync` remembers that a late one may still be
-under way, and until when (`Timing.late` behind its request, whichever request that was: one that
-failed, a `01` of the search itself, the last of a stream). It waits until then and for a quiet
-line; now nothing is under way, so what answers a `01` is that `01`'s answer. It counts if it is
-exactly one response, the unit's own, with silence behind it.
+A response carries neither its command nor an id. `LineSync` remembers that a late response may
+still arrive, and until when (`Timing.late` after the latest request: one that failed, a `01` of the
+search itself, the last of a stream). It waits until then and for a quiet line; now nothing is under
+way, so the next response to a `01` is that `01`'s. It counts if it is exactly one response with the
+unit's version code, and silence follows.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _BREAK = 0.05  # s; far over the ten bits that a talker takes for a byte
 
 
 class LineSync:
-    """Whether the line and the unit are where the tester thinks they are."""
+    """Whether the next response will be that of the next request; restores that if not."""
 
     def __init__(self, line: Line) -> None:
         self.line = line
@@ -45,22 +45,22 @@ class LineSync:
         self._awaited = True  # the latest request's response may still come
 
     def mark_lost(self, error: BaseException | None = None) -> None:
-        """After `error`, or before something whose end is open, nothing that comes is trusted.
+        """Trust no response from now on: after `error`, or before an exchange that may fail.
 
-        A whole frame with a wrong checksum was the latest request's response, and nothing more is
-        to come. After silence, a cut or another request's response the real one may still be.
+        A whole frame with a wrong checksum was the latest request's response, and no other will
+        come. After silence, a cut or another request's response the real one may still come.
         """
         over = isinstance(error, DamagedResponse) and error.fields.get("damage") == WRONG_CHECKSUM
         self.lost, self._awaited = True, not over
 
     def keep(self) -> None:
-        """The exchange ended as it should."""
+        """Trust the next response: the exchange succeeded."""
         self.lost = self.streaming = False
 
     def resynchronize(self, version_code: int) -> None:
-        """Comes back in step if there is any doubt; what came unasked is reason enough for one.
+        """Restore the synchronization if it is lost, or if bytes came without a request.
 
-        Raises `NoEcho` or `EchoOnly` if nobody is there any more, `LineNotQuiet`, `SyncLost`.
+        Raises `NoEcho` or `EchoOnly` if no ECU answers any more, `LineNotQuiet`, `SyncLost`.
         """
         if not self.lost:
             if not self.line.arrived():
@@ -78,7 +78,7 @@ class LineSync:
                     return
                 failure = SyncLost()
             except (NoEcho, EchoOnly) as error:
-                if type(error) is type(failure):  # twice in a row: it is no accident
+                if type(error) is type(failure):  # twice in a row
                     raise
                 failure = error
             except LineError as error:
@@ -87,7 +87,7 @@ class LineSync:
         raise failure
 
     def _confirm(self, version_code: int) -> bool:
-        """D13: exactly one response, the unit's own, and a quiet line after it."""
+        """D13: whether exactly one response comes, the unit's own, and a quiet line after it."""
         self.mark_lost()
         try:
             reply = self.line.exchange(AVAILABILITY)
@@ -97,11 +97,10 @@ class LineSync:
         return not came and reply.body == bytes([version_code])
 
     def silence(self, *, patient: bool = False) -> bytes:
-        """Waits until nothing is under way on a quiet line; returns what came.
+        """Wait until no response is under way and the line is quiet; return what came.
 
-        A stream that keeps it from being quiet is ended; a `patient` wait also finds one by
-        strokes, with pauses longer than a quiet line needs. Raises `LineNotQuiet` if a stream can't
-        be ended.
+        A stream on the line is ended; a `patient` wait also finds one by strokes, whose pauses are
+        longer than a quiet line needs. Raises `LineNotQuiet` if a stream can't be ended.
         """
         seconds = self.line.timing.late if patient else self.line.timing.idle_time
         try:
@@ -115,7 +114,7 @@ class LineSync:
         return self.line.sent_until + (self.line.timing.late if self._awaited else 0.0)
 
     def end_stream(self, version_code: int, *, by_strokes: bool, bytes_each: int) -> None:
-        """Ends a stream (D12) and comes back in step. Raises as `resynchronize` does."""
+        """End a stream (D12) and resynchronize. Raises as `resynchronize` does."""
         timing, own = self.line.timing, bytes([version_code])
         tries = 0 if by_strokes or bytes_each == 1 else _CLEAN_TRIES
         for _ in range(tries):
@@ -128,23 +127,23 @@ class LineSync:
         self.resynchronize(version_code)
 
     def _silence_for_good(self, own: bytes | None = None, *, by_strokes: bool = True) -> None:
-        """Ends what may be a stream with long pauses, or of data like the answer to `01`.
+        """End a possible stream with long pauses, or of data that look like the answer to `01`.
 
         `own`: that answer, if no datum looks like it.
         """
         breaks = self.breaks
         last = _last_frame(self.interrupt(self.line.timing.late))
         if by_strokes and self.breaks == breaks and (own is None or last != own):
-            # A unit whose engine stands is silent in any case, and one that only a break ends is
-            # deaf to `01`.
+            # With a stopped engine the unit is silent in any case, and a unit whose stream only a
+            # break ends ignores `01`.
             self._break()
         self.streaming = False
 
     def interrupt(self, seconds: float) -> bytes:
-        """Ends a stream: `01` in a gap, again if need be, at last after a line break (D12).
+        """End a stream: `01` in a gap, repeated if necessary, finally a line break (D12).
 
         It has ended when nothing comes for `seconds`. Returns what came after the last attempt.
-        Raises `LineNotQuiet` if the unit goes on all the same.
+        Raises `LineNotQuiet` if the unit still sends.
         """
         self.mark_lost()
         for attempt in range(_INTERRUPTIONS + 1):
@@ -165,7 +164,7 @@ class LineSync:
         self.line.link.send_break(_BREAK)
 
     def _wait_for_gap(self) -> None:
-        """Until a response has just ended, or nothing has come for a moment."""
+        """Wait until a response has ended, or nothing comes for a moment."""
         link, timing = self.line.link, self.line.timing
         deadline = link.now() + timing.max_busy_time
         while link.now() < deadline:
@@ -182,7 +181,7 @@ def _last_frame(came: bytes) -> bytes | None:
 
 
 def no_ecu_error(error: NoResponse, *, echoes: bool) -> EchoOnly | NoEcho:
-    """Silence after `01`: the ECU is not there, or with no echo nothing may be."""
+    """Return the error for silence after `01`: no ECU, or without an echo perhaps no adapter."""
     if echoes:
         return EchoOnly(request=error.request, received=error.request, time=error.time)
     return NoEcho(request=error.request, received=b"", time=error.time)

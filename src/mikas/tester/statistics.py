@@ -1,4 +1,4 @@
-"""What happened on the line so far: counts, and the latest failures to look back at."""
+"""Statistics of the line: counts, and the latest failed exchanges."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _FAILURES_KEPT = 20
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """A spoilt exchange to look back at: what a `LineError` told, without the stack it kept."""
+    """A failed exchange: the content of its `LineError`, without the stack."""
 
     code: str
     reason: Text
@@ -29,13 +29,13 @@ class Failure:
 
 @dataclass(slots=True)
 class Statistics:
-    """What happened on the line so far."""
+    """Counts since the connection began."""
 
     requests: int = 0
     repeated: int = 0
     failed: int = 0
     failures: deque[Failure] = field(default_factory=lambda: deque(maxlen=_FAILURES_KEPT))
-    """The latest of them, those that a repetition cured included."""
+    """The latest of them, including those that a repetition cured."""
 
     def fail(self, error: LineError) -> None:
         """Count one."""

@@ -1,4 +1,4 @@
-"""Responses that come again and again: 71 and 7F … 83 (§3, D12, D15)."""
+"""Streams: responses that the unit sends on its own, 71 and 7F … 83 (§3, D12, D15)."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ class Stream:
     """An iterator over the responses of one stream command; close it, or use it with `with`.
 
     Iterating raises `NoResponse` when nothing has come for `silence` seconds, `LinkLost` when the
-    adapter is gone. A damaged response, or one whose length does not fit, is counted, told to
-    `spoilt` and left out.
+    adapter is gone. A damaged response, or one whose length does not fit, is counted, passed
+    to `on_error` and left out.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Stream:
         command: c.StreamCyclic | c.StreamAtStroke,
         *,
         end: Callable[[], None],
-        spoilt: Callable[[LineError], None],
+        on_error: Callable[[LineError], None],
         silence: float | None = None,
     ) -> None:
         self.command = command
@@ -57,7 +57,7 @@ class Stream:
         self.silence = silence or (_STANDING_ENGINE if by_strokes else line.timing.response_timeout)
         self._line = line
         self._end = end
-        self._spoilt = spoilt
+        self._on_error = on_error
         self._decoder = line.decoder()
         self._min_length = min(command.response_lengths())
         self._items: deque[StreamItem | LineError] = deque()
@@ -72,11 +72,11 @@ class Stream:
         return self._open
 
     def start(self) -> None:
-        """Sends the request and checks its echo; the tester calls it."""
+        """Send the request and check its echo; the tester calls it."""
         self._request, self._heard = self._line.send(self.command.body())
 
     def read(self, deadline: float, *, tell: bool = False) -> StreamItem | None:
-        """The next response; None if none has come by `deadline` of the link's clock.
+        """Return the next response; None if none has come by `deadline` of the link's clock.
 
         Raises `NotSupported` if the unit answers `01`, its way to say that it does not know (D10).
         With `tell` it raises the `LineError` of a response that is left out; the stream goes on.
@@ -103,7 +103,7 @@ class Stream:
         return None
 
     def _leave_out(self, error: LineError) -> None:
-        self._spoilt(error)
+        self._on_error(error)
         self._items.append(error)
 
     def _take(self, body: bytes, time: float) -> None:
@@ -146,7 +146,7 @@ class Stream:
         raise self.fallen_silent()
 
     def fallen_silent(self) -> NoResponse | NotSupported:
-        """What it means that nothing has come for `silence` seconds."""
+        """Return the error for a stream that has sent nothing for `silence` seconds."""
         if self._held:
             return self._unknown(self._held.body)
         return NoResponse(
@@ -157,7 +157,7 @@ class Stream:
         return NotSupported(command=self.command.display_name, request=self._request, received=body)
 
     def close(self) -> None:
-        """Ends the stream (D12) and gives the tester free. A second call does nothing.
+        """End the stream (D12) and release the tester. A second call does nothing.
 
         Raises `LineNotQuiet` if the unit can't be made to stop.
         """
@@ -177,7 +177,7 @@ class Stream:
         try:
             self.close()
         except NoConnection:
-            # Nobody is there any more, so nothing streams; what failed first is what is told.
+            # No ECU, so nothing streams; the first error is the one to raise.
             if error is None:
                 raise
         except MikasError:

@@ -40,7 +40,7 @@ _STREAM_CODES = frozenset(c.StreamCyclic.CODES + c.StreamAtStroke.CODES)
 
 
 class Tester:
-    """Talks to one ECU over `link`. `connect()` first; everything else needs it.
+    """Exchanges requests with one ECU over `link`. `connect()` comes first.
 
     `retries`: how often a command that is safe to repeat is sent again after a failed exchange.
     """
@@ -69,12 +69,12 @@ class Tester:
 
     @property
     def echoes(self) -> bool:
-        """Whether the line gives back what is sent, as found at connect."""
+        """Whether the line returns what is sent, as found at connect."""
         return self._line.echo
 
     @property
     def timing(self) -> Timing:
-        """How long this tester waits (D14)."""
+        """The tester's time-outs (D14)."""
         return self._line.timing
 
     @property
@@ -84,7 +84,7 @@ class Tester:
 
     @property
     def silences(self) -> int:
-        """How often two requests in a row were met by silence: the unit was gone for a second."""
+        """How often two requests in a row got no response: the unit was gone for a second."""
         return self._line.silences
 
     @property
@@ -93,7 +93,7 @@ class Tester:
         return self._step.breaks
 
     def connect(self) -> int:
-        """Finds out whether the line echoes and who answers; returns the version code.
+        """Find out whether the line echoes and which unit answers; return its version code.
 
         Raises `NoEcho`, `EchoOnly`, `EchoDiffers`, `NotAKLineAdapter`, `LineNotQuiet`, `LinkLost`.
         """
@@ -116,34 +116,33 @@ class Tester:
             return self.version_code
 
     def close(self) -> None:
-        """Ends a stream that is still running and closes the link. A second call does nothing."""
+        """End a running stream and close the link. A second call does nothing."""
         stream = self._stream
         try:
             if stream:
-                with suppress(MikasError):  # whatever is wrong with the line, it is given up now
+                with suppress(MikasError):  # the line is given up, whatever its state
                     stream.close()
         finally:
             self.link.close()
 
     def request(self, command: c.Command[T]) -> T:
-        """What the ECU answers to `command`; repeated if that is safe and the exchange failed.
+        """Return the ECU's answer to `command`; repeat a failed exchange if that is safe.
 
         Raises `EcuRefused`, a `LineError` or a `NoConnection`, each with what was on the wire.
         """
         return self.exchange(command)[0]
 
     def has_answered(self, code: int) -> bool:
-        """Whether this unit has ever answered a command of this code as it should."""
+        """Whether this unit has ever given a valid answer to this command code."""
         return code in self._known
 
     def exchange(
         self, command: c.Command[T], *, retries: int | None = None, trial: bool = False
     ) -> tuple[T, Reply]:
-        """As `request`, with the response's bytes and times beside what it says.
+        """As `request`, and return the response's bytes and times too.
 
         `retries`: other than the tester's own; a command that is not safe to repeat never is.
-        `trial`: the unit may not take these parameters, or so many; that it is silent to them does
-        not count as spoilt.
+        `trial`: a probe: silence is expected and is not counted as an error.
         """
         with self._holding():
             retries = self.retries if retries is None else retries
@@ -157,31 +156,31 @@ class Tester:
     def _exchange(
         self, command: c.Command[T], retries: int, *, trial: bool = False
     ) -> tuple[T, Reply]:
-        spoilt: list[LineError] = []
+        failed: list[LineError] = []
         try:
-            return self._attempts(command, retries, spoilt)
+            return self._attempts(command, retries, failed)
         except (NoResponse, NotSupported) as error:
             if not error.received and (trial or isinstance(error, NotSupported)):
-                # To be silent is how it said no (D10, D11).
-                spoilt = [each for each in spoilt if not isinstance(each, NoResponse)]
+                # Silence was the refusal (D10, D11).
+                failed = [each for each in failed if not isinstance(each, NoResponse)]
             raise
         finally:
-            for each in spoilt:
+            for each in failed:
                 self.statistics.fail(each)
 
     def _attempts(
-        self, command: c.Command[T], retries: int, spoilt: list[LineError]
+        self, command: c.Command[T], retries: int, failed: list[LineError]
     ) -> tuple[T, Reply]:
         attempts = 1 + (retries if command.repeatable else 0)
         if command.code not in self._known:
             attempts = min(attempts, _ATTEMPTS_AT_THE_UNKNOWN)
         while True:
-            self._assure()
+            self._ensure_in_sync()
             attempts -= 1
             try:
                 return self._once(command)
             except LineError as error:
-                spoilt.append(error)
+                failed.append(error)
                 if not attempts:
                     raise self._verdict(command, error) from error
                 self.statistics.repeated += 1
@@ -209,26 +208,26 @@ class Tester:
         return value, reply
 
     def _verdict(self, command: c.Command[Any], error: LineError) -> MikasError:
-        """What to tell after the last attempt: is it the line, the command, or the ignition?"""
+        """Return the error after the last attempt: is it the line, the command, or the ignition?"""
         if isinstance(error, NoResponse) and command.code not in self._known:
-            self._assure()  # raises NoEcho or EchoOnly if nobody is there any more
+            self._ensure_in_sync()  # raises NoEcho or EchoOnly if no ECU answers any more
             return NotSupported(
                 command=command.display_name, request=error.request, received=b"", time=error.time
             )
         if isinstance(error, NoResponse):
             try:
-                self._assure()
-            except NoConnection as nobody:
-                return nobody
+                self._ensure_in_sync()
+            except NoConnection as cause:
+                return cause
         return error
 
     def time_echo(self, body: bytes) -> float:
-        """Seconds from handing `body` to the adapter to the end of its echo; the answer passes.
+        """Measure the seconds from the write of `body` to the end of its echo; ignore the answer.
 
         For a harmless `body` on a line that echoes. Raises `NoEcho` or `EchoDiffers`.
         """
         with self._holding():
-            self._assure()
+            self._ensure_in_sync()
             self._step.mark_lost()
             began = self.link.now()
             wire, ended = self._line.send(body, hasty=True)
@@ -238,12 +237,12 @@ class Tester:
             return self._line.echo_heard - began
 
     def raw(self, body: bytes) -> bytes | None:
-        """Sends any body once; returns the response's body, None for silence.
+        """Send any body once; return the response's body, None for silence.
 
         Raises `NoEcho` or a `LineError` for a damaged or doubled response.
         """
         with self._holding():
-            self._assure()
+            self._ensure_in_sync()
             self.statistics.requests += 1
             self._step.mark_lost()
             self._step.streaming = not _STREAM_CODES.isdisjoint(body[:1])
@@ -258,14 +257,14 @@ class Tester:
     def stream(
         self, command: c.StreamCyclic | c.StreamAtStroke, *, silence: float | None = None
     ) -> Stream:
-        """Starts `command`; its responses come from what is returned, which must be closed (D12).
+        """Start `command` and return the stream of its responses, which must be closed (D12).
 
         The stream holds this tester's lock until then. `silence`: seconds after which iterating it
         gives up; by default `Timing.response_timeout`, and 5 s for a stream by strokes.
         """
         self._acquire()
         try:
-            self._assure()
+            self._ensure_in_sync()
             self.statistics.requests += 1
             self._step.mark_lost()
             self._step.streaming = True
@@ -273,7 +272,7 @@ class Tester:
                 self._line,
                 command,
                 end=self._end_stream,
-                spoilt=self.statistics.fail,
+                on_error=self.statistics.fail,
                 silence=silence,
             )
             stream.start()
@@ -298,16 +297,16 @@ class Tester:
             self._lock.release()
 
     def wait(self, until: float) -> None:
-        """Waits until this time of the link's clock. Other threads' requests go in between.
+        """Wait until this time of the link's clock. Other threads' requests go in between.
 
-        What arrives meanwhile was not asked for, and puts the tester out of step.
+        Bytes that arrive meanwhile belong to no request: the line has to be synchronized again.
         """
         while (now := self.link.now()) < until:
             with self._holding():
                 if self.link.read(min(until, now + _TURN)).data:
                     self._step.mark_lost()
 
-    def _assure(self) -> None:
+    def _ensure_in_sync(self) -> None:
         if self.version_code is None:
             raise UsageError(problem=Text("connect() comes first", "сначала нужен connect()"))
         self._step.resynchronize(self.version_code)
@@ -321,7 +320,7 @@ class Tester:
             self._lock.release()
 
     def check_free(self) -> None:
-        """Raises `UsageError` if this thread runs a stream, which has the line to itself."""
+        """Raise `UsageError` if this thread runs a stream, which occupies the line."""
         if self._stream_thread == threading.get_ident():
             raise UsageError(
                 problem=Text(

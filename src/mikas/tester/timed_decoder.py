@@ -6,7 +6,7 @@ that chunk came. Of all the chunks that brought any of it the one that says the 
 or the least wrong.
 
 Chunks that all come late, and then at once, would still have their last frames begin before the
-first. A frame that would, counts as begun a byte's time behind the one before it.
+first. Such a frame counts as begun one byte time after the previous one.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ class TimedDecoder:
     def __init__(self, decoder: Decoder, byte_time: float) -> None:
         self._decoder = decoder
         self._byte_time = byte_time
-        # Of what is not finished: where a chunk ends, and when by it the very first byte began.
+        # Of unfinished bytes: where a chunk ends, and when byte 0 began according to it.
         self._chunks: deque[tuple[int, float]] = deque()
         self._latest = -inf  # when the frame before began
 
     @property
     def pending(self) -> bytes:
-        """What came of a frame that is not finished."""
+        """The bytes of an unfinished frame."""
         return self._decoder.pending
 
     def feed(self, chunk: Chunk) -> list[tuple[Frame | Damage, float]]:
-        """What `chunk` completes, each with the time when its first byte began."""
+        """Decode `chunk`; return what it completes, each with the time of its first byte."""
         end = self._decoder.offset + len(chunk.data)
         self._chunks.append((end, chunk.time - end * self._byte_time))
         events = [(event, self._began(event.offset)) for event in self._decoder.feed(chunk.data)]

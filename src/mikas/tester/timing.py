@@ -1,4 +1,4 @@
-"""How long to wait, and when a response came (D14)."""
+"""Time-outs, and a response with its times (D14)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """How long to wait, in seconds (D14).
+    """Time-outs in seconds (D14).
 
     `response_timeout`: from the end of a request to its response. `inter_byte_timeout`: silence
     inside a response after which the rest is given up. `idle_time`: silence that counts as a quiet
