@@ -106,7 +106,7 @@ def test_low_latency_where_there_is_no_such_thing(native):
 def test_wrong_urls_are_refused_before_anything_is_opened(url):
     with pytest.raises(BadPortUrl) as caught:
         open_link(url)
-    assert f"“{url}” is not a port" in str(caught.value)
+    assert f"Invalid port “{url}”" in str(caught.value)
 
 
 def test_no_such_port():

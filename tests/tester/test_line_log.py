@@ -14,8 +14,8 @@ def lines(caplog):
     return [record.getMessage() for record in caplog.records if record.name == "mikas.tester"]
 
 
-def test_frames_are_logged_with_their_direction(caplog):
-    with caplog.at_level(logging.DEBUG, logger="mikas.tester"), connect(SIM) as ecu:
+def test_frames_are_logged_with_their_direction(caplog, tmp_path):
+    with caplog.at_level(logging.DEBUG, logger="mikas.tester"), connect(SIM, state=tmp_path) as ecu:
         caplog.clear()
         raw = ecu.read("TWAT")["TWAT"].raw
     sent, received = lines(caplog)[:2]
@@ -24,15 +24,15 @@ def test_frames_are_logged_with_their_direction(caplog):
     assert all(record.levelno == logging.DEBUG for record in caplog.records)
 
 
-def test_a_stream_is_logged_frame_by_frame(caplog):
-    with connect(SIM) as ecu, caplog.at_level(logging.DEBUG, logger="mikas.tester"):
+def test_a_stream_is_logged_frame_by_frame(caplog, tmp_path):
+    with connect(SIM, state=tmp_path) as ecu, caplog.at_level(logging.DEBUG, logger="mikas.tester"):
         list(ecu.watch("TWAT", "FREQ", method="stream", count=3))
     assert lines(caplog)[0].startswith("> 71 ")
     assert sum(line.startswith("< ") for line in lines(caplog)) >= 3
 
 
-def test_a_failure_is_logged_with_the_bytes_that_came(caplog):
-    with connect(SIM) as ecu, caplog.at_level(logging.DEBUG, logger="mikas.tester"):
+def test_a_failure_is_logged_with_the_bytes_that_came(caplog, tmp_path):
+    with connect(SIM, state=tmp_path) as ecu, caplog.at_level(logging.DEBUG, logger="mikas.tester"):
         ecu.tester.link.bus.disturbance.next(LineFault.DAMAGED)
         ecu.read("TWAT")
         (damaged,) = [line for line in lines(caplog) if line.startswith("! ")]
@@ -43,10 +43,10 @@ def test_a_failure_is_logged_with_the_bytes_that_came(caplog):
     assert any(line.startswith("! ") and "0.5 s" in line for line in lines(caplog))
 
 
-def test_the_library_is_silent_by_default(capfd):
+def test_the_library_is_silent_by_default(capfd, tmp_path):
     logger = logging.getLogger("mikas.tester")
     assert not logger.isEnabledFor(logging.DEBUG)
-    with connect(SIM) as ecu:
+    with connect(SIM, state=tmp_path) as ecu:
         ecu.read("TWAT")
     assert any(isinstance(handler, logging.NullHandler) for handler in logger.handlers)
     assert capfd.readouterr() == ("", "")
