@@ -57,7 +57,7 @@ def test_log(mikas, tmp_path):
     assert "0 gaps" in ran.err
     assert list(CaptureReader(tmp_path / "drive.pcapng"))
     ran = mikas("log", "--out", "b.pcapng", "TWAT", "--count", "5", "--lang", "ru")
-    assert "отсчётов 5" in ran.err
+    assert "отсчётов: 5" in ran.err
 
 
 def test_log_tells_samples_with_json(mikas):
@@ -83,7 +83,7 @@ def test_log_goes_on_when_its_file_can_not_be_written(mikas, monkeypatch, tmp_pa
     ran = mikas("log", "-o", "drive.pcapng", "TWAT", "--count", "300", "--json")
     assert (ran.status, len(ran.objects)) == (2, 300)
     told, last = ran.err.splitlines()
-    assert told.startswith("NOT RECORDING any more. drive.pcapng: there is no room left")
+    assert told.startswith("RECORDING STOPPED. drive.pcapng: there is no room left")
     assert last.startswith("NOT RECORDING · drive.pcapng: 300 samples, ")
     assert not any(isinstance(it, Problem) for it in CaptureReader(tmp_path / "drive.pcapng"))
     lost = int(last.split("samples, ")[1].split(" of them not recorded")[0])
@@ -107,7 +107,7 @@ def test_samples_behind_a_next_file_that_could_not_be_begun_are_counted_as_lost(
     ran = mikas(*argv, "--rotate", "1s", "--lang", "ru")
     assert ran.status == 2
     last = ran.err.splitlines()[-1]
-    assert last.startswith("ЗАПИСЬ ПРЕКРАЩЕНА · a.pcapng: отсчётов 300, из них не записано ")
+    assert last.startswith("ЗАПИСЬ ПРЕКРАЩЕНА · a.pcapng: отсчётов: 300, из них не записано: ")
     lost = int(last.split("не записано ")[1].split(",")[0])
     assert recorded_samples(tmp_path / "a.pcapng") == pytest.approx(300 - lost, abs=2)
 

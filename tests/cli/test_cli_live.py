@@ -101,11 +101,11 @@ def test_columns_come_with_the_width():
     assert heads(40)[:3] == ["name", "value", "unit"]
     assert "meaning" in heads(80)
     assert {"min", "max", "meaning"} <= set(heads(100))
-    assert "lately" in heads(140)
+    assert "trend" in heads(140)
 
 
 def test_the_first_line_tells_the_state():
-    assert "waiting for the first answer" in drawn(80, 24)[0]
+    assert "waiting for the first response" in drawn(80, 24)[0]
     first = drawn(80, 24, sample_of())[0]
     assert first.startswith("● sampling · Mikas 7.1 · stream · ")
     assert "errors 3" in first

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from mikas.cli.language import set_language
-from mikas.cli.notices import Notices
+from mikas.cli.render.notices import Notices
 from mikas.cli.sampling_run import SamplingOptions
 from mikas.errors import DamagedResponse, EchoOnly, EngineStopped, NotSupported
 from mikas.i18n import Text
@@ -55,7 +55,7 @@ def test_many_in_a_row_are_said_once_and_that_it_is_over():
     gaps = [CycleFailed(1 + n / 2, CUT) for n in range(1, 12)]
     first, back = told(well(0), sample(1), *gaps, sample(7))
     assert first.startswith("The response is damaged: cut. Check ground and plug")
-    assert first.endswith(" Waiting; it goes on by itself.")
+    assert first.endswith(" Waiting; sampling resumes by itself.")
     assert back == "Back after 6 s."
 
 
@@ -108,4 +108,4 @@ def test_no_advice_leaves_no_hole():
     refused.advice = Text("", "")
     (only,) = told(well(0), sample(1), CycleFailed(9, refused))
     assert "  " not in only
-    assert only.endswith(". Waiting; it goes on by itself.")
+    assert only.endswith(". Waiting; sampling resumes by itself.")

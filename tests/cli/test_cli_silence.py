@@ -72,18 +72,18 @@ def test_values_fade_and_go_though_nothing_tells_that_the_wire_is_silent():
     assert "85" in row
     assert "\x1b[2m" not in row
     first, row = it.after(0.3)
-    assert "○ nothing has come for 1 s · Mikas 7.1 · errors 3" in first
+    assert "○ no data for 1 s · Mikas 7.1 · errors 3" in first
     assert "85 (1 s)" in row
     assert "\x1b[2m" in row
     first, row = it.after(1.0)
-    assert "○ nothing has come for 2 s" in first
+    assert "○ no data for 2 s" in first
     assert row.split()[:2] == ["TWAT", "–"]
     it.run(30, "TWAT")
     first, row = it.after(0.0)
     assert "● sampling" in first
     assert row.split()[:2] == ["TWAT", "85"]
     set_language("ru")
-    assert "○ уже 3 с ничего не приходит" in it.after(3.0)[0]
+    assert "○ нет данных 3 с" in it.after(3.0)[0]
 
 
 def test_what_comes_seldom_by_its_own_pace_is_no_silence():
@@ -94,7 +94,7 @@ def test_what_comes_seldom_by_its_own_pace_is_no_silence():
     it.run(3, "TWAT")
     assert "● sampling" in it.after(14)[0]
     first, row = it.after(2)
-    assert "○ nothing has come for 16 s" in first
+    assert "○ no data for 16 s" in first
     assert "85 (16 s)" in row
 
 
@@ -112,7 +112,7 @@ def test_how_long_a_gap_lasted_is_no_pace():
     it.table.take(CycleFailed(it.now, NoResponse(seconds=0.5)))
     assert "The ECU did not answer" in it.after(60)[0]
     it.sample("TWAT")
-    assert "○ nothing has come for 1 s" in it.after(1.2)[0]
+    assert "○ no data for 1 s" in it.after(1.2)[0]
 
 
 def test_what_is_left_on_the_screen_is_as_the_end_found_it():
@@ -124,4 +124,4 @@ def test_what_is_left_on_the_screen_is_as_the_end_found_it():
         return it.screen.file.getvalue()
 
     assert "● sampling" in left(None)
-    assert "○ nothing has come for 5 s" in left(KeyboardInterrupt)
+    assert "○ no data for 5 s" in left(KeyboardInterrupt)

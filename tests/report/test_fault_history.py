@@ -72,7 +72,7 @@ def test_nobody_was_seen_to_erase_them() -> None:
     it = after(gone(13, erased=False))
     assert it.outcome is Outcome.OPEN
     assert "erased" not in sentence(it).en
-    assert "стёрт" not in sentence(it).ru
+    assert "сброшен" not in sentence(it).ru
 
 
 def test_what_is_gone_between_two_readings() -> None:

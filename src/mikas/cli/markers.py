@@ -1,8 +1,8 @@
-"""Markers while recording: Enter sets one; what was typed before it is its name.
+"""Markers while recording: Enter sets one; the text typed before it is its name.
 
-A thread waits for the lines, until the end or Ctrl-C, whichever is first: what is typed from then
-on is the shell's, also while a recording is still being ended. It reads the descriptor itself: a
-thread that hangs in `sys.stdin` would keep the process from ending.
+A thread waits for lines until the end or Ctrl-C, whichever is first: later input is the shell's,
+also while a recording is still being closed. The thread reads the descriptor itself: blocked in
+`sys.stdin` it would keep the process from ending.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _OVER = b"\0"  # no signal has this number
 
 
 class Marking:
-    """Listens while in the `with`; only where stdin is a terminal that is ours to read from."""
+    """Listens while in the `with`; only where stdin is a terminal of this process group."""
 
     def __init__(self, recorder: Recorder, tell: Callable[[str], None]) -> None:
         self._recorder = recorder
@@ -51,7 +51,7 @@ class Marking:
             os.close(end)
 
     def listen(self, descriptor: int, encoding: str = "utf-8") -> None:
-        """Takes lines from `descriptor`; in the main thread, once."""
+        """Start to read lines from `descriptor`; in the main thread, once."""
         if os.name == "posix":
             self._waking = os.pipe()
             for end in self._waking:
@@ -63,7 +63,7 @@ class Marking:
         self._thread.start()
 
     def mark(self, label: str) -> None:
-        """One marker, now."""
+        """Set one marker now."""
         if self._recorder.failure is None and self._recorder.marker(label=label) is not None:
             self._count += 1
             name = f" “{label}”" if label else ""
@@ -81,7 +81,7 @@ class Marking:
             self.mark(line.decode(encoding, "replace").strip())
 
     def _is_there_a_line(self, descriptor: int) -> bool:
-        """Waits for one; False: it is over, or Ctrl-C was pressed."""
+        """Wait for a line; False at the end or after Ctrl-C."""
         if self._waking is None:
             return True
         while True:

@@ -145,7 +145,7 @@ def test_an_adapter_that_goes_and_comes_back(start, sim, tmp_path):
     _, err = log.communicate(timeout=PATIENCE)
     assert log.returncode == 130
     told = err.splitlines()
-    assert told[0] == "No adapter. Waiting; it goes on by itself."
+    assert told[0] == "No adapter. Waiting; sampling resumes by itself."
     assert re.fullmatch(r"Back after \d+ s\.", told[1])
     assert "1 gaps" in told[2]
     reader = CaptureReader(tmp_path / "a.pcapng")
@@ -170,7 +170,7 @@ def test_another_car_gets_a_file_of_its_own(start, tmp_path):
     log.send_signal(signal.SIGINT)
     _, err = log.communicate(timeout=PATIENCE)
     assert "Another unit answers: Mikas 5.4" in err
-    assert "The recording goes on in a-2.pcapng." in err
+    assert "Recording continues in a-2.pcapng." in err
     for name in ("a.pcapng", "a-2.pcapng"):
         items = list(CaptureReader(tmp_path / name))
         assert items
@@ -187,7 +187,7 @@ def test_a_disk_that_is_full_costs_no_sample(start, sim, tmp_path):
     )  # fmt: skip
     out, err = log.communicate(timeout=PATIENCE)
     assert log.returncode == 2
-    assert err.count("NOT RECORDING any more") == 1
+    assert err.count("RECORDING STOPPED") == 1
     samples = [json.loads(line) for line in out.splitlines()]
     assert samples[-1]["time"] - samples[0]["time"] > 2
     assert all(isinstance(it, Packet) for it in CaptureReader(tmp_path / "a.pcapng"))

@@ -13,9 +13,9 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, localized, tr
 from mikas.cli.main import USAGE
 from mikas.cli.markers import Marking
-from mikas.cli.notices import Notices, capital
 from mikas.cli.parameter_types import File, Portion, PortionType
 from mikas.cli.render.lines import JsonLines
+from mikas.cli.render.notices import Notices, capital
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
 from mikas.client import Ecu
 from mikas.errors import MikasError, UsageError
@@ -95,9 +95,9 @@ def _check_name(out: Path) -> None:
         name = out.with_suffix(".pcapng").name
         raise UsageError(
             problem=Text(
-                f"log records the line, not {out.suffix}: record with "
+                f"The command log records the line, not {out.suffix}: record with "
                 f"-o {name}, then `mikas export {name} -o {out.name}`",
-                f"log записывает обмен на линии, а не {out.suffix}: запишите с "
+                f"Команда log записывает обмен на линии, а не {out.suffix}: запишите с "
                 f"-o {name}, затем `mikas export {name} -o {out.name}`",
             )
         )

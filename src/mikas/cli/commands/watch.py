@@ -12,10 +12,10 @@ import click
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.notices import Notices
 from mikas.cli.parameter_types import Number, OneOf, Whole
 from mikas.cli.render.lines import Display, JsonLines, PlainLines
 from mikas.cli.render.live_table import LiveTable
+from mikas.cli.render.notices import Notices
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
 from mikas.client import METHODS
 from mikas.i18n import Text

@@ -1,4 +1,4 @@
-"""Samples as lines: JSON, or cells parted by tabs. A value that is not fresh is null, or a dash."""
+"""Samples as lines: JSON, or cells separated by tabs. A value that is not new is null or a dash."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 
 class Display(Protocol):
-    """Something that a session is shown on."""
+    """Where a sampling run is shown."""
 
     def take(self, event: Event) -> None:
-        """Shows `event` now."""
+        """Show `event` now."""
 
     def tell(self, sentence: str) -> None:
-        """Shows a notice."""
+        """Show a notice."""
 
     def __enter__(self) -> Self: ...
 
@@ -37,7 +37,7 @@ class Display(Protocol):
 
 
 class _Lines:
-    """What both kinds of lines have: notices on stderr, and which value is new."""
+    """The common part of both kinds of lines: notices on stderr."""
 
     def __init__(self, session: SamplingRun, output: Output) -> None:
         self._channels = session.channels
@@ -73,7 +73,7 @@ class JsonLines(_Lines):
 
 
 class PlainLines(_Lines):
-    """A line a sample, a heading first."""
+    """One line per sample, after a heading."""
 
     def __init__(self, session: SamplingRun, output: Output) -> None:
         super().__init__(session, output)
@@ -95,5 +95,5 @@ class PlainLines(_Lines):
 
 
 def fresh_in(event: Sampled | CycleFailed) -> dict[str, Reading | DerivedValue]:
-    """What came in this cycle, by name; nothing in a gap."""
+    """Return the values read in this cycle, by name; none in a gap."""
     return {**event.fresh, **event.derived} if isinstance(event, Sampled) else {}

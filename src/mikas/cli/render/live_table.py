@@ -1,8 +1,8 @@
-"""The live table of a session, redrawn in place on a terminal.
+"""The live table of a sampling run, redrawn in place on a terminal.
 
-A value of this cycle stands as it is; one from an earlier cycle is faded, with its age; in a gap
-there are dashes. Where nothing comes, not even a gap, the last values fade after a second and are
-dashes after two. A channel in alarm has a colour, and the line over the table says it in words.
+A value of this cycle is bright; one from an earlier cycle is faded, with its age; in a gap there
+are dashes. Without data, not even a gap, the last values fade after a second and are dashes after
+two. A channel in alarm has a colour, and the line above the table names it.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ _PER_SECOND = 5  # refreshes, as many as an eye can follow
 _SPARK = "▁▂▃▄▅▆▇█"
 _MEMORY = 60  # samples that the small curve shows, joined to its width
 _WIDTH = 20
-_OLD = 1.0  # s; a younger value is faded, but its age is not told: it would only flicker
+_OLD = 1.0  # s; a younger value is faded, without its age, which would only flicker
 
 
 class Watched(Protocol):
-    """What the table asks of a session."""
+    """What the table needs of a sampling run."""
 
     model: Model | None
     method: str | None
 
     @property
     def channels(self) -> Sequence[Parameter | Derived]:
-        """What was asked for."""
+        """The requested channels."""
 
     @property
     def errors(self) -> int:
@@ -55,13 +55,11 @@ class Watched(Protocol):
 
 
 class LiveTable:
-    """A table that is redrawn in place, with a line on what the wire does above it.
+    """A table that is redrawn in place, below a line with the state of the connection.
 
-    It is drawn in a thread of its own: a drawing takes longer than a request's turn-round, and the
-    wire must not wait for it.
-
-    It has the terminal's other screen, so that a change of its size leaves no rubbish; at the end
-    the last state is left on the usual one, and the notices on stderr.
+    A thread of its own draws the table: drawing takes longer than a response, and sampling must not
+    wait. The table uses the terminal's alternate screen, so that resizing leaves no remains; at the
+    end the last state is printed on the normal screen, and the notices on stderr.
     """
 
     def __init__(
@@ -97,7 +95,7 @@ class LiveTable:
         )
 
     def take(self, event: Event) -> None:
-        """Keeps what the next drawing shows."""
+        """Store the event for the next drawing."""
         with self._changing:
             match event:
                 case Sampled():
@@ -114,7 +112,7 @@ class LiveTable:
                         self._alarms[event.name] = event
 
     def tell(self, sentence: str) -> None:
-        """Shows a notice until the next one comes; all of them are told again at the end."""
+        """Show a notice until the next one; all of them are printed again at the end."""
         with self._changing:
             self._notices.append(sentence)
 
@@ -133,9 +131,9 @@ class LiveTable:
             self._highest[name] = max(highest, reading, key=lambda r: r.value)
 
     def drawing(self, lines: int | None = None, *, ended: bool = False) -> RenderableType:
-        """The table as it is now, for the console's size, or for so many lines.
+        """Return the current table, for the console's size or for so many lines.
 
-        `ended`: as the last event left it; that nothing came since is as it should be.
+        `ended`: as the last event left it; no data are expected since then.
         """
         with self._changing:
             silence = Silence() if ended else self._arrivals.silence(self._clock())
@@ -152,14 +150,14 @@ class LiveTable:
 
     def _row(self, channel: Parameter | Derived, silence: Silence) -> table_layout.Row:
         name = channel.name
-        told = self._lowest.get(name)
-        ranged = told if not channel.is_flag else None
+        lowest = self._lowest.get(name)
+        ranged = lowest if not channel.is_flag else None
         value, style = self._value(channel, silence)
         return table_layout.Row(
             name=name,
             value=value,
             style=style,
-            unit=shown_unit(told) if told else channel.unit_text.to(current_language()),
+            unit=shown_unit(lowest) if lowest else channel.unit_text.to(current_language()),
             reference=reference(channel),
             lowest=shown_value(ranged) if ranged else "",
             highest=shown_value(self._highest[name]) if ranged else "",
@@ -168,7 +166,7 @@ class LiveTable:
         )
 
     def _value(self, channel: Parameter | Derived, silence: Silence) -> tuple[str, str]:
-        """What stands for the value, and how."""
+        """Return the text of the value and its style."""
         latest = self._latest.get(channel.name)
         dead = self._broken is not None or silence.gone
         if latest is None or dead or not isinstance(self._now, Sampled):
@@ -186,7 +184,7 @@ class LiveTable:
         ), "dim"
 
     def _in_alarm(self) -> str:
-        """The worst first: `▲ TWAT danger · ▼ UACC warning`."""
+        """Return the alarms, the worst first: `▲ TWAT: DANGER · ▼ UACC: warning`."""
         order = sorted(self._alarms.values(), key=lambda alarm: alarm.level != Level.DANGER)
         arrows: dict[str | None, str] = {Side.HIGH: "▲", Side.LOW: "▼"}
         return " · ".join(
@@ -198,22 +196,26 @@ class LiveTable:
         model = localized(self._session.model.text) if self._session.model else "…"
         failed = tr(f"errors {self._session.errors}", f"ошибок {self._session.errors}")
         if self._broken is not None:
-            waits = tr("waiting, it goes on by itself", "ждём, опрос продолжится сам")
+            waits = tr("waiting, sampling resumes by itself", "ждём, опрос продолжится сам")
             return f"○ {localized(self._broken.text)} · {waits} · {model}"
         if self._now is None:
-            return f"… {tr('waiting for the first answer', 'ждём первого ответа')} · {model}"
+            return f"… {tr('waiting for the first response', 'ждём первого ответа')} · {model}"
         if isinstance(self._now, CycleFailed):
             return f"○ {localized(self._now.error.reason)} · {model} · {failed}"
         if silence.seconds:
             for_so_long = f"{silence.seconds:.0f}"
-            nothing = tr(
-                f"nothing has come for {for_so_long} s", f"уже {for_so_long} с ничего не приходит"
-            )
+            nothing = tr(f"no data for {for_so_long} s", f"нет данных {for_so_long} с")
             return f"○ {nothing} · {model} · {failed}"
         sets = decimal(f"{self._rate():.1f}")
-        rate = tr(f"{sets} sets/s", f"{sets} раз/с")
-        told = [localized(LineState.SAMPLING.text), model, self._session.method or "", rate, failed]
-        return "● " + " · ".join(word for word in told if word)
+        rate = tr(f"{sets} readings/s", f"{sets} опр/с")
+        parts = [
+            localized(LineState.SAMPLING.text),
+            model,
+            self._session.method or "",
+            rate,
+            failed,
+        ]
+        return "● " + " · ".join(word for word in parts if word)
 
     def _rate(self) -> float:
         if len(self._times) < 2 or self._times[-1] <= self._times[0]:
@@ -245,7 +247,7 @@ _STYLES: dict[str, str] = {
 
 
 def sparkline(values: Sequence[float]) -> str:
-    """The last values as a small curve of at most 20 characters, from their own low to high."""
+    """Draw the last values in at most 20 characters, scaled from their lowest to highest."""
     if len(values) < 2:
         return ""
     step = max(1, len(values) // _WIDTH)

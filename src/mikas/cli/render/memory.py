@@ -1,4 +1,4 @@
-"""Bytes for a person: sixteen a line, with their characters in code page 866."""
+"""A hex dump: sixteen bytes a line, with their characters in code page 866."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 
 def hexdump(data: bytes, address: int) -> Iterator[str]:
-    """`0040  45 6A 8F …  Ej…`, each line beginning at a multiple of 16."""
+    """Yield lines like `0040  45 6A 8F …  Ej…`, each starting at a multiple of 16."""
     start = address - address % 16
     end = address + len(data)
     for line in range(start, end, 16):

@@ -20,35 +20,35 @@ SCHEMA = 1
 
 @dataclass(slots=True)
 class Output:
-    """How this run tells what it found."""
+    """Prints results: JSON or text on stdout, notes on stderr."""
 
     json: bool = False
     verbose: bool = False
 
     def data(self, value: Mapping[str, Any]) -> None:
-        """One JSON object on a line of stdout, flushed: a pipe's reader sees it at once."""
-        # Where the stream is not UTF-8, \\u00b0 says the same and can't be spoilt.
+        """Print one JSON object on a line of stdout, flushed for the reader of a pipe."""
+        # Where the stream is not UTF-8, escapes as \\u00b0 are safe.
         escaped = (sys.stdout.encoding or "").lower().replace("-", "") != "utf8"
         whole = {"schema": SCHEMA, **value}
         self.line(json.dumps(whole, ensure_ascii=escaped, allow_nan=False, default=_plain))
 
     def line(self, text: str = "") -> None:
-        """One line of stdout."""
+        """Print one line on stdout."""
         sys.stdout.write(text + "\n")
         sys.stdout.flush()
 
     def note(self, text: str) -> None:
-        """One line of stderr, for people."""
+        """Print one line on stderr, for people."""
         sys.stderr.write(text + "\n")
         sys.stderr.flush()
 
     def detail(self, *words: str) -> None:
-        """A note that only `-v` shows."""
+        """Print a note that only `-v` shows."""
         if self.verbose:
             self.note(" ".join(word for word in words if word))
 
     def table(self, headers: Sequence[str], rows: Sequence[Sequence[str]], right: str = "") -> None:
-        """A table on stdout. `right`: indices of the columns to be set right, as digits."""
+        """Print a table on stdout. `right`: indices of the right-aligned columns, as digits."""
         if sys.stdout.isatty():
             stdout_console().print(make_table(headers, rows, right))
         else:
@@ -57,7 +57,7 @@ class Output:
 
 
 def make_table(headers: Sequence[str], rows: Sequence[Sequence[str]], right: str = "") -> Table:
-    """A rich table; cells are text, never markup."""
+    """Return a rich table; cells are text, never markup."""
     from rich import box
     from rich.table import Table
     from rich.text import Text as RichText
@@ -74,21 +74,21 @@ def make_table(headers: Sequence[str], rows: Sequence[Sequence[str]], right: str
 
 
 def stdout_console() -> Console:
-    """rich on stdout; it keeps NO_COLOR and narrow terminals by itself."""
+    """Return rich's console on stdout; it respects NO_COLOR and the width of the terminal."""
     from rich.console import Console
 
     return Console(highlight=False)
 
 
 def stderr_console() -> Console:
-    """rich on stderr, for progress."""
+    """Return rich's console on stderr, for progress."""
     from rich.console import Console
 
     return Console(stderr=True, highlight=False)
 
 
 def _plain(value: object) -> object:
-    """What JSON has no form for: bytes as upper-case hex without spaces."""
+    """Return the JSON form of bytes: upper-case hex without spaces."""
     if isinstance(value, bytes | bytearray):
         return value.hex().upper()
     raise TypeError(f"{type(value).__name__} has no JSON form")

@@ -1,4 +1,4 @@
-"""How a reading is shown: in JSON, in a cell, beside what is usual at warm idle."""
+"""Readings as JSON and as text, with the reference range at warm idle."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mikas.sampling.derived import DerivedValue
 
 
 def as_json(reading: Reading) -> dict[str, Any]:
-    """`{"value", "unit", "raw", "time"}`: numbers are numbers, flags true or false."""
+    """Return `{"value", "unit", "raw", "time"}`: numbers are numbers, flags true or false."""
     return {
         "value": reading.value,
         "unit": reading.unit,
@@ -21,7 +21,7 @@ def as_json(reading: Reading) -> dict[str, Any]:
 
 
 def shown_value(reading: Reading | DerivedValue) -> str:
-    """The value with its channel's decimals; a flag as yes or no."""
+    """Return the value with its channel's decimals; a flag as yes or no."""
     if isinstance(reading, DerivedValue):
         return decimal(f"{reading.value:.{reading.channel.decimals}f}")
     if isinstance(reading.value, bool):
@@ -30,14 +30,14 @@ def shown_value(reading: Reading | DerivedValue) -> str:
 
 
 def shown_unit(reading: Reading | DerivedValue) -> str:
-    """The unit in the language in force."""
+    """Return the unit in the current language."""
     if isinstance(reading, DerivedValue):
         return reading.channel.unit_text.to(current_language())
     return reading.parameter.interpretation(reading.interpretation).unit_text.to(current_language())
 
 
 def reference(parameter: Parameter | Derived) -> str:
-    """`13 … 16`, what is usual at warm idle; empty if that is not known."""
+    """Return `13 … 16`, the reference range at warm idle; empty without one."""
     if isinstance(parameter, Derived) or parameter.reference is None:
         return ""
     low, high = parameter.reference

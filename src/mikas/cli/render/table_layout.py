@@ -1,6 +1,6 @@
-"""How the live table fits a terminal: fewer columns on a narrow one, two tables on a low one.
+"""Layout of the live table: fewer columns on a narrow terminal, two tables on a low one.
 
-What has no room even so is named in the last line: a value never disappears silently.
+Rows that still do not fit are named in the last line: no value disappears silently.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _HEAD = 3  # lines that are no parameter: the state, the headings, Ctrl-C
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """What stands around the rows: the line's state, who is in alarm, the latest notice."""
+    """The lines around the rows: the state, the alarms, the latest notice."""
 
     state: str
     style: str
@@ -33,7 +33,7 @@ class Head:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One channel in words; `style` is the value's."""
+    """One channel as texts; `style` is the value's."""
 
     name: str
     value: str
@@ -54,7 +54,7 @@ class _Column:
     cell: Callable[[Row], str]
     narrowest: int = 0
     right: bool = False
-    min_length: int = 0  # lest the table jumps with every digit
+    min_length: int = 0  # keeps the table from jumping with every digit
     spare: bool = False  # left out if it would be empty
 
 
@@ -64,11 +64,11 @@ def _columns() -> list[_Column]:
         _Column(tr("name", "имя"), lambda row: row.name),
         _Column(tr("value", "значение"), lambda row: row.value, right=True, min_length=6),
         _Column(tr("unit", "ед."), lambda row: row.unit),
-        _Column(tr("warm idle", "на хх"), lambda row: row.reference, spare=True),
-        _Column(tr("meaning", "что это"), lambda row: row.meaning, narrowest=20),
+        _Column(tr("warm idle", "на ХХ"), lambda row: row.reference, spare=True),
+        _Column(tr("meaning", "параметр"), lambda row: row.meaning, narrowest=20),
         _Column(tr("min", "мин"), lambda row: row.lowest, right=True, min_length=6),
         _Column(tr("max", "макс"), lambda row: row.highest, right=True, min_length=6),
-        _Column(tr("lately", "недавно"), lambda row: row.curve, min_length=20),
+        _Column(tr("trend", "график"), lambda row: row.curve, min_length=20),
     ]
 
 

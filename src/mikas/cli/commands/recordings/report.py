@@ -13,9 +13,9 @@ import click
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, decimal, localized, tr
-from mikas.cli.notices import Notices
 from mikas.cli.options import OUT, OVERWRITE
 from mikas.cli.parameter_types import File, Number
+from mikas.cli.render.notices import Notices
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
 from mikas.errors import UsageError
 from mikas.i18n import Text

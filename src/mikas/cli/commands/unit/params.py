@@ -37,7 +37,7 @@ def params(context: CommandContext) -> None:
         return
     headers = [
         tr("name", "имя"), tr("code", "код"), tr("bytes", "байт"), tr("formula", "формула"),
-        tr("unit", "ед."), tr("warm idle", "на хх"), tr("meaning", "что это"), tr("see", "см."),
+        tr("unit", "ед."), tr("warm idle", "на ХХ"), tr("meaning", "параметр"), tr("notes", "см."),
     ]  # fmt: skip
     rows = [_row(p, context.interpretation) for p in catalog.parameters]
     rows += [_derived_row(channel) for channel in catalog.derived.values()]

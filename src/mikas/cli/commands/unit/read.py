@@ -32,8 +32,8 @@ def read(context: CommandContext, names: tuple[str, ...]) -> None:
     else:
         headers = [
             tr("name", "имя"), tr("value", "значение"), tr("unit", "ед."),
-            tr("raw", "байты"), tr("warm idle", "на хх"), tr("meaning", "что это"),
-            tr("see", "см."),
+            tr("raw", "байты"), tr("warm idle", "на ХХ"), tr("meaning", "параметр"),
+            tr("notes", "см."),
         ]  # fmt: skip
         context.output.table(headers, [_row(name, r) for name, r in readings.items()], right="1")
         if any(r.parameter.errata for r in readings.values()):

@@ -81,12 +81,12 @@ class Notices:
             case UnitFound(another=True):
                 self._waiting = None  # what was there before is not back
                 yield tr(
-                    f"Another unit answers: {self._model()}. Everything from here on is its own.",
-                    f"Отвечает другой блок: {self._model()}. Всё дальнейшее относится к нему.",
+                    f"Another unit answers: {self._model()}. The values are now its own.",
+                    f"Отвечает другой блок: {self._model()}. Дальше показаны его значения.",
                 )
             case ParameterDropped():
                 yield tr(
-                    f"The unit refuses {event.name}: left out, the others go on.",
+                    f"The unit does not support {event.name}; the other parameters are still read.",
                     f"Блок не знает {event.name}: он пропущен, остальные читаются дальше.",
                 )
             case AlarmChanged():
@@ -111,19 +111,19 @@ class Notices:
         since = max(self._gaps.open.began, self._well_since)
         if isinstance(event.error, EngineStopped) or event.time - since >= _LASTING:
             self._waiting = LineState.SAMPLING
-            told = (
+            sentences = (
                 f"{localized(event.error.reason)}.",
                 localized(ADVICE.advice(event.error)),
                 _waits(),
             )
-            yield " ".join(sentence for sentence in told if sentence)
+            yield " ".join(sentence for sentence in sentences if sentence)
 
     def _planned(self, plan: Plan) -> Iterator[str]:
         self._plan = plan
         if self._session.asked.method == "auto" and plan.method != self._method:
             yield tr(
-                "Methods are being tried, each for about a second; which one goes on is told then.",
-                "Пробуем способы, каждый около секунды; потом скажем, какой останется.",
+                "Testing sampling methods (about 1 s each) …",
+                "Проверка способов опроса (около 1 с на каждый) …",
             )
         else:
             yield priced(plan)
@@ -149,7 +149,7 @@ class Notices:
         return localized(model.text) if model else "?"
 
     def _new_file(self, path: Path) -> None:
-        self._tell(tr(f"The recording goes on in {path}.", f"Запись продолжается в {path}."))
+        self._tell(tr(f"Recording continues in {path}.", f"Запись продолжается в {path}."))
 
 
 def waiting(event: StateChanged) -> str:
@@ -160,15 +160,15 @@ def waiting(event: StateChanged) -> str:
 
 
 def _waits() -> str:
-    return tr("Waiting; it goes on by itself.", "Ждём; опрос продолжится сам.")
+    return tr("Waiting; sampling resumes by itself.", "Ждём; опрос продолжится сам.")
 
 
 def stopped(failure: MikasError) -> str:
     """Return that nothing more is recorded, and why."""
     why = localized(failure.reason)
     return tr(
-        f"NOT RECORDING any more. {why}. Sampling goes on.",
-        f"ЗАПИСЬ ПРЕКРАЩЕНА. {why}. Опрос идёт дальше.",
+        f"RECORDING STOPPED. {why}. Sampling continues.",
+        f"ЗАПИСЬ ПРЕКРАЩЕНА. {why}. Опрос продолжается.",
     )
 
 
@@ -178,8 +178,10 @@ def priced(plan: Plan) -> str:
     size, milliseconds = f"{price.bytes:.0f}", f"{price.seconds * 1000:.0f}"
     rate = decimal(f"{price.rate:.1f}")
     return tr(
-        f"Plan: {plan.method}, {size} bytes and {milliseconds} ms a cycle, {rate} sets/s at best.",
-        f"План: {plan.method}, байт на цикл {size}, {milliseconds} мс, не больше {rate} раз/с.",
+        f"Plan: {plan.method}, {size} bytes and {milliseconds} ms per cycle, at most {rate} "
+        "readings/s.",
+        f"План: {plan.method}, байт на цикл: {size}, мс на цикл: {milliseconds}, не больше {rate} "
+        "опр/с.",
     )
 
 
@@ -196,11 +198,11 @@ def chosen(event: MethodChosen, enough: float | None = None) -> str:
     why, ru_why = ".", "."
     if enough is not None and event.rates.get(event.method, 0.0) < max(event.rates.values()):
         wanted = f"{enough:g}"
-        why = f": enough for the {wanted} asked for, and it does least to the unit."
-        ru_why = f": для заданных {decimal(wanted)} хватает, а блок он нагружает меньше других."
+        why = f": enough for the requested {wanted}, with the least load on the unit."
+        ru_why = f": для заданных {decimal(wanted)} достаточно, нагрузка на блок наименьшая."
     return tr(
-        f"Method: {event.method} (sets/s: {rates}){why}",
-        f"Способ: {event.method} (раз/с: {decimal(rates)}){ru_why}",
+        f"Method: {event.method} (readings/s: {rates}){why}",
+        f"Способ: {event.method} (опр/с: {decimal(rates)}){ru_why}",
     )
 
 
