@@ -108,7 +108,7 @@ def test_samples_behind_a_next_file_that_could_not_be_begun_are_counted_as_lost(
     assert ran.status == 2
     last = ran.err.splitlines()[-1]
     assert last.startswith("ЗАПИСЬ ПРЕКРАЩЕНА · a.pcapng: отсчётов: 300, из них не записано: ")
-    lost = int(last.split("не записано ")[1].split(",")[0])
+    lost = int(last.split("не записано: ")[1].split(",")[0])
     assert recorded_samples(tmp_path / "a.pcapng") == pytest.approx(300 - lost, abs=2)
 
 
