@@ -35,14 +35,14 @@ IDENTITY = Identity(0x0A, PASSPORTS)
 
 def make_bus(
     *,
-    assumptions: EcuQuirks | None = None,
+    quirks: EcuQuirks | None = None,
     adapter: AdapterKind | None = None,
-    disturbance: FaultInjector | None = None,
+    fault_injector: FaultInjector | None = None,
     rpm: float = 850.0,
 ) -> Bus:
     car = TableCar(DATA, faults=FAULTS, rpm=rpm)
-    ecu = VirtualEcu(Responder(car, IDENTITY, assumptions or EcuQuirks()))
-    return Bus(ecu, adapter=adapter, disturbance=disturbance)
+    ecu = VirtualEcu(Responder(car, IDENTITY, quirks or EcuQuirks()))
+    return Bus(ecu, adapter=adapter, fault_injector=fault_injector)
 
 
 def make_tester(bus: Bus, **settings: object) -> Tester:

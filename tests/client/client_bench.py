@@ -47,7 +47,7 @@ class Bench:
         self.happenings.clear()
 
     def trouble(self, *troubles: LineFault | None) -> None:
-        self.bus.disturbance.next(*troubles)
+        self.bus.fault_injector.next(*troubles)
 
     def power_cycle(self, ecu: Ecu) -> None:
         """Off and on again, while nobody asks anything."""
@@ -64,13 +64,13 @@ def bench(
     rpm: float = 850.0,
     faults: Iterable[int] = FAULTS,
     car: TableCar | None = None,
-    **assumptions: object,
+    **quirks: object,
 ) -> Bench:
-    """A unit with `data`, and with the assumptions given by name as in a URL."""
+    """A unit with `data`, and with the quirks given by name as in a URL."""
     car = car or TableCar(DATA if data is None else data, faults=faults, rpm=rpm)
-    told = EcuQuirks().with_options({name: str(it) for name, it in assumptions.items()})
+    told = EcuQuirks().with_options({name: str(it) for name, it in quirks.items()})
     ecu = VirtualEcu(Responder(car, identity, told))
-    made = Bench(car, Bus(ecu, disturbance=FaultInjector()))
+    made = Bench(car, Bus(ecu, fault_injector=FaultInjector()))
     ecu.watcher = made.happenings.append
     return made
 

@@ -89,7 +89,7 @@ def test_a_code_that_answered_once_is_never_refused_by_silence():
 
 def test_bad_line_for_long_leaves_the_limits_alone():
     it = bench()
-    it.bus.disturbance.rates = {LineFault.LOST: 0.02, LineFault.DAMAGED: 0.02}
+    it.bus.fault_injector.rates = {LineFault.LOST: 0.02, LineFault.DAMAGED: 0.02}
     ecu = ecu_on(it)
     came = list(ecu.watch(count=500))
     assert sum(not sample.gap for sample in came) > 490
@@ -246,7 +246,7 @@ def test_a_unit_that_takes_less_than_it_did(long_list, unknown):
     it = bench(unknown=unknown)
     ecu = ecu_on(it)
     ecu.read()
-    it.bus.ecu.responder.assumptions = EcuQuirks().with_options(
+    it.bus.ecu.responder.quirks = EcuQuirks().with_options(
         {"max_list": "6", "long_list": long_list, "unknown": unknown}
     )
     for _ in range(4):

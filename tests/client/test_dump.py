@@ -141,9 +141,9 @@ def test_a_spoilt_line_keeps_only_sound_bytes(tmp_path):
     from mikas.virtual.fault_injector import FaultInjector, LineFault
 
     for seed in range(5):
-        it.bus.disturbance = FaultInjector()
+        it.bus.fault_injector = FaultInjector()
         with ecu_on(it, retries=3) as ecu:
-            it.bus.disturbance = FaultInjector({LineFault.DAMAGED: 0.3}, seed=seed)
+            it.bus.fault_injector = FaultInjector({LineFault.DAMAGED: 0.3}, seed=seed)
             file = tmp_path / f"{seed}"
             with suppress(LineError):
                 dump(ecu, file).advance(block=16, progress=nothing)

@@ -47,7 +47,7 @@ def test_a_recording_is_served_with_the_other_options(capture, served, capsys):
     assert car.codes == (0x29, 0x1A)
     assert (car.position(), car.speed) == (0.5, 3)
     assert served.bus.adapter.kind.echo is False
-    assert served.bus.disturbance.rates
+    assert served.bus.fault_injector.rates
     assert "damaged" not in capsys.readouterr().err
     whole = capture.read_bytes()
     middle = len(whole) // 2

@@ -81,8 +81,8 @@ def test_it_lacks_what_the_recorded_unit_lacked(tmp_path, unknown):
         ecu.raw(b"\x61\x99\x98")
     answer = None if unknown == "silent" else b"\x01"
     recorded = load(path)
-    assert recorded.assumptions.missing == {0x51, 0x54, 0x71}
-    assert recorded.assumptions.unknown is Unknown(unknown)
+    assert recorded.quirks.missing == {0x51, 0x54, 0x71}
+    assert recorded.quirks.unknown is Unknown(unknown)
     assert {recorded.refusals[code] for code in (0x51, 0x54, 0x71)} == {answer}
     with session(again(path), tmp_path) as ecu:
         assert ecu.passport() == pieces
@@ -102,9 +102,9 @@ def test_it_takes_lists_and_blocks_as_long_as_the_recorded_unit_did(tmp_path, ho
             ecu.raw(b"\x21\x40\x20")
         ecu.raw(long[:9])
         ecu.raw(b"\x21\x40\x10")
-    assumptions = load(path).assumptions
-    assert (assumptions.max_list, assumptions.max_block) == (8, 16)
-    assert assumptions.long_list is LongList(how)
+    quirks = load(path).quirks
+    assert (quirks.max_list, quirks.max_block) == (8, 16)
+    assert quirks.long_list is LongList(how)
 
 
 def test_one_lost_answer_proves_nothing(tmp_path):
@@ -114,8 +114,8 @@ def test_one_lost_answer_proves_nothing(tmp_path):
             with suppress(MikasError):
                 ecu.read("TWAT", "FREQ")
     recorded = load(path)
-    assert recorded.assumptions.missing == frozenset()
-    assert recorded.assumptions.max_list == 255
+    assert recorded.quirks.missing == frozenset()
+    assert recorded.quirks.max_list == 255
     assert recorded.silences == []
 
 

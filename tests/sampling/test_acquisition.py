@@ -113,8 +113,10 @@ def test_a_gap_is_counted_where_something_is_added_up():
 
 @pytest.mark.parametrize("method", ["batch", "stream"])
 def test_a_spoilt_response_does_not_interrupt_what_adds_up(method):
-    disturbance = FaultInjector({LineFault.DAMAGED: 0.05}, seed=4)
-    made = acquisition(SimulatedPlug(make_bus(disturbance=disturbance)), "FUEL_USED", method=method)
+    fault_injector = FaultInjector({LineFault.DAMAGED: 0.05}, seed=4)
+    made = acquisition(
+        SimulatedPlug(make_bus(fault_injector=fault_injector)), "FUEL_USED", method=method
+    )
     with closing(made.run()) as events:
         told = take(events, lambda e: len(of(Sampled, e)) == 600)
     samples = of(Sampled, told)
@@ -129,7 +131,7 @@ def test_what_came_in_a_cycle_is_fresh_however_long_it_lasts():
     """One request a parameter and a slow unit: the last response is seconds after the first."""
     limits = {"TAIR": AlarmLimits(warning_high=-30), "DUTY": AlarmLimits(warning_high=0.1)}
     made = acquisition(
-        SimulatedPlug(make_bus(assumptions=EcuQuirks(turn_round=0.3))),
+        SimulatedPlug(make_bus(quirks=EcuQuirks(turn_round=0.3))),
         *(each.name for each in shipped().parameters),
         "DUTY",
         method="single",

@@ -31,7 +31,7 @@ TROUBLES = {
 
 @pytest.mark.parametrize("method", ["batch", "stream"])
 def test_minutes_of_a_bad_line_leave_nothing_behind(method, tmp_path):
-    plug = SimulatedPlug(make_bus(disturbance=FaultInjector(TROUBLES, seed=1)))
+    plug = SimulatedPlug(make_bus(fault_injector=FaultInjector(TROUBLES, seed=1)))
     names = ["FREQ", "TWAT/10", "INJ", "FUEL_USED"]
     made = Acquisition(plug, ecu_factory(tmp_path), shipped(), names, method=method)
     sizes, times, gaps = [], [], 0
@@ -73,7 +73,7 @@ def test_nor_is_it_lost_on_a_bad_line():
 
 
 def sample_times(method: str, rates: dict[LineFault, float], count: int) -> list[float]:
-    plug = SimulatedPlug(make_bus(disturbance=FaultInjector(rates, seed=2)))
+    plug = SimulatedPlug(make_bus(fault_injector=FaultInjector(rates, seed=2)))
     made = Acquisition(plug, ecu_factory(), shipped(), ["FREQ"], method=method, rate=10.0)
     times: list[float] = []
     with closing(made.run()) as events:

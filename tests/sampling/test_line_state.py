@@ -86,7 +86,7 @@ class World:
 
     def damage(self) -> None:
         self.mend()
-        self.plug.bus.disturbance.rates = {LineFault.DAMAGED: 1.0}
+        self.plug.bus.fault_injector.rates = {LineFault.DAMAGED: 1.0}
 
     def another_unit(self) -> None:
         self.mend()
@@ -100,7 +100,7 @@ class World:
 
     def refuse_all(self) -> None:
         """The unit answers 01 to both parameters that are sampled, and knows others."""
-        self.unit.assumptions = EcuQuirks(unknown=Unknown.ERROR)
+        self.unit.quirks = EcuQuirks(unknown=Unknown.ERROR)
         for code in (0x1A, 0x3F):
             self.unit.car._data.pop(code, None)
 
@@ -109,15 +109,15 @@ class World:
 
         def exchange(_: object) -> None:
             self.unit.identity = Identity(0x09, PASSPORTS)
-            self.plug.bus.disturbance.next(LineFault.DAMAGED)
+            self.plug.bus.fault_injector.next(LineFault.DAMAGED)
 
-        self.unit.assumptions = EcuQuirks(missing=frozenset({0x61}), unknown=Unknown.ERROR)
+        self.unit.quirks = EcuQuirks(missing=frozenset({0x61}), unknown=Unknown.ERROR)
         self.sampler.call(exchange)
 
     def mend(self) -> None:
         self.plug.mend()
         self.unit.car.on = True
-        self.plug.bus.disturbance.rates = {}
+        self.plug.bus.fault_injector.rates = {}
 
     def replay_over(self) -> None:
         def read(deadline: float) -> None:
@@ -301,7 +301,7 @@ def test_an_elm327_ends_the_run_before_any_state(reached: list[Cell]) -> None:
 
 
 def test_a_method_that_the_unit_lacks_changes_no_state(reached: list[Cell]) -> None:
-    bus = make_bus(assumptions=EcuQuirks(missing=GROUPS["stream"]))
+    bus = make_bus(quirks=EcuQuirks(missing=GROUPS["stream"]))
     with closing(make_sampler(SimulatedPlug(bus), "FREQ", method="stream").run()) as events:
         take(events, lambda e: len(of(Sampled, e)) > 10)
     assert set(reached) == {

@@ -78,8 +78,8 @@ class TestKept:
 
     def test_a_refused_method_is_not_tried_again(self, tmp_path):
         lacking = EcuQuirks(missing=GROUPS["stream"])
-        session(make_bus(assumptions=lacking), state=tmp_path, until=settled)
-        bus = make_bus(assumptions=lacking)
+        session(make_bus(quirks=lacking), state=tmp_path, until=settled)
+        bus = make_bus(quirks=lacking)
         heard = []
         bus.ecu.watcher = heard.append
         told = session(bus, state=tmp_path)
@@ -89,8 +89,8 @@ class TestKept:
 
     def test_but_a_shorter_list_may_be_taken(self, tmp_path):
         short = EcuQuirks(max_list=8)
-        session(make_bus(assumptions=short), state=tmp_path, until=settled)
-        told = session(make_bus(assumptions=short), "FREQ", "INJ", state=tmp_path, until=settled)
+        session(make_bus(quirks=short), state=tmp_path, until=settled)
+        told = session(make_bus(quirks=short), "FREQ", "INJ", state=tmp_path, until=settled)
         assert of(MethodChosen, told)[-1].method == "stream"
 
     def test_another_plan_is_known_without_measuring(self, tmp_path):
@@ -107,7 +107,7 @@ class TestKept:
         with closing(sampler.run()) as events:
             take(events, settled)
             before = kept(tmp_path)
-            plug.bus.ecu.responder.assumptions = EcuQuirks(
+            plug.bus.ecu.responder.quirks = EcuQuirks(
                 missing=GROUPS["stream"], unknown=Unknown.ERROR
             )
             sampler.relearn()
@@ -198,14 +198,14 @@ class TestAdapters:
         paces["list"]["delay"], paces["stream"]["delay"] = -0.0, 0.05
         file.write_text(json.dumps(stored), "utf-8")
         paces_before = LimitsStore(tmp_path).load(0x0A, IDENTITY.passports).methods
-        bus = make_bus(assumptions=EcuQuirks(turn_round=0.0028, stream_gap=0.0004))
+        bus = make_bus(quirks=EcuQuirks(turn_round=0.0028, stream_gap=0.0004))
         told = session(bus, state=tmp_path, until=lambda e: len(of(Sampled, e)) > 300)
         assert [c.method for c in of(MethodChosen, told)] in (["list"], ["list", "stream"])
         assert paces_before
-        bus = make_bus(assumptions=EcuQuirks(turn_round=0.0027))
+        bus = make_bus(quirks=EcuQuirks(turn_round=0.0027))
         paces["list"]["delay"], paces["stream"]["delay"] = 0.002, 0.0
         file.write_text(json.dumps(stored), "utf-8")
-        slow = make_bus(assumptions=EcuQuirks(stream_gap=0.03))
+        slow = make_bus(quirks=EcuQuirks(stream_gap=0.03))
         told = session(slow, state=tmp_path, until=lambda e: len(of(Sampled, e)) > 300)
         assert [c.method for c in of(MethodChosen, told)] == ["stream", "list"]
 
@@ -232,7 +232,7 @@ class TestAdapters:
 def test_on_a_bad_line_something_is_chosen_and_nothing_wrong_comes():
     rates = {LineFault.LOST: 0.03, LineFault.DAMAGED: 0.15, LineFault.LATE: 0.02}
     for seed in range(3):
-        bus = make_bus(disturbance=FaultInjector(rates, seed=seed))
+        bus = make_bus(fault_injector=FaultInjector(rates, seed=seed))
         told = session(bus, until=settled)
         assert of(MethodChosen, told)
         assert_values_are_the_units(told)
@@ -242,8 +242,8 @@ def test_a_line_that_is_dead_for_a_while_makes_nothing_refused(tmp_path):
     plug = SimulatedPlug(make_bus())
     with closing(make_sampler(plug, state=tmp_path).run()) as events:
         take(events, settled)
-        plug.bus.disturbance.rates = {LineFault.DAMAGED: 1.0}
-        plug.at(plug.now() + 30, lambda: setattr(plug.bus.disturbance, "rates", {}))
+        plug.bus.fault_injector.rates = {LineFault.DAMAGED: 1.0}
+        plug.at(plug.now() + 30, lambda: setattr(plug.bus.fault_injector, "rates", {}))
         told = take(events, lambda e: plug.now() > 60 and enough(e))
     assert_values_are_the_units(told)
     assert len(of(Sampled, told)[-1].fresh) == 23
@@ -261,7 +261,7 @@ def test_one_lost_response_says_nothing_of_a_method(method):
         found = run_trial(ecu, Plan(ALL, method))
         for _ in range(4):
             next(found)
-        bus.disturbance.next(*troubles)
+        bus.fault_injector.next(*troubles)
         while True:
             try:
                 next(found)

@@ -17,7 +17,7 @@ CYCLE = 0.6  # s, and a little more: one of batch takes 0.46 s, one of list 0.43
 
 def slow() -> tuple[SimulatedPlug, Sampler]:
     """Measures batch first, then list: a rate is wanted. Each takes 3 s."""
-    plug = SimulatedPlug(make_bus(assumptions=EcuQuirks(turn_round=0.4)))
+    plug = SimulatedPlug(make_bus(quirks=EcuQuirks(turn_round=0.4)))
     return plug, make_sampler(plug, rate=50.0)
 
 

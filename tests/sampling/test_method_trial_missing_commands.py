@@ -27,7 +27,7 @@ METHODS = {0x71, 0x63, 0x64}
 
 
 def poor(unknown: Unknown, *, missing: frozenset[int] = POOR, **others: object):
-    return make_bus(assumptions=EcuQuirks(missing=missing, unknown=unknown, **others))
+    return make_bus(quirks=EcuQuirks(missing=missing, unknown=unknown, **others))
 
 
 def asked_of(bus) -> list[int]:
@@ -73,7 +73,7 @@ def test_what_it_lacks_is_remembered_and_with_any_adapter(unknown, tmp_path):
     with closing(make_sampler(SimulatedPlug(poor(unknown)), *MANY, state=tmp_path).run()) as events:
         take(events, settled)
     bus = make_bus(
-        adapter=AdapterKind(latency=0.016), assumptions=EcuQuirks(missing=POOR, unknown=unknown)
+        adapter=AdapterKind(latency=0.016), quirks=EcuQuirks(missing=POOR, unknown=unknown)
     )
     asked = asked_of(bus)
     with closing(make_sampler(SimulatedPlug(bus), "TWAT", state=tmp_path).run()) as events:
@@ -104,7 +104,7 @@ def test_finding_out_what_a_unit_lacks_is_no_trouble_of_the_line(unknown, max_li
 
 
 def test_where_only_so_long_a_list_is_refused_a_shorter_one_is_not_given_up():
-    bus = make_bus(assumptions=EcuQuirks(max_list=8))
+    bus = make_bus(quirks=EcuQuirks(max_list=8))
     sampler = make_sampler(SimulatedPlug(bus), *MANY)
     with closing(sampler.run()) as events:
         assert of(MethodChosen, take(events, settled))[-1].method == "batch"

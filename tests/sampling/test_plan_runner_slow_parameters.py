@@ -75,9 +75,9 @@ def test_a_rate_is_that_of_the_cycles(method, ran):
 def test_what_is_measured_are_cycles_that_ask(ran):
     """Else a second of measuring would run through a million empty ones."""
     lacks = GROUPS["stream"]
-    events = run(make_bus(assumptions=EcuQuirks(missing=lacks)), "TWAT/1000", "TAIR/1000")
+    events = run(make_bus(quirks=EcuQuirks(missing=lacks)), "TWAT/1000", "TAIR/1000")
     (chosen,) = of(MethodChosen, events)
-    alone = of(MethodChosen, run(make_bus(assumptions=EcuQuirks(missing=lacks)), "TWAT"))[0]
+    alone = of(MethodChosen, run(make_bus(quirks=EcuQuirks(missing=lacks)), "TWAT"))[0]
     assert chosen.rates["batch"] == pytest.approx(alone.rates["batch"], rel=0.1)
     assert len(ran) < 1000
     after = of(Sampled, events[events.index(chosen) :])

@@ -71,17 +71,15 @@ def test_the_fastest_is_chosen_where_everything_works():
 @pytest.mark.parametrize("unknown", Unknown)
 def test_it_falls_back_step_by_step(missing, method, unknown):
     lacks = frozenset().union(*(GROUPS[group] for group in missing))
-    events = run(make_bus(assumptions=EcuQuirks(missing=lacks, unknown=unknown)))
+    events = run(make_bus(quirks=EcuQuirks(missing=lacks, unknown=unknown)))
     assert of(MethodChosen, events)[0].method == method
     assert_values_are_the_units(events)
 
 
 @pytest.mark.parametrize("long_list", LongList)
 def test_a_unit_with_short_lists_gets_smaller_batches(long_list):
-    assumptions = EcuQuirks(
-        max_list=4, long_list=long_list, missing=GROUPS["stream"] | GROUPS["list"]
-    )
-    events = run(make_bus(assumptions=assumptions))
+    quirks = EcuQuirks(max_list=4, long_list=long_list, missing=GROUPS["stream"] | GROUPS["list"])
+    events = run(make_bus(quirks=quirks))
     assert of(MethodChosen, events)[0].method == "batch"
     assert_values_are_the_units(events)
     assert len(of(Sampled, events)[-1].fresh) == 23
@@ -130,10 +128,10 @@ def test_an_unknown_name_is_refused_before_anything():
 
 
 def test_line_faults_make_gaps_and_no_wrong_value():
-    disturbance = FaultInjector(
+    fault_injector = FaultInjector(
         {LineFault.DAMAGED: 0.1, LineFault.LATE: 0.02, LineFault.LOST: 0.02}, seed=3
     )
-    events = run(make_bus(disturbance=disturbance))
+    events = run(make_bus(fault_injector=fault_injector))
     assert_values_are_the_units(events)
 
 
@@ -186,7 +184,7 @@ def test_another_car_is_noticed_and_its_method_found_out_anew():
         take(events, settled)
         plug.pull()
         take(events, lambda e: bool(of(StateChanged, e)))
-        plug.bus = make_bus(assumptions=EcuQuirks(missing=GROUPS["stream"]))
+        plug.bus = make_bus(quirks=EcuQuirks(missing=GROUPS["stream"]))
         plug.bus.ecu.responder.identity = Identity(0x09, IDENTITY.passports)
         plug.bus.advance(plug.now())
         plug.plugged_in = True

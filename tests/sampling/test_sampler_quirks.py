@@ -29,7 +29,7 @@ from virtual_bench import make_bus
 def test_a_unit_without_what_most_have_is_sampled_by_its_best_method(lacking, unknown, long_list):
     lacks = GROUPS["stream"] | GROUPS["list"]
     bus = make_bus(
-        assumptions=EcuQuirks(missing=lacks, unknown=unknown, max_list=3, long_list=long_list)
+        quirks=EcuQuirks(missing=lacks, unknown=unknown, max_list=3, long_list=long_list)
     )
     for code in lacking:
         del bus.ecu.responder.car._data[code]
@@ -45,7 +45,7 @@ def test_a_unit_without_what_most_have_is_sampled_by_its_best_method(lacking, un
 def test_a_refusal_that_nothing_tells_from_a_datum_is_dropped_as_well(method, long_list):
     """A unit that takes one code at a time, and answers 01 to what it does not know."""
     bus = make_bus(
-        assumptions=EcuQuirks(
+        quirks=EcuQuirks(
             max_list=1, unknown=Unknown.ERROR, long_list=long_list, missing=GROUPS["list"]
         )
     )
@@ -63,7 +63,7 @@ def test_a_refusal_that_nothing_tells_from_a_datum_is_dropped_as_well(method, lo
 @pytest.mark.parametrize("takes", [3, 7])
 def test_prices_know_how_long_a_list_the_unit_takes(takes):
     lacks = GROUPS["stream"] | GROUPS["list"]
-    plug = SimulatedPlug(make_bus(assumptions=EcuQuirks(max_list=takes, missing=lacks)))
+    plug = SimulatedPlug(make_bus(quirks=EcuQuirks(max_list=takes, missing=lacks)))
     sampler = make_sampler(plug)
     with closing(sampler.run()) as events:
         told = take(events, settled)
@@ -83,9 +83,9 @@ def test_prices_know_how_long_a_list_the_unit_takes(takes):
 
 def test_a_rate_is_enough_by_what_a_cycle_really_takes(tmp_path):
     """A unit that takes three codes: what all of them took says nothing bad of two."""
-    assumptions = EcuQuirks(max_list=3, missing=GROUPS["list"])
-    run(make_bus(assumptions=assumptions), state=tmp_path)
-    told = run(make_bus(assumptions=assumptions), "FREQ", "TWAT", state=tmp_path, rate=40.0)
+    quirks = EcuQuirks(max_list=3, missing=GROUPS["list"])
+    run(make_bus(quirks=quirks), state=tmp_path)
+    told = run(make_bus(quirks=quirks), "FREQ", "TWAT", state=tmp_path, rate=40.0)
     assert (
         of(MethodChosen, told)[-1].method == "batch"
     )  # not by a stream, which does more to the unit

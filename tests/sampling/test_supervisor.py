@@ -59,7 +59,7 @@ class TestStrict:
             list(make_sampler(SimulatedPlug(bus), strict=True).run())
 
     def test_a_bad_line(self):
-        bus = make_bus(disturbance=FaultInjector({LineFault.DAMAGED: 1.0}))
+        bus = make_bus(fault_injector=FaultInjector({LineFault.DAMAGED: 1.0}))
         with pytest.raises(LineError):
             list(make_sampler(SimulatedPlug(bus), strict=True).run())
 
@@ -148,7 +148,7 @@ class TestAnotherCar:
             take(events, lambda e: bool(of(StateChanged, e)))
             responder = plug.bus.ecu.responder
             responder.identity = identity
-            responder.assumptions = replace(responder.assumptions, **changes)
+            responder.quirks = replace(responder.quirks, **changes)
             responder.car.on = True
             return take(events, settled)
 
@@ -173,9 +173,9 @@ class TestAnotherCar:
                 plug.bus.ecu.responder.car.on = False
                 take(events, lambda e: bool(of(StateChanged, e)))
                 plug.bus.ecu.responder.car.on = True
-                plug.bus.disturbance.rates = {LineFault.LOST: 0.15, LineFault.DAMAGED: 0.1}
+                plug.bus.fault_injector.rates = {LineFault.LOST: 0.15, LineFault.DAMAGED: 0.1}
                 told = take(events, lambda e: bool(of(UnitFound, e)))
-                plug.bus.disturbance.rates = {}
+                plug.bus.fault_injector.rates = {}
                 told += take(events, enough)
                 assert [u.another for u in of(UnitFound, told)] == [False]
 
@@ -230,7 +230,7 @@ def test_it_can_be_stopped_while_it_waits():
     (told,) = list(sampler.run())  # it ends by itself
     assert told.state is LineState.NO_PORT
     assert plug.now() < 33
-    silent = SimulatedPlug(make_bus(assumptions=EcuQuirks()))
+    silent = SimulatedPlug(make_bus(quirks=EcuQuirks()))
     silent.bus.ecu.responder.car.on = False
     sampler = make_sampler(silent)
     silent.at(30, sampler.stop)
@@ -281,5 +281,5 @@ def test_an_answer_to_01_that_is_lost_after_an_outage_ends_nothing():
         take(events, lambda e: bool(of(StateChanged, e)))
         plug.bus.ecu.responder.car.on = True
         # The step is found again, and then 01 is asked for: lost each time.
-        plug.bus.disturbance.next(None, LineFault.LOST, None, LineFault.LOST, None)
+        plug.bus.fault_injector.next(None, LineFault.LOST, None, LineFault.LOST, None)
         assert of(Sampled, take(events, enough))

@@ -100,12 +100,12 @@ class Asked(Responder):
 def test_damaged_and_single_lost_responses_are_no_reason_to_compare(method: str) -> None:
     rates = {LineFault.DAMAGED: 0.05}
     unit = Asked(TableCar(DATA, faults=FAULTS, rpm=850), IDENTITY, EcuQuirks())
-    plug = SimulatedPlug(Bus(VirtualEcu(unit), disturbance=FaultInjector(rates, seed=3)))
+    plug = SimulatedPlug(Bus(VirtualEcu(unit), fault_injector=FaultInjector(rates, seed=3)))
     with closing(make_sampler(plug, method=method).run()) as events:
         take(events, enough)
         unit.asked.clear()
         if method == "batch":
-            plug.bus.disturbance.rates = rates | {LineFault.LOST: 0.02}
+            plug.bus.fault_injector.rates = rates | {LineFault.LOST: 0.02}
         told = take(events, lambda e: len(of(Sampled, e)) > 400)
     if method == "stream":
         assert of(CycleFailed, told)

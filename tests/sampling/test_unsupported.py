@@ -17,7 +17,7 @@ def weeding():
     """A sampler of a unit that has fallen silent to twelve of its codes, of which some are asked
     again by now; and its plug.
     """
-    bus = make_bus(assumptions=EcuQuirks(missing=GROUPS["list"] | GROUPS["stream"]))
+    bus = make_bus(quirks=EcuQuirks(missing=GROUPS["list"] | GROUPS["stream"]))
     plug = SimulatedPlug(bus)
     sampler = make_sampler(plug, method="batch")
     data = bus.ecu.responder.car._data

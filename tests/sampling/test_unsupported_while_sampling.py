@@ -43,7 +43,7 @@ def lacking(*groups: str, unknown: Unknown = Unknown.SILENT, **others: object):
     missing = frozenset().union(*(GROUPS[group] for group in groups))
 
     def change(responder):
-        responder.assumptions = EcuQuirks(missing=missing, unknown=unknown, **others)
+        responder.quirks = EcuQuirks(missing=missing, unknown=unknown, **others)
 
     return change
 
@@ -60,7 +60,7 @@ def without(*codes: int):
 @pytest.mark.parametrize("unknown", Unknown)
 @pytest.mark.parametrize("method", ["single", "batch", "list", "stream", "stroke0"])
 def test_a_parameter_refused_midway_is_dropped_and_the_others_go_on(method, unknown):
-    bus = make_bus(assumptions=EcuQuirks(unknown=unknown), rpm=5200)
+    bus = make_bus(quirks=EcuQuirks(unknown=unknown), rpm=5200)
     sampler = make_sampler(SimulatedPlug(bus), "FREQ", "TWAT", "INJ", "THR", method=method)
     with closing(sampler.run()) as events:
         take(events, enough)
@@ -80,7 +80,7 @@ def test_a_parameter_refused_midway_is_dropped_and_the_others_go_on(method, unkn
 
 def test_a_silent_one_among_many_is_found_soon():
     """A list of 21 is halved five times until the silent one is alone."""
-    plug = SimulatedPlug(make_bus(assumptions=EcuQuirks(unknown=Unknown.SILENT)))
+    plug = SimulatedPlug(make_bus(quirks=EcuQuirks(unknown=Unknown.SILENT)))
     sampler = make_sampler(plug, method="batch")
     with closing(sampler.run()) as events:
         take(events, enough)
@@ -92,7 +92,7 @@ def test_a_silent_one_among_many_is_found_soon():
 
 @pytest.mark.parametrize("method", ["single", "batch", "list", "stream"])
 def test_the_others_do_not_wait_while_it_is_found_out_who_is_silent(method):
-    plug = SimulatedPlug(make_bus(assumptions=EcuQuirks(unknown=Unknown.SILENT)))
+    plug = SimulatedPlug(make_bus(quirks=EcuQuirks(unknown=Unknown.SILENT)))
     sampler = make_sampler(plug, method=method)
     with closing(sampler.run()) as events:
         take(events, enough)
@@ -116,7 +116,7 @@ def test_the_others_do_not_wait_while_it_is_found_out_who_is_silent(method):
 )
 def test_a_one_that_means_no_is_no_datum(method, wanted):
     """D10 again: a unit that refuses with 01 refuses a one-byte parameter."""
-    bus = make_bus(assumptions=EcuQuirks(unknown=Unknown.ERROR))
+    bus = make_bus(quirks=EcuQuirks(unknown=Unknown.ERROR))
     sampler = make_sampler(SimulatedPlug(bus), "FREQ", wanted, "THR", method=method)
     with closing(sampler.run()) as events:
         take(events, enough)
@@ -130,7 +130,7 @@ def test_a_one_that_means_no_is_no_datum(method, wanted):
 @pytest.mark.parametrize("method", ["single", "batch"])
 def test_what_most_units_have_may_be_refused_as_well(method, unknown):
     """Neither FREQ nor any other is promised to anybody."""
-    bus = make_bus(assumptions=EcuQuirks(unknown=unknown))
+    bus = make_bus(quirks=EcuQuirks(unknown=unknown))
     sampler = make_sampler(SimulatedPlug(bus), "FREQ", "TWAT", "UACC", "THR", method=method)
     with closing(sampler.run()) as events:
         take(events, enough)
@@ -143,7 +143,7 @@ def test_what_most_units_have_may_be_refused_as_well(method, unknown):
 
 @pytest.mark.parametrize("unknown", Unknown)
 def test_auto_goes_down_step_by_step_as_methods_stop_working(unknown):
-    bus = make_bus(assumptions=EcuQuirks(unknown=unknown))
+    bus = make_bus(quirks=EcuQuirks(unknown=unknown))
     sampler = make_sampler(SimulatedPlug(bus))
     with closing(sampler.run()) as events:
         told = take(events, settled)
@@ -205,10 +205,10 @@ def test_a_method_that_was_asked_for_and_stops_is_replaced_too(method):
 @pytest.mark.parametrize("method", ["list", "stream"])
 @pytest.mark.parametrize("unknown", Unknown)
 def test_a_method_that_is_refused_from_the_beginning(method, unknown):
-    bus = make_bus(assumptions=EcuQuirks(missing=GROUPS[method], unknown=unknown))
+    bus = make_bus(quirks=EcuQuirks(missing=GROUPS[method], unknown=unknown))
     with pytest.raises(EcuRefused):
         run(bus, method=method, strict=True)
-    bus = make_bus(assumptions=EcuQuirks(missing=GROUPS[method], unknown=unknown))
+    bus = make_bus(quirks=EcuQuirks(missing=GROUPS[method], unknown=unknown))
     with closing(make_sampler(SimulatedPlug(bus), method=method).run()) as events:
         told = take(events, settled)
     assert isinstance(of(CycleFailed, told)[0].error, EcuRefused)  # said, and then got over
@@ -237,7 +237,7 @@ def test_a_bad_line_is_no_refusal():
         LineFault.LATE: 0.01,
         LineFault.CUT: 0.02,
     }
-    bus = make_bus(disturbance=FaultInjector(rates, seed=5))
+    bus = make_bus(fault_injector=FaultInjector(rates, seed=5))
     sampler = make_sampler(SimulatedPlug(bus), method="batch")
     with closing(sampler.run()) as events:
         told = take(events, lambda e: len(of(Sampled, e)) >= 600)
@@ -264,7 +264,7 @@ def test_when_nothing_is_left_it_says_so_and_waits_for_another_wish():
 
 
 def test_a_gate_that_lets_no_list_through_leaves_the_other_methods():
-    bus = make_bus(assumptions=EcuQuirks(missing=GROUPS["stream"]))
+    bus = make_bus(quirks=EcuQuirks(missing=GROUPS["stream"]))
     sampler = make_sampler(SimulatedPlug(bus), confirm=lambda change: False)
     with closing(sampler.run()) as events:
         told = take(events, settled)

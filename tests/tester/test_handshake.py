@@ -127,7 +127,7 @@ def test_an_echo_that_always_differs_is_told():
 
 
 def test_a_single_spoilt_echo_is_not_the_end():
-    unit = Watched(disturbance=Fate([(LineFault.ECHO, 0), (None, 0)]))
+    unit = Watched(fault_injector=Fate([(LineFault.ECHO, 0), (None, 0)]))
     right(unit.connected())
 
 
@@ -136,7 +136,7 @@ def test_a_single_spoilt_echo_is_not_the_end():
 @pytest.mark.parametrize("healthy", [0, 1, 2])
 def test_one_trouble_while_connecting_is_not_the_end(trouble, healthy, adapter):
     fates = [(None, 0.0)] * healthy + [(trouble, 0.7)]
-    tester = Watched(disturbance=Fate(fates), adapter=adapter).connected()
+    tester = Watched(fault_injector=Fate(fates), adapter=adapter).connected()
     assert tester.echoes is adapter.echo
     right(tester)
 
@@ -184,7 +184,7 @@ def test_a_late_answer_to_an_earlier_program_is_nobodys_version(after, datum, ad
 @pytest.mark.parametrize("after", [0.1 + 0.01 * i for i in range(60)])
 def test_not_even_if_the_first_request_then_is_lost(after):
     """The late one comes up to D14's limit after connecting began."""
-    unit = Watched(disturbance=Fate([(None, 0)] * 3 + [(LineFault.LOST, 0)]))
+    unit = Watched(fault_injector=Fate([(None, 0)] * 3 + [(LineFault.LOST, 0)]))
     unit.bus._unit.transmit(encode(b"\x55"), min(after, 0.5))
     right(unit.connected())
 

@@ -138,8 +138,8 @@ def test_a_busy_computer_that_wakes_late_costs_no_response(adapter, late):
 def test_a_response_that_breaks_off_is_given_up_in_time(adapter):
     given_up = []
     for late in (None, 0.0):
-        unit, _, tester = connected(late, adapter, disturbance=Fate([]))
-        unit.disturbance.next(LineFault.CUT)
+        unit, _, tester = connected(late, adapter, fault_injector=Fate([]))
+        unit.fault_injector.next(LineFault.CUT)
         with pytest.raises(DamagedResponse) as caught:
             tester.exchange(EVERYTHING, retries=0)
         given_up.append(caught.value.time)

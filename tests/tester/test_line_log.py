@@ -33,12 +33,12 @@ def test_a_stream_is_logged_frame_by_frame(caplog, tmp_path):
 
 def test_a_failure_is_logged_with_the_bytes_that_came(caplog, tmp_path):
     with connect(SIM, state=tmp_path) as ecu, caplog.at_level(logging.DEBUG, logger="mikas.tester"):
-        ecu.tester.link.bus.disturbance.next(LineFault.DAMAGED)
+        ecu.tester.link.bus.fault_injector.next(LineFault.DAMAGED)
         ecu.read("TWAT")
         (damaged,) = [line for line in lines(caplog) if line.startswith("! ")]
         assert " (received " in damaged
         caplog.clear()
-        ecu.tester.link.bus.disturbance.next(LineFault.LOST)
+        ecu.tester.link.bus.fault_injector.next(LineFault.LOST)
         ecu.read("TWAT")
     assert any(line.startswith("! ") and "0.5 s" in line for line in lines(caplog))
 

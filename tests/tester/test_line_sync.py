@@ -41,7 +41,7 @@ def some_of(codes):
 def never_anothers(codes, fates, adapter, seed=0, **settings):
     unit = Watched(adapter=adapter)
     tester = unit.connected(**settings)
-    unit.bus.disturbance = Fate(fates, seed)
+    unit.bus.fault_injector = Fate(fates, seed)
     got = 0
     for code in codes:
         try:
@@ -84,7 +84,7 @@ def test_nor_with_data_of_mixed_sizes(adapter, codes, fates, seed):
 def test_nor_after_the_application_pauses(codes, fates, seed):
     unit = Watched()
     tester = unit.connected()
-    unit.bus.disturbance = Fate(fates, seed)
+    unit.bus.fault_injector = Fate(fates, seed)
     for code in codes:
         with suppress(MikasError):
             assert tester.request(read(code)) == (DATA[code],)
@@ -119,8 +119,8 @@ class Wire:
 
 
 def drive(seed: int, reads: int, rate: float, pause: float = 0.0):
-    disturbance = FaultInjector(dict.fromkeys(LineFault, rate), seed=seed, late_by=0.7)
-    unit = Watched(disturbance=disturbance)
+    fault_injector = FaultInjector(dict.fromkeys(LineFault, rate), seed=seed, late_by=0.7)
+    unit = Watched(fault_injector=fault_injector)
     wire = Wire()
     tester = unit.tester(CaptureTee(unit.link, wire))
     tester.connect()
@@ -140,7 +140,7 @@ def drive(seed: int, reads: int, rate: float, pause: float = 0.0):
 def test_eight_hours_of_driving_with_a_thousand_line_faults():
     unit, tester, results, _ = drive(seed=4, reads=6000, rate=0.018, pause=4.7)
     assert unit.link.now() > 8 * 3600
-    assert unit.disturbance.count > 1000
+    assert unit.fault_injector.count > 1000
     assert results["right"] > 5950
     assert tester.statistics.failed > 500
     assert tester.found_again > 500
@@ -184,7 +184,7 @@ def test_after_silence_the_confirmation_comes_when_nothing_can_be_under_way_any_
 
 
 def test_after_plain_damage_it_goes_on_at_once():
-    unit = Watched(disturbance=Fate([(OK, 0)] * 3 + [(LineFault.MISSING_BYTE, 0)], seed=1))
+    unit = Watched(fault_injector=Fate([(OK, 0)] * 3 + [(LineFault.MISSING_BYTE, 0)], seed=1))
     tester = unit.connected()
     began = unit.link.now()
     right(tester, 22)
@@ -224,7 +224,7 @@ def test_a_unit_swapped_for_another_model_is_out_of_step():
     unit = Watched()
     tester = unit.connected(retries=0)
     unit.ecu.responder.identity = unit.ecu.responder.identity.__class__(0x09)
-    unit.disturbance.next(LOST)
+    unit.fault_injector.next(LOST)
     with pytest.raises(MikasError):
         tester.request(read(16))
     with pytest.raises(SyncLost):
@@ -241,7 +241,7 @@ def test_other_commands_keep_to_their_own_responses_too():
     truth = {command: tester.request(command) for command in wanted}
     random = Random(3)
     kinds = [*LineFault, *[None] * len(LineFault)]
-    unit.bus.disturbance = Fate(
+    unit.bus.fault_injector = Fate(
         (random.choice(kinds), random.uniform(EARLIEST, LATEST)) for _ in range(5000)
     )
     good = 0

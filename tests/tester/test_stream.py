@@ -32,7 +32,7 @@ def mid_response(unit, stream):
 
 
 def after_damage(unit, stream):
-    unit.disturbance.next(
+    unit.fault_injector.next(
         LineFault.DAMAGED, LineFault.CUT, LineFault.FOREIGN, LineFault.MISSING_BYTE
     )
     for _ in range(3):
@@ -109,12 +109,12 @@ def test_troubles_while_it_is_ended_give_no_wrong_value(command, end, late, posi
             with tester.stream(command) as stream:
                 next(stream)
                 healthy = [(None, 0.0)] * position
-                unit.bus.disturbance = Fate([*healthy, (fate, late), (fate, late)])
-            unit.bus.disturbance = Fate([(LineFault.LOST, 0)])
+                unit.bus.fault_injector = Fate([*healthy, (fate, late), (fate, late)])
+            unit.bus.fault_injector = Fate([(LineFault.LOST, 0)])
             right(tester)
         except MikasError:
             pass  # told; but never a wrong value
-        unit.bus.disturbance = Fate([])
+        unit.bus.fault_injector = Fate([])
         right(tester)
 
 
@@ -123,7 +123,7 @@ def test_damaged_and_foreign_responses_are_counted_and_left_out():
     tester = unit.connected()
     with tester.stream(c.StreamCyclic(SEVERAL)) as stream:
         next(stream)
-        unit.disturbance.next(None, LineFault.DAMAGED, None, LineFault.FOREIGN)
+        unit.fault_injector.next(None, LineFault.DAMAGED, None, LineFault.FOREIGN)
         for _ in range(8):
             assert next(stream).data == expected(stream.command)
     assert (stream.damaged, stream.foreign) == (1, 1)

@@ -156,7 +156,7 @@ def test_a_request_lost_on_the_way_in_does_not_leave_it_running(end):
     unit = Watched(stream_end=end)
     tester = unit.connected()
     for command in CYCLIC + BY_STROKES:
-        unit.disturbance._echo_next = True
+        unit.fault_injector._echo_next = True
         with pytest.raises(MikasError):
             tester.stream(command)
         right(tester)
@@ -185,7 +185,7 @@ def test_reads_and_streams_by_turns_in_heavy_weather(seed):
         rpm=random.choice([300.0, 850.0, 5200.0]),
     )
     tester = unit.connected(retries=random.randrange(3))
-    unit.bus.disturbance = HeavyWeather(random)
+    unit.bus.fault_injector = HeavyWeather(random)
     for _ in range(25):
         with suppress(MikasError):
             if random.random() < 0.1:
@@ -202,7 +202,7 @@ def test_a_response_that_is_left_out_is_told_to_who_asks_for_it():
     tester = unit.connected()
     with tester.stream(c.StreamCyclic(SEVERAL)) as stream:
         next(stream)
-        unit.disturbance.next(None, LineFault.DAMAGED, None, LineFault.FOREIGN)
+        unit.fault_injector.next(None, LineFault.DAMAGED, None, LineFault.FOREIGN)
         told = []
         for _ in range(8):
             try:

@@ -36,7 +36,7 @@ def test_eight_threads_in_bad_weather():
     unit = Watched()
     tester = unit.connected()
     troubles = [*LineFault, None, None, None] * 30
-    unit.bus.disturbance = Fate((trouble, 0.6) for trouble in troubles)
+    unit.bus.fault_injector = Fate((trouble, 0.6) for trouble in troubles)
 
     def ask(code: int) -> set[tuple[bytes, ...]]:
         got = set()
@@ -82,7 +82,7 @@ def session(unit, link, command):
 def play(unit, tester, command):
     tester.connect()
     right(tester, 16)
-    unit.disturbance.next(LineFault.LOST)
+    unit.fault_injector.next(LineFault.LOST)
     right(tester, 17)
     with tester.stream(command) as stream:
         for _ in range(3):
@@ -135,7 +135,7 @@ def test_ctrl_c_at_any_point_leaves_it_usable(end, command):
             raise AssertionError("nobody was interrupted")
         if tester.version_code is None:
             tester.connect()
-        unit.bus.disturbance = Fate([(LineFault.LOST, 0)])
+        unit.bus.fault_injector = Fate([(LineFault.LOST, 0)])
         right(tester)
         with tester.stream(STREAMS[0]) as stream:
             next(stream)
@@ -148,7 +148,7 @@ def test_ctrl_c_while_a_late_answer_is_under_way():
         unit = Watched()
         link = StrikingLink(unit.bus, 0, lambda _: None)
         tester = unit.connected(link)
-        unit.bus.disturbance = Fate([(LineFault.LATE, late), (None, 0), (LineFault.LOST, 0)])
+        unit.bus.fault_injector = Fate([(LineFault.LATE, late), (None, 0), (LineFault.LOST, 0)])
 
         def strike(_link):
             raise KeyboardInterrupt

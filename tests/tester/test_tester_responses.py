@@ -67,7 +67,7 @@ def test_a_read_is_repeated(command, trouble, adapter):
     tester = unit.connected()
     truth = tester.request(command)
     for seed in range(3):
-        unit.bus.disturbance = Fate([(trouble, 0.7)], seed)
+        unit.bus.fault_injector = Fate([(trouble, 0.7)], seed)
         assert tester.request(command) == truth
         right(tester)
 
@@ -80,7 +80,7 @@ def test_what_is_told_when_repeating_does_not_help(command, trouble, adapter):
     tester = unit.connected(retries=0)
     tester.request(command)
     tester.request(c.Availability())
-    unit.bus.disturbance = Fate([(trouble, 0.7)])
+    unit.bus.fault_injector = Fate([(trouble, 0.7)])
     with pytest.raises(TOLD[trouble]) as caught:
         tester.request(command)
     assert caught.value.request == encode(command.body())
@@ -95,7 +95,7 @@ def test_what_is_told_when_repeating_does_not_help(command, trouble, adapter):
 def test_a_write_is_never_sent_twice(command, trouble, adapter):
     unit = Watched(adapter=adapter)
     tester = unit.connected()
-    unit.bus.disturbance = Fate([(trouble, 0.7)])
+    unit.bus.fault_injector = Fate([(trouble, 0.7)])
     with pytest.raises((LineError, EcuRefused)):
         tester.request(command)
     assert unit.heard(command.body()) == 1
@@ -108,7 +108,7 @@ def test_a_write_is_never_sent_twice(command, trouble, adapter):
 def test_a_write_whose_echo_differs_is_not_sent_twice(command):
     unit = Watched()
     tester = unit.connected()
-    unit.bus.disturbance._echo_next = True
+    unit.bus.fault_injector._echo_next = True
     with pytest.raises(EchoDiffers):
         tester.request(command)
     right(tester)
@@ -122,7 +122,7 @@ def test_as_often_as_it_was_told(retries):
     right(tester, 22)
     before, heard = tester.statistics.requests, unit.heard(b"\x61\x16")
     # Every second response: the confirmation in between is left alone.
-    unit.bus.disturbance = Fate([(LineFault.LOST, 0), (None, 0)] * 20)
+    unit.bus.fault_injector = Fate([(LineFault.LOST, 0), (None, 0)] * 20)
     with pytest.raises(NoResponse):
         tester.request(read(22))
     assert unit.heard(b"\x61\x16") - heard == retries + 1
@@ -144,7 +144,7 @@ def test_silence_to_what_a_unit_does_not_know_is_no_failure():
 def test_a_response_that_was_lost_is_one_though_its_command_was_new():
     unit = Watched()
     tester = unit.connected()
-    unit.bus.disturbance = Fate([(LineFault.LOST, 0)])
+    unit.bus.fault_injector = Fate([(LineFault.LOST, 0)])
     right(tester, 22)
     assert [failure.code for failure in tester.statistics.failures] == ["NoResponse"]
 
@@ -164,7 +164,7 @@ def test_the_count_of_retries_can_be_given_for_one_exchange():
     unit = Watched()
     tester = unit.connected()
     right(tester, 22)
-    unit.bus.disturbance = Fate([(LineFault.LOST, 0)])
+    unit.bus.fault_injector = Fate([(LineFault.LOST, 0)])
     with pytest.raises(NoResponse):
         tester.exchange(read(22), retries=0)
     value, reply = tester.exchange(read(22), retries=0)
@@ -344,7 +344,7 @@ def test_once_known_silence_is_no_refusal():
     unit = Watched()
     tester = unit.connected()
     right(tester, 22)
-    unit.bus.disturbance = Fate([(LineFault.LOST, 0), (None, 0)] * 9)
+    unit.bus.fault_injector = Fate([(LineFault.LOST, 0), (None, 0)] * 9)
     with pytest.raises(NoResponse):
         tester.request(read(22))
     assert tester.has_answered(0x61)
@@ -380,7 +380,7 @@ def test_anything_may_be_sent_raw_and_the_next_value_is_right(body, adapter):
 def test_a_raw_exchange_that_is_spoilt_is_told_and_not_repeated(trouble):
     unit = Watched()
     tester = unit.connected()
-    unit.bus.disturbance = Fate([(trouble, 0)], seed=1)
+    unit.bus.fault_injector = Fate([(trouble, 0)], seed=1)
     with pytest.raises(LineError):
         tester.raw(b"\x61\x16")
     assert unit.heard(b"\x61\x16") == 1

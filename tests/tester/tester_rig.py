@@ -49,18 +49,18 @@ class Watched:
         self,
         *,
         adapter: AdapterKind = ECHOING,
-        disturbance: FaultInjector | None = None,
+        fault_injector: FaultInjector | None = None,
         rpm: float = 850.0,
         version: int = VERSION,
         data: dict[int, bytes] = DATA,
-        **assumptions: object,
+        **quirks: object,
     ) -> None:
         self.car = TableCar(data, faults=[13, 53], rpm=rpm)
         self.happenings: list[EcuEvent] = []
-        responder = Responder(self.car, Identity(version), EcuQuirks(**assumptions))
+        responder = Responder(self.car, Identity(version), EcuQuirks(**quirks))
         self.ecu = VirtualEcu(responder, watcher=self.happenings.append)
-        self.disturbance = disturbance or FaultInjector()
-        self.bus = Bus(self.ecu, adapter=adapter, disturbance=self.disturbance)
+        self.fault_injector = fault_injector or FaultInjector()
+        self.bus = Bus(self.ecu, adapter=adapter, fault_injector=self.fault_injector)
         self.link = VirtualLink(self.bus)
 
     def tester(self, link: Link | None = None, **settings: object) -> Tester:

@@ -18,9 +18,9 @@ ASK = b"\x61\x3f"
 
 
 def struck(trouble: LineFault, seed: int = 0) -> RawTester:
-    disturbance = FaultInjector(seed=seed)
-    disturbance.next(trouble, None)
-    return RawTester(make_bus(disturbance=disturbance))
+    fault_injector = FaultInjector(seed=seed)
+    fault_injector.next(trouble, None)
+    return RawTester(make_bus(fault_injector=fault_injector))
 
 
 @pytest.mark.parametrize("trouble", LineFault)
@@ -34,7 +34,7 @@ def test_one_response_is_struck_and_the_next_one_is_not(trouble):
         spoilt = bytes([0x61 ^ 0x10]) + encode(ASK)[1:]
         assert tester.listen(tester.now + 0.5) == spoilt + GOOD
     assert tester.ask(ASK) == GOOD
-    assert tester.bus.disturbance.count == 1
+    assert tester.bus.fault_injector.count == 1
 
 
 def test_lost():
@@ -90,14 +90,14 @@ def test_noise_comes_before(seed):
 
 
 def test_the_queued_ones_come_in_order_before_any_chance():
-    disturbance = FaultInjector({LineFault.LOST: 1.0})
-    disturbance.next(None, LineFault.DOUBLED)
-    tester = RawTester(make_bus(disturbance=disturbance))
+    fault_injector = FaultInjector({LineFault.LOST: 1.0})
+    fault_injector.next(None, LineFault.DOUBLED)
+    tester = RawTester(make_bus(fault_injector=fault_injector))
     assert [tester.ask(ASK) for _ in range(3)] == [GOOD, GOOD * 2, b""]
 
 
 def outcome(rates: dict[LineFault, float], seed: int, asks: int = 200) -> bytes:
-    tester = RawTester(make_bus(disturbance=FaultInjector(rates, seed=seed)))
+    tester = RawTester(make_bus(fault_injector=FaultInjector(rates, seed=seed)))
     for number in range(asks):
         tester.say(encode(ASK), at=number * 1.5)
     tester.listen(asks * 1.5)
@@ -112,16 +112,16 @@ def test_the_same_seed_strikes_the_same():
 
 @pytest.mark.parametrize("rate", [0.0, 0.1, 0.5, 1.0])
 def test_a_rate_is_the_share_that_is_struck(rate):
-    disturbance = FaultInjector({LineFault.LOST: rate}, seed=3)
+    fault_injector = FaultInjector({LineFault.LOST: rate}, seed=3)
     for _ in range(2000):
-        disturbance.respond(GOOD)
-    assert disturbance.count == pytest.approx(2000 * rate, abs=100 if 0 < rate < 1 else 0)
+        fault_injector.respond(GOOD)
+    assert fault_injector.count == pytest.approx(2000 * rate, abs=100 if 0 < rate < 1 else 0)
 
 
 @pytest.mark.parametrize("trouble", [LineFault.DOUBLED, LineFault.LATE])
 def test_a_stream_with_trouble_leaves_no_backlog_on_the_wire(trouble):
     """What is made late or doubled holds the next response back; it does not pile up."""
-    tester = RawTester(make_bus(disturbance=FaultInjector({trouble: 1.0})))
+    tester = RawTester(make_bus(fault_injector=FaultInjector({trouble: 1.0})))
     tester.say(encode(b"\x71\x1a\x29"))
     tester.listen(20.0)
     assert len(tester.heard) > 20
@@ -131,9 +131,9 @@ def test_a_stream_with_trouble_leaves_no_backlog_on_the_wire(trouble):
 
 
 def test_a_late_response_and_the_next_one_do_not_mix():
-    disturbance = FaultInjector()
-    disturbance.next(LineFault.LATE)
-    tester = RawTester(make_bus(disturbance=disturbance))
+    fault_injector = FaultInjector()
+    fault_injector.next(LineFault.LATE)
+    tester = RawTester(make_bus(fault_injector=fault_injector))
     tester.say(encode(ASK))
     tester.say(b"\x01\xff\x0d", at=LATE_BY)  # its response is due while the late one comes
     tester.listen(3.0)

@@ -26,15 +26,15 @@ def test_with_no_settings_it_is_a_warm_71_on_a_plain_adapter():
     responder = bus.ecu.responder
     assert responder.identity.version_code == 0x0A
     assert responder.car.engine.scenario.name == "warm-idle"
-    assert responder.assumptions == EcuQuirks()
+    assert responder.quirks == EcuQuirks()
     assert (bus.ecu.baud, bus.byte_time) == (9600, BYTE)
     assert (bus.adapter.kind.echo, bus.adapter.kind.latency, bus.adapter.kind.supplied) == (
         True,
         0,
         True,
     )
-    assert bus.disturbance.rates == {}
-    assert bus.disturbance.late_by == LATE_BY
+    assert bus.fault_injector.rates == {}
+    assert bus.fault_injector.late_by == LATE_BY
 
 
 def test_every_setting_arrives():
@@ -63,10 +63,10 @@ def test_every_setting_arrives():
     assert responder.car.faults == [13, 53]
     assert bus.ecu.baud == 10400
     assert (kind.echo, kind.latency, kind.supplied) == (False, 0.016, False)
-    assert bus.disturbance.rates == {LineFault.DAMAGED: 0.25, LineFault.ECHO: 0.5}
-    assert bus.disturbance.late_by == 1.5
-    assert responder.assumptions.turn_round == 0.01
-    assert responder.assumptions.missing == {0x63, 0x64, 0x71}
+    assert bus.fault_injector.rates == {LineFault.DAMAGED: 0.25, LineFault.ECHO: 0.5}
+    assert bus.fault_injector.late_by == 1.5
+    assert responder.quirks.turn_round == 0.01
+    assert responder.quirks.missing == {0x63, 0x64, 0x71}
 
 
 @pytest.mark.parametrize("text", ["13,53", "13+53", "13 53", " 13, 53 ", "13,,53,"])
@@ -78,7 +78,7 @@ def test_faults_in_any_spelling(text):
 def test_echo_on_is_an_echo_and_no_trouble_with_it(on):
     bus = build_bus({"echo": on})
     assert bus.adapter.kind.echo
-    assert bus.disturbance.rates == {}
+    assert bus.fault_injector.rates == {}
 
 
 @pytest.mark.parametrize(

@@ -94,7 +94,7 @@ def test_a_unit_begins_in_the_gap_between_two_bytes():
 
 def test_a_stream_waits_for_a_request_that_is_under_way():
     """Single bytes, each with a pause that a stream's response would fit into."""
-    tester = RawTester(make_bus(assumptions=EcuQuirks(stream_end=StreamEnd.REQUEST)))
+    tester = RawTester(make_bus(quirks=EcuQuirks(stream_end=StreamEnd.REQUEST)))
     tester.say(encode(b"\x71\x1a"))
     tester.listen(0.1)
     while tester.heard[-1][1] != 0x0D:

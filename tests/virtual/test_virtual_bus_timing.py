@@ -210,7 +210,7 @@ def test_half_a_request_does_not_spoil_the_next_one():
 
 
 def test_half_a_request_in_a_gap_stops_a_stream_only_for_a_moment():
-    tester = RawTester(make_bus(assumptions=EcuQuirks(stream_end=StreamEnd.REQUEST)))
+    tester = RawTester(make_bus(quirks=EcuQuirks(stream_end=StreamEnd.REQUEST)))
     tester.say(encode(b"\x71\x1a"))
     frame = encode(DATA[0x1A])
     tester.listen(0.1)

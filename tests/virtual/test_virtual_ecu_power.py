@@ -148,7 +148,7 @@ def test_the_watcher_is_told_what_happens():
     ],
 )
 def test_faults_are_erased_by_08_and_then_00_in_a_row(bodies, erased):
-    tester = RawTester(make_bus(assumptions=EcuQuirks().with_options({"missing": "passports"})))
+    tester = RawTester(make_bus(quirks=EcuQuirks().with_options({"missing": "passports"})))
     for body in bodies:
         tester.ask(bytes.fromhex(body))
     assert tester.ask(b"\x02") == encode(

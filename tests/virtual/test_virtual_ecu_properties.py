@@ -31,7 +31,7 @@ moments = st.floats(0, 3)
 scripts = st.lists(st.tuples(moments, sayings | breaks), max_size=12).map(
     lambda script: sorted(script, key=lambda act: act[0])
 )
-assumptions = st.builds(
+quirks = st.builds(
     EcuQuirks,
     turn_round=st.sampled_from([0.0, 0.002, 0.3]),
     max_list=st.sampled_from([1, 2, 255]),
@@ -63,12 +63,12 @@ def play(bus: Bus, script, chunks=()) -> RawTester:
 
 
 def a_bus(kind, adapter, seed) -> Bus:
-    disturbance = FaultInjector(dict.fromkeys(LineFault, 0.03), seed=seed)
-    return make_bus(assumptions=kind, adapter=adapter, disturbance=disturbance)
+    fault_injector = FaultInjector(dict.fromkeys(LineFault, 0.03), seed=seed)
+    return make_bus(quirks=kind, adapter=adapter, fault_injector=fault_injector)
 
 
 @settings(max_examples=150)
-@given(scripts, assumptions, adapters, st.integers(0, 9), st.lists(moments, max_size=20))
+@given(scripts, quirks, adapters, st.integers(0, 9), st.lists(moments, max_size=20))
 def test_any_bytes_at_any_time(script, kind, adapter, seed, chunks):
     once = play(a_bus(kind, adapter, seed), script)
     for earlier, later in pairwise(once.times):
@@ -81,7 +81,7 @@ def test_any_bytes_at_any_time(script, kind, adapter, seed, chunks):
 
 
 @settings(max_examples=30)
-@given(scripts, assumptions)
+@given(scripts, quirks)
 def test_bytes_follow_each_other_no_faster_than_the_wire(script, kind):
     """From one talker: without an echo only the unit is heard."""
     heard = play(a_bus(kind, AdapterKind(echo=False), 0), script).times

@@ -23,7 +23,7 @@ YES = encode(b"\x00")
 
 
 def a_tester(**options: str) -> RawTester:
-    return RawTester(make_bus(assumptions=EcuQuirks().with_options(options)))
+    return RawTester(make_bus(quirks=EcuQuirks().with_options(options)))
 
 
 def test_the_defaults_are_the_letter():

@@ -27,7 +27,7 @@ def test_every_exchange_in_sequence(echo):
 
 
 def test_every_exchange_with_raw_checksums_in_both_directions():
-    tester = RawTester(make_bus(assumptions=EcuQuirks(raw_checksum=True)))
+    tester = RawTester(make_bus(quirks=EcuQuirks(raw_checksum=True)))
     raw = 0
     for exchange in EXCHANGES:
         request = encode(hexed(exchange["request"]), raw_checksum=True)
@@ -50,7 +50,7 @@ def test_a_raw_checksum_in_a_response():
     """61 with two data that sum to F3 and to C0: their checksums are 0D and 40."""
     for value, check in ((0xF3, b"\x0d"), (0xC0, b"\x40")):
         for raw in (False, True):
-            tester = RawTester(make_bus(assumptions=EcuQuirks(raw_checksum=raw)))
+            tester = RawTester(make_bus(quirks=EcuQuirks(raw_checksum=raw)))
             assert tester.ask(bytes([0x62, 0x1A, value])) == b"\x00\x00\x0d"
             stuffed = b"\x40\xcd" if check == b"\x0d" else b"\x40\x00"
             expected = bytes([value]) + (check if raw else stuffed) + b"\x0d"
@@ -59,7 +59,7 @@ def test_a_raw_checksum_in_a_response():
 
 def test_a_unit_understands_both_forms_whatever_it_sends():
     for sends_raw in (False, True):
-        tester = RawTester(make_bus(assumptions=EcuQuirks(raw_checksum=sends_raw)))
+        tester = RawTester(make_bus(quirks=EcuQuirks(raw_checksum=sends_raw)))
         for body in (b"\x11\xe2", b"\x11\xaf"):
             for raw in (False, True):
                 request = encode(body, raw_checksum=raw)

@@ -90,7 +90,7 @@ class EcuBehaviour:
         refusals.pop(c.Availability.CODES[0], None)  # else there is nothing to talk to
         tried = [(request, said) for request, said in failed if request[0] in self._answered]
         max_list, short = self._limit(_LISTS, tried)
-        assumptions = EcuQuirks(
+        quirks = EcuQuirks(
             turn_round=_typical(self._delays, EcuQuirks().turn_round),
             stream_gap=_typical(self._gaps, EcuQuirks().stream_gap),
             max_list=max_list,
@@ -101,7 +101,7 @@ class EcuBehaviour:
             counted_blocks=self.counted_blocks,
             raw_checksum=self.raw_checksum,
         )
-        return assumptions, refusals
+        return quirks, refusals
 
     def _limit(
         self, codes: Collection[int], tried: list[tuple[bytes, bytes | None]]

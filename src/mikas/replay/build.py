@@ -103,7 +103,7 @@ class ReplayBuilder:
                 data.places.setdefault(code, []).append((series, begin, size))
         data.silences, data.holes = self.outages.conclude(self.contents.series)
         data.answered = self.behaviour.answered_codes
-        data.assumptions, data.refusals = self.behaviour.conclude(data.has_supply, data.places)
+        data.quirks, data.refusals = self.behaviour.conclude(data.has_supply, data.places)
         for code in data.unrecorded():
             data.refusals.setdefault(code, ERROR if code in _REFUSED_BY_01 else None)
         return data

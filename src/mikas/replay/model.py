@@ -113,7 +113,7 @@ class ReplayData:
     silences: list[tuple[float, float]] = field(default_factory=list)
     holes: list[tuple[float, float]] = field(default_factory=list)
     refused: dict[int, Latest[bool]] = field(default_factory=dict)
-    assumptions: EcuQuirks = field(default_factory=EcuQuirks)
+    quirks: EcuQuirks = field(default_factory=EcuQuirks)
     refusals: dict[int, bytes | None] = field(default_factory=dict)
     answered: frozenset[int] = frozenset()
 
@@ -139,7 +139,7 @@ class ReplayData:
         noted = (code for code, passport in passports.items() if passport.values)
         if self.answered.union(noted).intersection(command.CODES):
             return True
-        return False if self.assumptions.missing.intersection(command.CODES) else None
+        return False if self.quirks.missing.intersection(command.CODES) else None
 
     def unrecorded(self) -> Iterator[int]:
         """Yield the commands whose responses would have to be invented."""

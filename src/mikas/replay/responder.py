@@ -55,7 +55,7 @@ class ReplayResponder(Responder):
 
     def __init__(self, car: ReplayCar) -> None:
         recorded = car.recorded
-        super().__init__(car, car.identity(), recorded.assumptions, ReplayMemory(car))
+        super().__init__(car, car.identity(), recorded.quirks, ReplayMemory(car))
         self._replayed = car
         self._silences_past = 0
 

@@ -18,13 +18,13 @@ from mikas.virtual.engine_car import EngineCar
 from mikas.virtual.fault_injector import LATE_BY, FaultInjector, LineFault, parse_rates
 from mikas.virtual.memory import EcuMemory
 from mikas.virtual.model.engine import Engine
-from mikas.virtual.quirks import ASSUMPTION_NAMES, words
+from mikas.virtual.quirks import QUIRK_NAMES, words
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.scenarios.scenario import DEFAULT, find
 
 MODELS = {"5.4": 0x09, "7.1": 0x0A}
 ADAPTERS = ("kkl", "elm327")
-_TROUBLES = tuple(trouble.value for trouble in LineFault)
+_LINE_FAULTS = tuple(fault.value for fault in LineFault)
 _OWN = (
     "scenario",
     "seed",
@@ -37,7 +37,7 @@ _OWN = (
     "supplied",
     "late_by",
 )
-SETTINGS = (*_OWN, *ASSUMPTION_NAMES, *_TROUBLES)
+SETTINGS = (*_OWN, *QUIRK_NAMES, *_LINE_FAULTS)
 """Names of all settings; docs/simulator.md tells what each does.
 
 `adapter`: kkl, or elm327, which can't carry the protocol; `latency_ms`: the adapter's latency
@@ -79,11 +79,11 @@ def wired(
 ) -> Bus:
     """The unit on a wire and behind an adapter, as the `WIRE_SETTINGS` among `settings` say.
 
-    What they say of the unit's assumptions stands over what those are. Raises `UsageError`.
+    Settings of the unit's quirks replace those of `responder`. Raises `UsageError`.
     """
     given = OptionParser(settings)
-    responder.assumptions = responder.assumptions.with_options(
-        {name: settings[name] for name in ASSUMPTION_NAMES if name in settings}
+    responder.quirks = responder.quirks.with_options(
+        {name: settings[name] for name in QUIRK_NAMES if name in settings}
     )
     bus = Bus(
         VirtualEcu(
@@ -96,8 +96,8 @@ def wired(
             latency=given.number("latency_ms", 0.0, highest=1000) / 1000,
             supplied=given.switch("supplied", default=True),
         ),
-        disturbance=FaultInjector(
-            parse_rates({name: settings[name] for name in _TROUBLES if name in settings}),
+        fault_injector=FaultInjector(
+            parse_rates({name: settings[name] for name in _LINE_FAULTS if name in settings}),
             seed=given.integer("seed", 0),
             late_by=given.number("late_by", LATE_BY, highest=60),
         ),

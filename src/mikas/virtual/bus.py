@@ -80,11 +80,11 @@ class Bus:
         ecu: VirtualEcu,
         *,
         adapter: AdapterKind | None = None,
-        disturbance: FaultInjector | None = None,
+        fault_injector: FaultInjector | None = None,
     ) -> None:
         self.ecu = ecu
         self.byte_time = 10 / ecu.baud
-        self.disturbance = disturbance or FaultInjector()
+        self.fault_injector = fault_injector or FaultInjector()
         self.adapter = Adapter(adapter or AdapterKind())
         self.bytes_carried = 0
         self._tester = _Talker(self.byte_time)
@@ -141,15 +141,15 @@ class Bus:
     def _ecu_due(self) -> float:
         due = self.ecu.next_transmission()
         if due < inf:
-            # D2: a unit does not begin while somebody is talking, be it itself: what a disturbance
-            # made late or twice as long is on the wire longer than it knows.
+            # D2: a unit does not begin while anything is sent, by itself too: a response
+            # that a fault delayed or doubled is on the wire longer than the unit knows.
             due = self._tester.silent_from(max(due, self._unit.free_at, self._at))
         return min(due, self.ecu.next_change())
 
     def _let_ecu_talk(self, time: float) -> None:
         wire = self.ecu.transmit(time)
         if wire:
-            for sent in self.disturbance.respond(wire):
+            for sent in self.fault_injector.respond(wire):
                 self._unit.transmit(sent.data, time + sent.delay)
 
     def _through(self, talker: _Talker, other: _Talker) -> None:
@@ -160,6 +160,6 @@ class Bus:
         if talker is self._tester:
             self.ecu.receive(bytes([value]), byte.end)
             if self.adapter.kind.echo:
-                self.adapter.hear(self.disturbance.echo(value), byte.end)
+                self.adapter.hear(self.fault_injector.echo(value), byte.end)
         elif self.adapter.kind.supplied:
             self.adapter.hear(value, byte.end)

@@ -76,7 +76,7 @@ class VirtualEcu:
         if now - self._heard_at > PARTIAL_REQUEST_LIFE:
             self._decoder.reset()
         self._heard_at = now
-        ends = self.responder.assumptions.stream_end
+        ends = self.responder.quirks.stream_end
         if self._stream and ends is StreamEnd.BYTE:
             self._end_stream(now)
         if now <= self._free_at:
@@ -136,17 +136,17 @@ class VirtualEcu:
         else:
             assert self._stream is not None  # what else would be due
             body = self.responder.data(self._stream.command.parameters, now) or b""
-        wire = encode(body, raw_checksum=self.responder.assumptions.raw_checksum)
+        wire = encode(body, raw_checksum=self.responder.quirks.raw_checksum)
         self._free_at = now + len(wire) * 10 / self.baud
         if self._stream:
-            gap = self.responder.assumptions.stream_gap
+            gap = self.responder.quirks.stream_gap
             self._stream.due = self._due(self._stream.command, self._free_at, gap)
         return wire
 
     def _take(self, body: bytes, now: float) -> None:
         self._tell("request", now, body)
         answer = self.responder.answer(body, now)
-        turn_round = self.responder.assumptions.turn_round
+        turn_round = self.responder.quirks.turn_round
         if isinstance(answer, bytes):
             self._answers.append((now + turn_round, answer))
         elif answer is None:

@@ -68,7 +68,7 @@ class EcuQuirks:
 
     def with_options(self, options: Mapping[str, str]) -> EcuQuirks:
         """These, changed by `name=value` texts as they stand in a URL or on a command line."""
-        check_names(options, ASSUMPTION_NAMES)
+        check_names(options, QUIRK_NAMES)
         given = OptionParser(options)
         return EcuQuirks(
             turn_round=given.number("turn_round", self.turn_round, highest=10),
@@ -84,7 +84,7 @@ class EcuQuirks:
         )
 
 
-ASSUMPTION_NAMES = tuple(f.name for f in fields(EcuQuirks))
+QUIRK_NAMES = tuple(f.name for f in fields(EcuQuirks))
 
 
 def words(text: str) -> list[str]:

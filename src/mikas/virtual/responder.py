@@ -62,7 +62,7 @@ class Responder:
 
     car: Car
     identity: Identity = field(default_factory=Identity)
-    assumptions: EcuQuirks = field(default_factory=EcuQuirks)
+    quirks: EcuQuirks = field(default_factory=EcuQuirks)
     memory: EcuMemory = field(default_factory=EcuMemory)
     _list: tuple[c.Datum, ...] = ()
     _erase_armed: bool = False
@@ -78,7 +78,7 @@ class Responder:
         """What this unit does with the request `body` that came at `now`."""
         if body != b"\x62\x0e\x00":
             self._erase_armed = False  # only two writes in a row erase
-        if body[:1] and body[0] in self.assumptions.missing:
+        if body[:1] and body[0] in self.quirks.missing:
             return self._unknown()
         if body == b"\x63":
             return self.data(self._list, now) if self._list else b"\x01"
@@ -90,26 +90,26 @@ class Responder:
 
     def data(self, parameters: tuple[c.Datum, ...], now: float) -> bytes | None:
         """The data of `parameters`, or what this unit says to too long a list (D11)."""
-        if len(parameters) > self.assumptions.max_list:
-            if self.assumptions.long_list is LongList.SILENT:
+        if len(parameters) > self.quirks.max_list:
+            if self.quirks.long_list is LongList.SILENT:
                 return self._unknown()
-            parameters = parameters[: self.assumptions.max_list]
+            parameters = parameters[: self.quirks.max_list]
         return b"".join(self.car.raw(p.code, now) for p in parameters)
 
     def _unknown(self) -> bytes | None:
-        return b"\x01" if self.assumptions.unknown is Unknown.ERROR else None
+        return b"\x01" if self.quirks.unknown is Unknown.ERROR else None
 
     def _perform(self, command: c.Command[Any], now: float) -> Answer:
         match command:
             case c.StreamCyclic() | c.StreamAtStroke():
-                too_long = len(command.parameters) > self.assumptions.max_list
-                if too_long and self.assumptions.long_list is LongList.SILENT:
+                too_long = len(command.parameters) > self.quirks.max_list
+                if too_long and self.quirks.long_list is LongList.SILENT:
                     return self._unknown()
                 return command
             case c.ReadParameters(parameters):
                 return self.data(parameters, now)
             case c.WriteList(parameters):
-                if len(parameters) > self.assumptions.max_list:
+                if len(parameters) > self.quirks.max_list:
                     return b"\x01"
                 self._list = parameters
                 return b"\x00"
@@ -147,7 +147,7 @@ class Responder:
         return data in (b"\x08", b"\x00")
 
     def _access_memory(self, command: c.Command[Any]) -> bytes | None:
-        memory, largest = self.memory, self.assumptions.max_block
+        memory, largest = self.memory, self.quirks.max_block
         match command:
             case (
                 c.ReadRamBlock(address, n)
@@ -156,7 +156,7 @@ class Responder:
             ):
                 if n > largest:
                     return self._unknown()
-                counted = self.assumptions.counted_blocks or isinstance(command, c.ReadRamBlock)
+                counted = self.quirks.counted_blocks or isinstance(command, c.ReadRamBlock)
                 return command.respond(memory.read(command.SPACE, address, n), counted=counted)
             case (
                 c.WriteRamBlock(address, data)

@@ -52,10 +52,10 @@ class RestlessCar(TableCar):
         return b"\x02" if datum == b"\x01" else datum
 
 
-def record(path, steps, *, adapter=None, disturbance=None, reading="corrected", append=False):
+def record(path, steps, *, adapter=None, fault_injector=None, reading="corrected", append=False):
     """Runs the steps (method, names, count) and returns every reading that the client gave."""
     unit = VirtualEcu(Responder(RestlessCar(), Identity(0x0A)))
-    link = VirtualLink(Bus(unit, adapter=adapter, disturbance=disturbance), start=1000.0)
+    link = VirtualLink(Bus(unit, adapter=adapter, fault_injector=fault_injector), start=1000.0)
     readings = []
     with CaptureWriter(path, url="sim:", append=append) as writer:
         tester = testers.Tester(CaptureTee(link, writer))
@@ -148,7 +148,7 @@ def test_a_disturbed_session(tmp_path_factory, plan, adapter, seed, rate, data):
     path = tmp_path_factory.mktemp("session") / "line.pcapng"
     kinds = data.draw(st.lists(st.sampled_from(LineFault), min_size=1, unique=True))
     rates = dict.fromkeys(kinds, rate / len(kinds))
-    readings = record(path, plan, adapter=adapter, disturbance=FaultInjector(rates, seed=seed))
+    readings = record(path, plan, adapter=adapter, fault_injector=FaultInjector(rates, seed=seed))
     shown, channels = table_of(path, size=data.draw(st.sampled_from([1, 3, 50, 65536])))
     wanted, seen = wanted_of(path)
     assert channels == seen
