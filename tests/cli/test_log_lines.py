@@ -42,3 +42,10 @@ def test_a_closed_stderr_ends_nothing(monkeypatch):
     monkeypatch.setattr(logging, "raiseExceptions", False)
     with log_to_stderr():
         logging.getLogger("mikas.tester").debug("frame")
+
+
+def test_vv_shows_frames_and_states(mikas):
+    err = mikas("-vv", "watch", "TWAT", "--count", "3", "--method", "batch").err
+    assert "mikas.tester: > 61 1A 85 0D" in err
+    assert "mikas.sampling: " in err
+    assert "mikas.tester" not in mikas("-v", "read", "TWAT").err
