@@ -1,4 +1,5 @@
-// Whether an ECU can be asked, and which one.
+// Whether an ECU can be asked, which one, and whether its adapter was unplugged.
+import type { State } from "../api/types";
 import { live } from "./live.svelte";
 
 /** Whether an ECU answers now. */
@@ -11,4 +12,12 @@ export function ecuAnswers(): boolean {
 export function ecuKey(): string {
   const state = live.state;
   return state ? JSON.stringify([state.port, state.version_code, state.passport]) : "";
+}
+
+/**
+ * Whether the adapter was unplugged: data has come from it on this connection, so sampling resumes when it returns. A port that never
+ * existed has to be selected instead.
+ */
+export function unplugged(state: Pick<State, "reason_code" | "model" | "samples">): boolean {
+  return state.reason_code === "PortNotFound" && (state.samples > 0 || state.model !== null);
 }

@@ -6,43 +6,43 @@ const reason = { en: "no answer", ru: "нет ответа" };
 const gap = (began: number, ended: number | null): LineEvent => ({ kind: "gap", time: ended ?? began, began, ended, reason });
 const marker = (time: number): LineEvent => ({ kind: "marker", time, label: "" });
 
-/** As they are told, one batch after the other. */
-function told(...batches: LineEvent[][]): readonly LineEvent[] {
-  const happened = new EventLog();
-  return batches.map((batch) => happened.add(batch)).at(-1)!;
+/** The events after these batches were added. */
+function added(...batches: LineEvent[][]): readonly LineEvent[] {
+  const log = new EventLog();
+  return batches.map((batch) => log.add(batch)).at(-1)!;
 }
 
 describe("EventLog", () => {
   it("orders events and drops repeated ones", () => {
-    expect(told([marker(1), marker(5)], [marker(5), marker(3)]).map(({ time }) => time)).toEqual([1, 3, 5]);
-    expect(told([marker(5), marker(5), marker(1)])).toEqual([marker(1), marker(5)]);
+    expect(added([marker(1), marker(5)], [marker(5), marker(3)]).map(({ time }) => time)).toEqual([1, 3, 5]);
+    expect(added([marker(5), marker(5), marker(1)])).toEqual([marker(1), marker(5)]);
   });
 
   it("replaces an open gap by the ended one, never the reverse", () => {
-    expect(told([gap(2, null)], [marker(3)], [gap(2, 4)])).toEqual([gap(2, 4), marker(3)]);
-    expect(told([gap(2, null)], [gap(2, 4)], [gap(2, null)])).toEqual([gap(2, 4)]);
+    expect(added([gap(2, null)], [marker(3)], [gap(2, 4)])).toEqual([gap(2, 4), marker(3)]);
+    expect(added([gap(2, null)], [gap(2, 4)], [gap(2, null)])).toEqual([gap(2, 4)]);
   });
 
   it("returns a new list and leaves the previous one unchanged", () => {
-    const happened = new EventLog();
-    const before = happened.add([marker(1)]);
-    expect(happened.add([marker(2)])).not.toBe(before);
+    const log = new EventLog();
+    const before = log.add([marker(1)]);
+    expect(log.add([marker(2)])).not.toBe(before);
     expect(before).toEqual([marker(1)]);
   });
 
   it("keeps the latest events", () => {
-    const happened = new EventLog();
-    happened.add(Array.from({ length: 2000 }, (_, time) => marker(time)));
-    expect(happened.add([marker(2000)]).map(({ time }) => time)).toEqual(Array.from({ length: 2000 }, (_, at) => at + 1));
-    expect(happened.add([marker(0)]).at(0)).toEqual(marker(1));
+    const log = new EventLog();
+    log.add(Array.from({ length: 2000 }, (_, time) => marker(time)));
+    expect(log.add([marker(2000)]).map(({ time }) => time)).toEqual(Array.from({ length: 2000 }, (_, at) => at + 1));
+    expect(log.add([marker(0)]).at(0)).toEqual(marker(1));
   });
 
   it("adds an event without sorting or comparing the others", () => {
-    const happened = new EventLog();
-    happened.add(Array.from({ length: 1500 }, (_, time) => marker(time)));
+    const log = new EventLog();
+    log.add(Array.from({ length: 1500 }, (_, time) => marker(time)));
     const stringify = vi.spyOn(JSON, "stringify");
     const sort = vi.spyOn(Array.prototype, "sort");
-    happened.add([marker(1500)]);
+    log.add([marker(1500)]);
     expect([stringify.mock.calls.length, sort.mock.calls.length]).toEqual([1, 0]);
     vi.restoreAllMocks();
   });

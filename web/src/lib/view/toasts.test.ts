@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { toasts } from "./toasts.svelte";
 
-const said = () => toasts.shown.map((toast) => toast.text());
+const texts = () => toasts.shown.map((toast) => toast.text());
 
 describe("toasts", () => {
   beforeEach(() => void vi.useFakeTimers());
@@ -13,9 +13,9 @@ describe("toasts", () => {
   it("disappear after a while; errors stay in the history", () => {
     toasts.success(() => "done");
     toasts.error(() => "no answer");
-    expect(said()).toEqual(["done", "no answer"]);
+    expect(texts()).toEqual(["done", "no answer"]);
     vi.runAllTimers();
-    expect(said()).toEqual([]);
+    expect(texts()).toEqual([]);
     expect(toasts.history.at(-1)?.text()).toBe("no answer");
   });
 
@@ -23,6 +23,6 @@ describe("toasts", () => {
     toasts.error(() => "no unit", { code: "NotConnected" });
     toasts.error(() => "no such channel", { code: "UnknownParameter" });
     toasts.dismiss(new Set(["NotConnected"]));
-    expect(said()).toEqual(["no such channel"]);
+    expect(texts()).toEqual(["no such channel"]);
   });
 });

@@ -38,9 +38,9 @@ describe("situationOf", () => {
     );
   });
   it("recognizes an ELM327 by the server's error", () => {
-    const told = { reason_code: "NotAKLineAdapter" };
-    expect(situationOf(state("no-echo", told), [], null)).toBe("elm327");
-    expect(situationOf(state("off", told), [], null)).toBe("elm327");
+    const reason = { reason_code: "NotAKLineAdapter" };
+    expect(situationOf(state("no-echo", reason), [], null)).toBe("elm327");
+    expect(situationOf(state("off", reason), [], null)).toBe("elm327");
   });
   it.each([
     ["/dev/ttyUSB0", null, "opening"],

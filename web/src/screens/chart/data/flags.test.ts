@@ -40,14 +40,14 @@ describe("gaps", () => {
 
   it("have the state of the line as their short reason", () => {
     const silent = { en: "echo, but the ECU is silent", ru: "эхо есть, блок молчит" };
-    const said: LineEvent = { kind: "state", time: 5, state: "echo-only", text: silent, reason: text, code: null };
-    expect(gapsOf([gap(4, 6), said], 0, 20, 9)[0]!.reason).toEqual(silent);
-    expect(gapsOf([gap(7, 8), said], 0, 20, 9)[0]!.reason).toEqual(text);
+    const state: LineEvent = { kind: "state", time: 5, state: "echo-only", text: silent, reason: text, code: null };
+    expect(gapsOf([gap(4, 6), state], 0, 20, 9)[0]!.reason).toEqual(silent);
+    expect(gapsOf([gap(7, 8), state], 0, 20, 9)[0]!.reason).toEqual(text);
   });
 
   it("keep their full reason", () => {
-    const said: LineEvent = { kind: "state", time: 5, state: "echo-only", text: { en: "silent", ru: "молчит" }, reason: text, code: null };
-    expect(gapsOf([gap(4, 6), said], 0, 20, 9)[0]!.whole).toEqual(text);
+    const state: LineEvent = { kind: "state", time: 5, state: "echo-only", text: { en: "silent", ru: "молчит" }, reason: text, code: null };
+    expect(gapsOf([gap(4, 6), state], 0, 20, 9)[0]!.whole).toEqual(text);
   });
 
   it("are flags, close ones merged, with a time inside for the cursor", () => {

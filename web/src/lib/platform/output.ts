@@ -1,5 +1,5 @@
-// Copy text to the clipboard. Over plain HTTP (a phone in the network) a page has no `navigator.clipboard`; selecting and copying works
-// there.
+// Text and files out of the page: to the clipboard, or saved as a download. Over plain HTTP (a phone in the network) a page has no
+// `navigator.clipboard`; selecting and copying works there.
 
 /** Returns false if the browser refuses, so that the text can be shown instead. */
 export async function copyText(text: string): Promise<boolean> {
@@ -28,4 +28,14 @@ function copyBySelection(text: string): boolean {
     field.remove();
     if (before instanceof HTMLElement) before.focus();
   }
+}
+
+/** Save text or bytes made by the page as a download. */
+export function saveFile(name: string, content: BlobPart, type = "text/plain;charset=utf-8"): void {
+  const url = URL.createObjectURL(new Blob([content], { type }));
+  const link = document.createElement("a");
+  link.href = url;
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
