@@ -24,7 +24,7 @@ from mikas.errors import (
 )
 from mikas.i18n import Text
 from mikas.link import Link
-from mikas.link.descriptions import described
+from mikas.link.ports import described
 from mikas.tester import Tester
 
 STEPS = ("port", "echo", "baud", "latency", "line", "ecu", "commands")

@@ -196,3 +196,15 @@ def _order(port: Port) -> tuple[bool, int, list[tuple[int, str]]]:
     rank = _RANK.get((port.chip, port.quirks), len(_RANK)) - (port.vid is not None)
     pieces = re.findall(r"\d+|\D+", port.url)  # so that COM10 comes behind COM9
     return not port.likely, rank, [(int(it), "") if it.isdigit() else (0, it) for it in pieces]
+
+
+VIRTUAL = Text("virtual ECU", "виртуальный блок")
+
+
+def described(description: str) -> Text:
+    """Return a link's or a recording's `description` for a person.
+
+    Links and recordings keep it as one string, in English: a product's name is the same in every
+    language, a virtual unit's is not.
+    """
+    return VIRTUAL if description == VIRTUAL.en else Text(description, description)

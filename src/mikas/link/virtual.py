@@ -15,7 +15,7 @@ from math import inf
 from mikas.errors import LinkLost, UsageError
 from mikas.i18n import Text
 from mikas.link.base import Chunk, Link, WallClock
-from mikas.link.descriptions import VIRTUAL
+from mikas.link.ports import VIRTUAL
 from mikas.link.urls import take_clock
 from mikas.virtual.bus import Bus
 

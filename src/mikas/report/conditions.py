@@ -9,7 +9,7 @@ from typing import Final
 
 from mikas.errors import UsageError
 from mikas.i18n import Language, Text
-from mikas.link.descriptions import described
+from mikas.link.ports import described
 from mikas.link.urls import parse
 from mikas.report.findings import Findings
 from mikas.report.formatting import clock, duration, number

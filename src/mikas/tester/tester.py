@@ -25,12 +25,11 @@ from mikas.errors import (
 from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.link import Link
+from mikas.tester.exchange import Reply, Statistics, Timing
 from mikas.tester.handshake import Echo, handshake, refuse_elm
 from mikas.tester.line import Line
 from mikas.tester.line_sync import LineSync
-from mikas.tester.statistics import Statistics
 from mikas.tester.stream import Stream
-from mikas.tester.timing import Reply, Timing
 
 T = TypeVar("T")
 

@@ -11,7 +11,7 @@ from mikas.dashboard.advice import ADVICE
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.sampling.events import Event, MethodChosen, StateChanged
-from mikas.tester.statistics import Failure
+from mikas.tester import Failure
 
 _MOST: Final = 5000  # kept for clients that come later; as many errors besides
 

@@ -33,7 +33,7 @@ from mikas.sampling.events import (
     UnitFound,
 )
 from mikas.sampling.gaps import GapTracker
-from mikas.tester.statistics import Failure
+from mikas.tester import Failure
 
 DISCONNECTED: Final = Text("The connection was ended by hand.", "Соединение закрыто вручную.")
 RECONNECTED: Final = Text("The connection was made anew.", "Соединение установлено заново.")

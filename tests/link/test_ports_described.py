@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mikas.link import open_link
-from mikas.link.descriptions import described
+from mikas.link.ports import described
 
 
 def test_a_virtual_unit_has_a_name_in_each_language() -> None:
