@@ -37,7 +37,7 @@ class ConnectionOptions:
     """Seconds of silence inside a response after which it counts as cut (D14)."""
 
     retries: int = 2
-    """How often a request that changes nothing is repeated after a spoilt exchange."""
+    """How often a request that changes nothing is repeated after a failed exchange."""
 
     interpretation: str = "corrected"
     """corrected, literal or alternative: which reading of the source's errata decodes values."""
@@ -113,7 +113,7 @@ def connect(
     `url`: `/dev/ttyUSB0`, `COM3`, `socket://host:port`, `rfc2217://host:port`, `sim:`; None: the
     only likely adapter that is plugged in. `echo`: auto, on or off (D1). `timeout`: seconds to the
     first byte of a response, `inter_byte_timeout`: to each further one (D14). `retries`: how often
-    a request that changes nothing is sent again after a spoilt exchange. `interpretation`:
+    a request that changes nothing is sent again after a failed exchange. `interpretation`:
     corrected, literal or alternative (errata). `catalogs`: the user's own files. `confirm`: asked
     before every change; without it every change passes but the dangerous ones. `journal`: file of
     changes, by default in the user's state folder. `state`: folder of learnt limits, likewise.

@@ -1,7 +1,7 @@
-"""What is wrong with the connection, step by step: port, echo, baud, latency, line, ECU (D1).
+"""The check of the connection, step by step: port, echo, baud, latency, line, ECU (D1).
 
-Each step either holds, or says what to do; one that leaves nobody to talk to ends the examination.
-Steps come one by one, so that they can be shown as they run.
+Each step passes, or says what to do; a step after which no ECU can answer ends the check. Steps are
+yielded one by one, so that they can be shown as they run.
 """
 
 from __future__ import annotations
@@ -30,19 +30,19 @@ from mikas.tester import Tester
 STEPS = ("port", "echo", "baud", "latency", "line", "ecu", "commands")
 
 _TRIES = 20
-_MANY = 3  # spoilt exchanges of these that are more than repeating should have to cure
+_MANY = 3  # failed exchanges of these; more of them is more than repetitions should have to cure
 _LONG = 96  # parameters in the long request: 100 ms of echo, six times a 16 ms latency timer
 _TIMES = 3
-_LUMPS = 0.008  # s of delay that no wire and no unit has, but a USB latency timer does
+_LUMPS = 0.008  # s; no wire and no unit delays a response so long, but a USB latency timer does
 _TOLERANCE = 0.2
 _RPM = c.Datum(0x29, 1)
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One finding. `ok` None: could not be told, or could be better; the rest does not hang on it.
+    """One result. `ok` None: unknown, or could be better; the other steps do not depend on it.
 
-    `detail` says what to do, unless all is well. `error`: the one that `detail` is the text of.
+    `detail` says what to do, unless all is well. `error`: the error whose text `detail` is.
     """
 
     name: str
@@ -54,9 +54,9 @@ class Step:
 def examine(
     open_port: Callable[[], Link], make_tester: Callable[[Link], Tester], catalog: Catalog
 ) -> Iterator[Step]:
-    """The steps in the order of `STEPS`, until one finds nobody to talk to. Closes the port.
+    """Yield the steps in the order of `STEPS`, until no ECU can answer. Closes the port.
 
-    Raises what `open_port` does, unless it is a `NoConnection`, which is a finding.
+    Raises what `open_port` raises, except a `NoConnection`, which is a result.
     """
     try:
         link = open_port()
@@ -108,14 +108,14 @@ def _failed(name: str, error: MikasError) -> Step:
 
 
 def _measured_baud(tester: Tester) -> float | None:
-    """The wire's pace, from how much longer a long request's echo takes than a short one's.
+    """Measure the baud rate: how much longer a long request's echo takes than a short one's.
 
     The quickest of several each: a busy computer can only add to them.
     """
     bodies = [c.ReadParameters((_RPM,) * count).body() for count in (1, _LONG)]
     try:
         short, long = (min(tester.time_echo(body) for _ in range(_TIMES)) for body in bodies)
-    except LineError:  # the next step tells how bad the line is
+    except LineError:  # the next step shows how bad the line is
         return None
     return 10 * (_LONG - 1) / max(long - short, 1e-6)
 
@@ -126,7 +126,7 @@ def _baud(measured: float | None, wanted: int) -> Step:
         return Step(
             "baud",
             None,
-            Text("not measured: the echo came spoilt", "не измерена: эхо пришло испорченным"),
+            Text("not measured: the echo was damaged", "не измерена: эхо пришло испорченным"),
         )
     told = Text(f"about {measured:.0f} bit/s", f"около {measured:.0f} бит/с")
     if measured > wanted * 2:
@@ -157,26 +157,26 @@ def _baud(measured: float | None, wanted: int) -> Step:
 
 
 def _availability(tester: Tester, byte_time: float) -> Iterator[Step]:
-    """The adapter's delay and how clean the line is, from the same small exchanges."""
-    delays, spoilt = [], []
+    """Measure the adapter's delay and the line's errors by the same short exchanges."""
+    delays, failed = [], []
     for _ in range(_TRIES):
         began = tester.link.now()
         try:
             _, reply = tester.exchange(c.Availability(), retries=0)
         except LineError as error:
-            spoilt.append(error)
-            if len(spoilt) > _MANY:
+            failed.append(error)
+            if len(failed) > _MANY:
                 break
             continue
         bytes_passed = len(reply.wire) + 3
         delays.append(reply.ended - began - bytes_passed * byte_time)
     if delays:
         yield _latency(max(0.0, median(delays)))
-    yield _line(len(delays) + len(spoilt), spoilt)
+    yield _line(len(delays) + len(failed), failed)
 
 
 def _latency(delay: float) -> Step:
-    """What an answer takes beyond the wire's time: the unit's turn-round, the adapter's delay."""
+    """The time of an answer beyond the wire's: the unit's turn-round, the adapter's delay."""
     milliseconds = f"{delay * 1000:.1f}"
     told = Text(f"{milliseconds} ms a request", f"{milliseconds.replace('.', ',')} мс на запрос")
     if delay < _LUMPS:
@@ -195,21 +195,21 @@ def _latency(delay: float) -> Step:
     )
 
 
-def _line(tried: int, spoilt: list[LineError]) -> Step:
-    """How many of the exchanges were spoilt, and by what."""
-    if not spoilt:
+def _line(tried: int, failed: list[LineError]) -> Step:
+    """The number of failed exchanges, and the last error."""
+    if not failed:
         return Step(
             "line",
             True,
-            Text(f"{tried} exchanges, none spoilt", f"обменов {tried}, все чистые"),
+            Text(f"{tried} exchanges, none failed", f"обменов {tried}, все чистые"),
         )
-    last = spoilt[-1]
+    last = failed[-1]
     return Step(
         "line",
-        False if len(spoilt) > _MANY else None,
+        False if len(failed) > _MANY else None,
         Text(
-            f"{len(spoilt)} of {tried} exchanges were spoilt; the last: {last.text.en}",
-            f"испорчено обменов: {len(spoilt)} из {tried}; последний: {last.text.ru}",
+            f"{len(failed)} of {tried} exchanges failed; the last: {last.text.en}",
+            f"испорчено обменов: {len(failed)} из {tried}; последний: {last.text.ru}",
         ),
     )
 
