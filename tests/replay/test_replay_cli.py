@@ -53,7 +53,7 @@ def test_a_recording_is_served_with_the_other_options(capture, served, capsys):
     middle = len(whole) // 2
     capture.write_bytes(whole[:middle] + bytes(40) + whole[middle + 40 :])
     assert run(["sim", "--replay", str(capture)]) == 0
-    assert "damaged parts passed over" in capsys.readouterr().err
+    assert "damaged places skipped" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("more", [[], ["--json"], ["-v"], ["--lang", "ru"]])

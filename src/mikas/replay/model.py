@@ -143,14 +143,14 @@ class ReplayData:
 
     def unrecorded(self) -> Iterator[int]:
         """Yield the commands whose responses would have to be invented."""
-        told = {
+        recorded = {
             c.ReadFaults: bool(self.faults.values),
             c.CountParameters: bool(self.count.values),
         }
         spaces = {cells.space for cells in self.cells}
         for command in c.ALL_COMMANDS:
             space = getattr(command, "SPACE", None)
-            if not told.get(command, True) or (space is not None and space not in spaces):
+            if not recorded.get(command, True) or (space is not None and space not in spaces):
                 yield from command.CODES
         codes = c.ReadProgramPassport.CODES + c.ReadDataPassport.CODES
         for code, passport in zip(codes, self.passports, strict=True):

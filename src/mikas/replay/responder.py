@@ -70,7 +70,7 @@ class ReplayResponder(Responder):
         """Return the recorded response, else that of a virtual ECU."""
         car = self._replayed
         car.look(now)
-        # The unit may have been off and on again while nobody asked, or was sought past it.
+        # The ECU may have lost its supply since the last request, or a seek went past such a loss.
         self.power_cycle()
         recorded = car.recorded
         if body and body[0] in recorded.refusals:

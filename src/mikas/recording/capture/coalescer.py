@@ -29,7 +29,7 @@ _MOST_BYTES: Final = 4096
 _LONGEST: Final = 1.0  # s
 # In byte times:
 _PAUSE: Final = 3  # inside a packet, between two chunks
-_ALL_PAUSES: Final = 8  # inside a packet, in all: its end may be told earlier by so much
+_ALL_PAUSES: Final = 8  # inside a packet, in all: its end may seem earlier by so much
 _CLOSE: Final = 0.5
 _LATE: Final = 1.0  # how late the first chunk may have been seen, as later ones show
 

@@ -202,7 +202,7 @@ class CaptureWriter:
             raise CaptureError(str(self.path), _OVER)
 
     def _check_it_exists(self) -> None:
-        """Some systems let a file be deleted under a writer, who then writes to nowhere."""
+        """Raise if the file was deleted: some systems let a writer write on without any effect."""
         with suppress(OSError):
             if self._links and not os.fstat(self._file.fileno()).st_nlink:
                 self._broken = self.deleted = True

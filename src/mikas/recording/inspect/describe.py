@@ -40,7 +40,7 @@ class Describer:
         if response is None:
             self._started = request
             if isinstance(command, c.WriteList):
-                self._list = ()  # until its 00 has come nobody knows which list the unit has
+                self._list = ()  # until its 00 comes, the list of the ECU is not known
             return self._asked(command)
         try:
             value = command.read(response)

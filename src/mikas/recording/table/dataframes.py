@@ -39,7 +39,7 @@ class Table:
 
 
 def library(name: str) -> Any:  # noqa: ANN401  (a module that may not be installed)
-    """The library; MissingExtra that says how to get it."""
+    """Return the library. Raise `MissingExtra`, which names its package."""
     try:
         return import_module(name)
     except ImportError as error:
