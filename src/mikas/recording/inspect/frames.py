@@ -174,10 +174,9 @@ def to_text(item: Item, language: Language = "en", *, zero: float = 0.0) -> str:
 
 def _notes(item: SeenFrame) -> list[Text]:
     notes = []
+    # The name of 01 is not from the source; a meaning may begin with it.
     has_name = item.meaning is not None and item.meaning.en.startswith(item.name or "\0")
-    if (
-        item.name is not None and not item.echo and not has_name
-    ):  # the name of 01 is not from the source
+    if item.name is not None and not item.echo and not has_name:
         notes.append(Text(item.name, item.name))
     if item.meaning is not None:
         notes.append(item.meaning)
