@@ -20,7 +20,7 @@ from websockets.sync.client import connect
 
 from mikas.catalog import shipped
 from mikas.dashboard.app import create_app
-from mikas.dashboard.dashboard import Hub, Wish
+from mikas.dashboard.dashboard import Dashboard, SamplingRequest
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.server import Server, listening
 from mikas.dashboard.settings import Settings
@@ -130,8 +130,10 @@ class Garage:
 class Dash:
     """The program, served; `api` asks it as one more client."""
 
-    def __init__(self, hub: Hub, garage: Garage, access: Access, api: httpx.Client) -> None:
-        self.hub, self.garage, self.access, self.api = hub, garage, access, api
+    def __init__(
+        self, dashboard: Dashboard, garage: Garage, access: Access, api: httpx.Client
+    ) -> None:
+        self.dashboard, self.garage, self.access, self.api = dashboard, garage, access, api
         self.url = access.url.rstrip("/")
         self.port = access.port
 
@@ -174,7 +176,7 @@ class Dash:
 
     def later(self, seconds: float) -> None:
         """People's time has passed: that of the seat, of confirmations, of the lock."""
-        clock = self.hub.clock
+        clock = self.dashboard.clock
         assert isinstance(clock, PeoplesClock)
         clock.ahead += seconds
 
@@ -212,30 +214,32 @@ def dashboard(
     """
     garage = garage or Garage(folder)
     garage.tune(**settings)
-    hub = Hub(
+    dashboard = Dashboard(
         Settings(
             folder / "recordings",
             state=folder / "state",
             find=lambda: list(garage.ports),
             open_port=garage.open,
         ),
-        begin=FT232.url if begin else None,
+        port=FT232.url if begin else None,
         lan=lan,
         clock=PeoplesClock(),
     )
-    hub.wish = Wish(hub.wish.every, "batch", 12)  # nothing has to be tried out, or to be hurried
+    every = dashboard.plan.request.every
+    # The methods need not be tested, and sampling is not as fast as possible.
+    dashboard.plan.request = SamplingRequest(every, "batch", 12)
     with listening(port, lan=False) as own:
         hosts = (LAPTOP,) if lan else ()
         access = Access(own.getsockname()[1], lan=lan, lan_control=lan_control, hosts=hosts)
         ready = threading.Event()
-        server = Server(create_app(hub, access), ready=ready.set)
+        server = Server(create_app(dashboard, access), ready=ready.set)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [own]})
         thread.start()
         try:
             assert ready.wait(60)
             me = {"X-Mikas-Client": "tester-0001", "X-Mikas-Name": "Me"}
             with httpx.Client(base_url=access.url, headers=me, timeout=60) as api:
-                yield Dash(hub, garage, access, api)
+                yield Dash(dashboard, garage, access, api)
         finally:
             server.should_exit = True
             thread.join()

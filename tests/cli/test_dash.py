@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mikas.cli.main import run
-from mikas.dashboard.virtual_cars import VirtualCars
+from mikas.dashboard.settings import VirtualCars
 from mikas.errors import RecordingOver
 from mikas.replay import playing
 

@@ -14,11 +14,10 @@ import httpx
 from websockets.sync.client import connect
 
 from mikas.dashboard.app import create_app
-from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.server import Server, listening
-from mikas.dashboard.settings import Settings
-from mikas.dashboard.wishes import Wish
+from mikas.dashboard.settings import SamplingRequest, Settings
 from mikas.errors import PortNotFound
 from mikas.link.ports import Port
 from mikas.link.virtual import RealTimeVirtualLink
@@ -98,8 +97,8 @@ class Cars:
 
 
 class Rig:
-    def __init__(self, hub, access, client, cars):
-        self.hub, self.access, self.client, self.cars = hub, access, client, cars
+    def __init__(self, dashboard, access, client, cars):
+        self.dashboard, self.access, self.client, self.cars = dashboard, access, client, cars
         self.port = access.port
 
     def get(self, path, status=200, headers=ME, **params):
@@ -180,19 +179,19 @@ def rig(
         link_clock=cars.clock.now,
         language=language,
     )
-    hub = Hub(settings, begin=begin, lan=access.get("lan", False))
-    hub.wish = Wish(dict.fromkeys(names, 1), method, rate)
+    dashboard = Dashboard(settings, port=begin, lan=access.get("lan", False))
+    dashboard.plan.request = SamplingRequest(dict.fromkeys(names, 1), method, rate)
     with listening(0, lan=False) as own:
         rules = Access(own.getsockname()[1], **access)
         ready = threading.Event()
-        app = create_app(hub, rules, folder=page or tmp_path / "page")
+        app = create_app(dashboard, rules, folder=page or tmp_path / "page")
         server = Server(app, ready=ready.set)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [own]})
         thread.start()
         try:
             assert ready.wait(60)
             with httpx.Client(base_url=f"http://127.0.0.1:{rules.port}", timeout=60) as client:
-                yield Rig(hub, rules, client, cars)
+                yield Rig(dashboard, rules, client, cars)
         finally:
             server.should_exit = True
             thread.join()

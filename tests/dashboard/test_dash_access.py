@@ -11,7 +11,7 @@ from websockets.exceptions import InvalidStatus
 from dashboard.rig import ME, rig
 from mikas.dashboard.errors import Forbidden, TokenRequired
 from mikas.dashboard.security.access import Access
-from mikas.dashboard.security.middleware import LARGEST_BODY
+from mikas.dashboard.security.middleware import MAX_BODY
 
 LAN = {"lan": True, "hosts": ("10.1.2.3", "garage"), "token": "a-token-of-the-test"}
 TOKEN = {"Authorization": f"Bearer {LAN['token']}"}
@@ -188,12 +188,12 @@ def test_every_answer_keeps_the_browser_in_its_place(shared_off):
 
 
 def test_a_body_without_end_is_refused(shared_off):
-    large = b"x" * (LARGEST_BODY + 1)
+    large = b"x" * (MAX_BODY + 1)
     answer = shared_off.client.post("/api/connect", content=large, headers=ME)
     assert (answer.status_code, answer.json()["error"]["code"]) == (413, "TooLarge")
 
     def pieces():
-        for _ in range(LARGEST_BODY // 65536 + 1):
+        for _ in range(MAX_BODY // 65536 + 1):
             yield b"x" * 65536
 
     answer = shared_off.client.post("/api/connect", content=pieces(), headers=ME)

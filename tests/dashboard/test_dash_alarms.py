@@ -13,7 +13,7 @@ def alarms(message):
 
 def voltage(rig, raw):
     """What the unit tells of its supply from now on."""
-    car = rig.cars.car(rig.hub.way.url)
+    car = rig.cars.car(rig.dashboard.connection.port.url)
     car.write(shipped().parameter("UACC").code, bytes([raw]))
 
 

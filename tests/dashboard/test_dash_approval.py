@@ -9,7 +9,7 @@ import pytest
 from mikas.client import Change
 from mikas.commands import Safety
 from mikas.dashboard.errors import ConfirmationOutdated
-from mikas.dashboard.security.approval import Approval
+from mikas.dashboard.security.write_lock import WriteApproval
 from mikas.errors import NotConfirmed
 from mikas.i18n import Text
 
@@ -18,11 +18,11 @@ WRITE = Change(Text("a write", "запись"), Safety.DANGEROUS, "31", before="
 
 @pytest.mark.parametrize("safety", Safety)
 def test_unasked_passes_only_what_the_ignition_undoes(safety):
-    assert Approval().confirm(replace(WRITE, safety=safety)) is (safety <= Safety.REVERSIBLE)
+    assert WriteApproval().confirm(replace(WRITE, safety=safety)) is (safety <= Safety.REVERSIBLE)
 
 
 def test_what_was_confirmed_passes_and_nothing_after_it():
-    it = Approval()
+    it = WriteApproval()
     with it.given("0A"):
         assert it.confirm(WRITE)
     assert not it.confirm(WRITE)
@@ -32,7 +32,7 @@ def test_what_was_confirmed_passes_and_nothing_after_it():
 
 
 def test_what_is_no_longer_as_it_was_shown_does_not_pass():
-    it = Approval()
+    it = WriteApproval()
     for shown in ("0B", None):
         with it.given(shown), pytest.raises(ConfirmationOutdated):
             it.confirm(WRITE)
@@ -42,7 +42,7 @@ def test_a_dangerous_change_that_nobody_confirmed_does_not_reach_the_unit(idle):
     """Whoever asks for it inside the program; nobody unlocked anything, nobody said yes."""
 
     def ask(job):
-        return idle.hub.session.call(job).result(60)
+        return idle.dashboard.connection.thread.call(job).result(60)
 
     before = ask(lambda ecu: ecu.memory.code.read(0x9000))
     with pytest.raises(NotConfirmed):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from mikas.catalog import shipped
-from mikas.dashboard.errors import NonceUnknown
-from mikas.dashboard.security.confirmations import LIFETIME, Nonces, Prepared
+from mikas.dashboard.errors import ConfirmationExpired
+from mikas.dashboard.security.confirmations import LIFETIME, ConfirmationStore, PendingChange
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.fault_history import FaultHistory
 from mikas.i18n import Text
@@ -19,21 +19,21 @@ async def nothing():
 
 
 def prepared(number):
-    return Prepared(Text("a change", "изменение"), number, None, nothing)
+    return PendingChange(Text("a change", "изменение"), number, None, nothing)
 
 
 def test_of_very_many_confirmations_the_oldest_are_over():
-    nonces = Nonces(lambda: 0.0)
+    nonces = ConfirmationStore(lambda: 0.0)
     kept = [nonces.keep(ME, prepared(number)) for number in range(103)]
     for nonce in kept[:3]:
-        with pytest.raises(NonceUnknown):
+        with pytest.raises(ConfirmationExpired):
             nonces.use(ME, nonce)
     assert [nonces.use(ME, nonce).before for nonce in kept[3:]] == list(range(3, 103))
 
 
 def test_a_confirmation_that_is_over_takes_no_place():
     now = [0.0]
-    nonces = Nonces(lambda: now[0])
+    nonces = ConfirmationStore(lambda: now[0])
     for number in range(99):
         nonces.keep(ME, prepared(number))
     now[0] = LIFETIME / 2

@@ -43,7 +43,7 @@ def test_an_address_that_makes_no_sense_is_refused(off, url, monkeypatch):
     from mikas.link import open_link
 
     monkeypatch.setattr(off.cars, "open", open_link)
-    object.__setattr__(off.hub.settings, "open_port", open_link)
+    object.__setattr__(off.dashboard.settings, "open_port", open_link)
     error = off.post("/connect", {"port": url}, 400)
     assert error["code"] in ("BadPortUrl", "UsageError")
     assert error["ru"] != error["en"]
@@ -137,7 +137,8 @@ def test_what_the_doctor_answers_is_described(shared_off):
     described = shared_off.get("/openapi.json")
     answer = described["paths"]["/api/doctor"]["post"]["responses"]["200"]["content"]
     assert list(answer) == ["application/x-ndjson"]
-    schema = answer["application/x-ndjson"]["schema"]
+    name = answer["application/x-ndjson"]["schema"]["$ref"].removeprefix("#/components/schemas/")
+    schema = described["components"]["schemas"][name]
     shape = set(schema["properties"])
     assert (
         schema["properties"]["title"]["$ref"].removeprefix("#/components/schemas/")
@@ -195,7 +196,7 @@ def test_a_doctor_to_whom_nobody_listens_ends(patient, idle):
     with idle.client.stream("POST", "/api/doctor", json={}, headers=ME) as answer:
         next(answer.iter_lines())
     assert idle.sampling()["line"] == "sampling"
-    assert idle.hub.examination is None
+    assert idle.dashboard.diagnosis is None
 
 
 def test_one_has_control_the_others_watch(idle):

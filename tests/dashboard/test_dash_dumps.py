@@ -35,7 +35,9 @@ def test_a_dump_is_what_the_unit_holds(idle):
     assert sum(block["count"] for block in dump["blocks"]) == 2048
     held = idle.client.get(f"/api/dumps/{dump['id']}/file").content
     assert held == memory(idle, 0x100, 2048)
-    manifest = json.loads((idle.hub.settings.dumps / f"{dump['file']}.json").read_text("utf-8"))
+    manifest = json.loads(
+        (idle.dashboard.settings.dumps / f"{dump['file']}.json").read_text("utf-8")
+    )
     assert (manifest["complete"], manifest["verified"]) == (True, True)
     assert idle.get("/state")["samples"] > samples  # it went on meanwhile
 
@@ -144,8 +146,8 @@ def test_deleting_a_dump_asks_first(idle):
     assert idle.post(f"/changes/{asked['nonce']}")["after"] is None
     assert idle.get(f"/dumps/{name}", 404)["code"] == "NotFound"
     assert idle.get("/dumps") == {"dumps": []}
-    assert not any(idle.hub.settings.dumps.iterdir())
-    assert idle.post(f"/changes/{asked['nonce']}", status=410)["code"] == "NonceUnknown"
+    assert not any(idle.dashboard.settings.dumps.iterdir())
+    assert idle.post(f"/changes/{asked['nonce']}", status=410)["code"] == "ConfirmationExpired"
     assert delete(idle, name, 404)["code"] == "NotFound"
 
 
@@ -175,7 +177,7 @@ def test_a_dump_that_is_no_longer_as_it_was_shown_is_not_deleted(held, idle):
 def test_a_dump_whose_file_can_not_be_removed_is_still_there(idle):
     name = small(idle)
     nonce = delete(idle, name)["nonce"]
-    file = idle.hub.settings.dumps / f"{name}.bin"
+    file = idle.dashboard.settings.dumps / f"{name}.bin"
     file.unlink()
     (file / "not a file").mkdir(parents=True)
     assert name in idle.post(f"/changes/{nonce}", status=400)["en"]
@@ -194,7 +196,7 @@ def test_a_range_that_makes_no_sense_is_refused(shared_idle, wish):
 
 
 def test_a_folder_that_can_not_be_written_is_told(idle):
-    idle.hub.settings.recordings.write_text("in the way")
+    idle.dashboard.settings.recordings.write_text("in the way")
     name = idle.post("/dumps", XRAM)["id"]
     failed = ended(idle, name, "failed", "done")
     assert failed["state"] == "failed"

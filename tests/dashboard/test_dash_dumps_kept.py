@@ -13,7 +13,7 @@ from dashboard.rig import rig
 from mikas.client.memory.manifest import Manifest, manifest_path
 from mikas.dashboard.api import dumps
 from mikas.dashboard.session import dump_jobs
-from mikas.dashboard.session.dump_jobs import Dumping
+from mikas.dashboard.session.dump_jobs import DumpJobs
 
 SMALL = {"space": "xram", "first": 0x40, "last": 0x7F}
 
@@ -25,14 +25,14 @@ def program(tmp_path):
 
 def hold_the_second_pass(monkeypatch, spoil):
     """It stops behind its first piece; before that the file is spoilt."""
-    check = Dumping._check
+    check = DumpJobs._check
 
     def first(self, ecu, job):
         spoil(job.file)
         hold(monkeypatch)
         check(self, ecu, job)
 
-    monkeypatch.setattr(Dumping, "_check", first)
+    monkeypatch.setattr(DumpJobs, "_check", first)
 
 
 def spoil(file):
@@ -57,7 +57,7 @@ def test_what_a_second_pass_found_outlives_the_program(tmp_path):
         it.post(f"/dumps/{name}/resume")
         dump = ended(it, name, "done", "failed")
         assert (dump["state"], dump["done"], dump["differences"]) == ("done", 4096, 1)
-        manifest = json.loads((it.hub.settings.dumps / f"{name}.bin.json").read_text("utf-8"))
+        manifest = json.loads((it.dashboard.settings.dumps / f"{name}.bin.json").read_text("utf-8"))
         assert manifest["verified"] is False
     with program(tmp_path) as it:
         found = it.get(f"/dumps/{name}")
@@ -87,7 +87,7 @@ def put(folder, name, held=64, **stored):
 
 
 def found(folder):
-    it = Dumping(SimpleNamespace(settings=SimpleNamespace(dumps=folder)))
+    it = DumpJobs(SimpleNamespace(settings=SimpleNamespace(dumps=folder)))
     it.find()
     return it.jobs
 
@@ -125,11 +125,11 @@ def test_what_is_no_manifest_is_no_dump_and_stops_nothing(tmp_path, stored):
 def test_a_file_that_was_cut_is_read_on_and_then_checked(idle):
     name = idle.post("/dumps", {**SMALL, "verify": True})["id"]
     ended(idle, name, "done")
-    file = idle.hub.settings.dumps / f"{name}.bin"
+    file = idle.dashboard.settings.dumps / f"{name}.bin"
     whole = file.read_bytes()
     file.write_bytes(whole[:10])
-    idle.hub.dumping.jobs.clear()
-    idle.hub.dumping.find()
+    idle.dashboard.dump_jobs.jobs.clear()
+    idle.dashboard.dump_jobs.find()
     idle.post(f"/dumps/{name}/resume")
     dump = ended(idle, name, "done", "failed")
     assert (dump["state"], dump["done"], dump["differences"]) == ("done", 128, 0)
@@ -154,7 +154,7 @@ def test_a_file_that_is_gone_is_told(idle, monkeypatch):
     name = idle.post("/dumps", XRAM)["id"]
     begun(idle, name)
     idle.post(f"/dumps/{name}/pause")
-    (idle.hub.settings.dumps / f"{name}.bin").unlink()
+    (idle.dashboard.settings.dumps / f"{name}.bin").unlink()
     idle.post(f"/dumps/{name}/resume")
     failed = ended(idle, name, "failed", "done")
     assert failed["state"] == "failed"
@@ -163,7 +163,7 @@ def test_a_file_that_is_gone_is_told(idle, monkeypatch):
 
 def test_a_bug_in_one_dump_ends_that_one(idle):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Dumping, "_read", lambda *_: 1 // 0)
+        patch.setattr(DumpJobs, "_read", lambda *_: 1 // 0)
         name = idle.post("/dumps", SMALL)["id"]
         failed = ended(idle, name, "failed")
     assert failed["error"]["code"] == "InternalError"
@@ -183,22 +183,22 @@ def test_the_newest_comes_first(off):
         "code-0040-007F-20260102-100002",
     ]
     for name in names:
-        put(off.hub.settings.dumps, name)
-    off.hub.dumping.find()
+        put(off.dashboard.settings.dumps, name)
+    off.dashboard.dump_jobs.find()
     assert [dump["id"] for dump in off.get("/dumps")["dumps"]] == names[::-1]
 
 
 def test_a_dump_is_looked_at_where_it_is_changed(off, monkeypatch):
     """In the event loop; in another thread its pace would be cleared under the reader's eyes."""
-    put(off.hub.settings.dumps, "a")
-    off.hub.dumping.find()
-    threads, answer = set(), dumps._answer
+    put(off.dashboard.settings.dumps, "a")
+    off.dashboard.dump_jobs.find()
+    threads, answer = set(), dumps._response
 
     def told(job):
         threads.add(threading.current_thread())
         return answer(job)
 
-    monkeypatch.setattr(dumps, "_answer", told)
+    monkeypatch.setattr(dumps, "_response", told)
     off.post("/dumps/a/pause")
     off.get("/dumps")
     off.get("/dumps/a")

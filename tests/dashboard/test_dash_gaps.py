@@ -115,7 +115,7 @@ def test_silence_is_told_before_it_is_known_what_it_is():
 
 
 def test_while_nothing_comes_the_state_says_so(idle):
-    idle.hub.session.stop()
+    idle.dashboard.connection.thread.stop()
     idle.cars.clock.sleep(3600)
     state = idle.get("/state")
     assert (state["line"], state["rate"]) == ("sampling", 0)

@@ -14,7 +14,7 @@ from dashboard.rig import rig
 from mikas.dashboard.api.broadcaster import QUEUE, Listener, understood
 from mikas.dashboard.api.live import Broadcaster, _send
 from mikas.dashboard.api.state import state_of
-from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.history import History
 from mikas.dashboard.session.monitor import _ROWS, ConnectionMonitor
@@ -162,24 +162,24 @@ def listener(name):
 
 
 def test_when_the_last_has_gone_nothing_is_gathered_for_nobody(tmp_path):
-    hub = Hub(Settings(tmp_path, state=tmp_path))
+    dashboard = Dashboard(Settings(tmp_path, state=tmp_path))
 
     def gathered():
-        hub.monitor.take(Sampled(1.0, {}, {}))
-        return len(hub.monitor.drain().rows)
+        dashboard.monitor.take(Sampled(1.0, {}, {}))
+        return len(dashboard.monitor.drain().rows)
 
     async def come_and_go():
-        broadcaster, one, another = Broadcaster(hub), listener("one"), listener("another")
+        broadcaster, one, another = Broadcaster(dashboard), listener("one"), listener("another")
         broadcaster.join(one)
         broadcaster.join(another)
         broadcaster.leave(one)
         assert gathered() == 1
-        hub.monitor.take(Sampled(2.0, {}, {}))
+        dashboard.monitor.take(Sampled(2.0, {}, {}))
         broadcaster.leave(another)
 
     assert gathered() == 0
     asyncio.run(come_and_go())
-    assert hub.monitor.drain().rows == []
+    assert dashboard.monitor.drain().rows == []
     assert gathered() == 0
 
 
@@ -194,11 +194,11 @@ def test_what_is_gathered_is_bounded():
 def test_a_bug_in_one_message_does_not_end_the_others(idle, monkeypatch, caplog):
     met = threading.Event()
 
-    def broken_once(hub):
+    def broken_once(dashboard):
         if not met.is_set():
             met.set()
             raise ValueError("the bug of this test")
-        return state_of(hub)
+        return state_of(dashboard)
 
     with idle.live() as live:
         live.until(lambda it: "data" in it)
@@ -235,7 +235,7 @@ class DeafSocket:
 
 def test_who_takes_no_message_is_given_up(tmp_path, monkeypatch):
     monkeypatch.setattr("mikas.dashboard.api.live._PATIENCE", 0.0)
-    broadcaster, deaf = Broadcaster(Hub(Settings(tmp_path, state=tmp_path))), DeafSocket()
+    broadcaster, deaf = Broadcaster(Dashboard(Settings(tmp_path, state=tmp_path))), DeafSocket()
 
     async def send():
         waiting = listener("deaf")

@@ -9,7 +9,7 @@ import pytest
 
 import mikas
 from dashboard.rig import ADAPTER, ME, OTHER, rig
-from mikas.dashboard.session.recorder import named
+from mikas.dashboard.library.folder import file_stem
 
 
 def test_a_recording_is_made_with_its_markers_and_can_be_read_again(idle):
@@ -20,7 +20,7 @@ def test_a_recording_is_made_with_its_markers_and_can_be_read_again(idle):
     idle.post("/recording/note", {"text": "на холостых"})
     idle.until(lambda it: it["state"]["recording"]["samples"] > 8)
     assert idle.post("/recording/stop")["recording"] is None
-    path = idle.hub.settings.recordings / "Volga.pcapng"
+    path = idle.dashboard.settings.recordings / "Volga.pcapng"
     frame = mikas.open(path).to_pandas()
     assert frame["TWAT"].dropna().iloc[0] in (86, 87)
     events = idle.get("/history", seconds=3600)["events"]
@@ -41,11 +41,11 @@ def test_a_name_that_is_taken_gets_a_number(idle):
      ("x.pcapng", "x"), ("\x00\n", ""), (None, ""), ("ж" * 300, "ж" * 100)],
 )  # fmt: skip
 def test_a_name_can_not_lead_elsewhere(name, kept):
-    assert named(name) == kept
+    assert file_stem(name) == kept
 
 
 def test_a_folder_that_can_not_be_written_is_told_and_sampling_goes_on(idle):
-    idle.hub.settings.recordings.write_text("in the way")
+    idle.dashboard.settings.recordings.write_text("in the way")
     error = idle.post("/recording/start", {}, 400)
     assert error["ru"]
     assert idle.sampling()["recording"] is None
@@ -64,7 +64,7 @@ class _FullDisk:
 
 def test_a_recording_that_breaks_off_says_so_and_another_can_begin(idle):
     idle.post("/recording/start", {"name": "a"})
-    writer = idle.hub.recording.recorder._open.writer
+    writer = idle.dashboard.recorder.recorder._open.writer
     writer._file = _FullDisk(writer._file)
     state = idle.until(lambda it: (it["state"]["recording"] or {}).get("failure"))["state"]
     assert state["recording"]["failure"]["ru"]
@@ -128,7 +128,7 @@ def test_where_nobody_has_answered_yet_nothing_can_be_recorded(tmp_path):
         error = it.post("/recording/start", {}, 503)
         assert error["code"] == "NotConnected"
         assert "12 V" in error["en"]
-        assert not it.hub.settings.recordings.exists()
+        assert not it.dashboard.settings.recordings.exists()
 
 
 def _recordings(it):

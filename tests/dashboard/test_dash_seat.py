@@ -1,4 +1,4 @@
-"""The controller's seat: who has it, for how long, who may take it."""
+"""The controller's lease: who has it, for how long, who may take it."""
 
 from __future__ import annotations
 
@@ -6,120 +6,120 @@ import pytest
 
 from dashboard.rig import OTHER as SOMEBODY
 from mikas.dashboard.errors import NotAllowed, NotController
-from mikas.dashboard.security.control import AFTER_REQUEST, AFTER_SOCKET, Client, Seat
+from mikas.dashboard.security.control import AFTER_REQUEST, AFTER_SOCKET, Client, ControlLease
 
 ME, OTHER, VIEWER = Client("me", "Me", True), Client("it", "", True), Client("v", "", False)
 
 
 @pytest.fixture
-def seat():
+def lease():
     now = [0.0]
-    it = Seat(lambda: now[0])
+    it = ControlLease(lambda: now[0])
     it.passes = lambda seconds: now.__setitem__(0, now[0] + seconds)
     return it
 
 
-def test_the_first_that_asks_has_it(seat):
-    assert seat.holder is None
-    seat.demand(ME)
-    seat.demand(ME)
-    assert seat.holder == ME
+def test_the_first_that_asks_has_it(lease):
+    assert lease.holder is None
+    lease.demand(ME)
+    lease.demand(ME)
+    assert lease.holder == ME
     with pytest.raises(NotController, match="Me has control"):
-        seat.demand(OTHER)
+        lease.demand(OTHER)
 
 
-def test_without_a_socket_it_is_free_a_minute_after_the_last_request(seat):
-    seat.demand(ME)
-    seat.passes(AFTER_REQUEST - 1)
-    seat.demand(ME)
-    seat.passes(AFTER_REQUEST - 1)
-    assert seat.holder == ME
-    seat.passes(1)
-    assert seat.holder is None
-    seat.demand(OTHER)
-    assert seat.holder == OTHER
+def test_without_a_socket_it_is_free_a_minute_after_the_last_request(lease):
+    lease.demand(ME)
+    lease.passes(AFTER_REQUEST - 1)
+    lease.demand(ME)
+    lease.passes(AFTER_REQUEST - 1)
+    assert lease.holder == ME
+    lease.passes(1)
+    assert lease.holder is None
+    lease.demand(OTHER)
+    assert lease.holder == OTHER
 
 
-def test_with_a_socket_it_is_kept_and_a_reload_does_not_lose_it(seat):
-    seat.opened(ME)
-    seat.opened(ME)
-    seat.demand(ME)
-    seat.passes(9999)
-    seat.closed(ME)
-    seat.passes(9999)
-    assert seat.holder == ME
-    seat.closed(ME)
-    seat.passes(AFTER_SOCKET - 0.1)
-    assert seat.holder == ME
-    seat.opened(ME)
-    seat.passes(9999)
-    assert seat.holder == ME
-    seat.closed(ME)
-    seat.passes(AFTER_SOCKET)
-    assert seat.holder is None
+def test_with_a_socket_it_is_kept_and_a_reload_does_not_lose_it(lease):
+    lease.socket_opened(ME)
+    lease.socket_opened(ME)
+    lease.demand(ME)
+    lease.passes(9999)
+    lease.socket_closed(ME)
+    lease.passes(9999)
+    assert lease.holder == ME
+    lease.socket_closed(ME)
+    lease.passes(AFTER_SOCKET - 0.1)
+    assert lease.holder == ME
+    lease.socket_opened(ME)
+    lease.passes(9999)
+    assert lease.holder == ME
+    lease.socket_closed(ME)
+    lease.passes(AFTER_SOCKET)
+    assert lease.holder is None
 
 
-def test_a_page_that_was_closed_does_not_keep_it_by_a_request_that_came_late(seat):
-    seat.opened(ME)
-    seat.closed(ME)
-    seat.demand(ME)  # was under way when the page was closed
-    seat.passes(AFTER_SOCKET - 0.1)
-    assert seat.holder == ME  # it may be a reload, whose socket is not there yet
-    seat.passes(0.1)
-    assert seat.holder is None
+def test_a_page_that_was_closed_does_not_keep_it_by_a_request_that_came_late(lease):
+    lease.socket_opened(ME)
+    lease.socket_closed(ME)
+    lease.demand(ME)  # was under way when the page was closed
+    lease.passes(AFTER_SOCKET - 0.1)
+    assert lease.holder == ME  # it may be a reload, whose socket is not there yet
+    lease.passes(0.1)
+    assert lease.holder is None
 
 
-def test_it_can_be_let_go_and_taken_over(seat):
-    seat.demand(ME)
-    seat.release(OTHER)
-    assert seat.holder == ME
-    seat.demand(OTHER, force=True)
-    assert seat.holder == OTHER
-    seat.release(OTHER)
-    assert seat.holder is None
+def test_it_can_be_let_go_and_taken_over(lease):
+    lease.demand(ME)
+    lease.release(OTHER)
+    assert lease.holder == ME
+    lease.demand(OTHER, force=True)
+    assert lease.holder == OTHER
+    lease.release(OTHER)
+    assert lease.holder is None
 
 
-def test_a_viewer_never_gets_it(seat):
+def test_a_viewer_never_gets_it(lease):
     with pytest.raises(NotAllowed):
-        seat.demand(VIEWER)
+        lease.demand(VIEWER)
     with pytest.raises(NotAllowed):
-        seat.demand(VIEWER, force=True)
+        lease.demand(VIEWER, force=True)
 
 
-def test_viewers_are_clients_not_sockets(seat):
+def test_viewers_are_clients_not_sockets(lease):
     for client in (ME, ME, VIEWER):
-        seat.opened(client)
-    assert seat.viewers == 2
-    seat.closed(ME)
-    assert seat.viewers == 2
+        lease.socket_opened(client)
+    assert lease.viewers == 2
+    lease.socket_closed(ME)
+    assert lease.viewers == 2
 
 
-def test_every_change_of_hands_is_told(seat):
+def test_every_change_of_hands_is_told(lease):
     hands = []
-    seat._changed = lambda: hands.append(seat._holder and seat._holder.id)
-    seat.demand(ME)
-    seat.demand(ME)
-    seat.demand(OTHER, force=True)
-    seat.release(OTHER)
-    seat.demand(ME)
-    seat.passes(AFTER_REQUEST)
-    assert seat.holder is None
+    lease._changed = lambda: hands.append(lease._holder and lease._holder.id)
+    lease.demand(ME)
+    lease.demand(ME)
+    lease.demand(OTHER, force=True)
+    lease.release(OTHER)
+    lease.demand(ME)
+    lease.passes(AFTER_REQUEST)
+    assert lease.holder is None
     assert hands == ["me", "it", None, "me", None]
 
 
-def test_a_request_that_came_to_nothing_is_taken_back(seat):
-    before = seat.demand(ME)
-    seat.take_back(before)
-    assert seat.holder is None
-    seat.demand(ME)
-    seat.passes(AFTER_REQUEST - 1)
-    seat.take_back(seat.demand(ME))
-    seat.passes(1)
-    assert seat.holder is None
-    before = seat.demand(ME)
-    seat.demand(ME)  # a good one of the same client, at the same time
-    seat.take_back(before)
-    assert seat.holder == ME
+def test_a_request_that_came_to_nothing_is_taken_back(lease):
+    before = lease.demand(ME)
+    lease.undo(before)
+    assert lease.holder is None
+    lease.demand(ME)
+    lease.passes(AFTER_REQUEST - 1)
+    lease.undo(lease.demand(ME))
+    lease.passes(1)
+    assert lease.holder is None
+    before = lease.demand(ME)
+    lease.demand(ME)  # a good one of the same client, at the same time
+    lease.undo(before)
+    assert lease.holder == ME
 
 
 def test_only_what_was_understood_and_allowed_takes_the_seat(off):
@@ -155,25 +155,25 @@ def test_who_gives_no_id_is_told_what_is_known_and_asks_for_nothing(idle):
     error = idle.get("/passport", 400, {})
     assert "X-Mikas-Client" in error["ru"]
     asked = []
-    idle.hub.read_faults = asked.append
+    idle.dashboard.fault_history.read = asked.append
     assert idle.get("/faults", headers={})["count"] == 0
     assert asked == []
 
 
-def test_looking_on_the_line_keeps_the_seat_for_who_has_it(seat):
-    seat.demand(ME, take=False)
-    assert seat.holder is None
-    seat.take_back(seat.demand(ME, take=False))
-    assert seat.holder is None
-    seat.demand(ME)
-    seat.passes(AFTER_REQUEST - 1)
-    seat.demand(ME, take=False)
-    seat.passes(AFTER_REQUEST - 1)
-    assert seat.holder == ME
+def test_looking_on_the_line_keeps_the_seat_for_who_has_it(lease):
+    lease.demand(ME, take=False)
+    assert lease.holder is None
+    lease.undo(lease.demand(ME, take=False))
+    assert lease.holder is None
+    lease.demand(ME)
+    lease.passes(AFTER_REQUEST - 1)
+    lease.demand(ME, take=False)
+    lease.passes(AFTER_REQUEST - 1)
+    assert lease.holder == ME
     with pytest.raises(NotController):
-        seat.demand(OTHER, take=False)
+        lease.demand(OTHER, take=False)
     with pytest.raises(NotAllowed):
-        seat.demand(VIEWER, take=False)
+        lease.demand(VIEWER, take=False)
 
 
 def test_an_unlock_is_not_handed_on(idle):

@@ -11,7 +11,7 @@ from mikas.cli.commands.dash import DashboardOptions, dashboard_options_of, show
 from mikas.cli.context import CommandContext
 from mikas.dashboard.docs import shape
 from mikas.dashboard.server import FIRST_PORT, listening, own_addresses
-from mikas.dashboard.virtual_cars import VirtualCars
+from mikas.dashboard.settings import VirtualCars
 from mikas.errors import BadPortUrl, UsageError
 from mikas.link import open_link
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from mikas.dashboard.api.state import state_of
-from mikas.dashboard.dashboard import Hub
-from mikas.dashboard.session.diagnosis import Examination
+from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.session.diagnosis import Diagnosis
 from mikas.dashboard.session.fault_history import StoredFaults
-from mikas.dashboard.session.thread import Session
-from mikas.dashboard.settings import Settings
+from mikas.dashboard.session.sampling_thread import SamplingThread
+from mikas.dashboard.settings import PortSettings, SamplingRequest, Settings
 from mikas.errors import LinkLost
 from mikas.link import open_link
 from mikas.recording.recorder import Recorder
@@ -25,20 +25,20 @@ class OneThat:
         return 5.0
 
 
-def hub_of(tmp_path, **more):
-    return Hub(Settings(tmp_path, state=tmp_path, **more))
+def dashboard_of(tmp_path, **more):
+    return Dashboard(Settings(tmp_path, state=tmp_path, **more))
 
 
 def test_what_a_session_of_before_tells_is_not_of_this_one(tmp_path):
-    hub = hub_of(tmp_path)
-    hub.switch.heard = lambda: None
-    hub.switch.session, before = OneThat(), OneThat()
-    hub._told(before, StateChanged(1.0, LineState.NO_ECHO, None))
-    hub._ended(before, None)
-    assert hub.monitor.line is None
-    assert hub.monitor.events == []
-    hub._told(hub.session, StateChanged(2.0, LineState.SAMPLING, None))
-    assert hub.monitor.line is LineState.SAMPLING
+    dashboard = dashboard_of(tmp_path)
+    dashboard.manager.state_known = lambda: None
+    dashboard.connection.thread, before = OneThat(), OneThat()
+    dashboard._on_event(before, StateChanged(1.0, LineState.NO_ECHO, None))
+    dashboard._on_end(before, None)
+    assert dashboard.monitor.line is None
+    assert dashboard.monitor.events == []
+    dashboard._on_event(dashboard.connection.thread, StateChanged(2.0, LineState.SAMPLING, None))
+    assert dashboard.monitor.line is LineState.SAMPLING
 
 
 class Opening:
@@ -57,17 +57,14 @@ class Opening:
 
 def test_a_port_that_opens_when_nobody_samples_any_more_is_closed_at_once(tmp_path):
     opening = Opening(tmp_path)
-    opening.wanting = Session(
-        "sim:",
+    opening.wanting = SamplingThread(
+        PortSettings("sim:"),
         opening.settings,
-        ["FREQ"],
-        echo="auto",
-        method=None,
-        rate=None,
+        SamplingRequest({"FREQ": 1}),
         sink=Recorder(),
         confirm=lambda _: False,
-        tell=lambda *_: None,
-        ended=lambda *_: None,
+        on_event=lambda *_: None,
+        on_end=lambda *_: None,
     )
     link = opening.wanting._open("sim:")
     with pytest.raises(LinkLost):
@@ -76,16 +73,16 @@ def test_a_port_that_opens_when_nobody_samples_any_more_is_closed_at_once(tmp_pa
 
 def test_a_port_that_opens_when_nobody_wants_the_doctor_any_more_is_not_used(tmp_path):
     opening, told = Opening(tmp_path), []
-    opening.wanting = Examination("sim:", opening.settings)
+    opening.wanting = Diagnosis("sim:", opening.settings)
     opening.wanting.run(told.append)
     assert (told, opening.sent) == ([], [])
 
 
 def test_a_lock_that_closes_while_it_is_looked_at_is_open_or_closed(tmp_path):
-    hub, times = hub_of(tmp_path), iter((0.0, 59.0, 61.0))
-    hub.lock.clock = lambda: next(times)
-    hub.lock.open(60.0)
-    state = state_of(hub)
+    dashboard, times = dashboard_of(tmp_path), iter((0.0, 59.0, 61.0))
+    dashboard.write_lock.clock = lambda: next(times)
+    dashboard.write_lock.open(60.0)
+    state = state_of(dashboard)
     assert state.unlocked_until is not None
     assert state.unlocked_until > 0
 
@@ -95,6 +92,6 @@ def test_faults_that_are_forgotten_while_they_are_looked_at_are_counted_or_not(t
         pages = iter((StoredFaults(1.0, (), {}), None))
         latest = property(lambda self: next(self.pages))
 
-    hub = hub_of(tmp_path)
-    hub.fault_history = Forgetful()
-    assert state_of(hub).fault_count == 0
+    dashboard = dashboard_of(tmp_path)
+    dashboard.fault_history = Forgetful()
+    assert state_of(dashboard).fault_count == 0

@@ -59,7 +59,7 @@ def test_a_folder_where_nothing_can_be_kept_is_told_at_the_start(tmp_path):
 def test_a_folder_where_nothing_can_be_kept_is_told_in_the_list(tmp_path):
     with rig(tmp_path, None) as it:
         assert it.get("/recordings")["problem"] is None
-        it.hub.settings.recordings.write_text("in the way")
+        it.dashboard.settings.recordings.write_text("in the way")
         problem = it.get("/recordings")["problem"]
         assert "--record" in problem["en"]
         assert problem["ru"]

@@ -8,11 +8,14 @@ from types import SimpleNamespace
 
 import pytest
 
+from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import Busy
-from mikas.dashboard.session.manager import Switch
-from mikas.dashboard.session.plan import Planning
-from mikas.dashboard.settings import Settings
-from mikas.dashboard.wishes import Wish
+from mikas.dashboard.session.connection import Connection
+from mikas.dashboard.session.history import History
+from mikas.dashboard.session.manager import ConnectionManager
+from mikas.dashboard.session.monitor import ConnectionMonitor
+from mikas.dashboard.session.plan import SamplingPlanner
+from mikas.dashboard.settings import SamplingRequest, Settings
 
 
 async def lend(it):
@@ -22,12 +25,17 @@ async def lend(it):
 
 @pytest.mark.parametrize(
     "second",
-    [lambda it: it.connect("sim:"), Switch.disconnect, lend],
+    [lambda it: it.connect("sim:"), ConnectionManager.disconnect, lend],
     ids=["connect", "disconnect", "lend"],
 )
 def test_who_comes_second_is_refused_not_kept_waiting(tmp_path, second):
     async def tried():
-        it = Switch(Settings(tmp_path, state=tmp_path), None, begin=None, over=None)
+        it = ConnectionManager(
+            Settings(tmp_path, state=tmp_path),
+            Connection(ConnectionMonitor(History())),
+            create=None,
+            on_end=None,
+        )
         async with it.lent():
             assert it.changing
             task = asyncio.create_task(second(it))
@@ -59,7 +67,7 @@ def test_of_two_plans_at_once_the_one_that_is_sampled_is_the_one_that_is_told(mo
     sampled, told, over = [], [], threading.Event()
 
     def second():
-        planning.want(Wish({"FREQ": 1}))
+        planner.sample(SamplingRequest({"FREQ": 1}))
         over.set()
 
     thread = threading.Thread(target=second)
@@ -70,13 +78,12 @@ def test_of_two_plans_at_once_the_one_that_is_sampled_is_the_one_that_is_told(mo
             thread.start()
             assert over.wait(60)  # the second one has its way here, or waits for the first
 
-    hub = SimpleNamespace(
-        session=SimpleNamespace(acquisition=SimpleNamespace(reconfigure=reconfigure)),
-        story=SimpleNamespace(names_are=lambda every: told.append(list(every))),
-    )
-    planning = Planning(hub)
-    monkeypatch.setattr(planning, "_lock", Lock(over), raising=False)
-    planning.want(Wish({"TWAT": 1}))
+    sampling = SimpleNamespace(acquisition=SimpleNamespace(reconfigure=reconfigure))
+    connection = SimpleNamespace(thread=sampling)
+    monitor = SimpleNamespace(set_names=lambda every: told.append(list(every)))
+    planner = SamplingPlanner(connection, monitor, ConnectionOptions())
+    monkeypatch.setattr(planner, "_lock", Lock(over), raising=False)
+    planner.sample(SamplingRequest({"TWAT": 1}))
     thread.join()
     assert sampled == told == [["TWAT"], ["FREQ"]]
-    assert hub.wish.names == sampled[-1]
+    assert planner.request.names == sampled[-1]

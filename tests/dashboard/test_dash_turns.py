@@ -8,7 +8,7 @@ from concurrent.futures import Future
 import pytest
 
 from mikas.dashboard.errors import Busy
-from mikas.dashboard.session.connection import turn
+from mikas.dashboard.session.connection import run_in_turn
 from mikas.sampling.jobs import JobQueue
 
 
@@ -51,23 +51,23 @@ class Running:
 def test_a_job_whose_turn_did_not_come_is_never_done():
     session, done = Waiting(), []
     with pytest.raises(Busy) as refused:
-        asyncio.run(turn(session, done.append, 0.0))
+        asyncio.run(run_in_turn(session, done.append, 0.0))
     assert refused.value.status == 409
     session.jobs.run(None)
     assert done == []
 
 
 def test_a_job_that_has_begun_is_waited_for_and_its_end_told():
-    assert asyncio.run(turn(Running(UnderWay()), lambda _: None, 0.0)) == "written"
+    assert asyncio.run(run_in_turn(Running(UnderWay()), lambda _: None, 0.0)) == "written"
     with pytest.raises(ZeroDivisionError):
-        asyncio.run(turn(Running(UnderWay(ZeroDivisionError())), lambda _: None, 0.0))
+        asyncio.run(run_in_turn(Running(UnderWay(ZeroDivisionError())), lambda _: None, 0.0))
 
 
 def test_who_has_gone_leaves_no_job_behind():
     session, done = Waiting(), []
 
     async def ask_and_go():
-        asking = asyncio.create_task(turn(session, done.append, 60.0))
+        asking = asyncio.create_task(run_in_turn(session, done.append, 60.0))
         while not session.jobs:
             await asyncio.sleep(0)
         asking.cancel()

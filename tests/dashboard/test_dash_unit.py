@@ -57,16 +57,16 @@ def test_the_units_list_is_no_change_of_the_car(tmp_path):
             {"time": 1, "change": "what to tell at once", "command": WriteList.SOURCE_NAME},
             {"time": 2, "change": "erase 1 stored fault", "command": "parameter write"},
         ]
-        it.hub.settings.journal.parent.mkdir(parents=True, exist_ok=True)
+        it.dashboard.settings.journal.parent.mkdir(parents=True, exist_ok=True)
         text = "".join(json.dumps(entry) + "\n" for entry in entries)
-        it.hub.settings.journal.write_text(text, "utf-8")
+        it.dashboard.settings.journal.write_text(text, "utf-8")
         assert [entry["time"] for entry in it.get("/journal")["entries"]] == [2]
 
 
 def test_older_entries_of_the_journal_are_told_in_english(tmp_path):
     with rig(tmp_path, None) as it:
-        it.hub.settings.journal.parent.mkdir(parents=True)
-        it.hub.settings.journal.write_text('{"time": 1.0, "change": "jump to 1234"}\n{}\n5\n')
+        it.dashboard.settings.journal.parent.mkdir(parents=True)
+        it.dashboard.settings.journal.write_text('{"time": 1.0, "change": "jump to 1234"}\n{}\n5\n')
         change = {"en": "jump to 1234", "ru": "jump to 1234"}
         assert it.get("/journal")["entries"] == [
             {"change": {"en": "", "ru": ""}},
@@ -77,20 +77,20 @@ def test_older_entries_of_the_journal_are_told_in_english(tmp_path):
 def test_a_nonce_is_good_once_for_one_client_for_two_minutes(faulty):
     asked = change(faulty, kind="erase_faults")
     faulty.post("/control/release")
-    assert confirm(faulty, asked, 410, OTHER)["code"] == "NonceUnknown"
+    assert confirm(faulty, asked, 410, OTHER)["code"] == "ConfirmationExpired"
     faulty.post("/control/release", headers=OTHER)
     confirm(faulty, asked)
-    assert confirm(faulty, asked, 410)["code"] == "NonceUnknown"
-    assert faulty.post("/changes/made-up", status=410)["code"] == "NonceUnknown"
+    assert confirm(faulty, asked, 410)["code"] == "ConfirmationExpired"
+    assert faulty.post("/changes/made-up", status=410)["code"] == "ConfirmationExpired"
     late = change(faulty, kind="erase_faults")
-    clock = faulty.hub.nonces.clock
-    faulty.hub.nonces.clock = lambda: clock() + LIFETIME
-    assert confirm(faulty, late, 410)["code"] == "NonceUnknown"
+    clock = faulty.dashboard.confirmations.clock
+    faulty.dashboard.confirmations.clock = lambda: clock() + LIFETIME
+    assert confirm(faulty, late, 410)["code"] == "ConfirmationExpired"
 
 
 def test_what_is_no_longer_as_shown_is_not_changed(faulty):
     asked = change(faulty, kind="erase_faults")
-    faulty.cars.car(faulty.hub.way.url).faults.append(15)
+    faulty.cars.car(faulty.dashboard.connection.port.url).faults.append(15)
     error = confirm(faulty, asked, 409)
     assert error["code"] == "ConfirmationOutdated"
     assert [fault["code"] for fault in faulty.get("/faults")["faults"]] == [13, 14, 15]
@@ -100,7 +100,7 @@ def test_a_change_shown_for_one_connection_is_nothing_to_the_next(faulty):
     asked = change(faulty, kind="erase_faults")
     faulty.post("/connect", {"port": "sim:?faults=13,14", "method": "batch", "rate": 5})
     faulty.sampling()
-    assert confirm(faulty, asked, 410)["code"] == "NonceUnknown"
+    assert confirm(faulty, asked, 410)["code"] == "ConfirmationExpired"
 
 
 def test_the_passport_is_read_once_and_for_all(idle):
@@ -113,19 +113,19 @@ def test_the_passport_is_read_once_and_for_all(idle):
 
 
 def test_who_disconnects_meanwhile_spoils_no_answer(faulty):
-    ask = faulty.hub.ask
+    ask = faulty.dashboard.connection.ask
 
     async def ask_and_lose(job, **more):
         answer = await ask(job, **more)
-        faulty.hub._forget_unit()
+        faulty.dashboard._forget_unit()
         return answer
 
-    faulty.hub.ask = ask_and_lose
+    faulty.dashboard.connection.ask = ask_and_lose
     assert faulty.get("/faults")["count"] == 2
     assert change(faulty, kind="erase_faults")["before"] == [13, 14]
     assert faulty.get("/passport")["version_code"] == 10
     assert faulty.post("/passport/probe")["supported"]
-    assert faulty.hub.info is None
+    assert faulty.dashboard.info is None
 
 
 def test_every_command_is_tried_when_asked(shared_idle):
@@ -163,8 +163,8 @@ def test_writing_is_locked_until_somebody_unlocks_it(idle):
     idle.post("/lock")
     assert confirm(idle, asked, 403)["code"] == "Locked"
     idle.post("/unlock", {"minutes": 5})
-    clock = idle.hub.clock
-    idle.hub.lock.clock = lambda: clock() + 301
+    clock = idle.dashboard.clock
+    idle.dashboard.write_lock.clock = lambda: clock() + 301
     assert change(idle, 403, **wish)["code"] == "Locked"
     assert idle.get("/state")["unlocked_until"] is None
 
@@ -227,8 +227,8 @@ def test_a_change_that_makes_no_sense_is_refused(shared_idle, wish):
 
 def test_an_outcome_is_not_journalled_where_there_is_no_journal(faulty):
     asked = change(faulty, kind="erase_faults")
-    faulty.hub.settings.journal.unlink(missing_ok=True)
-    faulty.hub.settings.journal.mkdir(parents=True)
+    faulty.dashboard.settings.journal.unlink(missing_ok=True)
+    faulty.dashboard.settings.journal.mkdir(parents=True)
     assert confirm(faulty, asked, 400)["code"] == "JournalError"
     assert faulty.get("/faults")["count"] == 2
     assert faulty.get("/journal") == {"entries": []}

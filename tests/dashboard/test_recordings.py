@@ -14,7 +14,6 @@ import pytest
 import mikas
 from dashboard.recordings_rig import record
 from dashboard.rig import ME, OTHER, rig
-from mikas.dashboard.library import service
 from mikas.recording import CaptureReader
 from mikas.recording.annotations.comment import comment_of
 
@@ -78,7 +77,7 @@ def test_a_recording_is_summed_up_once(desk, folder, monkeypatch) -> None:
         seen.append(path.name)
         return summarise(path, catalog)
 
-    monkeypatch.setattr(service, "summarise", counted)
+    monkeypatch.setattr("mikas.dashboard.library.cache.summarise", counted)
     for _ in range(3):
         assert len(ids(desk)) == 2
     assert sorted(seen) == ["cold.pcapng", "drive.pcapng"]
@@ -273,7 +272,7 @@ def test_deleting_asks_first(desk, folder) -> None:
     assert desk.post(f"/changes/{asked['nonce']}")["after"] is None
     assert not (folder / "drive.pcapng").exists()
     assert ids(desk) == ["cold.pcapng"]
-    assert desk.post(f"/changes/{asked['nonce']}", status=410)["code"] == "NonceUnknown"
+    assert desk.post(f"/changes/{asked['nonce']}", status=410)["code"] == "ConfirmationExpired"
 
 
 def test_what_was_confirmed_must_still_be_so(desk, folder) -> None:
@@ -291,7 +290,7 @@ def test_only_its_own_client_may_confirm(desk, folder) -> None:
     asked = ask_to_delete(desk)
     desk.post("/control/take", {"force": True}, headers=OTHER)
     refused = desk.post(f"/changes/{asked['nonce']}", status=410, headers=OTHER)
-    assert refused["code"] == "NonceUnknown"
+    assert refused["code"] == "ConfirmationExpired"
     assert (folder / "drive.pcapng").exists()
 
 

@@ -125,7 +125,7 @@ def test_a_missing_extra_is_told_with_its_command(
 
 
 def test_a_name_of_any_letters_arrives_as_it_is(desk) -> None:
-    folder = desk.hub.settings.recordings
+    folder = desk.dashboard.settings.recordings
     name = "Волга 24, 100%.pcapng"
     (folder / "drive.pcapng").rename(folder / name)
     path = f"/recordings/{quote(name)}"
@@ -163,7 +163,7 @@ def test_a_queue_that_is_too_long_is_refused(desk, monkeypatch) -> None:
     from threading import Event, Semaphore
 
     go, asked = Event(), Semaphore(0)
-    one = service.Desk.alone
+    one = service.RecordingService.run_alone
 
     async def counted(self, work):
         asked.release()
@@ -173,7 +173,7 @@ def test_a_queue_that_is_too_long_is_refused(desk, monkeypatch) -> None:
         assert go.wait(60)
         raise ExportError("a", Text("so be it", "пусть так"))
 
-    monkeypatch.setattr(service.Desk, "alone", counted)
+    monkeypatch.setattr(service.RecordingService, "run_alone", counted)
     monkeypatch.setattr(exports, "_export", waits)
     path = "/api/recordings/drive.pcapng/export"
     with ThreadPoolExecutor(8) as pool:
@@ -249,7 +249,7 @@ def idle(tmp_path, temporary):
 
 
 def test_the_live_report(idle) -> None:
-    begun = idle.hub.now()
+    begun = idle.dashboard.connection.now()
     idle.until(lambda it: it["now"] > begun + 20 and it["state"]["fault_count"] == 1)
     text = idle.get("/report", lang="ru").text
     assert "измерено на связи с блоком" in text
@@ -269,7 +269,7 @@ def erase(idle) -> None:
 
 
 def test_the_live_report_tells_what_was_erased(idle) -> None:
-    begun = idle.hub.now()
+    begun = idle.dashboard.connection.now()
     erase(idle)
     idle.until(lambda it: it["now"] > begun + 20)
     text = idle.get("/report").text
@@ -325,7 +325,7 @@ def test_the_recording_in_progress(idle) -> None:
 
 
 def test_a_recording_that_was_confirmed_and_then_goes_on_is_not_deleted(idle) -> None:
-    folder = idle.hub.settings.recordings
+    folder = idle.dashboard.settings.recordings
     idle.post("/recording/start", {"name": "a"})
     idle.post("/recording/stop")
     nonce = idle.post("/changes", {"kind": "delete_recording", "id": "a.pcapng"})["nonce"]

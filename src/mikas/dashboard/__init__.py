@@ -1,6 +1,8 @@
-"""The server behind the page: everything the tester can do, as an HTTP and WebSocket API.
+"""The server of the page: everything the tester can do, as an HTTP and WebSocket API.
 
-`app.create_app` makes the application of a `Hub` (one unit, one sampling thread, one recorder) and
-of an `Access` (who may ask, from where). `server.serve` runs it. The API is described in
-docs/api.md and, by the application itself, at /api/docs.
+    app ─ api/ ─ dashboard ─ session/ ─ library/ ─ security/ ─ settings, errors
+
+`app.create_app` creates the application of a `Dashboard` (one unit, one sampling thread, one
+recorder) and of an `Access` (the rights of a request). `server.serve` runs it. docs/api.md and, on
+a running program, /api/docs describe the API.
 """

@@ -25,22 +25,22 @@ from mikas.dashboard.api.messages import (
     PingMessage,
     component_schemas,
 )
-from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.security.access import Access
-from mikas.dashboard.security.middleware import Doorkeeper
+from mikas.dashboard.security.middleware import AccessMiddleware
 from mikas.dashboard.settings import Settings
 
 _DESCRIPTION = """
 Everything that the page does, a script can do. Every client sends `X-Mikas-Client` (8 to 64
-letters, digits or hyphens); what decides what the line does needs the controller's seat, which the
-first client that asks gets. Times are UNIX seconds, bytes upper-case hex, texts `{"en", "ru"}`.
+letters, digits or hyphens); requests that control the line need the control lease, which the first
+client gets. Times are UNIX seconds, bytes upper-case hex, texts `{"en", "ru"}`.
 Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 """
 
 
 class _Application(FastAPI):
     def openapi(self) -> dict[str, Any]:
-        """As FastAPI makes it, without its own form of a bad request: ours is 400."""
+        """Return FastAPI's description, without its 422: an invalid request is answered by 400."""
         described = super().openapi()
         for methods in described["paths"].values():
             for route in methods.values():
@@ -83,12 +83,12 @@ def _routers() -> list[APIRouter]:
     ]
 
 
-def create_app(hub: Hub, access: Access, *, folder: Path = page.FOLDER) -> FastAPI:
-    """The application. It starts and closes `hub` with itself; `folder` has the built page."""
+def create_app(dashboard: Dashboard, access: Access, *, folder: Path = page.FOLDER) -> FastAPI:
+    """Return the application, which starts and closes `dashboard`; `folder` has the built page."""
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        async with hub.running():
+        async with dashboard.running():
             yield
 
     app = _Application(
@@ -100,14 +100,14 @@ def create_app(hub: Hub, access: Access, *, folder: Path = page.FOLDER) -> FastA
         openapi_url="/api/openapi.json",
         lifespan=lifespan,
     )
-    app.state.hub = hub
+    app.state.dashboard = dashboard
     app.state.access = access
-    app.state.broadcaster = Broadcaster(hub)
+    app.state.broadcaster = Broadcaster(dashboard)
     errors.install(app)
     for router in _routers():
         app.include_router(router, prefix="/api")
-    app.include_router(page.router(folder, hub.settings.language))
-    app.add_middleware(Doorkeeper, access=access)
+    app.include_router(page.router(folder, dashboard.settings.language))
+    app.add_middleware(AccessMiddleware, access=access)
     return app
 
 
@@ -117,4 +117,4 @@ def openapi_description() -> dict[str, Any]:
     It includes the models of the messages and events of the WebSocket.
     """
     nowhere = Path("nowhere")
-    return create_app(Hub(Settings(nowhere, state=nowhere)), Access(port=1)).openapi()
+    return create_app(Dashboard(Settings(nowhere, state=nowhere)), Access(port=1)).openapi()

@@ -1,5 +1,8 @@
-"""A refusal as a page in plain words, for a person who opened an address: on a phone, by day and
-night. It has one style, which its own policy names by its hash; nothing else is let in.
+"""Errors as responses: JSON `{"error": {"code", "en", "ru", "sent", "received"}}`, or a page.
+
+`code` is the class's name in the tree of errors, the texts include advice, bytes are upper-case
+hex. A person who opened an address in a browser gets a page with the same texts; its policy allows
+nothing but its one style, which it names by its hash.
 """
 
 from __future__ import annotations
@@ -10,12 +13,26 @@ from hashlib import sha256
 from html import escape
 from typing import Any
 
-from starlette.responses import HTMLResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, Response
 
 from mikas.dashboard.advice import ADVICE
-from mikas.dashboard.api.errors import answer_to
 from mikas.dashboard.errors import ApiRefusal
+from mikas.errors import (
+    EcuRefused,
+    LineError,
+    MikasError,
+    NoConnection,
+    NotConfirmed,
+    UsageError,
+)
 
+_STATUSES: tuple[tuple[type[MikasError], int], ...] = (
+    (NotConfirmed, 403),
+    (UsageError, 400),
+    (NoConnection, 503),
+    (LineError, 502),
+    (EcuRefused, 502),
+)
 _STYLE = (
     "html{color-scheme:light dark;font:18px/1.5 system-ui,sans-serif}"
     "body{max-width:34rem;margin:12vh auto;padding:0 1.2rem}"
@@ -33,13 +50,43 @@ _HEAD = (
 )
 
 
-def refusal(error: ApiRefusal, scope: Mapping[str, Any]) -> Response:
-    """JSON for the API; a page in words for a person who opened an address."""
-    wanted = dict(scope["headers"]).get(b"accept", b"").decode("latin-1")
-    if scope["path"].startswith("/api") or "text/html" not in wanted:
-        return answer_to(error)
-    said = "".join(
+def status_of(error: MikasError) -> int:
+    """Return the HTTP status for `error`."""
+    if isinstance(error, ApiRefusal):
+        return error.status
+    return next((status for branch, status in _STATUSES if isinstance(error, branch)), 500)
+
+
+def body_of(error: MikasError) -> dict[str, Any]:
+    """Return `error` as the value of "error" in a response, or in an event."""
+    text = ADVICE.text(error)
+    return {
+        "code": type(error).__name__,
+        "en": text.en,
+        "ru": text.ru,
+        "sent": hex_or_none(error.request),
+        "received": hex_or_none(error.received),
+    }
+
+
+def hex_or_none(data: bytes | None) -> str | None:
+    """Return upper-case hex without spaces."""
+    return None if data is None else data.hex().upper()
+
+
+def json_response(error: MikasError) -> JSONResponse:
+    """Return the whole JSON response for `error`."""
+    return JSONResponse({"error": body_of(error)}, status_of(error))
+
+
+def refusal_response(error: ApiRefusal, scope: Mapping[str, Any]) -> Response:
+    """Return JSON for the API, a page for a person who opened an address in a browser."""
+    accepted = dict(scope["headers"]).get(b"accept", b"").decode("latin-1")
+    if scope["path"].startswith("/api") or "text/html" not in accepted:
+        return json_response(error)
+    paragraphs = "".join(
         f'<p lang="{language}">{escape(text)}</p>'
         for language, text in zip(("en", "ru"), ADVICE.text(error), strict=True)
     )
-    return HTMLResponse(f"{_HEAD}{said}", error.status, {"Content-Security-Policy": _POLICY})
+    page = f"{_HEAD}{paragraphs}"
+    return HTMLResponse(page, error.status, {"Content-Security-Policy": _POLICY})

@@ -1,8 +1,7 @@
-"""What the API refuses by itself, before or beside the line: rights, seats, nonces, what is not
-there.
+"""Errors of the server itself: access, control, confirmations, missing resources.
 
-They are branches of the one tree of errors, so they are told as every other error: both languages,
-and what to try. `status` is the HTTP status that says the same.
+They belong to the one tree of errors: texts in both languages, with advice. `status` is the HTTP
+status of the response.
 """
 
 from __future__ import annotations
@@ -14,67 +13,70 @@ from mikas.i18n import Text
 
 
 class ApiRefusal(MikasError):
-    """The server said no; nothing was sent to the unit."""
+    """The server refused the request; nothing was sent to the unit."""
 
     status: ClassVar[int] = 400
 
 
 class BadRequest(ApiRefusal):
-    """The request itself makes no sense."""
+    """Invalid request."""
 
-    what = Text("The request makes no sense: {problem}", "Запрос не понят: {problem}")
-    advice = Text("What is understood: /api/docs.", "Что понимается: /api/docs.")
+    what = Text("Invalid request: {problem}", "Неверный запрос: {problem}")
+    advice = Text(
+        "The requests are described at /api/docs.", "Запросы описаны на странице /api/docs."
+    )
 
 
 class TooLarge(BadRequest):
-    """More bytes than anything that the API takes."""
+    """The body is larger than any request of the API."""
 
     status = 413
 
 
 class TokenRequired(ApiRefusal):
-    """From the network nobody is let in without the token."""
+    """A request from the network without the token."""
 
     status = 401
     what = Text(
-        "From the network this needs the token", "Из сети сюда можно только по ссылке с ключом"
+        "Access from the network needs the token",
+        "Из сети панель доступна только по ссылке с ключом",
     )
     advice = Text(
-        "Open the link, or scan the QR code, that the laptop shows.",
-        "Откройте ссылку или снимите QR-код, которые показывает ноутбук.",
+        "Open the link that the laptop shows, or scan its QR code.",
+        "Откройте ссылку с экрана ноутбука или отсканируйте QR-код.",
     )
 
 
 class Forbidden(ApiRefusal):
-    """Not from this host or page."""
+    """A foreign host, or the page of another site."""
 
     status = 403
     what = Text("Refused: {problem}", "Отказано: {problem}")
     advice = Text(
-        "Open the dashboard by the address that it printed when it started.",
-        "Откройте панель по тому адресу, который она назвала при запуске.",
+        "Open the dashboard at the address that it printed at its start.",
+        "Откройте панель по адресу, который она вывела при запуске.",
     )
 
 
 class NotAllowed(ApiRefusal):
-    """This client may look, not touch."""
+    """The client has view rights only."""
 
     status = 403
-    what = Text("This viewer may look, not touch", "Этому зрителю можно смотреть, но не управлять")
+    what = Text("This client may view but not control", "Этому клиенту доступен только просмотр")
     advice = Text(
-        "Use the laptop itself, or start it with --lan-control.",
-        "Управляйте с самого ноутбука или запустите его с --lan-control.",
+        "Use the laptop itself, or restart the dashboard with --lan-control.",
+        "Управляйте с самого ноутбука или перезапустите панель с ключом --lan-control.",
     )
 
 
 class NotFromNetwork(ApiRefusal):
-    """A port that is for this computer's own user to choose."""
+    """A port that only this computer's own user may choose."""
 
     status = 403
-    what = Text("From the network “{url}” can't be chosen", "Из сети нельзя выбрать «{url}»")
+    what = Text("“{url}” can't be chosen from the network", "Из сети нельзя выбрать «{url}»")
     advice = Text(
-        "From here: the adapters that the laptop lists, and its virtual cars. Anything else is "
-        "chosen on the laptop itself.",
+        "Available from here: the adapters that the laptop lists, and its virtual cars. Choose "
+        "anything else on the laptop itself.",
         "Отсюда можно выбрать адаптеры из списка ноутбука и его виртуальные автомобили. Всё "
         "остальное выбирают на самом ноутбуке.",
     )
@@ -86,90 +88,90 @@ class Locked(ApiRefusal):
     status = 403
     what = Text("Writing is locked", "Запись заблокирована")
     advice = Text(
-        "Unlock writing first; it locks itself again after some minutes.",
-        "Сначала разблокируйте запись; через несколько минут она заблокируется сама.",
+        "Unlock writing first. It is locked again automatically after some minutes.",
+        "Сначала разблокируйте запись. Через несколько минут она снова заблокируется.",
     )
 
 
 _AT_HOME = Text(
-    "The dashboard is at /, what the API answers stands at /api/docs.",
-    "Панель — по адресу /, а что умеет API, написано в /api/docs.",
+    "The dashboard is at /, the API is described at /api/docs.",
+    "Панель открывается по адресу /, API описан на странице /api/docs.",
 )
 
 
 class NotFound(ApiRefusal):
-    """No such thing."""
+    """The resource does not exist."""
 
     status = 404
-    what = Text("There is no {name}", "Нет такого: {name}")
+    what = Text("Not found: {name}", "Не найдено: {name}")
     advice = Text("Reload the list.", "Обновите список.")
 
     @classmethod
     def at(cls, path: str) -> NotFound:
-        """Nothing is at that address."""
+        """Return the error for an address without a resource."""
         return cls(name=path, advice=_AT_HOME)
 
 
 class NotController(ApiRefusal):
-    """Somebody else decides what the line does."""
+    """Another client has control."""
 
     status = 409
     what = Text("{holder} has control", "Управляет {holder}")
     advice = Text(
-        "Watch along, ask them to let go, or take control over.",
-        "Можно смотреть, попросить отпустить управление или взять его себе.",
+        "View only, ask the other client to release control, or take control over.",
+        "Можно смотреть, попросить передать управление или взять его на себя.",
     )
 
 
-_NOT_AS_SHOWN = Text(
-    "What stands in the unit is no longer what was shown",
-    "В блоке уже не то, что было показано",
+_CHANGED_SINCE = Text(
+    "The content of the unit has changed since it was shown",
+    "Содержимое блока изменилось после показа",
 )
 
 
 class ConfirmationOutdated(ApiRefusal):
-    """What was shown before the change is no longer so."""
+    """The content that was shown before the change is no longer the same."""
 
     status = 409
-    what = Text("{found}, so nothing was changed", "{found}, поэтому ничего не изменено")
-    advice = Text("Look at it again, then confirm again.", "Посмотрите и подтвердите заново.")
+    what = Text("{found}; nothing was changed", "{found}; ничего не изменено")
+    advice = Text("Check it again, then confirm again.", "Проверьте ещё раз и подтвердите снова.")
 
-    def __init__(self, found: Text = _NOT_AS_SHOWN) -> None:
+    def __init__(self, found: Text = _CHANGED_SINCE) -> None:
         super().__init__(found=found)
 
 
 class Busy(ApiRefusal):
-    """Not now."""
+    """Another request is in the way."""
 
     status = 409
     what = Text("Not now: {problem}", "Не сейчас: {problem}")
 
 
-class NonceUnknown(ApiRefusal):
-    """A confirmation that is over, used, or somebody else's."""
+class ConfirmationExpired(ApiRefusal):
+    """An unknown, expired or used confirmation, or that of another client."""
 
     status = 410
     what = Text(
-        "This confirmation is over, was used, or belongs to another client",
-        "Это подтверждение истекло, уже использовано или чужое",
+        "This confirmation has expired or was already used",
+        "Подтверждение истекло или уже использовано",
     )
-    advice = Text("Begin the change again.", "Начните изменение заново.")
+    advice = Text("Start the change again.", "Начните изменение заново.")
 
 
 class NotConnected(ApiRefusal):
-    """There is nobody to ask at the moment."""
+    """No unit answers at the moment."""
 
     status = 503
     what = Text("There is no connection to a unit", "Нет связи с блоком")
     advice = Text(
-        "Connect first; the state says how far the way to the unit is open.",
-        "Сначала установите связь; докуда она есть, говорит строка состояния.",
+        "Connect first; the state line shows how far the connection has come.",
+        "Сначала установите связь; на каком она этапе, показывает строка состояния.",
     )
 
 
 class InternalError(ApiRefusal):
-    """Our own mistake, said as such."""
+    """A bug in mikas."""
 
     status = 500
-    what = Text("This is a bug in mikas ({kind})", "Это ошибка в самой программе mikas ({kind})")
-    advice = Text("Please report it.", "Сообщите о ней.")
+    what = Text("Internal error in mikas ({kind})", "Внутренняя ошибка mikas ({kind})")
+    advice = Text("Please report it.", "Сообщите о ней разработчикам.")

@@ -12,7 +12,7 @@ from pathlib import Path
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse, Response
 
-from mikas.dashboard.error_responses import refusal
+from mikas.dashboard.error_responses import refusal_response
 from mikas.dashboard.errors import NotFound
 from mikas.i18n import Language
 
@@ -58,7 +58,7 @@ def router(folder: Path, language: Language | None = None) -> APIRouter:
     def file(request: Request, path: str) -> Response:
         wanted = _inside(folder, path)
         if path.startswith("api/") or wanted is None:
-            return refusal(NotFound.at(f"/{path}"), request.scope)
+            return refusal_response(NotFound.at(f"/{path}"), request.scope)
         kept = _FOREVER if path.startswith("assets/") else _ASK_AGAIN
         kind = _TYPES.get(wanted.suffix) or mimetypes.guess_type(wanted.name)[0]
         return FileResponse(wanted, headers={"Cache-Control": kept}, media_type=kind)

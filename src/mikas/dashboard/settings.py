@@ -1,4 +1,7 @@
-"""What the server is started with: how the unit is asked, and where things are kept."""
+"""The settings of the server: connection options, folders, and how ports are opened.
+
+And the two requests that outlive a connection: the port, and the channels to sample.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +13,16 @@ from pathlib import Path
 
 from mikas.client import gate
 from mikas.client.connecting import ConnectionOptions
+from mikas.client.polling import FixedMethod
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Language, Text
 from mikas.link import Link, Port, find_ports, open_link
+from mikas.link.virtual import RealTimeVirtualLink
+from mikas.virtual.bus import Bus
 
 _ELSEWHERE = Text(
-    "Start it again with --record and a folder that can be written to.",
-    "Запустите заново с ключом --record и папкой, в которую можно писать.",
+    "Start the dashboard again with --record and a writable folder.",
+    "Запустите панель снова с ключом --record и папкой, доступной для записи.",
 )
 
 
@@ -25,22 +31,22 @@ def _state_folder() -> Path:
 
 
 def default_recordings() -> Path:
-    """Where a person looks for files of their own."""
+    """Return the folder mikas in the user's documents."""
     from platformdirs import user_documents_path
 
     return user_documents_path() / "mikas"
 
 
 def ensure_folder(folder: Path) -> Path:
-    """`folder`, there to be written to. Raises `UsageError`."""
+    """Create `folder` if it is missing, and return it. Raises `UsageError`."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         why = reason_of(error)
         raise UsageError(
             problem=Text(
-                f"The folder {folder} can't be made: {why.en}",
-                f"Папку {folder} не создать: {why.ru}",
+                f"The folder {folder} can't be created: {why.en}",
+                f"Не удаётся создать папку {folder}: {why.ru}",
             ),
             advice=_ELSEWHERE,
         ) from error
@@ -48,7 +54,7 @@ def ensure_folder(folder: Path) -> Path:
 
 
 def check_folder(folder: Path) -> None:
-    """Raises `UsageError` if nothing can be kept in `folder`; makes nothing."""
+    """Raise `UsageError` if `folder` is not writable; creates nothing."""
     there = folder
     while not os.path.lexists(there) and there != there.parent:
         there = there.parent
@@ -58,8 +64,8 @@ def check_folder(folder: Path) -> None:
     why = reason_of(OSError(code, os.strerror(code)))
     raise UsageError(
         problem=Text(
-            f"Nothing can be kept in the folder {folder} ({there}: {why.en})",
-            f"В папке {folder} ничего не сохранить ({there}: {why.ru})",
+            f"The folder {folder} is not writable ({there}: {why.en})",
+            f"В папку {folder} нельзя записать ({there}: {why.ru})",
         ),
         advice=_ELSEWHERE,
     )
@@ -68,8 +74,8 @@ def check_folder(folder: Path) -> None:
 @dataclass(frozen=True, slots=True)
 class Settings:
     """`recordings`: the folder of recordings, with `dumps` in it. `state`: presets, learnt limits,
-    the journal. `find`, `open_port`, `link_clock`: the system's ports, and the clock of the links;
-    tests bring their own.
+    the journal. `find`, `open_port`, `link_clock`: the system's ports and the links' clock, which
+    tests replace.
     """
 
     recordings: Path
@@ -79,24 +85,66 @@ class Settings:
     open_port: Callable[[str], Link] = open_link
     link_clock: Callable[[], float] | None = None
     language: Language | None = None
-    """What the page speaks until somebody chooses there; None: as the browser does."""
+    """The page's language until the user chooses one there; None: the browser's."""
 
     @property
     def journal(self) -> Path:
-        """The file of changes."""
+        """The file of the journal."""
         return self.state / "journal.jsonl"
 
     @property
     def units(self) -> Path:
-        """What was learnt of each unit."""
+        """The folder of learnt limits, a file per unit."""
         return self.state / "units"
 
     @property
     def presets(self) -> Path:
-        """The user's own presets."""
+        """The file of the user's presets."""
         return self.state / "presets.json"
 
     @property
     def dumps(self) -> Path:
-        """Where dumps are kept."""
+        """The folder of dumps."""
         return self.recordings / "dumps"
+
+
+@dataclass(frozen=True, slots=True)
+class PortSettings:
+    """How the unit is reached."""
+
+    url: str
+    echo: str = "auto"
+
+
+@dataclass(frozen=True, slots=True)
+class SamplingRequest:
+    """The channels to sample. `every`: a divisor for each name; 10 means every tenth cycle."""
+
+    every: dict[str, int]
+    method: FixedMethod | None = None
+    rate: float | None = None
+
+    @property
+    def names(self) -> list[str]:
+        """As `Acquisition` takes them: `TWAT/10`."""
+        return [name if every == 1 else f"{name}/{every}" for name, every in self.every.items()]
+
+
+class VirtualCars:
+    """Opens ports; in real time, the same `sim:` URL leads to the same virtual car.
+
+    After a disconnect or a diagnosis the car is still there: erased faults stay erased, and the
+    engine is as warm as it is by now.
+    """
+
+    def __init__(self) -> None:
+        self._cars: dict[str, Bus] = {}
+
+    def open(self, url: str) -> Link:
+        """Open a port, as `open_link`."""
+        if (car := self._cars.get(url)) is not None:
+            return RealTimeVirtualLink(car, url=url)
+        link = open_link(url)
+        if type(link) is RealTimeVirtualLink:  # a subclass of `replay:` starts over each time
+            self._cars[url] = link.bus
+        return link

@@ -20,7 +20,7 @@ from mikas.errors import UsageError
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
-    from mikas.dashboard.dashboard import Hub
+    from mikas.dashboard.dashboard import Dashboard
     from mikas.dashboard.security.access import Access
     from mikas.dashboard.settings import Settings
 
@@ -180,11 +180,10 @@ def demo(
 def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
     """Print the address, then serve until Ctrl-C."""
     from mikas.dashboard.app import create_app
-    from mikas.dashboard.dashboard import Hub
+    from mikas.dashboard.dashboard import Dashboard
     from mikas.dashboard.security.access import Access
     from mikas.dashboard.server import listening, own_addresses, serve
-    from mikas.dashboard.settings import Settings, default_recordings, ensure_folder
-    from mikas.dashboard.virtual_cars import VirtualCars
+    from mikas.dashboard.settings import Settings, VirtualCars, default_recordings, ensure_folder
 
     if context.capture is not None:
         raise UsageError(
@@ -211,15 +210,15 @@ def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
             lan_control=options.lan_control,
             hosts=own_addresses() if options.lan else (),
         )
-        hub = Hub(settings, begin=context.port, lan=options.lan)
+        dashboard = Dashboard(settings, port=context.port, lan=options.lan)
         try:
             serve(
-                create_app(hub, access),
+                create_app(dashboard, access),
                 own,
                 ready=lambda: _show_address(context, access, options, settings),
             )
         finally:
-            _note_recording(context, hub)
+            _note_recording(context, dashboard)
 
 
 def _check(url: str) -> None:
@@ -259,9 +258,9 @@ def _open(url: str) -> None:
     webbrowser.open(url)
 
 
-def _note_recording(context: CommandContext, hub: Hub) -> None:
+def _note_recording(context: CommandContext, dashboard: Dashboard) -> None:
     """Say where the recording that was under way is kept, or why it stopped."""
-    kept = hub.recording.kept
+    kept = dashboard.recorder.last
     if kept is None:
         return
     if kept.failure is None:

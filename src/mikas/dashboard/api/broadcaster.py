@@ -61,10 +61,10 @@ def understood(listener: Listener, text: str | None) -> bool:
     if text is None or len(text) > _LONGEST_MESSAGE:
         return False
     try:
-        wish = json.loads(text)
+        body = json.loads(text)
     except (ValueError, RecursionError):
         return False
-    match wish:
+    match body:
         case {"ping": int() | float() | str() as ping, **rest} if not rest:
             try:
                 listener.pong = dumps(ping)

@@ -15,7 +15,7 @@ from pydantic import BaseModel, Field
 from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter
 from mikas.dashboard.api import presets as stored
 from mikas.dashboard.api.broadcaster import dumps
-from mikas.dashboard.api.dependencies import Asker, TheHub, Viewer
+from mikas.dashboard.api.dependencies import KnownClient, TheDashboard, Viewer
 from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.api.messages import LiveEvent
 from mikas.dashboard.api.presets import Preset
@@ -111,17 +111,17 @@ class HistoryResponse(BaseModel):
 
 
 @router.get("/about", responses=errors())
-def about(request: Request, hub: TheHub, client: Viewer) -> AboutResponse:
+def about(request: Request, dashboard: TheDashboard, client: Viewer) -> AboutResponse:
     """Who this is."""
     access: Access = request.app.state.access
     return AboutResponse(
         version=version("mikas"),
         rights="control" if client.may_control else "view",
-        demo=hub.is_demo,
+        demo=dashboard.connection.is_demo,
         lan=access.lan,
         url=access.url,
         lan_url=access.lan_url if client.may_control else None,
-        recordings_folder=str(hub.settings.recordings),
+        recordings_folder=str(dashboard.settings.recordings),
     )
 
 
@@ -143,9 +143,9 @@ def qr(request: Request, client: Viewer) -> Response:
 
 
 @router.get("/catalog", responses=errors())
-def catalog(hub: TheHub) -> CatalogResponse:
+def catalog(dashboard: TheDashboard) -> CatalogResponse:
     """Every channel."""
-    known = hub.catalog
+    known = dashboard.catalog
     return CatalogResponse(
         version=known.version,
         parameters=[_channel(known, it) for it in known.parameters],
@@ -155,30 +155,30 @@ def catalog(hub: TheHub) -> CatalogResponse:
 
 
 @router.get("/presets", responses=errors())
-def presets(hub: TheHub) -> PresetList:
+def presets(dashboard: TheDashboard) -> PresetList:
     """The user's own presets."""
-    return PresetList(presets=stored.own(hub.settings.presets))
+    return PresetList(presets=stored.own(dashboard.settings.presets))
 
 
 @router.put("/presets", responses=errors())
-def keep_presets(hub: TheHub, _: Asker, wish: PresetList) -> PresetList:
+def keep_presets(dashboard: TheDashboard, _: KnownClient, body: PresetList) -> PresetList:
     """Keeps the user's presets, instead of those that were there."""
-    stored.keep(hub.settings.presets, wish.presets)
-    return presets(hub)
+    stored.keep(dashboard.settings.presets, body.presets)
+    return presets(dashboard)
 
 
 @router.get("/history", responses=errors(), response_model=HistoryResponse)
 def history(
-    hub: TheHub,
+    dashboard: TheDashboard,
     seconds: Annotated[float, Query(gt=0, le=86400)] = 900,
     points: Annotated[int, Query(ge=2, le=20000)] = 2000,
     names: Annotated[str | None, Query(max_length=4000, description="A,B; all")] = None,
 ) -> Response:
     """The last `seconds`, decimated by each column's minimum and maximum so that spikes stay."""
     wanted = [name for name in names.split(",") if name] if names is not None else None
-    rows = hub.history.rows(seconds, wanted)
-    since = (rows.times[-1] if len(rows.times) else hub.now()) - seconds
-    events = [page_json(event) for event in hub.monitor.events if event.time >= since]
+    rows = dashboard.history.rows(seconds, wanted)
+    since = (rows.times[-1] if len(rows.times) else dashboard.connection.now()) - seconds
+    events = [page_json(event) for event in dashboard.monitor.events if event.time >= since]
     shown = json_columns(decimated(rows, points))
     return Response(dumps({**shown, "events": events}), media_type="application/json")
 

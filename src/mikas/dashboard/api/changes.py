@@ -1,7 +1,7 @@
-"""Changes of the unit, and of what is kept of it, in two steps: shown, then confirmed.
+"""Changes of the unit and deletions of files, in two steps: shown, then confirmed.
 
-`POST /api/changes` reads what is there and says what would become of it; `POST /api/changes/NONCE`
-does it, if that still stands.
+`POST /api/changes` reads the present content and returns the effect of the change;
+`POST /api/changes/NONCE` makes the change, if the content is still the same.
 """
 
 from __future__ import annotations
@@ -9,26 +9,65 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Path
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
-from mikas.dashboard.api.dependencies import Controller, TheHub
+from mikas.dashboard.api.dependencies import Controller, TheDashboard
 from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
-from mikas.dashboard.changes_wishes import (
-    ChangeRequest,
-    DeleteDump,
-    DeleteRecording,
-    EraseFaults,
-    WriteMemory,
-    WriteParameter,
-)
-from mikas.dashboard.dashboard import Hub
-from mikas.dashboard.dumps_delete import prepared_delete_of_dump
+from mikas.dashboard.api.memory import Space
+from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import Locked
-from mikas.dashboard.library.deletion import prepared_delete
-from mikas.dashboard.security.confirmations import LIFETIME, Prepared
-from mikas.dashboard.session.changes import erase, write_memory, write_parameter
+from mikas.dashboard.library.deletion import recording_deletion
+from mikas.dashboard.security.confirmations import LIFETIME, PendingChange
 
 router = APIRouter(tags=["changes"])
+
+
+_MAX_WRITE = 256
+Hex = Annotated[str, Field(pattern=r"^([0-9A-Fa-f]{2})+$", max_length=2 * _MAX_WRITE)]
+
+
+class EraseFaults(BaseModel):
+    """Erase the stored faults."""
+
+    kind: Literal["erase_faults"]
+
+
+class WriteParameter(BaseModel):
+    """Write a physical `value`, or the `raw` bytes, low byte first."""
+
+    kind: Literal["write_parameter"]
+    name: str = Field(max_length=40)
+    value: float | None = Field(None, allow_inf_nan=False)
+    raw: Hex | None = None
+
+
+class WriteMemory(BaseModel):
+    """Write bytes, beginning at an address."""
+
+    kind: Literal["write_memory"]
+    space: Space
+    address: int = Field(ge=0, le=0xFFFF)
+    data: Hex
+
+
+class DeleteRecording(BaseModel):
+    """Delete a recording's file."""
+
+    kind: Literal["delete_recording"]
+    id: str = Field(max_length=255)
+
+
+class DeleteDump(BaseModel):
+    """Delete a dump: its file and its manifest."""
+
+    kind: Literal["delete_dump"]
+    id: str = Field(max_length=100)
+
+
+ChangeRequest = Annotated[
+    EraseFaults | WriteParameter | WriteMemory | DeleteRecording | DeleteDump,
+    Field(discriminator="kind"),
+]
 
 
 class FaultShown(BaseModel):
@@ -89,47 +128,53 @@ class ChangeResult(BaseModel):
 
 
 @router.post("/changes", responses=errors(404, 409, 502, 503))
-async def ask(hub: TheHub, client: Controller, wish: ChangeRequest) -> ChangeProposal:
-    """Reads what is there and says what would become of it; changes nothing."""
-    prepared = await _prepared(hub, wish)
-    _check_lock(hub, prepared)
-    nonce = hub.nonces.keep(client, prepared)
+async def prepare(
+    dashboard: TheDashboard, client: Controller, body: ChangeRequest
+) -> ChangeProposal:
+    """Read the present content and return the effect of the change; changes nothing."""
+    change = await _prepared(dashboard, body)
+    _check_lock(dashboard, change)
+    nonce = dashboard.confirmations.keep(client, change)
     return ChangeProposal(
         nonce=nonce,
-        expires=hub.now() + LIFETIME,
-        what=two(prepared.what),
-        before=prepared.before,
-        after=prepared.after,
-        danger=prepared.danger,
-        lost=list(prepared.lost),
-        meaning=two_or_none(prepared.meaning),
+        expires=dashboard.connection.now() + LIFETIME,
+        what=two(change.what),
+        before=change.before,
+        after=change.after,
+        danger=change.danger,
+        lost=list(change.lost),
+        meaning=two_or_none(change.meaning),
     )
 
 
 @router.post("/changes/{nonce}", responses=errors(409, 410, 502, 503))
 async def confirm(
-    hub: TheHub, client: Controller, nonce: Annotated[str, Path(max_length=64)]
+    dashboard: TheDashboard, client: Controller, nonce: Annotated[str, Path(max_length=64)]
 ) -> ChangeResult:
-    """Does what was shown, if it still stands; once."""
-    prepared = hub.nonces.use(client, nonce)
-    _check_lock(hub, prepared)
-    return ChangeResult(**await prepared.make())
+    """Make the change that was shown, once, if the content is still the same."""
+    change = dashboard.confirmations.use(client, nonce)
+    _check_lock(dashboard, change)
+    return ChangeResult(**await change.make())
 
 
-async def _prepared(hub: Hub, wish: ChangeRequest) -> Prepared:
-    match wish:
+async def _prepared(dashboard: Dashboard, body: ChangeRequest) -> PendingChange:
+    match body:
         case EraseFaults():
-            return await erase(hub)
+            return await dashboard.changes.erase_faults()
         case WriteParameter():
-            return await write_parameter(hub, wish)
+            return await dashboard.changes.write_parameter(
+                body.name, value=body.value, raw=body.raw
+            )
         case WriteMemory():
-            return await write_memory(hub, wish)
+            return await dashboard.changes.write_memory(
+                body.space, body.address, bytes.fromhex(body.data)
+            )
         case DeleteRecording():
-            return await prepared_delete(hub, wish.id)
+            return await recording_deletion(dashboard.library, body.id).prepare()
         case DeleteDump():
-            return prepared_delete_of_dump(hub, wish.id)
+            return await dashboard.dump_jobs.deletion(body.id).prepare()
 
 
-def _check_lock(hub: Hub, prepared: Prepared) -> None:
-    if prepared.needs_unlock and hub.lock.left is None:
+def _check_lock(dashboard: Dashboard, change: PendingChange) -> None:
+    if change.needs_unlock and dashboard.write_lock.left is None:
         raise Locked

@@ -1,4 +1,4 @@
-"""The connection: ports, connecting, the plan and what it costs, who has control."""
+"""Routes of the connection: state, ports, connecting, the plan and its cost, control."""
 
 from __future__ import annotations
 
@@ -10,19 +10,24 @@ from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog
 from mikas.client.polling import Method
-from mikas.dashboard.api.dependencies import Asker, Controller, TheHub, Viewer
+from mikas.dashboard.api.dependencies import (
+    AllowedPorts,
+    Controller,
+    KnownClient,
+    TheDashboard,
+    Viewer,
+)
 from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.api.state import PlannedChannel, State, state_of
-from mikas.dashboard.security.ports import TheReach
-from mikas.dashboard.wishes import Wish
+from mikas.dashboard.settings import SamplingRequest
 
 router = APIRouter(tags=["connection"])
 
-_LONGEST_URL = 500
+_MAX_URL = 500
 
 
 class PortInfo(BaseModel):
-    """A serial port of this computer. `likely`: an adapter may be behind it."""
+    """A serial port of this computer. `likely`: probably an adapter."""
 
     url: str
     description: str
@@ -40,14 +45,14 @@ class PortsResponse(BaseModel):
 class ConnectRequest(BaseModel):
     """`port` null: the one likely adapter."""
 
-    port: str | None = Field(None, max_length=_LONGEST_URL, examples=["/dev/ttyUSB0", "sim:"])
+    port: str | None = Field(None, max_length=_MAX_URL, examples=["/dev/ttyUSB0", "sim:"])
     echo: Literal["auto", "on", "off"] = "auto"
     method: Method = "auto"
     rate: float | None = Field(None, gt=0, le=1000)
 
 
 class PlanRequest(BaseModel):
-    """What to sample, derived channels among it."""
+    """The channels to sample, also derived ones."""
 
     wanted: list[PlannedChannel] = Field(min_length=1, max_length=200)
     method: Method = "auto"
@@ -55,21 +60,21 @@ class PlanRequest(BaseModel):
 
 
 class PriceRequest(BaseModel):
-    """A plan to be priced; `method` auto: that in use."""
+    """The channels of the cost; `method` auto: the method in use."""
 
     wanted: list[PlannedChannel] = Field(min_length=1, max_length=200)
     method: Method = "auto"
 
 
 class ChannelPrice(BaseModel):
-    """What a channel would add to each set, and the rate with it."""
+    """The time that a channel adds to each cycle, and the rate with it."""
 
     seconds: float
     rate: float
 
 
 class PriceResponse(BaseModel):
-    """What a set costs on average; `more`: of every channel that is not in it yet."""
+    """The average cost of a cycle; `more`: of every other channel."""
 
     bytes: float
     requests: float
@@ -79,21 +84,21 @@ class PriceResponse(BaseModel):
 
 
 class TakeControlRequest(BaseModel):
-    """`force`: also from another."""
+    """`force`: also from another client."""
 
     force: bool = False
 
 
 @router.get("/state", responses=errors())
-def state(hub: TheHub, client: Viewer) -> State:
-    """Everything at a glance."""
-    hub.look()
-    return state_of(hub, client)
+def state(dashboard: TheDashboard, client: Viewer) -> State:
+    """Return the state of everything."""
+    dashboard.refresh()
+    return state_of(dashboard, client)
 
 
 @router.get("/ports", responses=errors())
-def ports(hub: TheHub) -> PortsResponse:
-    """The serial ports that the system sees."""
+def ports(dashboard: TheDashboard) -> PortsResponse:
+    """Return the serial ports of this computer."""
     return PortsResponse(
         ports=[
             PortInfo(
@@ -103,45 +108,47 @@ def ports(hub: TheHub) -> PortsResponse:
                 likely=port.likely,
                 quirks=[two(quirk) for quirk in port.quirks],
             )
-            for port in hub.settings.find()
+            for port in dashboard.settings.find()
         ]
     )
 
 
 @router.post("/connect", responses=errors(409, 503))
-async def connect(hub: TheHub, client: Controller, reach: TheReach, wish: ConnectRequest) -> State:
-    """Connects; how far it comes is told by the state."""
-    await asyncio.to_thread(reach.check, wish.port)
-    method = None if wish.method == "auto" else wish.method
-    await hub.connect(wish.port, echo=wish.echo, method=method, rate=wish.rate)
-    return state_of(hub, client)
+async def connect(
+    dashboard: TheDashboard, client: Controller, ports: AllowedPorts, body: ConnectRequest
+) -> State:
+    """Connect; the state shows the progress."""
+    await asyncio.to_thread(ports.check, body.port)
+    method = None if body.method == "auto" else body.method
+    await dashboard.connect(body.port, echo=body.echo, method=method, rate=body.rate)
+    return state_of(dashboard, client)
 
 
 @router.post("/disconnect", responses=errors(409))
-async def disconnect(hub: TheHub, client: Controller) -> State:
-    """Ends a recording and lets go of the port."""
-    await hub.disconnect()
-    return state_of(hub, client)
+async def disconnect(dashboard: TheDashboard, client: Controller) -> State:
+    """End a recording and close the port."""
+    await dashboard.disconnect()
+    return state_of(dashboard, client)
 
 
 @router.put("/plan", responses=errors(409))
-async def plan(hub: TheHub, client: Controller, wish: PlanRequest) -> State:
-    """Samples these channels from now on."""
+async def plan(dashboard: TheDashboard, client: Controller, body: PlanRequest) -> State:
+    """Sample these channels from now on."""
     await asyncio.to_thread(
-        hub.planning.want, _wish(hub.catalog, wish.wanted, wish.method, wish.rate)
+        dashboard.plan.sample, _request(dashboard.catalog, body.wanted, body.method, body.rate)
     )
-    return state_of(hub, client)
+    return state_of(dashboard, client)
 
 
 @router.post("/plan/price", responses=errors())
-def price(hub: TheHub, wish: PriceRequest) -> PriceResponse:
-    """What a set of these would cost, and what one more would add."""
-    names = _wish(hub.catalog, wish.wanted, wish.method, None)
-    base = hub.planning.price(names.names, wish.method)
+def price(dashboard: TheDashboard, body: PriceRequest) -> PriceResponse:
+    """Return the cost of a cycle of these channels, and of each further channel."""
+    names = _request(dashboard.catalog, body.wanted, body.method, None)
+    base = dashboard.plan.price(names.names, body.method)
     more = {}
-    for channel in hub.planning.channels:
+    for channel in dashboard.plan.channels:
         if channel not in names.every:
-            with_it = hub.planning.price([*names.names, channel], wish.method)
+            with_it = dashboard.plan.price([*names.names, channel], body.method)
             more[channel] = ChannelPrice(seconds=with_it.seconds - base.seconds, rate=with_it.rate)
     return PriceResponse(
         bytes=base.bytes,
@@ -153,30 +160,30 @@ def price(hub: TheHub, wish: PriceRequest) -> PriceResponse:
 
 
 @router.post("/relearn", responses=errors(409, 503))
-async def relearn(hub: TheHub, client: Controller) -> State:
-    """Forgets what was learnt about this unit; it is measured anew."""
-    hub.planning.relearn()
-    return state_of(hub, client)
+async def relearn(dashboard: TheDashboard, client: Controller) -> State:
+    """Forget the measured speeds and limits of this unit; they are measured again."""
+    dashboard.plan.relearn()
+    return state_of(dashboard, client)
 
 
 @router.post("/control/take", responses=errors(409))
-def take(hub: TheHub, client: Asker, wish: TakeControlRequest) -> State:
-    """Takes the controller's seat; with `force` also from another."""
-    hub.seat.demand(client, force=wish.force)
-    return state_of(hub, client)
+def take(dashboard: TheDashboard, client: KnownClient, body: TakeControlRequest) -> State:
+    """Take the control lease; with `force` also from another client."""
+    dashboard.control.demand(client, force=body.force)
+    return state_of(dashboard, client)
 
 
 @router.post("/control/release", responses=errors())
-def release(hub: TheHub, client: Asker) -> State:
-    """Lets go of the controller's seat."""
-    hub.seat.release(client)
-    return state_of(hub, client)
+def release(dashboard: TheDashboard, client: KnownClient) -> State:
+    """Release the control lease."""
+    dashboard.control.release(client)
+    return state_of(dashboard, client)
 
 
-def _wish(
+def _request(
     catalog: Catalog, wanted: list[PlannedChannel], method: Method, rate: float | None
-) -> Wish:
+) -> SamplingRequest:
     every: dict[str, int] = {}
     for one in wanted:
         every.setdefault(catalog.channel(one.name).name, one.every)
-    return Wish(every, None if method == "auto" else method, rate)
+    return SamplingRequest(every, None if method == "auto" else method, rate)

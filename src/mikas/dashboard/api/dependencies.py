@@ -1,10 +1,10 @@
-"""What a route is given: who asks, whether it may, and the hub.
+"""What routes get: the dashboard, the client and its rights, the ports it may name.
 
     @router.post("/connect")
-    async def connect(hub: TheHub, _: Controller) -> State: ...
+    async def connect(dashboard: TheDashboard, _: Controller) -> State: ...
 
-`Viewer`: anybody who was let in. `Controller`: holds the seat, or gets it now; else 403 or 409. A
-GET only looks: it is let pass while the seat is free, and does not take it.
+`Viewer`: any client that has access. `Controller`: holds the control lease, or gets it now; else
+403 or 409. A GET only views: it passes while the lease is free, and does not take it.
 """
 
 from __future__ import annotations
@@ -17,42 +17,48 @@ from urllib.parse import unquote
 from fastapi import Depends, Header, Request
 from fastapi.exceptions import RequestValidationError
 
-from mikas.dashboard.api.errors import status_of
-from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.error_responses import status_of
 from mikas.dashboard.errors import BadRequest, NotAllowed
+from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.security.control import Client
+from mikas.dashboard.security.ports import PortPolicy
 from mikas.errors import MikasError
 from mikas.i18n import Text
 
-ID = re.compile(r"[A-Za-z0-9-]{8,64}")
-_LONGEST_NAME = 40
-_NO_USE = (400, 403, 404, 410, 413)  # not understood, or not allowed
+_ID = re.compile(r"[A-Za-z0-9-]{8,64}")
+_MAX_NAME = 40
+_UNUSED = (400, 403, 404, 410, 413)  # statuses of invalid or refused requests
 
-WHO = Text(
-    "the header X-Mikas-Client must hold 8 to 64 letters, digits or hyphens",
+NO_CLIENT_ID = Text(
+    "the header X-Mikas-Client must have 8 to 64 letters, digits or hyphens",
     "в заголовке X-Mikas-Client нужны от 8 до 64 латинских букв, цифр или дефисов",
 )
 ClientId = Annotated[
     str | None,
-    Header(alias="X-Mikas-Client", description="who asks: 8 to 64 letters, digits, hyphens"),
+    Header(alias="X-Mikas-Client", description="the client: 8 to 64 letters, digits, hyphens"),
 ]
 ClientName = Annotated[
     str | None,
-    Header(alias="X-Mikas-Name", description="the same for a person, URI-encoded"),
+    Header(alias="X-Mikas-Name", description="the client's name for people, URI-encoded"),
 ]
 
 
 def client_of(identity: str | None, name: str | None, *, may_control: bool) -> Client:
-    """The client of that id and name. Raises `BadRequest` for an id that is none."""
-    if identity is None or not ID.fullmatch(identity):
-        raise BadRequest(problem=WHO)
-    shown = "".join(c for c in unquote(name or "") if c.isprintable())[:_LONGEST_NAME]
-    return Client(identity, shown, may_control)
+    """Return the client of that id and name. Raises `BadRequest` for an invalid id."""
+    if identity is None or not _ID.fullmatch(identity):
+        raise BadRequest(problem=NO_CLIENT_ID)
+    printable = "".join(c for c in unquote(name or "") if c.isprintable())
+    return Client(identity, printable[:_MAX_NAME], may_control)
 
 
-def _hub(request: Request) -> Hub:
-    hub: Hub = request.app.state.hub
-    return hub
+def _dashboard(request: Request) -> Dashboard:
+    dashboard: Dashboard = request.app.state.dashboard
+    return dashboard
+
+
+def _library(request: Request) -> RecordingService:
+    return _dashboard(request).library
 
 
 def _may_control(request: Request) -> bool:
@@ -65,28 +71,39 @@ def _viewer(request: Request, client_id: ClientId = None, client_name: ClientNam
     return client_of(client_id, client_name, may_control=_may_control(request))
 
 
-def _asker(request: Request, client_id: ClientId = None, client_name: ClientName = None) -> Client:
+def _known(request: Request, client_id: ClientId = None, client_name: ClientName = None) -> Client:
     client = client_of(client_id, client_name, may_control=_may_control(request))
     if not client.may_control:
         raise NotAllowed
     return client
 
 
-TheHub = Annotated[Hub, Depends(_hub)]
+TheDashboard = Annotated[Dashboard, Depends(_dashboard)]
+TheLibrary = Annotated[RecordingService, Depends(_library)]
 Viewer = Annotated[Client, Depends(_viewer)]
-"""Anybody; one that gave no id has an empty one."""
-Asker = Annotated[Client, Depends(_asker)]
-"""With rights and an id, but it need not hold the seat."""
+"""Any client; one without an id has an empty one."""
+KnownClient = Annotated[Client, Depends(_known)]
+"""A client with control rights and an id, which need not hold the lease."""
 
 
-async def _controller(hub: TheHub, client: Asker, request: Request) -> AsyncIterator[Client]:
-    before = hub.seat.demand(client, take=request.method != "GET")
+async def _controller(
+    dashboard: TheDashboard, client: KnownClient, request: Request
+) -> AsyncIterator[Client]:
+    before = dashboard.control.demand(client, take=request.method != "GET")
     try:
         yield client
     except (RequestValidationError, MikasError) as error:
-        if not isinstance(error, MikasError) or status_of(error) in _NO_USE:
-            hub.seat.take_back(before)
+        if not isinstance(error, MikasError) or status_of(error) in _UNUSED:
+            dashboard.control.undo(before)
         raise
 
 
 Controller = Annotated[Client, Depends(_controller)]
+
+
+def _ports(request: Request, dashboard: TheDashboard) -> PortPolicy:
+    local, port = bool(request.scope["state"]["local"]), dashboard.connection.port
+    return PortPolicy(local, dashboard.settings.find, port.url if port else None)
+
+
+AllowedPorts = Annotated[PortPolicy, Depends(_ports)]

@@ -1,7 +1,7 @@
-"""The doctor's steps, told as they end; the session lets go of the port meanwhile and comes back.
+"""Routes of the diagnosis: its steps, sent as each ends. The connection lends it the port.
 
-The examination is a task of its own: it ends by itself, when it is stopped, or when whoever asked
-for it listens no more; the port is given back all the same.
+The diagnosis is a task of its own: it ends after its last step, when it is stopped, or when its
+client disconnects; the port is given back in each case.
 """
 
 from __future__ import annotations
@@ -15,13 +15,12 @@ from pydantic import BaseModel, Field
 
 from mikas.client.doctor import Step
 from mikas.dashboard.advice import ADVICE
-from mikas.dashboard.api.dependencies import Controller, TheHub
+from mikas.dashboard.api.dependencies import AllowedPorts, Controller, TheDashboard
 from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
 from mikas.dashboard.api.state import State, state_of
-from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import Busy
-from mikas.dashboard.security.ports import TheReach
-from mikas.dashboard.session.diagnosis import Examination
+from mikas.dashboard.session.diagnosis import Diagnosis
 from mikas.dashboard.session.manager import CHANGING
 from mikas.errors import MikasError
 from mikas.i18n import Text
@@ -47,7 +46,7 @@ class DiagnosisRequest(BaseModel):
 
 
 class DiagnosisStep(BaseModel):
-    """One line of the answer. `ok` null: could not be told, or could be better."""
+    """One line of the response. `ok` null: not known, or could be better."""
 
     name: str
     title: TwoTexts
@@ -66,55 +65,55 @@ _LINE = {"$ref": "#/components/schemas/DiagnosisStep"}
     responses={**errors(409, 503), 200: {"content": {_NDJSON: {"schema": _LINE}}}},
 )
 async def doctor(
-    hub: TheHub, _: Controller, reach: TheReach, wish: DiagnosisRequest
+    dashboard: TheDashboard, _: Controller, ports: AllowedPorts, body: DiagnosisRequest
 ) -> StreamingResponse:
-    """Examines the connection; a line of JSON (`DiagnosisStep`) for each step as it ends."""
-    await asyncio.to_thread(reach.check, wish.port)
-    port = wish.port or (hub.way.url if hub.way else None)
+    """Run the diagnosis; the response has a line of JSON (`DiagnosisStep`) for each step."""
+    await asyncio.to_thread(ports.check, body.port)
+    port = body.port or (dashboard.connection.port.url if dashboard.connection.port else None)
     if port is None:
-        port = await asyncio.to_thread(hub.switch.likely)
+        port = await asyncio.to_thread(dashboard.manager.likely)
     parse(port)
-    if hub.switch.changing or hub.examination is not None:
+    if dashboard.manager.changing or dashboard.diagnosis is not None:
         raise Busy(problem=CHANGING)
-    told: asyncio.Queue[DiagnosisStep | None] = asyncio.Queue()
-    examination = Examination(port, hub.settings)
-    hub.examination = examination
-    examination.task = asyncio.create_task(_examine(hub, examination, told))
+    steps: asyncio.Queue[DiagnosisStep | None] = asyncio.Queue()
+    diagnosis = Diagnosis(port, dashboard.settings)
+    dashboard.diagnosis = diagnosis
+    diagnosis.task = asyncio.create_task(_run(dashboard, diagnosis, steps))
 
     async def lines() -> AsyncIterator[str]:
         try:
-            while (step := await told.get()) is not None:
+            while (step := await steps.get()) is not None:
                 yield step.model_dump_json() + "\n"
-        finally:  # nobody listens any more; not awaited, for this may be a cancelled task
-            asyncio.get_running_loop().run_in_executor(None, examination.stop)
+        finally:  # not awaited: this may be a cancelled task
+            asyncio.get_running_loop().run_in_executor(None, diagnosis.stop)
 
     return StreamingResponse(lines(), media_type=_NDJSON)
 
 
 @router.post("/doctor/stop", responses=errors(409))
-async def stop(hub: TheHub, client: Controller) -> State:
-    """Ends the examination, if there is one; answers when the port was let go of."""
-    if hub.examination is not None:
-        await hub.examination.end()
-    return state_of(hub, client)
+async def stop(dashboard: TheDashboard, client: Controller) -> State:
+    """Stop the diagnosis, if there is one; responds when its port is closed."""
+    if dashboard.diagnosis is not None:
+        await dashboard.diagnosis.end()
+    return state_of(dashboard, client)
 
 
-async def _examine(
-    hub: Hub, examination: Examination, told: asyncio.Queue[DiagnosisStep | None]
+async def _run(
+    dashboard: Dashboard, diagnosis: Diagnosis, steps: asyncio.Queue[DiagnosisStep | None]
 ) -> None:
     loop = asyncio.get_running_loop()
 
-    def tell(step: Step) -> None:
-        loop.call_soon_threadsafe(told.put_nowait, _line(step))
+    def report(step: Step) -> None:
+        loop.call_soon_threadsafe(steps.put_nowait, _line(step))
 
     try:
-        async with hub.switch.lent():
-            await asyncio.to_thread(examination.run, tell)
+        async with dashboard.manager.lent():
+            await asyncio.to_thread(diagnosis.run, report)
     except MikasError as error:
-        told.put_nowait(_line(Step("port", False, ADVICE.text(error))))
+        steps.put_nowait(_line(Step("port", False, ADVICE.text(error))))
     finally:
-        hub.examination = None
-        told.put_nowait(None)
+        dashboard.diagnosis = None
+        steps.put_nowait(None)
 
 
 def _line(step: Step) -> DiagnosisStep:

@@ -1,6 +1,6 @@
-"""The API's side of dumps: begun, looked at, paused, resumed, compared.
+"""Routes of dumps: start, list, pause, resume, download, compare.
 
-Deleting one is a change, shown and confirmed as every other (`mikas.dashboard.dumps_delete`).
+Deleting a dump is a change, shown and confirmed as every other (`api.changes`).
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from mikas.client.memory.dump import Difference, differences
 from mikas.client.memory.manifest import Manifest
 from mikas.client.memory.spaces import last_of
 from mikas.commands.base import check_range
-from mikas.dashboard.api.dependencies import Controller, TheHub
-from mikas.dashboard.api.errors import ErrorBody, body_of, errors
+from mikas.dashboard.api.dependencies import Controller, TheDashboard
+from mikas.dashboard.api.errors import ErrorBody, errors
 from mikas.dashboard.api.memory import Space
-from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.error_responses import body_of
 from mikas.dashboard.errors import NotFound
-from mikas.dashboard.session.dump_jobs import Job
+from mikas.dashboard.session.dump_jobs import DumpJob
 
 router = APIRouter(tags=["dumps"])
 
-_SHOWN = 1000
+_MAX_SHOWN = 1000
 DumpId = Annotated[str, Path(max_length=100)]
 
 
 class DumpRequest(BaseModel):
-    """What to read; `last` is inclusive. `verify`: read all of it twice."""
+    """The range to read; `last` is inclusive. `verify`: read it twice."""
 
     space: Space
     first: int = Field(0, ge=0, le=0xFFFF)
@@ -51,7 +51,7 @@ class DumpCell(BaseModel):
 
 
 class DumpResponse(BaseModel):
-    """How far a dump has come. With `verify`, `total` counts both passes."""
+    """The progress of a dump. With `verify`, `total` counts both passes."""
 
     id: str
     space: Space
@@ -64,11 +64,10 @@ class DumpResponse(BaseModel):
     speed: float = Field(description="bytes a second")
     left: float | None = Field(description="seconds")
     blocks: list[DumpCell]
-    error: ErrorBody | None = Field(description="what holds it up, or ended it")
+    error: ErrorBody | None = Field(description="the cause of a delay, or of the failure")
     file: str
     differences: int | None = Field(
-        description="that the second pass has found so far; null: none was wanted, or it has not "
-        "begun"
+        description="found by the second pass so far; null: it was not requested, or not started"
     )
 
 
@@ -79,7 +78,7 @@ class DumpsResponse(BaseModel):
 
 
 class ByteDifference(BaseModel):
-    """Two bytes that differ; null: one side has no byte there."""
+    """Two bytes that differ; null: that side has no byte there."""
 
     address: int
     a: str | None
@@ -94,48 +93,46 @@ class DifferencesResponse(BaseModel):
 
 
 @router.post("/dumps", responses=errors(409, 502, 503))
-async def start(hub: TheHub, _: Controller, wish: DumpRequest) -> DumpResponse:
-    """Begins to read a range of memory into a file."""
-    check_range(wish.space, last_of(wish.space), wish.first, wish.last - wish.first + 1)
-    manifest = await hub.ask(lambda ecu: _manifest(ecu, wish))
+async def start(dashboard: TheDashboard, _: Controller, body: DumpRequest) -> DumpResponse:
+    """Start reading a range of memory into a file."""
+    check_range(body.space, last_of(body.space), body.first, body.last - body.first + 1)
+    manifest = await dashboard.connection.ask(lambda ecu: _manifest(ecu, body))
     stamp = time.strftime("%Y%m%d-%H%M%S")
-    name = f"{wish.space}-{wish.first:04X}-{wish.last:04X}-{stamp}"
-    folder, number, stem = hub.settings.dumps, 2, name
-    while stem in hub.dumping.jobs or (folder / f"{stem}.bin").exists():
-        stem, number = f"{name}-{number}", number + 1
-    job = Job(stem, folder / f"{stem}.bin", manifest, wish.block)
-    hub.dumping.start(job)
-    return _answer(job)
+    name = f"{body.space}-{body.first:04X}-{body.last:04X}-{stamp}"
+    file = dashboard.dump_jobs.new_file(name)
+    job = DumpJob(file.stem, file, manifest, body.block)
+    dashboard.dump_jobs.start(job)
+    return _response(job)
 
 
 @router.get("/dumps", responses=errors())
-async def dumps(hub: TheHub) -> DumpsResponse:
-    """All that there are."""
-    jobs = sorted(hub.dumping.jobs.values(), key=lambda job: job.begun, reverse=True)
-    return DumpsResponse(dumps=[_answer(job) for job in jobs])
+async def dumps(dashboard: TheDashboard) -> DumpsResponse:
+    """Return all dumps."""
+    jobs = sorted(dashboard.dump_jobs.jobs.values(), key=lambda job: job.begun, reverse=True)
+    return DumpsResponse(dumps=[_response(job) for job in jobs])
 
 
 @router.get("/dumps/{id}", responses=errors(404))
-async def dump(hub: TheHub, id: DumpId) -> DumpResponse:  # noqa: A002  (the API's name)
-    """One of them."""
-    return _answer(_job(hub, id))
+async def dump(dashboard: TheDashboard, id: DumpId) -> DumpResponse:  # noqa: A002  (the API's name)
+    """Return one dump."""
+    return _response(dashboard.dump_jobs.one(id))
 
 
 @router.post("/dumps/{id}/pause", responses=errors(404, 409))
-async def pause(hub: TheHub, _: Controller, id: DumpId) -> DumpResponse:  # noqa: A002  (as above)
-    """Stops reading; nothing that was read is lost."""
-    job = _job(hub, id)
-    await hub.dumping.pause(job)
-    return _answer(job)
+async def pause(dashboard: TheDashboard, _: Controller, id: DumpId) -> DumpResponse:  # noqa: A002  (as above)
+    """Pause reading; the bytes read so far are kept."""
+    job = dashboard.dump_jobs.one(id)
+    await dashboard.dump_jobs.pause(job)
+    return _response(job)
 
 
 @router.post("/dumps/{id}/resume", responses=errors(404, 409))
-async def resume(hub: TheHub, _: Controller, id: DumpId) -> DumpResponse:  # noqa: A002  (as above)
-    """Goes on behind what was read."""
-    job = _job(hub, id)
+async def resume(dashboard: TheDashboard, _: Controller, id: DumpId) -> DumpResponse:  # noqa: A002  (as above)
+    """Resume reading after the bytes read so far."""
+    job = dashboard.dump_jobs.one(id)
     if job.phase != "done":
-        hub.dumping.start(job)
-    return _answer(job)
+        dashboard.dump_jobs.start(job)
+    return _response(job)
 
 
 @router.get(
@@ -143,9 +140,9 @@ async def resume(hub: TheHub, _: Controller, id: DumpId) -> DumpResponse:  # noq
     response_class=Response,
     responses={**errors(404), 200: {"content": {"application/octet-stream": {}}}},
 )
-def file(hub: TheHub, id: DumpId) -> Response:  # noqa: A002  (the API's name)
-    """What was read so far, as it is."""
-    job = _job(hub, id)
+def file(dashboard: TheDashboard, id: DumpId) -> Response:  # noqa: A002  (the API's name)
+    """Return the bytes read so far."""
+    job = dashboard.dump_jobs.one(id)
     if not job.file.is_file():
         raise NotFound(name=id)
     return FileResponse(job.file, media_type="application/octet-stream", filename=job.file.name)
@@ -153,13 +150,13 @@ def file(hub: TheHub, id: DumpId) -> Response:  # noqa: A002  (the API's name)
 
 @router.post("/dumps/{id}/compare", responses=errors(404))
 async def compare(
-    hub: TheHub,
+    dashboard: TheDashboard,
     id: DumpId,  # noqa: A002  (the API's name)
     other: Annotated[bytes, Body(media_type="application/octet-stream")],
     first: Annotated[int | None, Query(ge=0, le=0xFFFF)] = None,
 ) -> DifferencesResponse:
-    """Where this dump (`a`) and the body (`b`, beginning at `first`) differ."""
-    job = _job(hub, id)
+    """Compare this dump (`a`) with the body (`b`, beginning at `first`)."""
+    job = dashboard.dump_jobs.one(id)
     begin = job.manifest.first if first is None else first
 
     def work() -> DifferencesResponse:
@@ -168,32 +165,25 @@ async def compare(
         except FileNotFoundError:
             raise NotFound(name=id) from None
         found = differences(own, job.manifest.first, other, begin)
-        shown = [_difference(it) for it in islice(found, _SHOWN)]
+        shown = [_difference(it) for it in islice(found, _MAX_SHOWN)]
         return DifferencesResponse(differences=shown, count=len(shown) + sum(1 for _ in found))
 
     return await asyncio.to_thread(work)
 
 
-def _manifest(ecu: Ecu, wish: DumpRequest) -> Manifest:
+def _manifest(ecu: Ecu, body: DumpRequest) -> Manifest:
     return Manifest(
-        wish.space,
-        wish.first,
-        wish.last,
+        body.space,
+        body.first,
+        body.last,
         ecu.model.text.en,
         ecu.version_code,
         ecu.passport().pieces,
-        verify=wish.verify,
+        verify=body.verify,
     )
 
 
-def _job(hub: Hub, name: str) -> Job:
-    job = hub.dumping.jobs.get(name)
-    if job is None:
-        raise NotFound(name=name)
-    return job
-
-
-def _answer(job: Job) -> DumpResponse:
+def _response(job: DumpJob) -> DumpResponse:
     manifest, speed = job.manifest, job.speed
     left = (job.total - job.done) / speed if speed > 0 else None
     return DumpResponse(
@@ -218,7 +208,7 @@ def _space(name: str) -> Any:  # noqa: ANN401  (a manifest's; checked when it wa
     return name
 
 
-def _map(job: Job) -> list[DumpCell]:
+def _map(job: DumpJob) -> list[DumpCell]:
     manifest, cells = job.manifest, []
     for index, offset in enumerate(range(0, manifest.size, job.cell)):
         count = min(job.cell, manifest.size - offset)

@@ -1,12 +1,12 @@
-"""Errors as JSON, in one form: `{"error": {"code", "en", "ru", "sent", "received"}}`.
+"""Error responses of the routes: their models, descriptions and handlers.
 
-`code` is the class's name in the tree of errors, the texts are whole advice, bytes are upper-case
-hex. A bug is told too (500), without its innards.
+The texts of validation errors are in both languages; pydantic's own are English only.
 """
 
 from __future__ import annotations
 
 import logging
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -15,17 +15,9 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 
-from mikas.dashboard import not_valid
-from mikas.dashboard.advice import ADVICE
-from mikas.dashboard.errors import ApiRefusal, BadRequest, InternalError, NotFound
-from mikas.errors import (
-    EcuRefused,
-    LineError,
-    MikasError,
-    NoConnection,
-    NotConfirmed,
-    UsageError,
-)
+from mikas.dashboard.error_responses import json_response
+from mikas.dashboard.errors import BadRequest, InternalError, NotFound
+from mikas.errors import MikasError
 from mikas.i18n import Text
 
 _log = logging.getLogger("mikas.dashboard")
@@ -39,7 +31,7 @@ class TwoTexts(BaseModel):
 
 
 class ErrorBody(BaseModel):
-    """What went wrong, what was on the wire, what to try."""
+    """The error, the bytes on the wire, and advice."""
 
     code: str = Field(examples=["EchoOnly"])
     en: str
@@ -49,25 +41,18 @@ class ErrorBody(BaseModel):
 
 
 class ErrorResponse(BaseModel):
-    """Every answer of 400 and above."""
+    """Every response of 400 and above."""
 
     error: ErrorBody
 
 
-_BRANCHES: tuple[tuple[type[MikasError], int], ...] = (
-    (NotConfirmed, 403),
-    (UsageError, 400),
-    (NoConnection, 503),
-    (LineError, 502),
-    (EcuRefused, 502),
-)
-_MEANINGS = {
-    400: "the request makes no sense",
-    401: "the token is wanted",
-    403: "not from there, not with these rights, or locked",
-    404: "no such thing",
-    409: "somebody else has control, or what was confirmed is no longer so",
-    410: "the confirmation is over",
+_DESCRIPTIONS = {
+    400: "invalid request",
+    401: "the token is missing",
+    403: "refused from there, with these rights, or while writing is locked",
+    404: "not found",
+    409: "another client has control, or the content changed since it was shown",
+    410: "the confirmation has expired",
     413: "too large",
     502: "line trouble, or the unit refused",
     503: "no connection",
@@ -75,84 +60,117 @@ _MEANINGS = {
 
 
 def errors(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """For a route's `responses`: these statuses, and those that every route may answer with."""
+    """Return a route's `responses`: these statuses, and those that every route may answer with."""
     every = (400, 401, 403, 413)
     return {
-        status: {"model": ErrorResponse, "description": _MEANINGS[status]}
+        status: {"model": ErrorResponse, "description": _DESCRIPTIONS[status]}
         for status in sorted({*every, *statuses})
     }
 
 
 def two(text: Text) -> TwoTexts:
-    """`text` for an answer."""
+    """Return the model of `text`."""
     return TwoTexts(en=text.en, ru=text.ru)
 
 
 def two_or_none(text: Text | None) -> TwoTexts | None:
-    """`text` for an answer; an empty one is none."""
+    """Return the model of `text`; None for an empty one."""
     return None if text is None or not text.en else two(text)
 
 
-def status_of(error: MikasError) -> int:
-    """The HTTP status that says the same as `error`."""
-    if isinstance(error, ApiRefusal):
-        return error.status
-    return next((status for branch, status in _BRANCHES if isinstance(error, branch)), 500)
-
-
-def body_of(error: MikasError) -> dict[str, Any]:
-    """`error` as the value of "error" in an answer, or in an event."""
-    text = ADVICE.text(error)
-    return {
-        "code": type(error).__name__,
-        "en": text.en,
-        "ru": text.ru,
-        "sent": in_hex(error.request),
-        "received": in_hex(error.received),
-    }
-
-
-def in_hex(data: bytes | None) -> str | None:
-    """Upper-case hex without spaces."""
-    return None if data is None else data.hex().upper()
-
-
-def answer_to(error: MikasError) -> JSONResponse:
-    """The whole answer."""
-    return JSONResponse({"error": body_of(error)}, status_of(error))
-
-
 def install(app: FastAPI) -> None:
-    """Has `app` tell every error in this form."""
-    app.add_exception_handler(MikasError, _ours)
-    app.add_exception_handler(RequestValidationError, _not_valid)
+    """Install the handlers that turn every exception into an `ErrorResponse`."""
+    app.add_exception_handler(MikasError, _expected)
+    app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _of_the_framework)
     app.add_exception_handler(Exception, _bug)
 
 
-async def _ours(_: Request, error: Exception) -> JSONResponse:
+async def _expected(_: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, MikasError)
-    return answer_to(error)
+    return json_response(error)
 
 
-async def _not_valid(_: Request, error: Exception) -> JSONResponse:
+async def _invalid(_: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)
-    return answer_to(BadRequest(problem=not_valid.told(error.errors()[0])))
+    return json_response(BadRequest(problem=validation_text(error.errors()[0])))
 
 
 async def _of_the_framework(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)
-    if isinstance(error.__cause__, MikasError):  # from under the reading of a body
-        return answer_to(error.__cause__)
+    if isinstance(error.__cause__, MikasError):  # raised while the body was read
+        return json_response(error.__cause__)
     if error.status_code == 404:
-        return answer_to(NotFound.at(request.url.path))
-    told = f"{request.method} {request.url.path}: {error.detail}"
-    answer = answer_to(BadRequest(problem=Text(told, told)))
-    answer.status_code = error.status_code
-    answer.headers.update(error.headers or {})
-    return answer
+        return json_response(NotFound.at(request.url.path))
+    detail = f"{request.method} {request.url.path}: {error.detail}"
+    response = json_response(BadRequest(problem=Text(detail, detail)))
+    response.status_code = error.status_code
+    response.headers.update(error.headers or {})
+    return response
 
 
 async def _bug(request: Request, error: Exception) -> JSONResponse:
     _log.error("a bug in %s %s", request.method, request.url.path, exc_info=error)
-    return answer_to(InternalError(kind=f"{type(error).__name__}: {error}"))
+    return json_response(InternalError(kind=f"{type(error).__name__}: {error}"))
+
+
+_PROBLEMS = {
+    "missing": Text("is missing", "не указано"),
+    "extra_forbidden": Text("is unknown", "не предусмотрено"),
+    "json_invalid": Text("is not valid JSON", "не является JSON"),
+    "literal_error": Text("must be one of: {expected}", "допустимо только: {expected}"),
+    "enum": Text("must be one of: {expected}", "допустимо только: {expected}"),
+    "union_tag_invalid": Text(
+        "must be one of: {expected_tags}", "допустимо только: {expected_tags}"
+    ),
+    "union_tag_not_found": Text("has no {discriminator}", "не указано: {discriminator}"),
+    "greater_than": Text("must be more than {gt}", "должно быть больше {gt}"),
+    "greater_than_equal": Text("must be {ge} or more", "должно быть не меньше {ge}"),
+    "less_than": Text("must be less than {lt}", "должно быть меньше {lt}"),
+    "less_than_equal": Text("must be {le} or less", "должно быть не больше {le}"),
+    "string_too_short": Text(
+        "is too short (at least {min_length})", "слишком коротко (не меньше {min_length})"
+    ),
+    "string_too_long": Text(
+        "is too long (at most {max_length})", "слишком длинно (не больше {max_length})"
+    ),
+    "too_short": Text(
+        "has too few entries (at least {min_length})",
+        "слишком мало записей (не меньше {min_length})",
+    ),
+    "too_long": Text(
+        "has too many entries (at most {max_length})",
+        "слишком много записей (не больше {max_length})",
+    ),
+    "string_pattern_mismatch": Text(
+        "does not match the pattern {pattern}", "не соответствует шаблону {pattern}"
+    ),
+}
+_TYPES = {
+    "int": Text("must be a whole number", "должно быть целым числом"),
+    "float": Text("must be a number", "должно быть числом"),
+    "finite": Text("must be a finite number", "должно быть конечным числом"),
+    "bool": Text("must be true or false", "должно быть true или false"),
+    "string": Text("must be a text", "должно быть текстом"),
+    "list": Text("must be a list", "должно быть списком"),
+    "dict": Text("must be an object", "должно быть объектом"),
+    "model": Text("must be an object", "должно быть объектом"),
+}
+_OTHER = Text("has an invalid value", "имеет недопустимое значение")
+
+
+def validation_text(error: Mapping[str, Any]) -> Text:
+    """Return the field's name and its problem; `error`: one of pydantic's."""
+    kind = str(error["type"])
+    problem = _PROBLEMS.get(kind) or _TYPES.get(kind.partition("_")[0]) or _OTHER
+    try:
+        problem = problem.filled(**error.get("ctx", {}))
+    except (KeyError, IndexError):
+        problem = _OTHER
+    field = _field(error["loc"])
+    return Text(f"“{field}” {problem.en}", f"«{field}» {problem.ru}")
+
+
+def _field(location: Sequence[str | int]) -> str:
+    """Return `wanted.3.name`, without the part of the request that holds the field."""
+    return ".".join(map(str, location[1:])) or str(location[0] if location else "?")

@@ -19,9 +19,10 @@ from fastapi import APIRouter, Query
 from fastapi.responses import FileResponse, Response, StreamingResponse
 from starlette.types import Receive, Scope, Send
 
+from mikas.dashboard.api.dependencies import TheLibrary
 from mikas.dashboard.api.errors import errors
-from mikas.dashboard.library.folder import Shelved
-from mikas.dashboard.library.service import Desk, TheDesk
+from mikas.dashboard.library.folder import RecordingFile
+from mikas.dashboard.library.service import RecordingService
 from mikas.i18n import Language
 
 if TYPE_CHECKING:
@@ -61,10 +62,10 @@ class _Temporary(FileResponse):
 
 
 @router.get("/{identity}/file", response_class=Response, responses={**errors(404), **_FILE})
-def file(desk: TheDesk, identity: str) -> Response:
+def file(library: TheLibrary, identity: str) -> Response:
     """The recording itself (.pcapng); of one that is being made, what there is of it."""
-    it = desk.shelf.one(identity)
-    if not desk.is_growing(it):
+    it = library.folder.one(identity)
+    if not library.is_growing(it):
         return FileResponse(it.path, media_type=_CAPTURE, filename=it.id)
     headers = {"Content-Length": str(it.bytes), "Content-Disposition": attachment(it.id)}
     return StreamingResponse(_beginning(it), media_type=_CAPTURE, headers=headers)
@@ -72,7 +73,7 @@ def file(desk: TheDesk, identity: str) -> Response:
 
 @router.get("/{identity}/export", response_class=Response, responses={**errors(404, 409), **_FILE})
 async def export(
-    desk: TheDesk,
+    library: TheLibrary,
     identity: str,
     *,
     format: Annotated[Format, Query()] = "csv",  # noqa: A002  (the contract's word)
@@ -81,14 +82,14 @@ async def export(
     lang: Language = "en",
 ) -> Response:
     """The recording as a table for other programs."""
-    it = await asyncio.to_thread(desk.shelf.one, identity)
+    it = await asyncio.to_thread(library.folder.one, identity)
     wanted = tuple(name for name in (names or "").split(",") if name)
     folder = Path(await asyncio.to_thread(tempfile.mkdtemp, prefix="mikas-export-"))
     kind = "-excel" if (format, dialect) == ("csv", "excel") else ""
     out = folder / f"{it.path.stem}{kind}.{format}"
     try:
-        await desk.alone(
-            lambda: _export(desk, it, out, names=wanted, dialect=dialect, language=lang)
+        await library.run_alone(
+            lambda: _export(library, it, out, names=wanted, dialect=dialect, language=lang)
         )
     except BaseException:
         await asyncio.shield(asyncio.to_thread(_remove, folder))
@@ -98,11 +99,11 @@ async def export(
 
 @router.get("/{identity}/report", response_class=Response, responses={**errors(404, 409), **HTML})
 async def report(
-    desk: TheDesk, identity: str, lang: Language = "en", inline: bool = False
+    library: TheLibrary, identity: str, lang: Language = "en", inline: bool = False
 ) -> Response:
     """A page on the car, made of the recording; to be kept, or `inline` to be looked at."""
-    it = await asyncio.to_thread(desk.shelf.one, identity)
-    page = await desk.alone(lambda: _report(lambda: _of_recording(desk, it), lang))
+    it = await asyncio.to_thread(library.folder.one, identity)
+    page = await library.run_alone(lambda: _report(lambda: _of_recording(library, it), lang))
     return page_answer(page, f"{it.path.stem}.html", inline=inline)
 
 
@@ -129,10 +130,10 @@ def attachment(name: str) -> str:
     return f"attachment; filename*=UTF-8''{quote(name, safe='')}"
 
 
-def _of_recording(desk: Desk, it: Shelved) -> Findings:
+def _of_recording(library: RecordingService, it: RecordingFile) -> Findings:
     from mikas.report.from_recording import of_recording
 
-    return of_recording(it.path, desk.catalog)
+    return of_recording(it.path, library.catalog)
 
 
 def _report(make: Callable[[], Findings], language: Language) -> str:
@@ -142,8 +143,8 @@ def _report(make: Callable[[], Findings], language: Language) -> str:
 
 
 def _export(
-    desk: Desk,
-    it: Shelved,
+    library: RecordingService,
+    it: RecordingFile,
     out: Path,
     *,
     names: tuple[str, ...],
@@ -154,7 +155,7 @@ def _export(
     from mikas.recording.export import export as write
     from mikas.recording.recording import Recording
 
-    recording = Recording(it.path, desk.catalog, desk.interpretation, names)
+    recording = Recording(it.path, library.catalog, library.interpretation, names)
     write(
         out,
         recording.channels,
@@ -166,7 +167,7 @@ def _export(
     )
 
 
-async def _beginning(it: Shelved) -> AsyncIterator[bytes]:
+async def _beginning(it: RecordingFile) -> AsyncIterator[bytes]:
     """As many bytes as the file had when it was found; it grows meanwhile."""
     left = it.bytes
     with await asyncio.to_thread(it.path.open, "rb") as opened:

@@ -19,9 +19,9 @@ from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
 from mikas.dashboard.api.broadcaster import Fields, Listener, dumps, understood
 from mikas.dashboard.api.dependencies import client_of
-from mikas.dashboard.api.errors import answer_to
 from mikas.dashboard.api.state import OWN, holder_of, state_of
-from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.error_responses import json_response
 from mikas.dashboard.errors import ApiRefusal
 from mikas.dashboard.session.event_log import page_json
 from mikas.dashboard.session.monitor import Row
@@ -43,8 +43,8 @@ router = APIRouter()
 class Broadcaster:
     """Drains the connection monitor for all listeners, as long as there is one."""
 
-    def __init__(self, hub: Hub) -> None:
-        self._hub = hub
+    def __init__(self, dashboard: Dashboard) -> None:
+        self._dashboard = dashboard
         self._listeners: set[Listener] = set()
         self._task: asyncio.Task[None] | None = None
         self._state = (0, "")
@@ -59,8 +59,8 @@ class Broadcaster:
         """From now on it gets what comes."""
         self._new_state()
         self._listeners.add(listener)
-        self._hub.seat.opened(listener.client)
-        self._hub.monitor.listened = True
+        self._dashboard.control.socket_opened(listener.client)
+        self._dashboard.monitor.listened = True
         listener.offer("")
         if self._task is None:
             self._task = asyncio.create_task(self._run())
@@ -68,34 +68,34 @@ class Broadcaster:
     def leave(self, listener: Listener) -> None:
         """No more; with the last one the work ends."""
         self._listeners.discard(listener)
-        self._hub.seat.closed(listener.client)
+        self._dashboard.control.socket_closed(listener.client)
         if not self._listeners and self._task is not None:
             self._task.cancel()
             self._task = None
-            self._hub.monitor.listened = False
-            self._hub.monitor.drain()
+            self._dashboard.monitor.listened = False
+            self._dashboard.monitor.drain()
 
     def message(self, listener: Listener) -> str:
         """What waits for `listener`, with what is its own of the state."""
         client = listener.client
-        holder = holder_of(self._hub, client)
+        holder = holder_of(self._dashboard, client)
         own = dumps(
             {
                 "controller": holder.model_dump() if holder else None,
                 "rights": "control" if client.may_control else "view",
-                "viewers": self._hub.seat.viewers,
-                "now": self._hub.now(),
+                "viewers": self._dashboard.control.viewers,
+                "now": self._dashboard.connection.now(),
             }
         )
-        return listener.next(self._hub.now(), own[1:-1], self._state)
+        return listener.next(self._dashboard.connection.now(), own[1:-1], self._state)
 
     def poke(self) -> None:
         """Somebody waits for an answer."""
-        self._hub.monitor.wake()
+        self._dashboard.monitor.wake()
 
     async def _run(self) -> None:
         loop, something = asyncio.get_running_loop(), asyncio.Event()
-        monitor, good = self._hub.monitor, True
+        monitor, good = self._dashboard.monitor, True
         while True:
             await asyncio.sleep(PERIOD)
             something.clear()
@@ -114,12 +114,12 @@ class Broadcaster:
                     _log.error("a bug in the live data", exc_info=bug)
 
     def _tick(self) -> None:
-        hub = self._hub
-        hub.look()
-        batch = hub.monitor.drain()
+        dashboard = self._dashboard
+        dashboard.refresh()
+        batch = dashboard.monitor.drain()
         events = [page_json(event) for event in batch.events]
         stated = False
-        if batch.events or hub.clock() - self._stated >= STATE_EVERY:
+        if batch.events or dashboard.clock() - self._stated >= STATE_EVERY:
             stated = self._new_state()
         tails: dict[Fields, str] = {}
         for listener in self._listeners:
@@ -131,8 +131,8 @@ class Broadcaster:
                 listener.offer(tail)
 
     def _new_state(self) -> bool:
-        self._stated = self._hub.clock()
-        shared = state_of(self._hub).model_dump(exclude=set(OWN))
+        self._stated = self._dashboard.clock()
+        shared = state_of(self._dashboard).model_dump(exclude=set(OWN))
         self._state = (self._state[0] + 1, dumps(shared)[1:-1])
         return True
 
@@ -166,7 +166,7 @@ async def live(socket: WebSocket, client: str = "", name: str = "") -> None:
         may_control = socket.scope["state"]["rights"] == "control"
         listener = Listener(client_of(client, name, may_control=may_control))
     except ApiRefusal as error:
-        await socket.send_denial_response(answer_to(error))
+        await socket.send_denial_response(json_response(error))
         return
     await socket.accept()
     if broadcaster.full:

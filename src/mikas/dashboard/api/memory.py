@@ -12,9 +12,10 @@ from pydantic import BaseModel, Field
 
 from mikas.client import Ecu
 from mikas.commands import WriteList
-from mikas.dashboard.api.dependencies import Controller, TheHub
-from mikas.dashboard.api.errors import TwoTexts, errors, in_hex
+from mikas.dashboard.api.dependencies import Controller, TheDashboard
+from mikas.dashboard.api.errors import TwoTexts, errors
 from mikas.dashboard.api.state import State, state_of
+from mikas.dashboard.error_responses import hex_or_none
 from mikas.dashboard.errors import NotConnected
 
 router = APIRouter(tags=["memory"])
@@ -67,7 +68,7 @@ class JournalResponse(BaseModel):
 
 @router.get("/memory/{space}", responses=errors(409, 502, 503))
 async def memory(
-    hub: TheHub,
+    dashboard: TheDashboard,
     _: Controller,
     space: Space,
     address: Address,
@@ -79,34 +80,34 @@ async def memory(
     def read(ecu: Ecu) -> tuple[bytes, float]:
         return ecu.memory[space].read_block(first, count), ecu.tester.link.now()
 
-    data, time = await hub.ask(read)
-    return MemoryResponse(space=space, address=first, data=in_hex(data) or "", time=time)
+    data, time = await dashboard.connection.ask(read)
+    return MemoryResponse(space=space, address=first, data=hex_or_none(data) or "", time=time)
 
 
 @router.post("/unlock", responses=errors(409, 503))
-def unlock(hub: TheHub, client: Controller, wish: UnlockRequest) -> State:
+def unlock(dashboard: TheDashboard, client: Controller, body: UnlockRequest) -> State:
     """Lets memory and parameters be written for some minutes, on this connection."""
-    if hub.session is None:
+    if dashboard.connection.thread is None:
         raise NotConnected
-    hub.lock.open(wish.minutes * 60)
-    return state_of(hub, client)
+    dashboard.write_lock.open(body.minutes * 60)
+    return state_of(dashboard, client)
 
 
 @router.post("/lock", responses=errors(409))
-def lock(hub: TheHub, client: Controller) -> State:
+def lock(dashboard: TheDashboard, client: Controller) -> State:
     """No more writing."""
-    hub.lock.close()
-    return state_of(hub, client)
+    dashboard.write_lock.close()
+    return state_of(dashboard, client)
 
 
 @router.get("/journal", responses=errors(), response_model=JournalResponse)
-def journal(hub: TheHub) -> Response:
+def journal(dashboard: TheDashboard) -> Response:
     """What was changed in which unit, from this computer: the last 200 lines.
 
     That a unit was told what to send (64) is in the file, and no change of a car: not here.
     """
     try:
-        with hub.settings.journal.open("rb") as file:
+        with dashboard.settings.journal.open("rb") as file:
             size = file.seek(0, os.SEEK_END)
             file.seek(max(0, size - _TAIL))
             lines = file.read().decode("utf-8", "replace").splitlines()

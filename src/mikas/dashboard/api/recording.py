@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
-from mikas.dashboard.api.dependencies import Controller, TheHub
+from mikas.dashboard.api.dependencies import Controller, TheDashboard
 from mikas.dashboard.api.errors import errors
 from mikas.dashboard.api.state import State, state_of
 
@@ -43,27 +43,27 @@ class NoteResponse(BaseModel):
 
 
 @router.post("/start", responses=errors(409, 503))
-async def start(hub: TheHub, client: Controller, wish: StartRecordingRequest) -> State:
+async def start(dashboard: TheDashboard, client: Controller, body: StartRecordingRequest) -> State:
     """Records everything on the wire to a new file from here on."""
-    await hub.recording.start(wish.name)
-    return state_of(hub, client)
+    await dashboard.recorder.start(body.name)
+    return state_of(dashboard, client)
 
 
 @router.post("/stop", responses=errors(409))
-def stop(hub: TheHub, client: Controller) -> State:
+def stop(dashboard: TheDashboard, client: Controller) -> State:
     """Ends the recording."""
-    hub.recording.stop()
-    return state_of(hub, client)
+    dashboard.recorder.stop()
+    return state_of(dashboard, client)
 
 
 @router.post("/marker", responses=errors(409))
-def marker(hub: TheHub, _: Controller, wish: MarkerRequest) -> MarkerResponse:
+def marker(dashboard: TheDashboard, _: Controller, body: MarkerRequest) -> MarkerResponse:
     """Marks this moment."""
-    return MarkerResponse(time=hub.recording.marker(wish.label))
+    return MarkerResponse(time=dashboard.recorder.marker(body.label))
 
 
 @router.post("/note", responses=errors(409))
-def note(hub: TheHub, _: Controller, wish: NoteRequest) -> NoteResponse:
+def note(dashboard: TheDashboard, _: Controller, body: NoteRequest) -> NoteResponse:
     """Words into the recording that is being made."""
-    hub.recording.note(wish.text)
+    dashboard.recorder.note(body.text)
     return NoteResponse(kept=True)

@@ -1,4 +1,4 @@
-"""The report of the running session: its last minutes, the passport, the faults as last read."""
+"""The report on the running connection: its last minutes, the passport, the last read faults."""
 
 from __future__ import annotations
 
@@ -9,18 +9,17 @@ from typing import TYPE_CHECKING, Final
 from fastapi import APIRouter
 from fastapi.responses import Response
 
-from mikas.dashboard.api.dependencies import TheHub
+from mikas.dashboard.api.dependencies import TheDashboard, TheLibrary
 from mikas.dashboard.api.errors import errors
 from mikas.dashboard.api.exports import HTML, page_answer
 from mikas.dashboard.errors import NotConnected
-from mikas.dashboard.library.service import TheDesk
 from mikas.i18n import Language
 from mikas.recording.table.channels import Rows
 from mikas.sampling.events import Event, Gap, UnitFound
 
 if TYPE_CHECKING:
     from mikas.catalog import Catalog
-    from mikas.dashboard.dashboard import Hub
+    from mikas.dashboard.dashboard import Dashboard
     from mikas.report.findings import Findings
     from mikas.report.subject import Interruption, UnitIdentity
 
@@ -31,45 +30,50 @@ MINUTES: Final = 15
 
 @router.get("/report", response_class=Response, responses={**errors(409, 503), **HTML})
 async def report(
-    hub: TheHub, desk: TheDesk, lang: Language = "en", inline: bool = False
+    dashboard: TheDashboard, library: TheLibrary, lang: Language = "en", inline: bool = False
 ) -> Response:
-    """A page on the car that is connected, made of the last quarter of an hour."""
+    """Return a page on the connected car, made of the last quarter of an hour."""
     from mikas.report.page import render
 
-    page = await desk.alone(lambda: render(_found(hub), lang))
+    page = await library.run_alone(lambda: render(_found(dashboard), lang))
     return page_answer(page, "mikas.html", inline=inline)
 
 
-def _found(hub: Hub) -> Findings:
+def _found(dashboard: Dashboard) -> Findings:
     from mikas.report.fault_history import cleared_faults
     from mikas.report.findings import find
     from mikas.report.formatting import date_of
     from mikas.report.measurements import MeasurementCollector
     from mikas.report.subject import Conditions, ReportSubject
 
-    catalog, monitor, session, ecu, way = hub.catalog, hub.monitor, hub.session, hub.ecu, hub.way
+    catalog, monitor, connection = dashboard.catalog, dashboard.monitor, dashboard.connection
+    thread, ecu, port = connection.thread, connection.ecu, connection.port
     with monitor.lock:
         unit, method, errors_ = monitor.unit, monitor.method or "", monitor.meters.errors
         events = monitor.events
     rows = _since(
-        _judged(hub.history.rows(MINUTES * 60), catalog, hub.settings.connection.interpretation),
+        _judged(
+            dashboard.history.rows(MINUTES * 60),
+            catalog,
+            dashboard.settings.connection.interpretation,
+        ),
         events,
     )
     if unit is None and not len(rows.times):
         raise NotConnected
     measuring = MeasurementCollector(catalog, rows.values)
     measuring.add(rows)
-    stored, measured = hub.fault_history.latest, measuring.measured
+    stored, measured = dashboard.fault_history.latest, measuring.measured
     subject = ReportSubject(
         catalog=catalog,
         unit=_unit(unit, catalog),
         faults=stored.faults if stored else None,
         faults_read=stored.time if stored else None,
-        gone=cleared_faults(hub.fault_history.readings, catalog),
+        gone=cleared_faults(dashboard.fault_history.readings, catalog),
         how=Conditions(
             date=date_of(measured.began),
-            port=way.url if way else "",
-            adapter=session.adapter if session else "",
+            port=port.url if port else "",
+            adapter=thread.adapter if thread else "",
             echo=ecu.tester.echoes if ecu else None,
             method=method,
             pauses=tuple(_pauses(events, measured.began)),
@@ -80,7 +84,7 @@ def _found(hub: Hub) -> Findings:
 
 
 def _judged(rows: Rows, catalog: Catalog, interpretation: str) -> Rows:
-    """Without what is shown in another sense than the one that references belong to."""
+    """Return the rows without channels whose interpretation differs from their reference's."""
     other = {
         each.name
         for each in catalog.parameters

@@ -9,7 +9,7 @@ from pydantic import BaseModel, Field
 from mikas.client.polling import Method
 from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.api.errors import TwoTexts, two, two_or_none
-from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.security.control import Client
 from mikas.i18n import Text
 from mikas.sampling.alarms import Side
@@ -19,33 +19,33 @@ Line = Literal["off", "no-port", "no-echo", "echo-only", "ecu-alive", "sampling"
 
 
 class PlannedChannel(BaseModel):
-    """A channel, and in which cycles it is asked: 1 is every one, 10 every tenth."""
+    """A channel and its divisor: 1 means every cycle, 10 every tenth."""
 
     name: str = Field(min_length=1, max_length=40, examples=["TWAT"])
     every: int = Field(1, ge=1, le=1000)
 
 
 class PlanInfo(BaseModel):
-    """What is asked."""
+    """The plan of sampling."""
 
     wanted: list[PlannedChannel]
     method: Method
-    rate: float | None = Field(description="sets a second at most; null: as fast as it goes")
+    rate: float | None = Field(description="readings a second at most; null: as fast as possible")
 
 
 class RunningRecording(BaseModel):
-    """The recording that is being made."""
+    """The recording in progress."""
 
     file: str
     since: float | None
     bytes: int
     samples: int
     gaps: int
-    failure: TwoTexts | None = Field(description="why it broke off, if it did")
+    failure: TwoTexts | None = Field(description="why it broke off; null: it did not")
 
 
 class ActiveAlarm(BaseModel):
-    """A channel that is beyond a limit now."""
+    """A channel beyond a limit."""
 
     name: str
     level: Literal["warning", "danger"]
@@ -56,7 +56,7 @@ class ActiveAlarm(BaseModel):
 
 
 class ControlHolder(BaseModel):
-    """Who decides what the line does."""
+    """The client in control. `you`: the client that asked."""
 
     id: str
     name: str
@@ -64,20 +64,20 @@ class ControlHolder(BaseModel):
 
 
 class State(BaseModel):
-    """Everything at a glance. Times are UNIX seconds of the link's clock."""
+    """The state of everything. Times are UNIX seconds of the link's clock."""
 
     line: Line
     text: TwoTexts
-    reason: TwoTexts | None = Field(description="what is wrong and what to try, while it is")
-    reason_code: str | None = Field(description="the same as the class of the error: NoEcho…")
+    reason: TwoTexts | None = Field(description="the error with advice, while it lasts")
+    reason_code: str | None = Field(description="the class of that error: NoEcho…")
     since: float
     port: str | None
     adapter: str
     model: TwoTexts | None
     version_code: int | None
     passport: list[str | None] | None
-    method: str | None = Field(description="in use; plan.method is what was asked for")
-    rates: dict[str, float] = Field(description="sets a second of each method that was measured")
+    method: str | None = Field(description="in use; plan.method is the requested one")
+    rates: dict[str, float] = Field(description="readings a second of each measured method")
     rate: float
     bus_load: float
     errors_minute: int
@@ -88,7 +88,7 @@ class State(BaseModel):
     recording: RunningRecording | None
     alarms: list[ActiveAlarm]
     alarm_count: int = Field(description="alarms that began since the connection was made")
-    fault_count: int | None = Field(description="when they were last read; null: not yet")
+    fault_count: int | None = Field(description="as last read; null: not read yet")
     unlocked_until: float | None
     demo: bool
     lan: bool
@@ -99,7 +99,7 @@ class State(BaseModel):
 
 
 OWN = ("controller", "rights", "viewers", "now")
-"""What differs from client to client, or from moment to moment."""
+"""The fields that differ between clients, or change at every moment."""
 
 _NO_LINE: Line = "off"
 _OFF = Text("not connected", "не подключено")
@@ -107,36 +107,37 @@ _OPENING = Text("opening the port", "открываем порт")
 _STOPPED = Text("stopped", "остановлено")
 
 
-def state_of(hub: Hub, client: Client | None = None) -> State:
-    """Everything at a glance, as `client` sees it."""
-    state = _shared(hub)
+def state_of(dashboard: Dashboard, client: Client | None = None) -> State:
+    """Return the state of everything, as `client` sees it."""
+    state = _shared(dashboard)
     if client is not None:
         state.rights = "control" if client.may_control else "view"
-        state.controller = holder_of(hub, client)
-    state.viewers = hub.seat.viewers
-    state.now = hub.now()
+        state.controller = holder_of(dashboard, client)
+    state.viewers = dashboard.control.viewers
+    state.now = dashboard.connection.now()
     return state
 
 
-def holder_of(hub: Hub, client: Client) -> ControlHolder | None:
-    """Who has the seat; `client` is told whether it is itself."""
-    held = hub.seat.holder
+def holder_of(dashboard: Dashboard, client: Client) -> ControlHolder | None:
+    """Return the client in control; `you`: whether that is `client`."""
+    held = dashboard.control.holder
     if held is None:
         return None
     return ControlHolder(id=held.id, name=held.name, you=held.id == client.id)
 
 
-def _shared(hub: Hub) -> State:
-    """What is the same for all."""
-    monitor, session, now = hub.monitor, hub.session, hub.now()
-    # Any of these may be gone at a second look.
-    way, stored, unlocked = hub.way, hub.fault_history.latest, hub.lock.left
-    recording = _recording(hub)  # not under the monitor's lock: the recorder logs its files there
+def _shared(dashboard: Dashboard) -> State:
+    """Return the part of the state that is the same for all clients."""
+    monitor, connection, request = dashboard.monitor, dashboard.connection, dashboard.plan.request
+    # Read each of these once: another thread may set it to None.
+    thread, now, port = connection.thread, connection.now(), connection.port
+    stored, unlocked = dashboard.fault_history.latest, dashboard.write_lock.left
+    recording = _recording(dashboard)  # not under the monitor's lock: the recorder logs files there
     with monitor.lock:
         text, line = _OFF, _NO_LINE
-        if session is not None and session.ended:
+        if thread is not None and thread.ended:
             text = _STOPPED
-        elif session is not None:
+        elif thread is not None:
             line = monitor.line.value if monitor.line else "no-port"
             text = monitor.line.text if monitor.line else _OPENING
         sampling = line == "sampling"
@@ -148,8 +149,8 @@ def _shared(hub: Hub) -> State:
             reason=two_or_none(monitor.reason or silent),
             reason_code=monitor.reason_code,
             since=monitor.since,
-            port=way.url if way else None,
-            adapter=session.adapter if session else "",
+            port=port.url if port else None,
+            adapter=thread.adapter if thread else "",
             model=two_or_none(unit.model if unit else None),
             version_code=unit.version_code if unit else None,
             passport=[*unit.passport.program, *unit.passport.data]
@@ -158,28 +159,28 @@ def _shared(hub: Hub) -> State:
             method=monitor.method,
             rates=monitor.rates,
             rate=round(monitor.meters.rate(now), 2) if sampling and not silent else 0.0,
-            bus_load=round(monitor.meters.load(session.baud if session else 9600), 3),
+            bus_load=round(monitor.meters.load(thread.baud if thread else 9600), 3),
             errors_minute=monitor.meters.errors_minute(now),
             errors=monitor.meters.errors,
             samples=monitor.meters.samples,
             plan=PlanInfo(
-                wanted=[PlannedChannel(name=n, every=every) for n, every in hub.wish.every.items()],
-                method=hub.wish.method or "auto",
-                rate=hub.wish.rate,
+                wanted=[PlannedChannel(name=n, every=every) for n, every in request.every.items()],
+                method=request.method or "auto",
+                rate=request.rate,
             ),
             dropped_parameters=list(monitor.dropped),
             recording=recording,
-            alarms=[_alarm(hub, it) for it in monitor.shown_alarms],
+            alarms=[_alarm(dashboard, it) for it in monitor.shown_alarms],
             alarm_count=monitor.alarm_count,
             fault_count=len(stored.faults) if stored else None,
             unlocked_until=None if unlocked is None else now + unlocked,
-            demo=hub.is_demo,
-            lan=hub.lan,
+            demo=connection.is_demo,
+            lan=dashboard.lan,
         )
 
 
-def _recording(hub: Hub) -> RunningRecording | None:
-    status = hub.recording.recorder.status
+def _recording(dashboard: Dashboard) -> RunningRecording | None:
+    status = dashboard.recorder.recorder.status
     if status is None:
         return None
     return RunningRecording(
@@ -192,6 +193,6 @@ def _recording(hub: Hub) -> RunningRecording | None:
     )
 
 
-def _alarm(hub: Hub, event: AlarmChanged) -> ActiveAlarm:
-    value = hub.monitor.latest.get(event.name, event.value)
+def _alarm(dashboard: Dashboard, event: AlarmChanged) -> ActiveAlarm:
+    value = dashboard.monitor.latest.get(event.name, event.value)
     return ActiveAlarm.model_validate(event.as_json() | {"value": value, "since": event.time})

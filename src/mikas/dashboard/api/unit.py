@@ -1,6 +1,6 @@
-"""What the unit says of itself: stored faults, passports, what it knows and was found to take.
+"""Routes of the unit: stored faults, passport, supported commands and measured limits.
 
-Reading is done between two cycles. Who does not hold the seat is given what was last read.
+Reading is done between two cycles. A client without control gets the result of the last reading.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from pydantic import BaseModel, Field
 
 from mikas.catalog import Confidence, Fault
 from mikas.client import Ecu, Info, Support
-from mikas.dashboard.api.dependencies import WHO, Controller, TheHub, Viewer
+from mikas.dashboard.api.dependencies import NO_CLIENT_ID, Controller, TheDashboard, Viewer
 from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
-from mikas.dashboard.dashboard import Hub
+from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import BadRequest, NotAllowed, NotController
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.fault_history import StoredFaults
@@ -24,11 +24,11 @@ T = TypeVar("T")
 
 router = APIRouter(tags=["unit"])
 
-_PROBE = 120.0  # s: a second for each command that is left unanswered
+_PROBE = 120.0  # s: each unanswered command takes one
 
 
 class StoredFault(BaseModel):
-    """A stored fault; one with an empty text is not known to the catalog."""
+    """A stored fault; the text of a fault that the catalog does not have is empty."""
 
     code: int
     text: TwoTexts
@@ -36,12 +36,12 @@ class StoredFault(BaseModel):
     certain: bool = Field(description="the text was confirmed on real units")
     informational: bool = Field(description="a message, not a fault")
     check: TwoTexts | None
-    related: list[str] = Field(description="channels that bear on it")
+    related: list[str] = Field(description="related channels")
     first_seen: float
 
 
 class FaultsResponse(BaseModel):
-    """As read at `time`."""
+    """The stored faults, read at `time`."""
 
     time: float
     faults: list[StoredFault]
@@ -49,7 +49,7 @@ class FaultsResponse(BaseModel):
 
 
 class UnitLimits(BaseModel):
-    """What this unit was found to take and to lack."""
+    """The measured limits of this unit, and the codes it refuses."""
 
     max_list: int
     max_block: dict[str, int]
@@ -57,7 +57,7 @@ class UnitLimits(BaseModel):
 
 
 class UnitCommand(BaseModel):
-    """A command; `supported` null: not tried, or no telling."""
+    """A command; `supported` null: not tried, or not known."""
 
     code: int
     name: str
@@ -67,7 +67,7 @@ class UnitCommand(BaseModel):
 
 
 class PassportResponse(BaseModel):
-    """Who the unit is, and through what it is asked."""
+    """The identity of the unit, and its adapter."""
 
     model: TwoTexts
     version_code: int
@@ -86,47 +86,55 @@ class PassportResponse(BaseModel):
 
 
 @router.get("/faults", responses=errors(409, 502, 503))
-async def faults(hub: TheHub, client: Viewer) -> FaultsResponse:
-    """Reads the stored faults. Without control: as they were last read."""
-    return faults_answer(await _latest(hub, client, hub.fault_history.latest, hub.read_faults))
+async def faults(dashboard: TheDashboard, client: Viewer) -> FaultsResponse:
+    """Read the stored faults. Without control: as they were last read."""
+    return _faults_response(
+        await _latest(
+            dashboard, client, dashboard.fault_history.latest, dashboard.fault_history.read
+        )
+    )
 
 
 @router.get("/passport", responses=errors(409, 502, 503))
-async def passport(hub: TheHub, client: Viewer) -> PassportResponse:
-    """Who the unit is. Without control: as it was last read."""
+async def passport(dashboard: TheDashboard, client: Viewer) -> PassportResponse:
+    """Read the passport. Without control: as it was last read."""
 
     def read(ecu: Ecu) -> Info:
-        hub.info = info = ecu.info()
+        dashboard.info = info = ecu.info()
         return info
 
-    return _passport_answer(hub, await _latest(hub, client, hub.info, read), hub.supported)
+    return _passport_response(
+        dashboard, await _latest(dashboard, client, dashboard.info, read), dashboard.supported
+    )
 
 
 @router.post("/passport/probe", responses=errors(409, 502, 503))
-async def probe(hub: TheHub, _: Controller) -> PassportResponse:
-    """Tries every harmless command once; a second for each that is left unanswered."""
+async def probe(dashboard: TheDashboard, _: Controller) -> PassportResponse:
+    """Try every harmless command once; each unanswered one takes a second."""
 
     def read(ecu: Ecu) -> tuple[Info, list[Support]]:
-        hub.info, hub.supported = info, supported = ecu.info(), list(ecu.supported())
+        dashboard.info, dashboard.supported = info, supported = ecu.info(), list(ecu.supported())
         return info, supported
 
-    return _passport_answer(hub, *await hub.ask(read, seconds=_PROBE))
+    return _passport_response(dashboard, *await dashboard.connection.ask(read, seconds=_PROBE))
 
 
-async def _latest(hub: Hub, client: Client, known: T | None, job: Callable[[Ecu], T]) -> T:
-    """What `job` reads now; `known`, what was last read, for a client that may not ask."""
+async def _latest(
+    dashboard: Dashboard, client: Client, known: T | None, job: Callable[[Ecu], T]
+) -> T:
+    """Return the result of `job`; for a client without control `known`, the last result."""
     try:
-        hub.seat.demand(client, take=False)
+        dashboard.control.demand(client, take=False)
         if not client.id:
-            raise BadRequest(problem=WHO)
+            raise BadRequest(problem=NO_CLIENT_ID)
     except (BadRequest, NotAllowed, NotController):
         if known is None:
             raise
         return known
-    return await hub.ask(job)
+    return await dashboard.connection.ask(job)
 
 
-def faults_answer(stored: StoredFaults) -> FaultsResponse:
+def _faults_response(stored: StoredFaults) -> FaultsResponse:
     """As the API tells them."""
     return FaultsResponse(
         time=stored.time,
@@ -149,28 +157,32 @@ def fault_of(fault: Fault, first_seen: float) -> StoredFault:
     )
 
 
-def _passport_answer(hub: Hub, info: Info, supported: list[Support] | None) -> PassportResponse:
-    session = hub.session
-    port = session.url if session else ""
+def _passport_response(
+    dashboard: Dashboard, info: Info, supported: list[Support] | None
+) -> PassportResponse:
+    thread = dashboard.connection.thread
+    port = thread.url if thread else ""
     return PassportResponse(
         model=two(info.model.text),
         version_code=info.version_code,
         program_passport=list(info.passport.program),
         data_passport=list(info.passport.data),
         parameter_count=info.parameter_count,
-        adapter=session.adapter if session else "",
+        adapter=thread.adapter if thread else "",
         port=port,
         echo=info.echo,
-        baud=session.baud if session else 9600,
-        latency_ms=next((p.latency_ms for p in hub.settings.find() if p.url == port), None),
+        baud=thread.baud if thread else 9600,
+        latency_ms=next((p.latency_ms for p in dashboard.settings.find() if p.url == port), None),
         limits=UnitLimits(
             max_list=info.limits.max_list,
             max_block=dict(info.limits.max_block),
             refused=list(info.limits.refused),
         ),
-        method=hub.monitor.method,
-        rates=hub.monitor.rates,
-        supported=None if supported is None else [_command(it, _used(hub)) for it in supported],
+        method=dashboard.monitor.method,
+        rates=dashboard.monitor.rates,
+        supported=None
+        if supported is None
+        else [_command(it, _used(dashboard)) for it in supported],
     )
 
 
@@ -179,11 +191,11 @@ _USED_BY: dict[str, tuple[int, ...]] = {
 }  # fmt: skip
 
 
-def _used(hub: Hub) -> frozenset[int]:
-    """The first codes of the commands that values were read with."""
-    methods = {name for name, rate in hub.monitor.rates.items() if rate > 0}
-    if hub.monitor.meters.samples and hub.monitor.method:
-        methods.add(hub.monitor.method)
+def _used(dashboard: Dashboard) -> frozenset[int]:
+    """Return the first codes of the commands that values were read with."""
+    methods = {name for name, rate in dashboard.monitor.rates.items() if rate > 0}
+    if dashboard.monitor.meters.samples and dashboard.monitor.method:
+        methods.add(dashboard.monitor.method)
     return frozenset(code for name in methods for code in _USED_BY.get(name, ()))
 
 

@@ -1,8 +1,6 @@
-"""The folder of recordings: which there are, by name, and what can be done to one as a file.
+"""The folder of recordings: its files by name, and the names of new ones.
 
-An id is a file's name in the folder, and nothing else: no path, no link to elsewhere. What a
-recording says of itself is summed up once and remembered until its file changes: a recording of ten
-hours is not read again for every list.
+An id is a file's name in the folder, and nothing else: no path, no link to elsewhere.
 """
 
 from __future__ import annotations
@@ -10,24 +8,26 @@ from __future__ import annotations
 import os
 import re
 import stat
-import threading
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, Generic, TypeVar
+from typing import Final
 
 from mikas.dashboard.errors import NotFound
-from mikas.dashboard.session.recorder import SUFFIX
+from mikas.errors import CaptureError, reason_of
 
-T = TypeVar("T")
-
+SUFFIX: Final = ".pcapng"
 _NO_NAME: Final = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]')
-_SHOWN: Final = 60  # of a name that was asked for in vain
+_UNFIT: Final = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]+')
+_RESERVED: Final = re.compile(r"(?i)(?:con|prn|aux|nul|com\d|lpt\d)(?:\.|$)")
+_MAX_NAME: Final = 100
+_MAX_SHOWN: Final = 60  # characters of an id that was not found
 
 
 @dataclass(frozen=True, slots=True)
-class Shelved:
-    """One recording's file as it was found. `stamp`: changes when the file does."""
+class RecordingFile:
+    """One recording's file as it was found. `stamp` changes when the file does."""
 
     path: Path
     bytes: int
@@ -35,73 +35,68 @@ class Shelved:
 
     @property
     def id(self) -> str:
-        """Its name in the API."""
+        """The recording's name in the API."""
         return self.path.name
 
 
-class Shelf:
-    """The recordings in `folder`, which need not exist. Any thread may ask."""
+class RecordingFolder:
+    """The recordings in `folder`, which need not exist. Any thread may call."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
-    def all(self) -> list[Shelved]:
-        """The latest first."""
-        found = list(self._found())
-        return sorted(found, key=lambda it: (-it.stamp[0], it.id))
+    def all(self) -> list[RecordingFile]:
+        """Return all recordings, the latest first."""
+        return sorted(self._found(), key=lambda it: (-it.stamp[0], it.id))
 
-    def one(self, identity: str) -> Shelved:
-        """The recording of that id. Raises `NotFound`."""
-        if _is_name(identity) and (it := _shelved(self.folder / identity)):
-            return it
-        raise NotFound(name=identity[:_SHOWN])
+    def one(self, identity: str) -> RecordingFile:
+        """Return the recording of that id. Raises `NotFound`."""
+        if _is_name(identity) and (found := _file_at(self.folder / identity)):
+            return found
+        raise NotFound(name=identity[:_MAX_SHOWN])
 
-    def _found(self) -> Iterator[Shelved]:
+    def new_path(self, name: str | None) -> Path:
+        """Return the path of a new recording: of `name`, or of the date and time."""
+        stem = file_stem(name) or time.strftime("%Y-%m-%d %H-%M-%S")
+        path, number = self.folder / f"{stem}{SUFFIX}", 2
+        while path.exists():
+            path, number = self.folder / f"{stem} ({number}){SUFFIX}", number + 1
+        return path
+
+    def delete(self, file: RecordingFile) -> None:
+        """Delete the file. Raises `CaptureError`."""
+        try:
+            file.path.unlink()
+        except OSError as error:
+            raise CaptureError(str(file.path), reason_of(error)) from error
+
+    def _found(self) -> Iterator[RecordingFile]:
         try:
             names = [entry.name for entry in os.scandir(self.folder)]
-        except OSError:  # nothing was recorded yet, or the stick is gone
+        except OSError:  # nothing was recorded yet, or the drive is gone
             return
         for name in names:
-            if _is_name(name) and (it := _shelved(self.folder / name)):
-                yield it
+            if _is_name(name) and (found := _file_at(self.folder / name)):
+                yield found
+
+
+def file_stem(name: str | None) -> str:
+    """Return `name` as a file name without suffix; empty if no character of it fits."""
+    fit = _UNFIT.sub(" ", name or "").removesuffix(SUFFIX)
+    fit = fit.strip(" .")[:_MAX_NAME].strip(" .")
+    return f"{fit}-" if _RESERVED.match(fit) else fit
 
 
 def _is_name(name: str) -> bool:
     return name.endswith(SUFFIX) and not name.startswith(".") and not _NO_NAME.search(name)
 
 
-def _shelved(path: Path) -> Shelved | None:
-    """What is at `path`, if it is a file there itself."""
+def _file_at(path: Path) -> RecordingFile | None:
+    """Return the file at `path`; None for links and anything else."""
     try:
         status = path.lstat()
     except (OSError, ValueError):
         return None
     if not stat.S_ISREG(status.st_mode):
         return None
-    return Shelved(path, status.st_size, (status.st_mtime_ns, status.st_size, status.st_ino))
-
-
-class Remembered(Generic[T]):
-    """What was made of each file, until the file changes; made by one thread at a time."""
-
-    def __init__(self, make: Callable[[Path], T]) -> None:
-        self._make = make
-        self._kept: dict[str, tuple[tuple[int, int, int], T]] = {}
-        self._making = threading.Lock()
-
-    def of(self, it: Shelved) -> T:
-        """What `make` returns for it, now or some time ago."""
-        kept = self._kept.get(it.id)
-        if kept is None or kept[0] != it.stamp:
-            with self._making:
-                kept = self._kept.get(it.id)
-                if kept is None or kept[0] != it.stamp:
-                    kept = (it.stamp, self._make(it.path))
-                    self._kept[it.id] = kept
-        return kept[1]
-
-    def forget_all_but(self, there: list[Shelved]) -> None:
-        """Forgets the files that are gone."""
-        names = {it.id for it in there}
-        for name in [name for name in self._kept if name not in names]:
-            self._kept.pop(name, None)
+    return RecordingFile(path, status.st_size, (status.st_mtime_ns, status.st_size, status.st_ino))

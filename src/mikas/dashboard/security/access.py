@@ -1,12 +1,12 @@
-"""Who may ask, from where, with what rights: judged before anything else looks at a request.
+"""Rights of a request by its host and token; checked before anything else reads the request.
 
-    on this computer   Host and Origin must be our own      control
-    --lan              a token besides                      view; with lan_control: control
+    on this computer   Host and Origin must be this server's    control
+    --lan              a token in addition                      view; with lan_control: control
 
 Host is checked against DNS rebinding (a foreign name that leads to 127.0.0.1), Origin and
 Sec-Fetch-Site against pages of other sites, for HTTP and WebSocket alike. The token comes as
-`Authorization: Bearer`, as a cookie, or once in the link; then it is made a cookie, so that it
-does not stay in the address bar.
+`Authorization: Bearer`, as a cookie, or once in the link; then the server sets it as a cookie, so
+that it does not stay in the address bar.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _LOCAL = ("127.0.0.1", "localhost", "[::1]")
 
 @dataclass(frozen=True, slots=True)
 class Access:
-    """The rules in force. `hosts`: this computer's names in the network, for `lan`."""
+    """The rules in force. `hosts`: this computer's names in the network, with `lan`."""
 
     port: int
     lan: bool = False
@@ -39,39 +39,39 @@ class Access:
 
     @property
     def url(self) -> str:
-        """Where a browser on this computer finds us."""
+        """The address for a browser on this computer."""
         return f"http://127.0.0.1:{self.port}/"
 
     @property
     def lan_url(self) -> str | None:
-        """The link for others, with the token in it."""
+        """The link for other computers, with the token in it."""
         if not self.lan or not self.hosts:
             return None
         return f"http://{self.hosts[0]}:{self.port}/?token={self.token}"
 
     @property
     def cookie(self) -> str:
-        """The cookie's name; a browser does not tell ports apart."""
+        """The cookie's name; browsers share cookies between ports."""
         return f"mikas_{self.port}"
 
     def judge(self, scope: Mapping[str, Any]) -> Rights:
-        """The rights of whoever sent this. Raises `Forbidden`, `TokenRequired`."""
+        """Return the rights of the sender. Raises `Forbidden`, `TokenRequired`."""
         headers = _headers(scope)
         self._check_host(headers)
         self._check_page(scope, headers)
-        if self.is_here(scope):
+        if self.is_local(scope):
             return "control"
         if not self._has_token(scope, headers):
             raise TokenRequired
         return "control" if self.lan_control else "view"
 
-    def is_here(self, scope: Mapping[str, Any]) -> bool:
-        """Whether it comes from this computer itself, which needs no token."""
+    def is_local(self, scope: Mapping[str, Any]) -> bool:
+        """Whether the request comes from this computer, which needs no token."""
         local = _headers(scope).get("host", "").lower() in self._addresses(_LOCAL)
         return local and (not self.lan or _is_loopback(scope))
 
     def offers_token(self, scope: Mapping[str, Any]) -> bool:
-        """Whether this is the link being opened: right token, to be made a cookie."""
+        """Whether the link with the right token is being opened; a cookie is to be set."""
         return (
             self.lan
             and scope["type"] == "http"
@@ -84,7 +84,7 @@ class Access:
         hosts = (*_LOCAL, *(self.hosts if self.lan else ()))
         if host in self._addresses(hosts):
             return
-        raise Forbidden(problem=Text(f"the host “{host}” is not this one", f"имя «{host}» не наше"))
+        raise Forbidden(problem=Text(f"unknown host “{host}”", f"неизвестное имя узла «{host}»"))
 
     def _addresses(self, hosts: Iterable[str]) -> set[str]:
         found = {f"{host.lower()}:{self.port}" for host in hosts}
@@ -99,13 +99,13 @@ class Access:
             hosts = (*_LOCAL, *(self.hosts if self.lan else ()))
             if scheme != "http" or address not in self._addresses(hosts):
                 raise Forbidden(
-                    problem=Text(f"the page {origin} is not ours", f"страница {origin} не наша")
+                    problem=Text(f"foreign page {origin}", f"посторонняя страница {origin}")
                 )
         site = headers.get("sec-fetch-site", "none")
         opened = headers.get("sec-fetch-mode") == "navigate" and scope["path"] == "/"
         if site not in ("none", "same-origin") and not opened:
             raise Forbidden(
-                problem=Text("another site's page asks", "спрашивает страница другого сайта")
+                problem=Text("a request of another site's page", "запрос со страницы другого сайта")
             )
 
     def _has_token(self, scope: Mapping[str, Any], headers: Mapping[str, str]) -> bool:

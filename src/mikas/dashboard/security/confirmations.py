@@ -1,7 +1,7 @@
-"""Confirmations: what was shown to a person, kept until that person says yes, once.
+"""Confirmations: changes that were shown to a person, kept until that person confirms them, once.
 
-A nonce is bound to its client, to what was shown, and to the unit that was there; it lasts two
-minutes. It is used up by the attempt, whatever becomes of it.
+A nonce is bound to its client, to the content shown and to the unit of that moment; it lasts two
+minutes. The attempt uses it up, whatever its result.
 """
 
 from __future__ import annotations
@@ -10,28 +10,22 @@ import secrets
 import threading
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
-from mikas.dashboard.errors import NonceUnknown
+from mikas.dashboard.errors import ConfirmationExpired
 from mikas.dashboard.security.control import Client
 from mikas.i18n import Text
 
-LIFETIME = 120.0
-_MOST = 100
-FOR_GOOD = Text(
-    "The file is removed for good. Download it first if it may be needed.",
-    "Файл удаляется насовсем. Если он может понадобиться, сначала скачайте его.",
-)
-"""What deleting a file means."""
+LIFETIME: Final = 120.0
+_MAX_KEPT: Final = 100
 
 
 @dataclass(frozen=True, slots=True)
-class Prepared:
-    """A change, ready to be confirmed. `make` does it, and returns what was there and is there now.
+class PendingChange:
+    """A change, ready to be confirmed. `make` makes it, and returns the content before and after.
 
-    `make` looks once more whether `before` still stands, and raises `ConfirmationOutdated` if not.
-    `lost`: what is gone afterwards, as texts or JSON; `needs_unlock`: only while writing is
-    unlocked.
+    `make` checks once more whether `before` still holds, and raises `ConfirmationOutdated` if not.
+    `lost`: what the change destroys, as JSON; `needs_unlock`: only while writing is unlocked.
     """
 
     what: Text
@@ -48,40 +42,40 @@ class Prepared:
 class _Kept:
     client: str
     until: float
-    prepared: Prepared
+    change: PendingChange
 
 
 @dataclass(slots=True)
-class Nonces:
-    """Any thread may ask. `clock`: seconds that never run back."""
+class ConfirmationStore:
+    """Pending changes by nonce. Any thread may call. `clock`: seconds that never run back."""
 
     clock: Callable[[], float]
     _kept: dict[str, _Kept] = field(default_factory=dict)
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def keep(self, client: Client, prepared: Prepared) -> str:
-        """The nonce that confirms `prepared`."""
+    def keep(self, client: Client, change: PendingChange) -> str:
+        """Keep `change` and return the nonce that confirms it."""
         nonce = secrets.token_urlsafe(16)
         with self._lock:
             now = self.clock()
-            self._kept = {key: it for key, it in self._kept.items() if it.until > now}
-            while len(self._kept) >= _MOST:
+            self._kept = {key: kept for key, kept in self._kept.items() if kept.until > now}
+            while len(self._kept) >= _MAX_KEPT:
                 del self._kept[next(iter(self._kept))]
-            self._kept[nonce] = _Kept(client.id, now + LIFETIME, prepared)
+            self._kept[nonce] = _Kept(client.id, now + LIFETIME, change)
         return nonce
 
-    def use(self, client: Client, nonce: str) -> Prepared:
-        """What it confirms, once. Raises `NonceUnknown`."""
+    def use(self, client: Client, nonce: str) -> PendingChange:
+        """Return the change that `nonce` confirms, once. Raises `ConfirmationExpired`."""
         with self._lock:
             kept = self._kept.get(nonce)
             if kept is None or kept.client != client.id:
-                raise NonceUnknown
+                raise ConfirmationExpired
             del self._kept[nonce]
             if self.clock() >= kept.until:
-                raise NonceUnknown
-        return kept.prepared
+                raise ConfirmationExpired
+        return kept.change
 
     def clear(self) -> None:
-        """Another unit, or none: nothing that was shown is to be confirmed any more."""
+        """Drop all: there is another unit, or none."""
         with self._lock:
             self._kept.clear()

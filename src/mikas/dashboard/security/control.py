@@ -1,11 +1,11 @@
-"""The controller's seat: one client at a time decides what the line does, the others watch.
+"""The control lease: one client at a time controls the line, the others view.
 
-The seat is taken by asking for it while it is free, and is free again when its holder has been away
-for a while: 15 s after the last WebSocket was closed (a reload, a lid that was shut for a moment),
-60 s after the last request of a client that never had one (a script). A page's request that comes
-when its WebSocket is gone counts as the former: the page is reloaded, or was closed. A request that
-was not understood or not allowed is taken back: it was no use of the seat. Looking (`take` False)
-needs a seat that is free or one's own, and does not take it.
+A client takes the lease by a request while it is free. The lease is free again when its holder has
+been away: 15 s after its last WebSocket closed (a reload, a lid shut for a moment), 60 s after the
+last request of a client that never had one (a script). A request of a page whose WebSocket is gone
+counts as the former: the page is being reloaded, or was closed. An invalid or refused request is
+undone: it did not use the lease. Viewing (`take` False) needs a lease that is free or one's own,
+and does not take it.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from mikas.dashboard.errors import NotAllowed, NotController
 
 AFTER_SOCKET = 15.0
 AFTER_REQUEST = 60.0
-_REMEMBERED = 100  # pages that are gone
+_MAX_GONE = 100  # clients without a WebSocket that are remembered
 
 
 @dataclass(frozen=True, slots=True)
 class Client:
-    """Who asks. `may_control`: whether it may take the seat at all."""
+    """The sender of a request. `may_control`: whether it may take the lease at all."""
 
     id: str
     name: str
@@ -32,17 +32,18 @@ class Client:
 
 
 @dataclass(frozen=True, slots=True)
-class Before:
-    """How the seat was before a request."""
+class LeaseBefore:
+    """The lease as it was before a request, for `undo`."""
 
     request: int
     holder: Client | None
     until: float
 
 
-class Seat:
-    """Who holds it. `clock` gives seconds that never run back; any thread may ask. `changed` is
-    called whenever somebody else holds it than before, nobody among them.
+class ControlLease:
+    """`clock`: seconds that never run back; `changed` is called when the holder changes.
+
+    Any thread may call.
     """
 
     def __init__(
@@ -53,73 +54,73 @@ class Seat:
         self._requests = 0
         self._lock = threading.Lock()
         self._holder: Client | None = None
-        self._until = 0.0  # for a holder without a socket
+        self._until = 0.0  # for a holder without a WebSocket
         self._sockets: dict[str, int] = {}
-        self._left: deque[str] = deque(maxlen=_REMEMBERED)
+        self._gone: deque[str] = deque(maxlen=_MAX_GONE)
 
     @property
     def holder(self) -> Client | None:
-        """Who decides now; None: the seat is free."""
+        """The client in control; None: the lease is free."""
         with self._lock:
-            return self._held()
+            return self._current()
 
     @property
     def viewers(self) -> int:
-        """How many clients look on, the holder included."""
+        """The number of clients with a WebSocket, the holder included."""
         with self._lock:
             return len(self._sockets)
 
-    def demand(self, client: Client, *, force: bool = False, take: bool = True) -> Before:
-        """Lets the holder pass; gives a free seat, or with `force` any. For `take_back`. Without
-        `take` a free seat stays free, and `client` may pass.
+    def demand(self, client: Client, *, force: bool = False, take: bool = True) -> LeaseBefore:
+        """Check that `client` has control, or give it a free lease; with `force` any lease.
 
-        Raises `NotAllowed`, `NotController`.
+        Returns the lease before, for `undo`. Without `take` a free lease stays free. Raises
+        `NotAllowed`, `NotController`.
         """
         if not client.may_control:
             raise NotAllowed
         with self._lock:
-            held = self._held()
-            if held is not None and held.id != client.id and not force:
-                raise NotController(holder=held.name or held.id)
-            if held is None and not take:
-                return Before(self._requests, held, self._until)
+            holder = self._current()
+            if holder is not None and holder.id != client.id and not force:
+                raise NotController(holder=holder.name or holder.id)
+            if holder is None and not take:
+                return LeaseBefore(self._requests, holder, self._until)
             self._requests += 1
-            before = Before(self._requests, held, self._until)
+            before = LeaseBefore(self._requests, holder, self._until)
             self._give(client)
-            after = AFTER_SOCKET if client.id in self._left else AFTER_REQUEST
+            after = AFTER_SOCKET if client.id in self._gone else AFTER_REQUEST
             self._until = self._clock() + after
             return before
 
-    def take_back(self, before: Before) -> None:
-        """That request counts for nothing, unless another came behind it."""
+    def undo(self, before: LeaseBefore) -> None:
+        """Undo the effect of that request, unless another request came after it."""
         with self._lock:
             if before.request == self._requests:
                 self._give(before.holder)
                 self._until = before.until
 
     def release(self, client: Client) -> None:
-        """Frees the seat, if `client` holds it."""
+        """Free the lease, if `client` holds it."""
         with self._lock:
             if self._holder is not None and self._holder.id == client.id:
                 self._give(None)
 
-    def opened(self, client: Client) -> None:
-        """`client` has one WebSocket more."""
+    def socket_opened(self, client: Client) -> None:
+        """Count one more WebSocket of `client`."""
         with self._lock:
             self._sockets[client.id] = self._sockets.get(client.id, 0) + 1
 
-    def closed(self, client: Client) -> None:
-        """`client` has one WebSocket less."""
+    def socket_closed(self, client: Client) -> None:
+        """Count one WebSocket of `client` less."""
         with self._lock:
             left = self._sockets.pop(client.id) - 1
             if left:
                 self._sockets[client.id] = left
                 return
-            self._left.append(client.id)
+            self._gone.append(client.id)
             if self._holder is not None and self._holder.id == client.id:
                 self._until = self._clock() + AFTER_SOCKET
 
-    def _held(self) -> Client | None:
+    def _current(self) -> Client | None:
         holder = self._holder
         if holder is not None and holder.id not in self._sockets and self._clock() >= self._until:
             holder = None

@@ -1,8 +1,8 @@
-"""The door of the application: every request passes here first, and every answer last.
+"""The outermost middleware: checks every request, and adds security headers to every response.
 
-In: judged by `Access` (its rights go along in the scope), its body bounded. Out: the headers that
-keep a browser from doing more with our pages than we mean. Plain ASGI, so that WebSockets and
-streams pass untouched.
+A request gets its rights from `Access` (they go along in the scope) and a limit for its body. The
+headers keep a browser from doing more with the pages than intended. Plain ASGI, so that WebSockets
+and streams pass unchanged.
 """
 
 from __future__ import annotations
@@ -13,13 +13,12 @@ from starlette.datastructures import MutableHeaders
 from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from mikas.dashboard.api.errors import answer_to
-from mikas.dashboard.error_responses import refusal
+from mikas.dashboard.error_responses import json_response, refusal_response
 from mikas.dashboard.errors import ApiRefusal, TokenRequired, TooLarge
 from mikas.dashboard.security.access import Access
 from mikas.i18n import Text
 
-LARGEST_BODY = 1 << 20
+MAX_BODY = 1 << 20
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; "
     "form-action 'self'; frame-ancestors 'none'"
@@ -32,115 +31,113 @@ _HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-_HERE = {"Cross-Origin-Opener-Policy": "same-origin"}
-"""Over plain HTTP a browser heeds this one on its own computer only, and complains elsewhere."""
+_LOCAL = {"Cross-Origin-Opener-Policy": "same-origin"}
+"""Over plain HTTP browsers accept this header from their own computer only."""
 _YEAR = 365 * 24 * 3600
 _POLICY_VIOLATION = 1008
-_TOO_LARGE = Text(f"more than {LARGEST_BODY >> 20} MiB", f"больше {LARGEST_BODY >> 20} МиБ")
+_TOO_LARGE = Text(f"more than {MAX_BODY >> 20} MiB", f"больше {MAX_BODY >> 20} МиБ")
 
 
-class Doorkeeper:
-    """Lets in what `access` lets in."""
+class AccessMiddleware:
+    """Passes the requests that `access` allows."""
 
     def __init__(self, app: ASGIApp, access: Access) -> None:
         self.app = app
         self.access = access
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """One connection."""
+        """Handle one connection."""
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
-        dressed = _dressed(send, _HEADERS | (_HERE if self.access.is_here(scope) else {}))
+        sending = _with_headers(send, _HEADERS | (_LOCAL if self.access.is_local(scope) else {}))
         try:
-            judged = {"rights": self.access.judge(scope), "here": self.access.is_here(scope)}
-            scope.setdefault("state", {}).update(judged)
+            rights = {"rights": self.access.judge(scope), "local": self.access.is_local(scope)}
+            scope.setdefault("state", {}).update(rights)
         except ApiRefusal as error:
-            await self._turn_away(error, scope, receive, dressed)
+            await self._refuse(error, scope, receive, sending)
             return
         if scope["type"] == "websocket":
             await self.app(scope, receive, send)
         elif self.access.offers_token(scope):
-            await self._welcome()(scope, receive, dressed)
+            await self._set_cookie()(scope, receive, sending)
         else:
-            await self._bounded(scope, receive, dressed)
+            await self._limited(scope, receive, sending)
 
-    async def _turn_away(
-        self, error: ApiRefusal, scope: Scope, receive: Receive, send: Send
-    ) -> None:
+    async def _refuse(self, error: ApiRefusal, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "http":
             if isinstance(error, TokenRequired) and self.access.offers_token(scope):
-                await self._welcome()(scope, receive, send)
+                await self._set_cookie()(scope, receive, send)
                 return
-            await refusal(error, scope)(scope, receive, send)
+            await refusal_response(error, scope)(scope, receive, send)
             return
         await receive()  # the handshake
         if "websocket.http.response" in scope.get("extensions", {}):
-            answer = answer_to(error)
+            response = json_response(error)
             await send(
                 {
                     "type": "websocket.http.response.start",
-                    "status": answer.status_code,
-                    "headers": answer.raw_headers,
+                    "status": response.status_code,
+                    "headers": response.raw_headers,
                 }
             )
-            await send({"type": "websocket.http.response.body", "body": answer.body})
+            await send({"type": "websocket.http.response.body", "body": response.body})
             return
         await send({"type": "websocket.close", "code": _POLICY_VIOLATION})
 
-    def _welcome(self) -> Response:
-        """The token becomes a cookie, and leaves the address bar.
+    def _set_cookie(self) -> Response:
+        """Set the token as a cookie, and remove it from the address bar.
 
-        Lax, since a strict one does not go along with a link that was pressed in a messenger's
-        page; what other pages may do is decided by `Access`, cookie or not.
+        Lax: browsers do not send a strict cookie with a link that was opened from a messenger's
+        page. `Access` refuses other sites' pages with or without the cookie.
         """
-        answer = RedirectResponse("/", 303)
-        answer.set_cookie(
+        response = RedirectResponse("/", 303)
+        response.set_cookie(
             self.access.cookie,
             self.access.token,
             max_age=_YEAR,
             httponly=True,
             samesite="lax",
         )
-        return answer
+        return response
 
-    async def _bounded(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def _limited(self, scope: Scope, receive: Receive, send: Send) -> None:
         length = dict(scope["headers"]).get(b"content-length", b"0")
-        if not length.isdigit() or int(length) > LARGEST_BODY:
-            await answer_to(TooLarge(problem=_TOO_LARGE))(scope, receive, send)
+        if not length.isdigit() or int(length) > MAX_BODY:
+            await json_response(TooLarge(problem=_TOO_LARGE))(scope, receive, send)
             return
         taken = 0
-        begun = False
+        started = False
 
         async def counted() -> Message:
             nonlocal taken
             message = await receive()
             taken += len(message.get("body", b""))
-            if taken > LARGEST_BODY:
+            if taken > MAX_BODY:
                 raise TooLarge(problem=_TOO_LARGE)
             return message
 
-        async def noted(message: Message) -> None:
-            nonlocal begun
-            begun = True
+        async def watched(message: Message) -> None:
+            nonlocal started
+            started = True
             await send(message)
 
         try:
-            await self.app(scope, counted, noted)
+            await self.app(scope, counted, watched)
         except TooLarge as error:
-            if begun:
+            if started:
                 raise
-            await answer_to(error)(scope, receive, send)
+            await json_response(error)(scope, receive, send)
 
 
-def _dressed(send: Send, headers: Mapping[str, str]) -> Send:
-    """Adds `headers` to the answer, unless it brings its own."""
+def _with_headers(send: Send, headers: Mapping[str, str]) -> Send:
+    """Add `headers` to the response, unless it has its own."""
 
-    async def dress(message: Message) -> None:
+    async def send_with_headers(message: Message) -> None:
         if message["type"] == "http.response.start":
             own = MutableHeaders(scope=message)
             for name, value in headers.items():
                 own.setdefault(name, value)
         await send(message)
 
-    return dress
+    return send_with_headers

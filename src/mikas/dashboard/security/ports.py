@@ -1,41 +1,37 @@
 """Which ports a client may name: on this computer any, from the network those that are here.
 
-A port's URL can name more than an adapter: a recording to be replayed, a scenario's file, any
-address that this computer can reach. From the network (`--lan-control`) none of these can be named:
-only a serial port that was found, the one that is in use, or a virtual car that comes with mikas.
+A port's URL can name more than an adapter: a recording to replay, a scenario's file, any address
+that this computer can reach. From the network (`--lan-control`) none of these may be named: only a
+serial port that was found, the port in use, or a virtual car that comes with mikas.
 """
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Callable
+from dataclasses import dataclass
 
-from fastapi import Depends, Request
-
-from mikas.dashboard.api.dependencies import TheHub
-from mikas.dashboard.dashboard import Hub
 from mikas.dashboard.errors import NotFromNetwork
+from mikas.link import Port
 from mikas.link.urls import parse
 from mikas.virtual.scenarios.scenario import SCENARIOS
 
-_OF_A_CAR = {"scenario", "seed", "model", "faults"}
+_CAR_OPTIONS = {"scenario", "seed", "model", "faults"}
 
 
-class Reach:
-    """What the client that asks may name."""
+@dataclass(frozen=True, slots=True)
+class PortPolicy:
+    """`local`: the client is on this computer. `find`: lists the ports; `in_use`: a URL."""
 
-    def __init__(self, hub: Hub, *, here: bool) -> None:
-        self._hub = hub
-        self._here = here
+    local: bool
+    find: Callable[[], list[Port]]
+    in_use: str | None
 
     def check(self, url: str | None) -> None:
-        """Raises `NotFromNetwork`, `BadPortUrl`; None, the one likely adapter, is for everybody."""
-        if url is None or self._here or self._is_in_use(url):
+        """Raise `NotFromNetwork`, `BadPortUrl`; None, the one likely adapter, is always allowed."""
+        if url is None or self.local or url == self.in_use:
             return
-        if not (_is_shipped_car(url) or url in [port.url for port in self._hub.settings.find()]):
+        if not (_is_shipped_car(url) or url in [port.url for port in self.find()]):
             raise NotFromNetwork(url=url)
-
-    def _is_in_use(self, url: str) -> bool:
-        return self._hub.way is not None and self._hub.way.url == url
 
 
 def _is_shipped_car(url: str) -> bool:
@@ -43,13 +39,6 @@ def _is_shipped_car(url: str) -> bool:
     return (
         parsed.scheme == "sim"
         and not parsed.address
-        and set(parsed.options) <= _OF_A_CAR
+        and set(parsed.options) <= _CAR_OPTIONS
         and parsed.options.get("scenario", next(iter(SCENARIOS))) in SCENARIOS
     )
-
-
-def _reach(request: Request, hub: TheHub) -> Reach:
-    return Reach(hub, here=bool(request.scope["state"]["here"]))
-
-
-TheReach = Annotated[Reach, Depends(_reach)]

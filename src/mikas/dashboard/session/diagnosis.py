@@ -1,7 +1,7 @@
-"""One examination of a connection: the doctor's steps in a thread of its own, until `end`.
+"""One diagnosis of a connection: its steps run in a thread, until the last one or `end`.
 
-Ending is closing the link under the doctor, as a session is ended: whatever it waits for ends at
-once, and what it would say of a link that we closed ourselves is not told.
+Ending closes the link under the running step, as for the sampling thread: its wait ends at once,
+and errors of a link that was closed here are not reported.
 """
 
 from __future__ import annotations
@@ -9,21 +9,18 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from mikas.client.doctor import Step, examine
+from mikas.dashboard.settings import Settings
 from mikas.link import Link
 
-if TYPE_CHECKING:
-    from mikas.dashboard.settings import Settings
+
+class _Stopped(Exception):
+    """The diagnosis was stopped."""
 
 
-class _NotWanted(Exception):
-    """Nobody wants this examination any more."""
-
-
-class Examination:
-    """Of what is behind `url`; run once. `task` is set by whoever runs it."""
+class Diagnosis:
+    """Examines the port `url` once."""
 
     def __init__(self, url: str, settings: Settings) -> None:
         self._url, self._settings = url, settings
@@ -31,20 +28,20 @@ class Examination:
         self._lock = threading.Lock()
         self._link: Link | None = None
         self.task: asyncio.Task[None] | None = None
-        """Runs it, and gives the port back afterwards."""
+        """The task that calls `run` and gives the port back; set by its creator."""
 
-    def run(self, tell: Callable[[Step], None]) -> None:
-        """The steps, each told as it ends. The port is free when this returns."""
+    def run(self, report: Callable[[Step], None]) -> None:
+        """Run the steps, calling `report` as each ends. The port is free when this returns."""
         options = self._settings.connection
         try:
             for step in examine(self._open, options.create_tester, options.catalog):
-                if not self._stopping.is_set():  # else it ends by itself: its link is closed
-                    tell(step)
-        except _NotWanted:
+                if not self._stopping.is_set():  # else its link was closed under it
+                    report(step)
+        except _Stopped:
             return
 
     def stop(self) -> None:
-        """Ends it, from any thread; before it has begun as well."""
+        """Stop the diagnosis, from any thread, also before it has started."""
         self._stopping.set()
         with self._lock:
             link = self._link
@@ -52,14 +49,14 @@ class Examination:
             link.close()
 
     async def end(self) -> None:
-        """Ends it, and waits until the port was given back."""
+        """Stop the diagnosis, and wait until the port is given back."""
         await asyncio.to_thread(self.stop)
         if self.task is not None:
             await asyncio.wait({self.task})
 
     def _open(self) -> Link:
         if self._stopping.is_set():
-            raise _NotWanted
+            raise _Stopped
         link = self._settings.open_port(self._url)
         with self._lock:
             self._link = link

@@ -1,9 +1,8 @@
-"""Dumps as jobs: piece by piece between samples, kept in files, gone on with after anything.
+"""Dumps as jobs: read piece by piece between samples into files, resumable after any interruption.
 
-A piece is half a second of the wire, then the sampling has its turn. A lost line, a reload, even
-the end of the program cost nothing that was read: what a dump is stands in its file and manifest
-(`mikas.client.memory.dump`), and it goes on behind that. A second pass (verify) is done alike,
-and what it found is kept there too.
+A piece takes 0.4 s on the line, then sampling has its turn. A lost line, a reload or the end of the
+program loses no byte that was read: the file and its manifest (`mikas.client.memory.dump`) hold the
+progress, and reading resumes there. A second pass (verify) works alike; its result is kept as well.
 """
 
 from __future__ import annotations
@@ -12,46 +11,46 @@ import asyncio
 import logging
 import re
 from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Any, Literal
 
 from mikas.client import Ecu
 from mikas.client.memory.dump import Dump
-from mikas.client.memory.manifest import Manifest, read_manifest
-from mikas.dashboard.errors import Busy, InternalError, NotConnected
+from mikas.client.memory.manifest import Manifest, manifest_path, read_manifest
+from mikas.dashboard.errors import Busy, InternalError, NotConnected, NotFound
+from mikas.dashboard.library.deletion import DUMP, Deletion
+from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import LineError, MikasError, NoConnection, UsageError, reason_at
 from mikas.i18n import Text
 
-if TYPE_CHECKING:
-    from mikas.dashboard.dashboard import Hub
-
 _log = logging.getLogger("mikas.dashboard")
 
-PIECE = 384  # bytes: 0.4 s of the wire
-TURN = 0.2  # s that the sampling has between two pieces
-_AGAIN = 1.0  # s until a line that was lost is asked again
-_PATIENCE = 60.0
-_TRIES = 5  # spoilt pieces in a row; the tester has repeated each request by then
-_SPEED_OVER = 10.0
+PIECE = 384  # bytes: 0.4 s on the line
+TURN = 0.2  # s for sampling between two pieces
+_RETRY = 1.0  # s until a lost line is tried again
+_WAIT = 60.0
+_TRIES = 5  # failed pieces in a row; the tester has repeated each request by then
+_SPEED_OVER = 10.0  # s
 CELLS = 256
-_SMALLEST_CELL = 64
+_MIN_CELL = 64
 _STAMP = re.compile(r"-(\d{8}-\d{6})(?:-(\d+))?$")  # of an id; the number: in the same second
 
-_RUNS = Text("the dump {id} is running", "идёт чтение образа {id}")
+_RUNS = Text("the dump {id} is running", "идёт чтение дампа {id}")
 
 Phase = Literal["running", "paused", "done", "failed"]
 
 
-class _Enough(Exception):
+class _PieceRead(Exception):
     """The piece is full."""
 
 
 @dataclass(slots=True)
-class Job:
-    """One dump. `retried`: cells of the map in which something had to be repeated."""
+class DumpJob:
+    """One dump. `retried`: cells of the map in which a request was repeated."""
 
     id: str
     file: Path
@@ -65,78 +64,79 @@ class Job:
 
     @property
     def begun(self) -> tuple[str, int]:
-        """When, as its id says; one that was put there under another name counts as the oldest."""
+        """The start by the id; a file with another name counts as the oldest."""
         stamp = _STAMP.search(self.id)
         return (stamp[1], int(stamp[2] or 1)) if stamp else ("", 0)
 
     @property
     def done(self) -> int:
-        """Bytes read; those of a second pass count as well."""
+        """Bytes read, of both passes."""
         manifest = self.manifest
         return manifest.bytes_read + manifest.checked
 
     @property
     def total(self) -> int:
-        """Bytes to be read, both passes."""
+        """Bytes to read, in both passes."""
         return self.manifest.size * (2 if self.manifest.verify else 1)
 
     @property
     def cell(self) -> int:
-        """Bytes that one cell of the map stands for."""
-        return max(_SMALLEST_CELL, -(-self.manifest.size // CELLS))
+        """Bytes in one cell of the map."""
+        return max(_MIN_CELL, -(-self.manifest.size // CELLS))
 
-    def went_on(self, now: float) -> None:
-        """For the speed."""
+    def count_progress(self, now: float) -> None:
+        """Note the progress, for the speed."""
         self._pace.append((now, self.done))
         while self._pace[0][0] < now - _SPEED_OVER and len(self._pace) > 2:
             self._pace.popleft()
 
-    def rested(self) -> None:
-        """A pause is no slowness."""
+    def pause_clock(self) -> None:
+        """Leave a pause out of the speed."""
         self._pace.clear()
 
     @property
     def speed(self) -> float:
-        """Bytes a second, lately."""
+        """Bytes per second over the last 10 s."""
         if self.phase != "running" or len(self._pace) < 2:
             return 0.0
         (began, before), (ended, after) = self._pace[0], self._pace[-1]
         return (after - before) / (ended - began) if ended > began else 0.0
 
 
-class Dumping:
-    """All dumps in the folder; one of them may be running."""
+class DumpJobs:
+    """All dumps in `folder`; one of them may be running. `clock`: seconds that never run back."""
 
-    def __init__(self, hub: Hub) -> None:
-        self._hub = hub
-        self.jobs: dict[str, Job] = {}
+    def __init__(self, connection: Connection, folder: Path, clock: Callable[[], float]) -> None:
+        self._connection, self._clock = connection, clock
+        self.folder = folder
+        self.jobs: dict[str, DumpJob] = {}
 
     def find(self) -> None:
-        """Those of earlier runs, to be gone on with or looked at."""
-        for file in sorted(self._hub.settings.dumps.glob("*.bin")):
+        """Find the dumps of earlier runs."""
+        for file in sorted(self.folder.glob("*.bin")):
             manifest = None
             with suppress(MikasError):
                 manifest = read_manifest(file)
             if manifest is not None and file.stem not in self.jobs:
                 manifest.holds(file.stat().st_size)
-                job = Job(file.stem, file, manifest, None)
+                job = DumpJob(file.stem, file, manifest, None)
                 if manifest.finished:
                     job.phase = "done"
                 self.jobs[job.id] = job
 
-    def start(self, job: Job) -> None:
-        """Begins it, or goes on with it. Raises `Busy` while another one runs."""
+    def start(self, job: DumpJob) -> None:
+        """Start or resume `job`. Raises `Busy` while another one runs."""
         other = next((it for it in self.jobs.values() if it.phase == "running"), None)
         if other is not None and other is not job:
             raise Busy(problem=_RUNS.filled(id=other.id))
         self.jobs[job.id] = job
         if job.phase != "running":
             job.phase, job.error = "running", None
-            job.rested()
+            job.pause_clock()
             job.task = asyncio.create_task(self._run(job))
 
-    async def pause(self, job: Job) -> None:
-        """Ends it for now; the piece that is under way is still kept."""
+    async def pause(self, job: DumpJob) -> None:
+        """Pause `job`; the piece in progress is kept."""
         if job.task is not None:
             job.task.cancel()
             with suppress(asyncio.CancelledError):
@@ -145,13 +145,49 @@ class Dumping:
         if job.phase == "running":
             job.phase = "paused"
 
+    def one(self, name: str) -> DumpJob:
+        """Return the dump of that id. Raises `NotFound`."""
+        job = self.jobs.get(name)
+        if job is None:
+            raise NotFound(name=name)
+        return job
+
+    def new_file(self, name: str) -> Path:
+        """Return the file for a new dump: of `name`, with a number if that is taken."""
+        stem, number = name, 2
+        while stem in self.jobs or (self.folder / f"{stem}.bin").exists():
+            stem, number = f"{name}-{number}", number + 1
+        return self.folder / f"{stem}.bin"
+
+    def deletion(self, name: str) -> Deletion[DumpJob]:
+        """Return the deletion of that dump, file and manifest."""
+        return Deletion(
+            DUMP,
+            f"{name}.bin",
+            find=lambda: self.one(name),
+            in_use=lambda job: job.phase == "running",
+            stamp=lambda job: (id(job), _shown(job)),
+            shown=_shown,
+            remove=self._delete,
+            blocking=False,
+        )
+
+    def _delete(self, job: DumpJob) -> None:
+        """Delete the manifest last: a dump whose file could not be removed is still known."""
+        try:
+            for path in (job.file, manifest_path(job.file)):
+                path.unlink(missing_ok=True)
+        except OSError as error:
+            raise UsageError(problem=reason_at(job.file, error)) from error
+        del self.jobs[job.id]
+
     async def close(self) -> None:
-        """The program ends."""
+        """Pause all at the end of the program."""
         for job in list(self.jobs.values()):
             await self.pause(job)
 
-    async def _run(self, job: Job) -> None:
-        """Until it is done, or fails: whatever ends it is told, and another one can begin."""
+    async def _run(self, job: DumpJob) -> None:
+        """Read until done; any exception becomes the job's error, and another job can start."""
         try:
             await self._read_all(job)
             job.phase = "done"
@@ -159,35 +195,35 @@ class Dumping:
             job.phase, job.error = "failed", error
         except OSError as error:
             job.phase, job.error = "failed", UsageError(problem=reason_at(job.file, error))
-        except Exception as bug:  # whatever it is: the dump says so and can be resumed
+        except Exception as bug:  # any: the dump shows it and can be resumed
             _log.error("a bug in the dump %s", job.id, exc_info=bug)
             job.phase, job.error = "failed", InternalError(kind=f"{type(bug).__name__}: {bug}")
 
-    async def _read_all(self, job: Job) -> None:
-        spoilt = 0
+    async def _read_all(self, job: DumpJob) -> None:
+        failures = 0
         while True:
             try:
-                going_on = await self._hub.ask(lambda ecu: self._piece(ecu, job), seconds=_PATIENCE)
+                more = await self._connection.ask(lambda ecu: self._piece(ecu, job), seconds=_WAIT)
             except (NotConnected, NoConnection, Busy) as error:
                 job.error = error
-                job.rested()
-                await asyncio.sleep(_AGAIN)
+                job.pause_clock()
+                await asyncio.sleep(_RETRY)
                 continue
             except LineError as error:
                 job.error = error
-                spoilt += 1
+                failures += 1
                 job.retried.add(job.manifest.bytes_read // job.cell)
-                if spoilt == _TRIES:
+                if failures == _TRIES:
                     raise
                 continue
-            spoilt, job.error = 0, None
-            job.went_on(self._hub.clock())
-            if not going_on:
+            failures, job.error = 0, None
+            job.count_progress(self._clock())
+            if not more:
                 return
             await asyncio.sleep(TURN)
 
-    def _piece(self, ecu: Ecu, job: Job) -> bool:
-        """In the sampling thread. Whether there is more to do."""
+    def _piece(self, ecu: Ecu, job: DumpJob) -> bool:
+        """Read one piece, in the sampling thread; return whether there is more to read."""
         failed = ecu.tester.statistics.failed
         before = job.manifest.bytes_read
         if not job.manifest.complete:
@@ -200,7 +236,7 @@ class Dumping:
             self._check(ecu, job)
         return not job.manifest.finished
 
-    def _open(self, ecu: Ecu, job: Job) -> Dump:
+    def _open(self, ecu: Ecu, job: DumpJob) -> Dump:
         ensure_folder(job.file.parent)
         wanted = job.manifest
         dump = Dump(
@@ -214,7 +250,7 @@ class Dumping:
         dump.manifest.verify |= wanted.verify
         return dump
 
-    def _read(self, ecu: Ecu, job: Job) -> None:
+    def _read(self, ecu: Ecu, job: DumpJob) -> None:
         dump = self._open(ecu, job)
         got = 0
 
@@ -222,16 +258,20 @@ class Dumping:
             nonlocal got
             got += count
             if got >= PIECE:
-                raise _Enough
+                raise _PieceRead
 
         try:
-            with suppress(_Enough):
+            with suppress(_PieceRead):
                 dump.advance(block=job.block, progress=progress)
         finally:
             job.manifest = dump.manifest
 
-    def _check(self, ecu: Ecu, job: Job) -> None:
+    def _check(self, ecu: Ecu, job: DumpJob) -> None:
         dump = self._open(ecu, job)
         job.manifest = dump.manifest
-        if dump.manifest.complete:  # else the file was cut: first read what is missing now
+        if dump.manifest.complete:  # else the file was cut: the missing part is read first
             dump.check(PIECE, block=job.block, progress=lambda _: None)
+
+
+def _shown(job: DumpJob) -> dict[str, Any]:
+    return {"id": job.id, "file": job.file.name, "done": job.done, "total": job.total}

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from mikas.catalog import Fault
+from mikas.client import Ecu
 from mikas.sampling.events import FaultReading
 
 _MOST: Final = 100  # readings that differ
@@ -52,6 +53,10 @@ class FaultHistory:
             if self.latest is None:
                 return ()
             return (*self._readings, FaultReading(self.latest.time, self._readings[-1].codes))
+
+    def read(self, ecu: Ecu) -> StoredFaults:
+        """Read the stored faults; a job of the sampling thread."""
+        return self.add(ecu.faults(), ecu.tester.link.now())
 
     def add(self, faults: Sequence[Fault], time: float, *, erased: bool = False) -> StoredFaults:
         """Add the faults that were stored at `time`; `erased`: shortly before.

@@ -1,7 +1,7 @@
-"""The switch: which port, and the one session on it at a time.
+"""Connecting, disconnecting and lending the port: one sampling thread at a time.
 
-Connecting, disconnecting and lending the port exclude each other; who comes second is refused, not
-kept waiting. What a session tells is the hub's business (`tell`, `ended`).
+These exclude each other: the second request is refused, not queued. The events of a thread go to
+the composing `Dashboard`.
 """
 
 from __future__ import annotations
@@ -11,92 +11,96 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
 from mikas.dashboard.errors import Busy
+from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.monitor import DIAGNOSIS, DISCONNECTED, OTHER_PORT, RECONNECTED
-from mikas.dashboard.session.thread import Session
-from mikas.dashboard.settings import Settings
-from mikas.dashboard.wishes import Way
+from mikas.dashboard.session.sampling_thread import SamplingThread
+from mikas.dashboard.settings import PortSettings, Settings
 from mikas.errors import NoPortGiven, UsageError
 from mikas.i18n import Text
 from mikas.link.ports import listed
 from mikas.link.urls import parse
 
-_FIRST_WORD = 2.0  # s that `connect` waits for what the port says
+_FIRST_STATE = 2.0  # s that `connect` waits for the port's first state
 CHANGING = Text("the connection is being changed", "соединение как раз меняется")
 
 
-class Switch:
-    """`begin` makes the session of a way and what goes with it, `over` is told that it has ended
-    because somebody wanted it, and why.
+class ConnectionManager:
+    """Sets the port and the thread of `connection`.
+
+    `create` returns the thread of a port, to be started; `on_end` is called with a thread that was
+    ended by a request, and the reason.
     """
 
     def __init__(
         self,
         settings: Settings,
-        way: Way | None,
+        connection: Connection,
         *,
-        begin: Callable[[Way], Session],
-        over: Callable[[Session, Text], None],
+        create: Callable[[PortSettings], SamplingThread],
+        on_end: Callable[[SamplingThread, Text], None],
     ) -> None:
-        self.way = way
-        """How the unit is reached, or will be when the application starts; None: not at all."""
-        self.session: Session | None = None
-        self._settings = settings
-        self._begin, self._over = begin, over
+        self._settings, self._connection = settings, connection
+        self._create, self._on_end = create, on_end
         self._changing = asyncio.Lock()
-        self._first_word = asyncio.Event()
+        self._first_state = asyncio.Event()
 
     def start(self) -> None:
-        """To what is to be connected at once."""
+        """Connect to the port that the connection has at the start, if any."""
         self._loop = asyncio.get_running_loop()
-        if self.way is not None:
-            self._open(self.way)
+        if self._connection.port is not None:
+            self._open(self._connection.port)
 
     async def connect(
-        self, url: str | None, *, echo: str = "auto", wanted: Callable[[str], None] = lambda _: None
+        self,
+        url: str | None,
+        *,
+        echo: str = "auto",
+        accepted: Callable[[str], None] = lambda _: None,
     ) -> None:
-        """Connects to `url`, or to the one likely adapter; a connection that there is ends.
+        """Connect to `url`, or to the one likely adapter; an existing connection ends.
 
-        `wanted` is given the URL when there is nothing wrong with the wish. Raises what is wrong
-        with the wish; what is wrong with the line is told by the state.
+        `accepted` is called with the URL once the request is known to be valid. Raises the
+        request's errors; errors of the line are in the state.
         """
         async with self._alone():
             if url is None:
                 url = await asyncio.to_thread(self.likely)
             parse(url)
-            again = self.way is not None and self.way.url == url
+            port = self._connection.port
+            again = port is not None and port.url == url
             await self.close(RECONNECTED if again else OTHER_PORT)
-            wanted(url)
-            self.way = Way(url, echo)
-            self._open(self.way)
-            await self._listen()
+            accepted(url)
+            self._connection.port = PortSettings(url, echo)
+            self._open(self._connection.port)
+            await self._wait_for_state()
 
     async def disconnect(self) -> None:
-        """Lets go of the port."""
+        """Close the port."""
         async with self._alone():
             await self.close()
-            self.way = None
+            self._connection.port = None
 
     @asynccontextmanager
     async def lent(self) -> AsyncIterator[None]:
-        """Lets go of the port meanwhile, and takes it again."""
+        """Close the port meanwhile, and open it again."""
         async with self._alone():
-            way = self.way
+            port = self._connection.port
             await self.close(DIAGNOSIS)
             try:
                 yield
             finally:
-                if way is not None:
-                    self._open(way)
+                if port is not None:
+                    self._open(port)
 
     async def close(self, why: Text = DISCONNECTED) -> None:
-        """Ends the session, if there is one; `way` stays."""
-        session, self.session = self.session, None
-        if session is not None:
-            await asyncio.to_thread(session.stop)
-            self._over(session, why)
+        """End the sampling thread, if there is one; the connection keeps its port settings."""
+        thread, self._connection.thread = self._connection.thread, None
+        if thread is not None:
+            await asyncio.to_thread(thread.stop)
+            self._on_end(thread, why)
 
     def likely(self) -> str:
-        """The URL of the one likely adapter. Raises `NoPortGiven`."""
+        """Return the URL of the one likely adapter. Raises `NoPortGiven`."""
         ports = self._settings.find()
         likely = [port.url for port in ports if port.likely]
         if len(likely) != 1:
@@ -105,12 +109,12 @@ class Switch:
 
     @property
     def changing(self) -> bool:
-        """Whether the connection is being changed just now."""
+        """Whether the connection is being changed at this moment."""
         return self._changing.locked()
 
-    def heard(self) -> None:
-        """The port has said its first word; from any thread."""
-        self._loop.call_soon_threadsafe(self._first_word.set)
+    def state_known(self) -> None:
+        """Note that the port has its first state; from any thread."""
+        self._loop.call_soon_threadsafe(self._first_state.set)
 
     @asynccontextmanager
     async def _alone(self) -> AsyncIterator[None]:
@@ -119,18 +123,19 @@ class Switch:
         async with self._changing:
             yield
 
-    def _open(self, way: Way) -> None:
-        self._first_word.clear()
-        session = self._begin(way)
-        self.session = session
-        session.start()
+    def _open(self, port: PortSettings) -> None:
+        self._first_state.clear()
+        thread = self._create(port)
+        self._connection.thread = thread
+        thread.start()
 
-    async def _listen(self) -> None:
-        """Until the port has said its first word. Raises what is wrong with its address."""
+    async def _wait_for_state(self) -> None:
+        """Wait for the port's first state. Raises the errors of its address."""
         try:
-            async with asyncio.timeout(_FIRST_WORD):
-                await self._first_word.wait()
+            async with asyncio.timeout(_FIRST_STATE):
+                await self._first_state.wait()
         except TimeoutError:
-            return  # it takes its time; the state will tell
-        if self.session is not None and isinstance(self.session.failure, UsageError):
-            raise self.session.failure
+            return  # the state will show the result
+        thread = self._connection.thread
+        if thread is not None and isinstance(thread.failure, UsageError):
+            raise thread.failure

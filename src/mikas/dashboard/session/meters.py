@@ -14,7 +14,7 @@ _BITS_PER_BYTE = 10  # §1
 
 
 class Meters:
-    """Fed by whoever holds the hub's lock."""
+    """The caller holds the monitor's lock."""
 
     def __init__(self) -> None:
         self.samples = 0

@@ -1,60 +1,65 @@
-"""What is to be sampled, and what that costs; with a connection, and before there is one."""
+"""The channels to sample, and their cost; with a connection, and before there is one."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
 
+from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import NotConnected
-from mikas.dashboard.wishes import Wish
+from mikas.dashboard.session.connection import Connection
+from mikas.dashboard.session.monitor import ConnectionMonitor
+from mikas.dashboard.settings import SamplingRequest
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.acquisition import Acquisition
-
-if TYPE_CHECKING:
-    from mikas.dashboard.dashboard import Hub
-    from mikas.sampling.plan import Price
+from mikas.sampling.plan import Price
 
 
-class Planning:
-    """Changes the hub's wish; any thread may."""
+class SamplingPlanner:
+    """`request`: all channels at first. Any thread may call."""
 
-    def __init__(self, hub: Hub) -> None:
-        self._hub = hub
+    def __init__(
+        self, connection: Connection, monitor: ConnectionMonitor, options: ConnectionOptions
+    ) -> None:
+        self._connection, self._monitor, self._options = connection, monitor, options
+        self._catalog = options.catalog
         self._lock = threading.Lock()
+        self.request = SamplingRequest(dict.fromkeys(self.channels, 1))
 
     @property
     def channels(self) -> list[str]:
-        """Every channel that the catalog has."""
-        catalog = self._hub.catalog
-        return [*(parameter.name for parameter in catalog.parameters), *catalog.derived]
+        """The names of all channels of the catalog."""
+        parameters = (parameter.name for parameter in self._catalog.parameters)
+        return [*parameters, *self._catalog.derived]
 
-    def want(self, wish: Wish) -> None:
-        """Samples this from now on, or from the next connection. Raises `UnknownParameter` …"""
-        with self._lock:  # two at once: what is sampled is what is said to be
-            if (session := self._hub.session) is not None:
-                session.acquisition.reconfigure(wish.names, wish.method or "auto", wish.rate)
+    def sample(self, request: SamplingRequest) -> None:
+        """Sample `request` from now on, or from the next connection. Raises `UnknownParameter` …"""
+        with self._lock:  # two requests at once: the one that is sampled is the one that is shown
+            if (thread := self._connection.thread) is not None:
+                thread.acquisition.reconfigure(
+                    request.names, request.method or "auto", request.rate
+                )
             else:
-                for name in wish.every:
-                    self._hub.catalog.channel(name)
-            self._hub.wish = wish
-            self._hub.monitor.set_names(wish.every)
+                for name in request.every:
+                    self._catalog.channel(name)
+            self.request = request
+            self._monitor.set_names(request.every)
 
     def relearn(self) -> None:
-        """Forgets what was learnt of this unit. Raises `NotConnected`."""
-        if self._hub.session is None:
+        """Forget the measured speeds and limits of this unit. Raises `NotConnected`."""
+        if (thread := self._connection.thread) is None:
             raise NotConnected
-        self._hub.session.acquisition.relearn()
+        thread.acquisition.relearn()
 
     def price(self, names: Sequence[str], method: str) -> Price:
-        """What a set of `names` costs, with what is known of the unit, if there is one."""
-        session = self._hub.session
-        acquisition = session.acquisition if session else self._unconnected
+        """Return the cost of one cycle of `names`, by the limits known of the unit, if any."""
+        thread = self._connection.thread
+        acquisition = thread.acquisition if thread else self._unconnected
         return acquisition.price(names, method)
 
     @cached_property
     def _unconnected(self) -> Acquisition:
-        """Never run: it knows what things cost on a unit of which nothing is known."""
-        options = self._hub.settings.connection
-        return Acquisition(ReconnectingPort("sim:"), options.create_ecu, options.catalog)
+        """An acquisition that never runs: it knows the costs on a unit with default limits."""
+        port = ReconnectingPort("sim:")
+        return Acquisition(port, self._options.create_ecu, self._catalog)

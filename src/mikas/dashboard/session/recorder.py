@@ -1,168 +1,149 @@
-"""Recording the running connection: start, stop, marker, note.
+"""Recording of the running connection: start, stop, marker, note.
 
-The recorder is always at the wire, so a recording can begin at any moment; it does so between two
-cycles, where a stream that runs is begun anew and can be read again from the file alone.
+The recorder always listens to the line, so a recording can start at any moment. It starts between
+two cycles, where a running stream is requested again, so that the file alone can be decoded.
 """
 
 from __future__ import annotations
 
-import re
-import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from mikas.client import Ecu
 from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.errors import Busy, NotConnected
+from mikas.dashboard.library.folder import RecordingFolder
+from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.event_log import RecordingChanged
+from mikas.dashboard.session.fault_history import FaultHistory
+from mikas.dashboard.session.monitor import ConnectionMonitor
+from mikas.dashboard.session.sampling_thread import SamplingThread
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.recording.annotations.events import faults_note
 from mikas.recording.recorder import Recorder, RecordingStatus, ask_in_full
-from mikas.sampling.events import Marker, UnitFound
+from mikas.sampling.events import Event, Marker, UnitFound
 
-if TYPE_CHECKING:
-    from mikas.client import Ecu
-    from mikas.dashboard.dashboard import Hub
-    from mikas.dashboard.session.thread import Session
-    from mikas.sampling.events import Event
-
-SUFFIX = ".pcapng"
-_NO_PLACE_IN_A_NAME = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]+')
-_LONGEST = 100
-_RESERVED = re.compile(r"(?i)(?:con|prn|aux|nul|com\d|lpt\d)(?:\.|$)")
 _NONE = Text("nothing is being recorded", "запись не идёт")
 
 
-class RecordingDesk:
-    """The hub's recorder, and where its files go."""
+class SessionRecorder:
+    """The recorder of the connection, with the folder of its files."""
 
-    def __init__(self, hub: Hub) -> None:
-        self._hub = hub
-        self._told: MikasError | None = None
+    def __init__(
+        self,
+        connection: Connection,
+        monitor: ConnectionMonitor,
+        fault_history: FaultHistory,
+        folder: RecordingFolder,
+        interpretation: str,
+    ) -> None:
+        self._connection, self._monitor = connection, monitor
+        self._fault_history, self._folder = fault_history, folder
+        self._reported: MikasError | None = None
         self._name: str | None = None
-        self.kept: RecordingStatus | None = None
+        self.last: RecordingStatus | None = None
         """The recording that the end of the program ended."""
-        self._goes_on = False  # with the first unit that answers
-        self.recorder = Recorder(
-            interpretation=hub.settings.connection.interpretation,
-            on_file=self._tell_begun,
-        )
+        self._continues = False  # with the next unit that is found
+        self.recorder = Recorder(interpretation=interpretation, on_file=self._log_start)
+
+    @property
+    def file_name(self) -> str | None:
+        """The name of the file in progress; None: nothing is being recorded."""
+        status = self.recorder.status
+        return status.path.name if status is not None and status.failure is None else None
 
     async def start(self, name: str | None) -> None:
-        """Records to a new file; what is being recorded ends.
+        """Record to a new file; a recording in progress ends.
 
-        Raises `CaptureError`; `NotConnected` if nobody has answered on this connection yet.
+        Raises `CaptureError`; `NotConnected` if no unit was found on this connection yet.
         """
-        session = self._hub.session
-        if session is None:
+        thread = self._connection.thread
+        if thread is None:
             raise NotConnected
-        if self._hub.monitor.unit is None:  # it would be of nobody
-            raise self._hub.nobody()
-        path = self._path(name)
-
-        def begin() -> None:
-            self._begin(path, session)
+        if self._monitor.unit is None:
+            raise self._connection.not_connected()
+        path = self._folder.new_path(name)
 
         def between_cycles(ecu: Ecu) -> None:
             ask_in_full(ecu)
-            begin()
+            self._start(path, thread)
 
         try:
-            await self._hub.ask(between_cycles)
-        except NotConnected:  # nobody answers: nothing runs that would have to be begun anew
-            begin()
-        self._name, self._goes_on = name, False
-        self._tell_begun(path)
+            await self._connection.ask(between_cycles)
+        except NotConnected:  # the unit is silent: no stream runs that would have to be restarted
+            self._start(path, thread)
+        self._name, self._continues = name, False
+        self._log_start(path)
 
-    def take(self, event: Event, session: Session) -> None:
-        """In the sampling thread: what is told goes into the recording."""
+    def take(self, event: Event, thread: SamplingThread) -> None:
+        """Record an event; in the sampling thread."""
         self.recorder.take(event)
-        if isinstance(event, UnitFound) and self._goes_on:
-            self._goes_on = False
-            path = self._path(self._name)
+        if isinstance(event, UnitFound) and self._continues:
+            self._continues = False
+            path = self._folder.new_path(self._name)
             try:
-                self._begin(path, session)
+                self._start(path, thread)
             except MikasError as error:
-                self._tell_end(path.name, error)
+                self._log_end(path.name, error)
             else:
-                self._tell_begun(path)
+                self._log_start(path)
 
-    def pause(self, time: float, why: Text) -> None:
-        """The connection is left for a while: there will be a gap."""
+    def interrupt(self, time: float, why: Text) -> None:
+        """Note a gap in the recording: the connection pauses."""
         self.recorder.interrupt(time, why)
 
-    def part(self) -> None:
-        """Another port was chosen: the recording ends, and goes on in a file of its own with the
-        first unit that answers there.
-        """
+    def change_port(self) -> None:
+        """End the recording; it continues in a file of its own with the next unit found."""
         status = self.recorder.status
         runs = status is not None and status.failure is None
-        self._goes_on, goes_on = False, runs or self._goes_on
+        self._continues, continues = False, runs or self._continues
         self.stop()
-        self._goes_on = goes_on
+        self._continues = continues
 
     def stop(self) -> RecordingStatus | None:
-        """Ends the recording, if there is one; returns how far it came."""
-        self._goes_on = False
+        """End the recording, if there is one; returns its final status."""
+        self._continues = False
         status = self.recorder.stop()
         if status is not None:
-            self._tell_end(status.path.name, status.failure)
+            self._log_end(status.path.name, status.failure)
         return status
 
     def close(self) -> None:
-        """The program ends, and the recording with it."""
-        self.kept = self.stop()
+        """End the recording at the end of the program."""
+        self.last = self.stop()
 
     def marker(self, label: str) -> float:
-        """A moment worth finding again; returns its time. Without a recording it is shown only."""
-        at = self.recorder.marker(label=label)
-        at = self._hub.now() if at is None else at
-        self._hub.monitor.log(Marker(at, label))
-        return at
+        """Mark this moment, and return its time. Without a recording it is only shown."""
+        time = self.recorder.marker(label=label)
+        time = self._connection.now() if time is None else time
+        self._monitor.log(Marker(time, label))
+        return time
 
     def note(self, text: str) -> None:
-        """A person's words into the recording. Raises `Busy` if there is none."""
+        """Write a note into the recording. Raises `Busy` if there is none."""
         if self.recorder.status is None:
             raise Busy(problem=_NONE)
         self.recorder.text(text=text)
 
-    def look(self) -> None:
-        """Tells once if the recording has broken off."""
+    def check(self) -> None:
+        """Log once that the recording has broken off."""
         status = self.recorder.status
         failure = status.failure if status else None
-        if status is not None and failure is not None and failure is not self._told:
-            self._told = failure
-            self._tell_end(status.path.name, failure)
+        if status is not None and failure is not None and failure is not self._reported:
+            self._reported = failure
+            self._log_end(status.path.name, failure)
 
-    def _path(self, name: str | None) -> Path:
-        stem = named(name) or time.strftime("%Y-%m-%d %H-%M-%S")
-        return _free(self._hub.settings.recordings, stem)
-
-    def _begin(self, path: Path, session: Session) -> None:
-        self.recorder.start(ensure_folder(path.parent) / path.name, url=session.url)
-        self._told = None
-        readings = self._hub.fault_history.readings
+    def _start(self, path: Path, thread: SamplingThread) -> None:
+        self.recorder.start(ensure_folder(path.parent) / path.name, url=thread.url)
+        self._reported = None
+        readings = self._fault_history.readings
         if readings:  # from before this file
-            self.recorder.note(faults_note(session.now(), readings))
+            self.recorder.note(faults_note(thread.now(), readings))
 
-    def _tell_begun(self, path: Path) -> None:
-        self._hub.monitor.log(RecordingChanged(self._hub.now(), path.name, on=True))
+    def _log_start(self, path: Path) -> None:
+        self._monitor.log(RecordingChanged(self._connection.now(), path.name, on=True))
 
-    def _tell_end(self, file: str, failure: MikasError | None) -> None:
+    def _log_end(self, file: str, failure: MikasError | None) -> None:
         text = ADVICE.text(failure) if failure else None
-        self._hub.monitor.log(RecordingChanged(self._hub.now(), file, on=False, failure=text))
-
-
-def named(name: str | None) -> str:
-    """`name` as a file can be called, without its suffix; empty if nothing is left of it."""
-    kept = _NO_PLACE_IN_A_NAME.sub(" ", name or "").removesuffix(SUFFIX)
-    kept = kept.strip(" .")[:_LONGEST].strip(" .")
-    return f"{kept}-" if _RESERVED.match(kept) else kept
-
-
-def _free(folder: Path, stem: str) -> Path:
-    path, number = folder / f"{stem}{SUFFIX}", 2
-    while path.exists():
-        path, number = folder / f"{stem} ({number}){SUFFIX}", number + 1
-    return path
+        self._monitor.log(RecordingChanged(self._connection.now(), file, on=False, failure=text))

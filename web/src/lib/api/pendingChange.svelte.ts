@@ -36,7 +36,7 @@ export class PendingChange {
 
 /** Whether the error says that the proposal has changed, was used or has expired. */
 export function isOutdated(error: ApiError): boolean {
-  return error.code === "ConfirmationOutdated" || error.code === "NonceUnknown";
+  return error.code === "ConfirmationOutdated" || error.code === "ConfirmationExpired";
 }
 
 /** Text for an item that a change would delete: a string, a number, a text in two languages, or an object with `code` and `text`. */

@@ -20,7 +20,7 @@ export interface components {
             lan_url: string | null;
             recordings_folder: string;
         };
-        /** @description A channel that is beyond a limit now. */
+        /** @description A channel beyond a limit. */
         ActiveAlarm: {
             name: string;
             /** @enum {string} */
@@ -46,7 +46,7 @@ export interface components {
             limit: number | null;
             text: components["schemas"]["TwoTexts"] | null;
         };
-        /** @description Two bytes that differ; null: one side has no byte there. */
+        /** @description Two bytes that differ; null: that side has no byte there. */
         ByteDifference: {
             address: number;
             a: string | null;
@@ -113,7 +113,7 @@ export interface components {
             id: string;
             text: components["schemas"]["TwoTexts"];
         };
-        /** @description What a channel would add to each set, and the rate with it. */
+        /** @description The time that a channel adds to each cycle, and the rate with it. */
         ChannelPrice: {
             seconds: number;
             rate: number;
@@ -142,19 +142,19 @@ export interface components {
             method: "auto" | "single" | "batch" | "list" | "stream" | "stroke0" | "stroke1" | "stroke2" | "stroke3" | "stroke4";
             rate?: number | null;
         };
-        /** @description Who decides what the line does. */
+        /** @description The client in control. `you`: the client that asked. */
         ControlHolder: {
             id: string;
             name: string;
             you: boolean;
         };
-        /** @description Deletes a dump's file, and what is known of it. */
+        /** @description Delete a dump: its file and its manifest. */
         DeleteDump: {
             /** @constant */
             kind: "delete_dump";
             id: string;
         };
-        /** @description Deletes a recording's file. */
+        /** @description Delete a recording's file. */
         DeleteRecording: {
             /** @constant */
             kind: "delete_recording";
@@ -164,7 +164,7 @@ export interface components {
         DiagnosisRequest: {
             port?: string | null;
         };
-        /** @description One line of the answer. `ok` null: could not be told, or could be better. */
+        /** @description One line of the response. `ok` null: not known, or could be better. */
         DiagnosisStep: {
             name: string;
             title: components["schemas"]["TwoTexts"];
@@ -194,7 +194,7 @@ export interface components {
             /** @enum {string} */
             state: "todo" | "done" | "retried" | "failed";
         };
-        /** @description What to read; `last` is inclusive. `verify`: read all of it twice. */
+        /** @description The range to read; `last` is inclusive. `verify`: read it twice. */
         DumpRequest: {
             /** @enum {string} */
             space: "ram" | "xram" | "code" | "sfr";
@@ -205,7 +205,7 @@ export interface components {
             /** @default false */
             verify: boolean;
         };
-        /** @description How far a dump has come. With `verify`, `total` counts both passes. */
+        /** @description The progress of a dump. With `verify`, `total` counts both passes. */
         DumpResponse: {
             id: string;
             /** @enum {string} */
@@ -222,10 +222,10 @@ export interface components {
             /** @description seconds */
             left: number | null;
             blocks: components["schemas"]["DumpCell"][];
-            /** @description what holds it up, or ended it */
+            /** @description the cause of a delay, or of the failure */
             error: components["schemas"]["ErrorBody"] | null;
             file: string;
-            /** @description that the second pass has found so far; null: none was wanted, or it has not begun */
+            /** @description found by the second pass so far; null: it was not requested, or not started */
             differences: number | null;
         };
         /** @description A dump that would be deleted. */
@@ -239,12 +239,12 @@ export interface components {
         DumpsResponse: {
             dumps: components["schemas"]["DumpResponse"][];
         };
-        /** @description Erases the stored faults. */
+        /** @description Erase the stored faults. */
         EraseFaults: {
             /** @constant */
             kind: "erase_faults";
         };
-        /** @description What went wrong, what was on the wire, what to try. */
+        /** @description The error, the bytes on the wire, and advice. */
         ErrorBody: {
             /** @example EchoOnly */
             code: string;
@@ -266,7 +266,7 @@ export interface components {
             sent: string | null;
             received: string | null;
         };
-        /** @description Every answer of 400 and above. */
+        /** @description Every response of 400 and above. */
         ErrorResponse: {
             error: components["schemas"]["ErrorBody"];
         };
@@ -276,7 +276,7 @@ export interface components {
             en: string;
             ru: string;
         };
-        /** @description As read at `time`. */
+        /** @description The stored faults, read at `time`. */
         FaultsResponse: {
             time: number;
             faults: components["schemas"]["StoredFault"][];
@@ -424,7 +424,7 @@ export interface components {
         NoteResponse: {
             kept: boolean;
         };
-        /** @description Who the unit is, and through what it is asked. */
+        /** @description The identity of the unit, and its adapter. */
         PassportResponse: {
             model: components["schemas"]["TwoTexts"];
             version_code: number;
@@ -448,15 +448,15 @@ export interface components {
         PingMessage: {
             ping: number | string;
         };
-        /** @description What is asked. */
+        /** @description The plan of sampling. */
         PlanInfo: {
             wanted: components["schemas"]["PlannedChannel"][];
             /** @enum {string} */
             method: "auto" | "single" | "batch" | "list" | "stream" | "stroke0" | "stroke1" | "stroke2" | "stroke3" | "stroke4";
-            /** @description sets a second at most; null: as fast as it goes */
+            /** @description readings a second at most; null: as fast as possible */
             rate: number | null;
         };
-        /** @description What to sample, derived channels among it. */
+        /** @description The channels to sample, also derived ones. */
         PlanRequest: {
             wanted: components["schemas"]["PlannedChannel"][];
             /**
@@ -466,14 +466,14 @@ export interface components {
             method: "auto" | "single" | "batch" | "list" | "stream" | "stroke0" | "stroke1" | "stroke2" | "stroke3" | "stroke4";
             rate?: number | null;
         };
-        /** @description A channel, and in which cycles it is asked: 1 is every one, 10 every tenth. */
+        /** @description A channel and its divisor: 1 means every cycle, 10 every tenth. */
         PlannedChannel: {
             /** @example TWAT */
             name: string;
             /** @default 1 */
             every: number;
         };
-        /** @description A serial port of this computer. `likely`: an adapter may be behind it. */
+        /** @description A serial port of this computer. `likely`: probably an adapter. */
         PortInfo: {
             url: string;
             description: string;
@@ -497,7 +497,7 @@ export interface components {
         PresetList: {
             presets: components["schemas"]["Preset"][];
         };
-        /** @description A plan to be priced; `method` auto: that in use. */
+        /** @description The channels of the cost; `method` auto: the method in use. */
         PriceRequest: {
             wanted: components["schemas"]["PlannedChannel"][];
             /**
@@ -506,7 +506,7 @@ export interface components {
              */
             method: "auto" | "single" | "batch" | "list" | "stream" | "stroke0" | "stroke1" | "stroke2" | "stroke3" | "stroke4";
         };
-        /** @description What a set costs on average; `more`: of every channel that is not in it yet. */
+        /** @description The average cost of a cycle; `more`: of every other channel. */
         PriceResponse: {
             bytes: number;
             requests: number;
@@ -610,14 +610,14 @@ export interface components {
             values: (number | null)[][];
             decimated: boolean;
         };
-        /** @description The recording that is being made. */
+        /** @description The recording in progress. */
         RunningRecording: {
             file: string;
             since: number | null;
             bytes: number;
             samples: number;
             gaps: number;
-            /** @description why it broke off, if it did */
+            /** @description why it broke off; null: it did not */
             failure: components["schemas"]["TwoTexts"] | null;
         };
         /**
@@ -629,14 +629,14 @@ export interface components {
         StartRecordingRequest: {
             name?: string | null;
         };
-        /** @description Everything at a glance. Times are UNIX seconds of the link's clock. */
+        /** @description The state of everything. Times are UNIX seconds of the link's clock. */
         State: {
             /** @enum {string} */
             line: "off" | "no-port" | "no-echo" | "echo-only" | "ecu-alive" | "sampling";
             text: components["schemas"]["TwoTexts"];
-            /** @description what is wrong and what to try, while it is */
+            /** @description the error with advice, while it lasts */
             reason: components["schemas"]["TwoTexts"] | null;
-            /** @description the same as the class of the error: NoEcho… */
+            /** @description the class of that error: NoEcho… */
             reason_code: string | null;
             since: number;
             port: string | null;
@@ -644,9 +644,9 @@ export interface components {
             model: components["schemas"]["TwoTexts"] | null;
             version_code: number | null;
             passport: (string | null)[] | null;
-            /** @description in use; plan.method is what was asked for */
+            /** @description in use; plan.method is the requested one */
             method: string | null;
-            /** @description sets a second of each method that was measured */
+            /** @description readings a second of each measured method */
             rates: {
                 [key: string]: number;
             };
@@ -661,7 +661,7 @@ export interface components {
             alarms: components["schemas"]["ActiveAlarm"][];
             /** @description alarms that began since the connection was made */
             alarm_count: number;
-            /** @description when they were last read; null: not yet */
+            /** @description as last read; null: not read yet */
             fault_count: number | null;
             unlocked_until: number | null;
             demo: boolean;
@@ -695,7 +695,7 @@ export interface components {
              */
             code: string | null;
         };
-        /** @description A stored fault; one with an empty text is not known to the catalog. */
+        /** @description A stored fault; the text of a fault that the catalog does not have is empty. */
         StoredFault: {
             code: number;
             text: components["schemas"]["TwoTexts"];
@@ -705,11 +705,11 @@ export interface components {
             /** @description a message, not a fault */
             informational: boolean;
             check: components["schemas"]["TwoTexts"] | null;
-            /** @description channels that bear on it */
+            /** @description related channels */
             related: string[];
             first_seen: number;
         };
-        /** @description `force`: also from another. */
+        /** @description `force`: also from another client. */
         TakeControlRequest: {
             /** @default false */
             force: boolean;
@@ -727,7 +727,7 @@ export interface components {
             en: string;
             ru: string;
         };
-        /** @description A command; `supported` null: not tried, or no telling. */
+        /** @description A command; `supported` null: not tried, or not known. */
         UnitCommand: {
             code: number;
             name: string;
@@ -748,7 +748,7 @@ export interface components {
             passport: (string | null)[] | null;
             another: boolean;
         };
-        /** @description What this unit was found to take and to lack. */
+        /** @description The measured limits of this unit, and the codes it refuses. */
         UnitLimits: {
             max_list: number;
             max_block: {
@@ -767,7 +767,7 @@ export interface components {
             unit: string;
             raw: string;
         };
-        /** @description Writes bytes from an address on. */
+        /** @description Write bytes, beginning at an address. */
         WriteMemory: {
             /** @constant */
             kind: "write_memory";
@@ -776,7 +776,7 @@ export interface components {
             address: number;
             data: string;
         };
-        /** @description Writes a physical `value`, or the `raw` bytes, low byte first. */
+        /** @description Write a physical `value`, or the `raw` bytes, low byte first. */
         WriteParameter: {
             /** @constant */
             kind: "write_parameter";

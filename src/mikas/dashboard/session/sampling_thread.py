@@ -1,101 +1,98 @@
-"""One connection: an acquisition in its own thread, and the way to end it from another.
+"""The sampling thread: an acquisition in a thread of its own, which other threads can stop.
 
-The event loop never waits for the wire: it hands in jobs (`call`), which go in between cycles, and
-is told what happens by `tell`, in this thread. Ending is closing the link under the sampler, whose
-next attempt to open it finds that nobody wants it any more.
+The event loop never waits for the wire: it queues jobs (`call`), which run between cycles, and
+`on_event` is called with each event, in this thread. Stopping closes the link under the sampler,
+whose next attempt to open it is refused.
 """
 
 from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import closing
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
+from mikas.client import Ecu
 from mikas.client.gate import Confirm
 from mikas.dashboard.errors import InternalError
-from mikas.dashboard.settings import Settings
+from mikas.dashboard.settings import PortSettings, SamplingRequest, Settings
 from mikas.errors import MikasError
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.tee import Sink
 from mikas.sampling.acquisition import Acquisition
-
-if TYPE_CHECKING:
-    from mikas.client import Ecu
-    from mikas.client.polling import FixedMethod
-    from mikas.sampling.events import Event
+from mikas.sampling.events import Event
 
 T = TypeVar("T")
 
 _log = logging.getLogger("mikas.dashboard")
-_PATIENCE = 10.0  # s; opening an address in the network may hang so long
+_JOIN = 10.0  # s; opening an address in the network may take so long
 
 
-class _NotWanted(Exception):
-    """Nobody wants this session any more."""
+class _Stopped(Exception):
+    """The thread was stopped."""
 
 
-class Session:
-    """Samples from `url` until `stop`. `tell` gets the events, `ended` what ended it by itself."""
+class SamplingThread:
+    """Samples from the port until `stop`.
+
+    `on_event` gets the events; `on_end` the error, if sampling ended by itself.
+    """
 
     def __init__(
         self,
-        url: str,
+        port: PortSettings,
         settings: Settings,
-        names: Sequence[str],
+        request: SamplingRequest,
         *,
-        echo: str,
-        method: FixedMethod | None,
-        rate: float | None,
         sink: Sink,
         confirm: Confirm,
-        tell: Callable[[Session, Event], None],
-        ended: Callable[[Session, MikasError | None], None],
+        on_event: Callable[[SamplingThread, Event], None],
+        on_end: Callable[[SamplingThread, MikasError | None], None],
     ) -> None:
-        self.url = url
+        self.url = port.url
         self._settings = settings
         self._stopping = threading.Event()
         self._link: Link | None = None
         self._lock = threading.Lock()
         self.ended = False
-        """It has ended by itself; `failure` says why."""
+        """Sampling has ended by itself, with `failure` if it was an error."""
         self.failure: MikasError | None = None
-        self._tell, self._tell_end = tell, ended
-        self.plug = ReconnectingPort(
-            url,
+        self._on_event, self._on_end = on_event, on_end
+        self.port = ReconnectingPort(
+            port.url,
             find=settings.find,
             open_port=self._open,
             clock=settings.link_clock,
-            nap=self._nap,
+            nap=self._wait,
             sink=sink,
         )
         options = replace(
             settings.connection,
-            echo=echo,
+            echo=port.echo,
             confirm=confirm,
             journal=settings.journal,
             state=settings.units,
         )
         self.acquisition = Acquisition(
-            self.plug,
+            self.port,
             options.create_ecu,
             options.catalog,
-            names,
-            method=method or "auto",
-            rate=rate,
+            request.names,
+            method=request.method or "auto",
+            rate=request.rate,
         )
         self._thread = threading.Thread(target=self._run, name="mikas sampling", daemon=True)
 
     def start(self) -> None:
-        """Begins, in a thread of its own."""
+        """Start sampling."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Ends it and lets go of the port; may wait for seconds. A second call does nothing."""
+        """Stop sampling and close the port; may take seconds. A second call does nothing."""
         self._stopping.set()
         self.acquisition.stop()
         with self._lock:
@@ -103,41 +100,41 @@ class Session:
         if link is not None:
             link.close()
         if self._thread.is_alive():
-            self._thread.join(_PATIENCE)
+            self._thread.join(_JOIN)
 
     @property
     def ecu(self) -> Ecu | None:
-        """The unit of now, to be looked at only."""
+        """The unit, for reading its attributes only."""
         return self.acquisition.ecu
 
     @property
     def adapter(self) -> str:
-        """What is behind the port, once it was open; for a person."""
+        """The adapter's description, once the port was open."""
         with self._lock:
             return self._link.description if self._link else ""
 
     @property
     def baud(self) -> int:
-        """Bits a second on the wire."""
+        """Bits per second on the line."""
         with self._lock:
             return self._link.baud if self._link else 9600
 
     def now(self) -> float:
-        """The link's clock, also while there is none."""
+        """Return the time of the link's clock, also while no link is open."""
         with self._lock:
             link = self._link
-        return self.plug.now() if link is None else link.now()
+        return self.port.now() if link is None else link.now()
 
     def call(self, job: Callable[[Ecu], T]) -> Future[T]:
-        """`job(ecu)` between two cycles, as `Acquisition.call`."""
+        """Run `job(ecu)` between two cycles, as `Acquisition.call`."""
         return self.acquisition.call(job)
 
-    def _nap(self, seconds: float) -> None:
+    def _wait(self, seconds: float) -> None:
         self._stopping.wait(seconds)
 
     def _open(self, url: str) -> Link:
         if self._stopping.is_set():
-            raise _NotWanted
+            raise _Stopped
         link = self._settings.open_port(url)
         with self._lock:
             self._link = link
@@ -152,12 +149,12 @@ class Session:
                 for event in events:
                     if self._stopping.is_set():
                         return
-                    self._tell(self, event)
-        except _NotWanted:
+                    self._on_event(self, event)
+        except _Stopped:
             return
         except MikasError as why:
             error = why
-        except Exception as bug:  # whatever it is: the page says so, and the port is let go of
+        except Exception as bug:  # any: the page shows it, and the port is closed
             _log.error("a bug in the sampling thread", exc_info=bug)
             error = InternalError(kind=f"{type(bug).__name__}: {bug}")
         finally:
@@ -167,4 +164,4 @@ class Session:
                 link.close()
             if not self._stopping.is_set():
                 self.ended, self.failure = True, error
-                self._tell_end(self, error)
+                self._on_end(self, error)

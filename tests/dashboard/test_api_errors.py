@@ -7,16 +7,18 @@ import re
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
+from mikas.dashboard.api.changes import WriteParameter
 from mikas.dashboard.api.dumps import DumpRequest
+from mikas.dashboard.api.errors import validation_text
 from mikas.dashboard.api.presets import Preset
-from mikas.dashboard.changes_wishes import WriteParameter
-from mikas.dashboard.not_valid import told
 
 
 def errors_of(kind, value):
     with pytest.raises(ValidationError) as caught:
         TypeAdapter(kind).validate_python(value)
-    return [told(error | {"loc": ("body", *error["loc"])}) for error in caught.value.errors()]
+    return [
+        validation_text(error | {"loc": ("body", *error["loc"])}) for error in caught.value.errors()
+    ]
 
 
 @pytest.mark.parametrize(
@@ -38,5 +40,5 @@ def test_the_field_is_named() -> None:
 
 
 def test_what_is_not_known_is_told_all_the_same() -> None:
-    text = told({"type": "something_new", "loc": ("query",), "msg": "English"})
-    assert text.en == "“query” is not as it should be"
+    text = validation_text({"type": "something_new", "loc": ("query",), "msg": "English"})
+    assert text.en == "“query” has an invalid value"
