@@ -1,9 +1,9 @@
-"""All of sampling behind one iterator: the sampler, derived channels, alarms.
+"""Sampling as one iterator of events: the sampler, derived channels and alarms.
 
     with closing(Acquisition(port, make_ecu, catalog, ["FREQ", "TWAT/10"]).run()) as events:
         for event in events: …
 
-One thread runs it; every other method and property is for any thread.
+One thread iterates; all other methods and properties may be used from any thread.
 """
 
 from __future__ import annotations
@@ -79,42 +79,42 @@ class Acquisition:
 
     @property
     def channels(self) -> tuple[Parameter | Derived, ...]:
-        """What was asked for, in that order."""
+        """The requested channels, in the requested order."""
         return self._selection.channels
 
     @property
     def plan(self) -> Plan | None:
-        """What is asked now, inputs of derived channels included; None before the beginning."""
+        """The present plan, inputs of derived channels included; None before the start."""
         return self._sampler.plan
 
     @property
     def method(self) -> str | None:
-        """The method in force."""
+        """The present method."""
         plan = self.plan
         return None if plan is None else plan.method
 
     @property
     def state(self) -> LineState | None:
-        """How far the way to the ECU is open; None before the beginning."""
+        """The line's state; None before the start."""
         return self._sampler.state
 
     @property
     def ecu(self) -> Ecu | None:
-        """The unit of now, or None; to look at its model or statistics, not to ask it (`call`)."""
+        """The present unit or None: for its model and statistics; requests go through `call`."""
         return self._sampler.ecu
 
     @property
     def alarms(self) -> Mapping[str, AlarmState]:
-        """What is known of each channel that has limits, by name."""
+        """The alarm state of each channel that has limits, by name."""
         return self._alarms.current()
 
     @property
     def has_more(self) -> bool:
-        """Whether the latest sample has alarms behind it, which come next and ask nothing."""
+        """Whether alarms of the latest sample come next; they need no request."""
         return bool(self._behind)
 
     def run(self) -> Generator[Event, None, None]:
-        """Events until `stop`, or until the iterator is closed. Raises as `Sampler.run` does."""
+        """Yield events until `stop`, or until the iterator is closed. Raises as `Sampler.run`."""
         self._behind.clear()
         log = EventLogger()
         for event in self._sampler.run():
@@ -123,11 +123,11 @@ class Acquisition:
                 case Sampled():
                     yield from self._with_derived(event)
                     continue
-                case CycleFailed():  # what adds up goes on, if the next value is not too long after
+                case CycleFailed():  # accumulation continues unless the next value is late
                     self._alarms.update({}, event.time)
                 case PlanChanged():
                     self._adopt_selection()
-                case UnitFound(another=True):  # what was added up is that of the car before
+                case UnitFound(another=True):  # the totals are the previous car's
                     self._derived = DerivedChannels(self._catalog, self._in_force.derived)
                     self._alarms = Alarms(self._catalog, self._limits)
                 case _:
@@ -136,7 +136,7 @@ class Acquisition:
 
     def _with_derived(self, sampled: Sampled) -> Iterator[Event]:
         derived = self._derived.update(sampled.fresh, sampled.time)
-        # What came in this cycle is fresh, however long the cycle lasts; only the rest has an age.
+        # Values of this cycle are fresh, however long it lasts; only the others have an age.
         fresh = {name: number_of(reading) for name, reading in sampled.fresh.items()}
         values: dict[str, Value] = {**sampled.stale, **fresh, **derived}
         self._behind.extend(self._alarms.update(values, sampled.time))
@@ -153,13 +153,13 @@ class Acquisition:
             self._derived.go_on_from(before, asked)
 
     def call(self, job: Callable[[Ecu], T]) -> Future[T]:
-        """`job(ecu)` between two cycles, as `Sampler.call`."""
+        """Run `job(ecu)` between two cycles, as `Sampler.call`."""
         return self._sampler.call(job)
 
     def reconfigure(
         self, names: Iterable[str], method: str = "auto", rate: float | None = None
     ) -> None:
-        """Other channels from the next cycle on, told by `PlanChanged`.
+        """Sample other channels from the next cycle on; `PlanChanged` follows.
 
         Raises `UnknownParameter` and `UsageError`, and then nothing changes.
         """
@@ -175,15 +175,15 @@ class Acquisition:
             raise
 
     def relearn(self) -> None:
-        """Forgets what was learnt of the unit's methods and bounds; all is measured anew."""
+        """Forget the unit's methods and limits; measure them again."""
         self._sampler.relearn()
 
     def stop(self) -> None:
-        """Ends `run` within a second or two, whatever it waits for."""
+        """End `run` within two seconds."""
         self._sampler.stop()
 
     def price(self, names: Iterable[str], method: str = "auto") -> Price:
-        """What a cycle of `names` would cost; auto: by the best method, as far as is known.
+        """Return the price of a cycle of `names`; auto: by the fastest method known.
 
         Raises `UnknownParameter` and `UsageError`.
         """

@@ -3,9 +3,9 @@
     values ──► Alarms.update ──► AlarmChanged      at each change of level
                      └── Alarms.current()          for a display, at any time
 
-A level begins beyond its limit and ends only when the value is back inside by the hysteresis, so
-that a value that trembles at a limit makes one event. A value that is missing changes no level:
-what was last known stays, marked stale.
+A level begins beyond its limit and ends when the value is back inside by the hysteresis, so a value
+that trembles at a limit makes one event. A missing value changes no level: the last state stays,
+marked stale.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _BEYOND = {Side.LOW: Text("below", "ниже"), Side.HIGH: Text("above", "выш
 
 @dataclass(frozen=True, slots=True)
 class AlarmState:
-    """What is known of a channel: `level` since the time `since`, by `value` of the time `time`.
+    """The alarm of a channel: `level` since the time `since`, by `value` of the time `time`.
 
     `side` and `limit` are None while there is no alarm, `value` and both times until the first
     value came. `stale`: the last sample had none.
@@ -63,7 +63,7 @@ class AlarmState:
 
 
 class Alarms:
-    """Watches each channel that has limits: the catalog's, with those of `limits` instead.
+    """Compares each channel with its limits: those of `limits`, else the catalog's.
 
     `limits` is by the channel's name (a raw code too); None switches a channel's alarms off.
     A value whose time is more than `fresh` seconds from its sample's is missing.
@@ -91,15 +91,15 @@ class Alarms:
 
     @property
     def channels(self) -> tuple[Parameter | Derived, ...]:
-        """What is watched."""
+        """The channels that have limits."""
         return tuple(state.channel for state in self._states.values())
 
     def current(self) -> dict[str, AlarmState]:
-        """What is known of each channel that is watched, by name."""
+        """Return the state of each channel that has limits, by name."""
         return dict(self._states)
 
     def update(self, values: Mapping[str, Value], time: float) -> list[AlarmChanged]:
-        """What changed with this sample, in the order of the catalog."""
+        """Return the changes of level by this sample, in the order of the catalog."""
         events = []
         for name, limits in self._limits.items():
             state, value = self._states[name], self._number(values.get(name), time)
@@ -131,7 +131,7 @@ class Alarms:
 def _judged(
     limits: AlarmLimits, state: AlarmState, value: float
 ) -> tuple[Level, Side | None, float | None]:
-    """The level of `value`, its side and the limit that it is beyond, coming from `state`."""
+    """Return the level of `value` after `state`, its side and the limit crossed."""
     if limits.for_flag:
         return (limits.when_true, Side.HIGH, 1.0) if value else (Level.NONE, None, None)
     for side, sign, on_side in ((Side.HIGH, 1, limits.highs), (Side.LOW, -1, limits.lows)):

@@ -3,14 +3,13 @@
     readings ──► DerivedChannels.update ──► DerivedValue      live, sample by sample
     rows ──────► DerivedChannels.columns ─► arrays            the same numbers, bit for bit
 
-What an input does not give, nothing is made of: a derived channel has no value where one of its
-inputs did not come in the same sample, or where its formula has none (a division by zero).
+A derived channel has no value where one of its inputs is missing in the sample, or where its
+formula has none (a division by zero).
 
-A channel that accumulates adds up its formula, which is per second, from each of its values to the
-next, along a straight line. A gap adds nothing and is counted. A gap is a pause longer than
-`longest`, a time in which the inputs were not asked, or a clock that went back. A sample that
-brought nothing of it, a spoilt response that was asked for again, is none, nor is a pause like both
-before it: where values are wanted seldom, that is how they come.
+An accumulating channel integrates its formula, which is per second, by the trapezoidal rule. A gap
+adds nothing and is counted. A gap is a pause longer than `longest`, a time in which the inputs were
+not requested, or a clock that went back. A sample without the inputs (a repeated request) is no
+gap, nor is a pause as long as both before it: slow channels have such pauses.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
 
     Column: TypeAlias = NDArray[np.float64]
 
-_ALIKE = 2.5  # times the shorter of the two steps before: still as they were
+_ALIKE = 2.5  # times the shorter of the two steps before: a usual step
 
 
 class Rows(Protocol):
@@ -50,7 +49,7 @@ class Rows(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class DerivedValue:
-    """One value of a derived channel, at `time`, with the direct inputs that it was made of.
+    """One value of a derived channel, at `time`, with its direct inputs.
 
     If the channel accumulates, `since` is when that began, and `gaps` how often it was interrupted.
     """
@@ -74,9 +73,9 @@ class DerivedValue:
 
 @dataclass(frozen=True, slots=True)
 class Accumulated:
-    """How far a channel has come: its total, since when (None: not begun), over how many gaps.
+    """The total of an accumulating channel, since when (None: no value yet), and its gaps.
 
-    A total that grew beyond all bounds is NaN, and stays so.
+    A total that overflowed is NaN, and stays NaN.
     """
 
     total: float = 0.0
@@ -85,7 +84,7 @@ class Accumulated:
 
 
 class DerivedChannels:
-    """The derived channels `names`, and those that they are made of.
+    """The derived channels `names`, and the derived channels among their inputs.
 
     Values further apart than `longest` seconds are no neighbours, unless they usually are.
     UnknownParameter, UsageError: a name is not that of a derived channel.
@@ -103,14 +102,14 @@ class DerivedChannels:
 
     @property
     def accumulated(self) -> dict[str, Accumulated]:
-        """How far each channel that accumulates has come, also while it has no value."""
+        """The total of each accumulating channel, also while it has no value."""
         return {name: integral.state for name, integral in self._integrals.items()}
 
     def go_on_from(self, before: DerivedChannels, asked: Iterable[str]) -> None:
-        """What `before` has added up is not lost because other channels are wanted now.
+        """Take over the totals of `before`, whose channels were requested until now.
 
-        What is not wanted any more is kept, for when it will be. It goes on adding up if the
-        parameters that are `asked` now are enough for it; else that time is a gap.
+        Totals that are not requested any more are kept. They continue if the parameters `asked`
+        suffice for them; otherwise the time counts as a gap.
         """
         asked = set(asked)
         self._integrals |= before._integrals
@@ -121,7 +120,7 @@ class DerivedChannels:
         self._steps = _steps(self._catalog, dict.fromkeys([*names, *self._integrals]))
 
     def update(self, readings: Mapping[str, Reading], time: float) -> dict[str, DerivedValue]:
-        """The channels that have a value in a sample of `readings`, however long that took."""
+        """Return the channels that have a value in a sample of `readings`."""
         there: dict[str, Reading | DerivedValue] = {**readings}
         for channel, calculation in self._steps:
             if value := self._made(channel, calculation, there, time):
@@ -148,9 +147,9 @@ class DerivedChannels:
         return DerivedValue(channel, value, channel.unit, time, inputs, so_far.since, so_far.gaps)
 
     def columns(self, rows: Rows) -> dict[str, Column]:
-        """The same for a stretch of samples, each row as `update` has it; NaN is missing.
+        """Return the columns for rows of samples, each value as `update` gives it; NaN is missing.
 
-        Stretches follow each other, and accumulating goes on from one to the next.
+        Calls follow each other in time, and totals continue from one to the next.
         """
         import numpy as np
 
@@ -166,7 +165,7 @@ class DerivedChannels:
 
 
 class _Integral:
-    """The state of one channel that accumulates."""
+    """The total of one accumulating channel, with what its next step needs."""
 
     def __init__(self, longest: float) -> None:
         self.state = Accumulated()
@@ -175,13 +174,13 @@ class _Integral:
         self._steps = 0.0, 0.0  # s between the values before, the last one behind; 0: not known
 
     def interrupt(self) -> None:
-        """Its inputs are not asked any more."""
+        """Count a gap: the inputs are not requested any more."""
         if self._last is not None:
             self._last, self._steps = None, (0.0, 0.0)
             self.state = replace(self.state, gaps=self.state.gaps + 1)
 
     def add(self, time: float, rate: float) -> float:
-        """The total at `time`."""
+        """Add the step to `time`; return the total."""
         total, gaps = self.state.total, self.state.gaps
         if self._last is not None:
             before, rate_before = self._last
@@ -197,7 +196,7 @@ class _Integral:
         return total
 
     def add_column(self, times: Column, rates: Column) -> Column:
-        """The total at each row, NaN where `rates` is.
+        """Return the total at each row, NaN where `rates` is NaN.
 
         The same operations as `add`, in the same order.
         """
@@ -229,19 +228,19 @@ def _finite(number: float) -> float:
 
 
 def number_of(value: Reading | DerivedValue) -> float:
-    """The number that formulas and limits mean: in the corrected reading."""
+    """Return the value in the corrected interpretation, which formulas and limits use."""
     if isinstance(value, Reading) and value.interpretation != "corrected":
         return float(value.parameter.decode(value.raw))
     return float(value.value)
 
 
 def _steps(catalog: Catalog, names: Iterable[str]) -> list[tuple[Derived, Calculation]]:
-    """The channels `names` and those that they are made of, in the order of their making."""
+    """Return the channels `names` and their derived inputs, inputs first."""
     return [(each, each.calculation()) for each in in_order(catalog.derived, list(names))]
 
 
 def _required(catalog: Catalog, names: Iterable[str]) -> tuple[str, ...]:
-    """The parameters that these channels are made of in the end, in the order of the catalog."""
+    """Return the parameters that these channels need, in the order of the catalog."""
     needed = {name for channel in in_order(catalog.derived, list(names)) for name in channel.inputs}
     return tuple(each.name for each in catalog.parameters if each.name in needed)
 

@@ -1,3 +1,1 @@
-"""The virtual unit: a Mikas on its wire, with an engine behind it and an adapter in front (no
-I/O).
-"""
+"""The virtual unit: a Mikas on its wire, with an engine model and an adapter (no I/O)."""

@@ -1,7 +1,7 @@
-"""How a K-Line adapter treats what passes through it (D1).
+"""The virtual K-Line adapter (D1).
 
-Between wire and tester: the echo, given or kept back; bytes handed over at once or in lumps by a
-USB latency timer (FT232: 16 ms out of the box, 62 bytes a packet); a supply that may be missing.
+Echo or no echo; bytes delivered at once or in lumps by a USB latency timer (FT232: 16 ms by
+default, 62 bytes a packet); a supply that may be missing.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from collections import deque
 from dataclasses import dataclass
 from math import ceil, inf
 
-PACKET = 62  # bytes that an FT232 hands over without waiting for its timer
+PACKET = 62  # bytes that an FT232 delivers without waiting for its timer
 
 
 @dataclass(frozen=True, slots=True)
 class AdapterKind:
-    """The adapter's properties. `latency` in seconds: 0 hands every byte over as it comes."""
+    """The adapter's properties. `latency` in seconds: 0 delivers every byte at once."""
 
     echo: bool = True
     latency: float = 0.0
@@ -32,7 +32,7 @@ class Adapter:
         self._tick_at = inf  # when the latency timer runs out, if something waits for it
 
     def hear(self, value: int, time: float) -> None:
-        """A byte on the wire ended at `time`."""
+        """Receive a byte of the wire that ended at `time`."""
         if not self.kind.latency:
             self._ready.append((time, bytes([value])))
             return
@@ -45,7 +45,7 @@ class Adapter:
             self._tick_at = max(time, ceil(time / self.kind.latency) * self.kind.latency)
 
     def tick(self, now: float) -> None:
-        """The latency timer, if it has run out by `now`."""
+        """Let the latency timer run out if it is due by `now`."""
         if self._held and self._tick_at <= now:
             self._hand_over(self._tick_at)
 
@@ -55,11 +55,11 @@ class Adapter:
         self._tick_at = inf
 
     def next_event(self) -> float:
-        """When the tester gets something next, as far as is known."""
+        """Return when the tester gets the next known bytes."""
         return self._ready[0][0] if self._ready else self._tick_at
 
     def take(self, now: float) -> tuple[bytes, float]:
-        """What the tester has got by `now`, and when the last of it came. Empty: nothing."""
+        """Return the bytes that the tester got by `now`, and the time of the last."""
         self.tick(now)
         data, time = bytearray(), now
         while self._ready and self._ready[0][0] <= now:

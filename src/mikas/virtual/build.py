@@ -1,7 +1,7 @@
-"""A whole virtual car from a handful of settings: what `sim:` URLs and `mikas sim` have in common.
+"""A virtual car from settings, for `sim:` URLs and `mikas sim`.
 
-Every setting is a text, as it stands in a URL or on a command line; each is checked, and an unknown
-one is refused with the list of those that there are.
+Every setting is a text, as in a URL or on a command line; each is checked, and an unknown one is
+refused with the list of the known ones.
 """
 
 from __future__ import annotations

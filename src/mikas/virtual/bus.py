@@ -1,10 +1,10 @@
 """One K-Line wire with a virtual unit on it and a tester's adapter at its end (§1, D1, D2).
 
-Bytes take their time: 10 bits each. Whoever talks at the same time as another spoils both: the line
-carries the AND of the two (low wins). Modelled a byte at a time: two bytes that overlap at all are
+A byte takes 10 bits. Two bytes sent at the same time damage each other: the line carries the AND of
+the two (low wins). Modelled a byte at a time: two bytes that overlap at all are
 both heard as their AND, which is coarser than bits but never lets a collision pass unseen.
 
-Time-explicit like the unit: `advance(now)` runs the wire forward; nobody sleeps here.
+Time-explicit like the unit: `advance(now)` runs the wire forward; nothing sleeps.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class _Byte:
 
 
 class _Talker:
-    """Bytes that somebody has put on the wire, in order, and the last one that is through."""
+    """The bytes that one end has put on the wire, in order, and the last one that has passed."""
 
     def __init__(self, byte_time: float) -> None:
         self.byte_time = byte_time
@@ -89,18 +89,18 @@ class Bus:
         self.bytes_carried = 0
         self._tester = _Talker(self.byte_time)
         self._unit = _Talker(self.byte_time)
-        self._at = -inf  # when the last thing happened; nothing happens before it any more
-        self._next = self._next_on_wire()  # everybody asks for it, several times a byte
+        self._at = -inf  # time of the last event; no later event is before it
+        self._next = self._next_on_wire()  # kept: it is read several times a byte
 
     def send(self, data: bytes, now: float) -> None:
-        """The tester's adapter puts `data` on the wire, behind what it is still sending."""
+        """Put `data` of the tester on the wire, after the bytes that it is still sending."""
         self.advance(now)
         if self.adapter.kind.supplied:
             self._tester.transmit(data, now)
             self._next = self._next_on_wire()
 
     def send_break(self, seconds: float, now: float) -> None:
-        """Holds the line low: everything on it is lost, and the unit hears a break."""
+        """Hold the line low: all bytes on it are lost, and the unit receives a break."""
         self.advance(now)
         if not self.adapter.kind.supplied:
             return
@@ -112,7 +112,7 @@ class Bus:
             self.adapter.hear(0x00, now + seconds)
 
     def advance(self, now: float) -> None:
-        """Everything that happens on the wire up to `now`."""
+        """Run the wire up to `now`."""
         while (time := self._next) <= now:
             self._at = time
             if self._tester.next_end() <= time:
@@ -127,12 +127,12 @@ class Bus:
         self.adapter.tick(now)
 
     def take(self, now: float) -> tuple[bytes, float]:
-        """What the adapter has handed to the tester by `now`, and when the last of it came."""
+        """Return the bytes that the tester got by `now`, and the time of the last."""
         self.advance(now)
         return self.adapter.take(now)
 
     def next_event(self) -> float:
-        """When something happens next: on the wire, or to what the adapter still holds."""
+        """Return when something happens next, on the wire or in the adapter."""
         return min(self._next, self.adapter.next_event())
 
     def _next_on_wire(self) -> float:

@@ -1,10 +1,9 @@
-"""The virtual Mikas on its wire: bytes heard in, bytes to say out, on its owner's clock (§3, D12,
-D15).
+"""The virtual Mikas on its wire: bytes in, bytes out, on its owner's clock (§3, D12, D15).
 
 It does no I/O, reads no clock and never sleeps; the same times and bytes give the same answers. Its
-owner (the bus) calls `receive` with what is heard on the wire, asks `next_event` when to call
-`transmit`, and puts on the wire what that hands out. An owner that holds it back while somebody
-talks (D2) asks for the two kinds of event apart: `next_transmission` can wait, the supply can not.
+owner (the bus) calls `receive` with the bytes on the wire, asks `next_event` when to call
+`transmit`, and puts its bytes on the wire. An owner that delays a transmission while the line is
+busy (D2) asks for both kinds of event: `next_transmission` can wait, `next_change` cannot.
 """
 
 from __future__ import annotations
@@ -19,13 +18,13 @@ from mikas.framing import Decoder, Frame, encode
 from mikas.virtual.quirks import StreamEnd
 from mikas.virtual.responder import Responder, Stream
 
-PARTIAL_REQUEST_LIFE = 0.1  # s; a unit does not wait for the rest of a request for ever
+PARTIAL_REQUEST_LIFE = 0.1  # s that a unit waits for the rest of a request
 STANDING_ENGINE_LOOK = 0.05  # s between looks whether a standing engine turns again
 
 
 @dataclass(frozen=True, slots=True)
 class EcuEvent:
-    """Something worth telling whoever watches the virtual unit.
+    """An event of the virtual unit, for its watcher.
 
     `kind`: request, response, silence, damaged, stream, stream-end, power-on or power-off.
     """
@@ -65,11 +64,11 @@ class VirtualEcu:
 
     @property
     def on(self) -> bool:
-        """Whether it had supply when it was told the time last."""
+        """Whether it had supply at the latest time that it was given."""
         return self._on
 
     def receive(self, data: bytes, now: float) -> None:
-        """`data` was heard on the wire, its last byte complete at `now`."""
+        """Receive `data`, whose last byte ended at `now`."""
         self._follow_supply(now)
         if not self._on:
             return
@@ -90,7 +89,7 @@ class VirtualEcu:
                 self._take(event.body, now)
 
     def receive_break(self, now: float) -> None:
-        """The line was held low: whatever this unit was saying, it stops (D12)."""
+        """Receive a break: the unit stops transmitting (D12)."""
         self._follow_supply(now)
         self._decoder.reset()
         self._answers.clear()
@@ -98,11 +97,11 @@ class VirtualEcu:
         self._end_stream(now)
 
     def next_event(self) -> float:
-        """When to call `transmit` next; infinity: not before something is heard."""
+        """Return when to call `transmit` next; infinity: not before bytes are received."""
         return min(self.next_change(), self.next_transmission())
 
     def next_change(self) -> float:
-        """When the supply goes off or comes back next."""
+        """Return when the supply changes next."""
         if self._change is None or self._change <= self._seen:
             # A change at the very moment that was seen, a rounding away, must not be met for ever.
             change = self.responder.car.next_change(self._seen)
@@ -110,7 +109,7 @@ class VirtualEcu:
         return self._change
 
     def next_transmission(self) -> float:
-        """When it wants to say something next, or, with a standing engine, looks whether it can."""
+        """Return when it transmits next, or checks whether a standing engine turns again."""
         if not self._on:
             return inf
         if self._answers:
@@ -124,7 +123,7 @@ class VirtualEcu:
         return self._stream.due
 
     def transmit(self, now: float) -> bytes:
-        """The frame whose first byte leaves now; empty: none is due."""
+        """Return the frame whose first byte leaves now; empty: none is due."""
         self._follow_supply(now)
         if self._stream and self._stream.due == inf:
             self._stream.due = self._due(self._stream.command, now, 0.0)

@@ -1,9 +1,8 @@
-"""An ELM327 where a K-Line adapter should be: the wrong tool, to see that the tester says so.
+"""An ELM327 in place of a K-Line adapter: the wrong tool, which the tester has to recognize.
 
-It reads what it is sent as lines of text, and never puts a byte of them on the wire. Here it is as
-it comes out of the box: 9600 baud, every character echoed, `?` to a line that it does not
-understand. Not simulated: its OBD requests, which no Mikas understands, and all settings but the
-echo.
+It reads received bytes as lines of text and puts none of them on the wire. It has its factory
+settings: 9600 baud, every character echoed, `?` to an unknown line. Not simulated: its OBD
+requests, which no Mikas understands, and all settings but the echo.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ _END = b"\r\r>"
 
 
 class Elm327(Bus):
-    """A wire with an ELM327 at the tester's end; the unit on the wire never hears of the tester."""
+    """A wire with an ELM327 at the tester's end; no byte of the tester reaches the unit."""
 
     def __init__(self, ecu: VirtualEcu) -> None:
         super().__init__(ecu)
@@ -38,7 +37,7 @@ class Elm327(Bus):
             self._hear(value)
 
     def send_break(self, seconds: float, now: float) -> None:
-        """Means nothing to it; whatever was under way is lost."""
+        """Discard pending bytes: the ELM327 does not know a break."""
         self._out = deque(byte for byte in self._out if byte[0] <= now)
         self._heard_at = self._free_at = now + seconds
         self._line.clear()

@@ -1,7 +1,7 @@
 """A car with an engine in it: the model's physical values as the unit's raw data (§4).
 
-What a scenario pins, and what was written (62), stands over what the engine does. A fault that is
-stored is also present: its sensor gives the substitute value until the faults are erased.
+Values pinned by a scenario and written values (62) replace the engine's. A stored fault is also
+present: its sensor gives the substitute value until the faults are erased.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class EngineCar:
         self.codes = tuple(self._sizes)
 
     def _from_engine(self, parameters: tuple[Parameter, ...]) -> Encoder | None:
-        """How the datum that `parameters` share is made of the engine's state."""
+        """Return the encoder of the datum that `parameters` share; None: the model lacks it."""
         first = parameters[0]
         if first.name == MINERR:
             return lambda _: bytes([min(self.faults, default=0)])
@@ -75,7 +75,7 @@ class EngineCar:
         return self._made[code](self.engine.state)
 
     def write(self, code: int, data: bytes) -> bool:
-        """Takes it until the next power cycle."""
+        """Keep `data` until the next power cycle."""
         self._written[code] = data
         return True
 
@@ -84,7 +84,7 @@ class EngineCar:
         return self.engine.scenario.ignition_on(now - self._start)
 
     def next_change(self, after: float) -> float:
-        """When the key is turned next."""
+        """Return when the key is turned next."""
         since = max(0.0, after - self._start)  # the key is not turned before the engine's start
         return self._start + self.engine.scenario.next_ignition_change(since)
 
@@ -93,12 +93,12 @@ class EngineCar:
         return self._start + self.engine.next_cycle_time(stroke, after - self._start)
 
     def power_cycle(self) -> None:
-        """Written data are forgotten."""
+        """Forget written data."""
         self._written.clear()
 
 
 def _encoder(conversion: Conversion, name: str) -> Encoder:
-    """The nearest raw datum, kept within what the bytes hold: a sensor at its end stays there."""
+    """Return an encoder to the nearest raw datum, limited to the range of its bytes."""
     scale = float(conversion.scale)
     zero = float(conversion.offset - conversion.bias * conversion.scale)
     low, high = conversion.raw_limits
@@ -114,7 +114,7 @@ def _encoder(conversion: Conversion, name: str) -> Encoder:
 def pinned(
     catalog: Catalog, raw: Mapping[str, bytes], values: Mapping[str, float | bool]
 ) -> dict[int, bytes]:
-    """The data that a scenario fixes, by code: raw ones as they are, physical ones encoded.
+    """Return the pinned data of a scenario by code: raw ones as they are, physical ones encoded.
 
     Flags that share a byte are put together. Raises `UnknownParameter`, `ValueDoesNotFit`.
     """

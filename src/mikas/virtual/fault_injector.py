@@ -1,7 +1,7 @@
-"""Trouble on the wire, on purpose: what a bad ground, a second talker or a tired unit does.
+"""Line faults on purpose: a bad ground, a second talker or a slow unit.
 
 Each kind strikes a response by chance (seeded, so a run can be repeated to the byte) or when a test
-asks for it next. Everything here happens to the ECU's sending or to the line, never to the tester.
+queues it. All faults are in the ECU's sending or on the line, none in the tester.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from mikas.i18n import Text
 
 
 class LineFault(Enum):
-    """What can happen to a response."""
+    """A fault of one response."""
 
     LOST = "lost"  # it never comes
     LATE = "late"  # it comes after the tester has given up
@@ -43,9 +43,9 @@ class Sent:
 
 
 class FaultInjector:
-    """Decides what becomes of each response.
+    """Applies faults to responses.
 
-    `rates`: chance of each trouble, 0 … 1. `late_by`: seconds. `next(trouble)` queues one for the
+    `rates`: chance of each fault, 0 … 1. `late_by`: seconds. `next(fault)` queues one for the
     following response, before any chance.
     """
 
@@ -63,18 +63,18 @@ class FaultInjector:
         self._queued: deque[LineFault | None] = deque()
         self._echo_next = False
 
-    def next(self, *troubles: LineFault | None) -> None:
-        """What happens to the next responses, in order; None leaves one alone."""
-        self._queued.extend(troubles)
+    def next(self, *faults: LineFault | None) -> None:
+        """Queue faults for the next responses, in order; None: no fault."""
+        self._queued.extend(faults)
 
     def respond(self, wire: bytes) -> list[Sent]:
-        """What the line carries instead of the response `wire`."""
-        trouble = self._choose()
-        if trouble is None:
+        """Return the bytes on the line instead of the response `wire`."""
+        fault = self._choose()
+        if fault is None:
             return [Sent(wire)]
         self.count += 1
         at = self._random.randrange(len(wire))
-        match trouble:
+        match fault:
             case LineFault.LOST:
                 return []
             case LineFault.LATE:
@@ -96,7 +96,7 @@ class FaultInjector:
                 return [Sent(wire)]
 
     def echo(self, value: int) -> int:
-        """What the tester gets back of the byte it sent."""
+        """Return the echo of the byte `value`."""
         if self._echo_next:
             self._echo_next = False
             return value ^ 0x10
@@ -105,9 +105,9 @@ class FaultInjector:
     def _choose(self) -> LineFault | None:
         if self._queued:
             return self._queued.popleft()
-        for trouble, rate in self.rates.items():
+        for fault, rate in self.rates.items():
             if self._random.random() < rate:
-                return trouble
+                return fault
         return None
 
 
@@ -121,7 +121,7 @@ def parse_rates(words: Mapping[str, str]) -> dict[LineFault, float]:
     for name, value in words.items():
         try:
             rate = float(value)
-            trouble = LineFault(name)
+            fault = LineFault(name)
         except ValueError:
             rate = -1.0
         if not 0 <= rate <= 1:
@@ -133,5 +133,5 @@ def parse_rates(words: Mapping[str, str]) -> dict[LineFault, float]:
                     f"«{name}={value}» — не помеха; пишите ВИД=ДОЛЯ, доля 0 … 1, виды: {kinds}",
                 )
             )
-        rates[trouble] = rate
+        rates[fault] = rate
     return rates

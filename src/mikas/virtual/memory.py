@@ -1,8 +1,8 @@
-"""The four memory spaces of the virtual unit: what is written is read back.
+"""The four memory spaces of the virtual unit: written bytes are read back.
 
 A power cycle restores RAM, XRAM and SFR; CODE keeps what was written. Unwritten cells hold a
-pattern in which every byte value comes up and neighbours differ, so that a shifted or mixed-up
-block is seen.
+pattern in which every byte value occurs and neighbours differ, so a shifted or swapped block is
+noticed.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from functools import cache
 SIZES = {"ram": 0x100, "xram": 0x10000, "code": 0x10000, "sfr": 0x100}
 
 
-@cache  # a unit that gets its supply must not keep others on its event loop waiting
+@cache  # computing it at power-on would delay other units on the event loop
 def pattern(space: str) -> bytes:
     """The contents of an untouched space: `37·low + 11·high + 101·space + 5`, modulo 256."""
     start = 101 * list(SIZES).index(space) + 5
@@ -26,7 +26,7 @@ def pattern(space: str) -> bytes:
 class EcuMemory:
     """RAM, XRAM, CODE and SFR. Addresses are checked by the commands that carry them.
 
-    `contents`: what stands there from the start, by space and address, over the pattern.
+    `contents`: bytes from the start, by space and address, instead of the pattern.
     """
 
     def __init__(self, contents: Mapping[str, Mapping[int, bytes]] | None = None) -> None:
@@ -40,14 +40,14 @@ class EcuMemory:
         return cells
 
     def read(self, space: str, address: int, count: int = 1) -> bytes:
-        """`count` bytes from `address` on."""
+        """Return `count` bytes from `address` on."""
         return bytes(self._spaces[space][address : address + count])
 
     def write(self, space: str, address: int, data: bytes) -> None:
-        """Puts `data` at `address`."""
+        """Write `data` at `address`."""
         self._spaces[space][address : address + len(data)] = data
 
     def power_cycle(self) -> None:
-        """The supply went off and came back."""
+        """Restore the spaces that do not survive the loss of supply."""
         for space in ("ram", "xram", "sfr"):
             self._spaces[space] = self._fresh(space)

@@ -53,7 +53,7 @@ GROUPS: dict[str, frozenset[int]] = {
 
 @dataclass(frozen=True, slots=True)
 class EcuQuirks:
-    """How this unit behaves where the source does not say. The defaults follow its letter."""
+    """The unit's behaviour where the source does not specify it. The defaults follow its letter."""
 
     turn_round: float = 0.002  # s from a request's last byte to the response's first, D14
     stream_gap: float = 0.0004  # s between two responses of a stream; §5 reckons with none

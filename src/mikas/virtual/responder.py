@@ -1,6 +1,6 @@
-"""What the virtual unit answers to a request: every row of §3, from body to body.
+"""The virtual unit's responses to requests: every row of §3, from body to body.
 
-Knows no wire and no waiting: the unit around it (`ecu`) decides when. Not simulated: what a jump
+It knows no wire and no time to wait: `ecu` decides when. Not simulated: what a jump
 (41) would do, and that writing CODE can stop a real unit.
 """
 
@@ -20,7 +20,7 @@ Answer = bytes | Stream | None  # a body, a stream to begin, or silence
 
 
 class Car(Protocol):
-    """Where a unit's data come from: the engine model, a fixed table, a recording."""
+    """The source of a unit's data: the engine model, a fixed table, a recording."""
 
     codes: tuple[int, ...]
     faults: list[int]
@@ -32,7 +32,7 @@ class Car(Protocol):
         """The parameter's datum at `now`."""
 
     def write(self, code: int, data: bytes) -> bool:
-        """Takes a written datum of the right size; False: it may not be written."""
+        """Write a datum of the right size; False: it is read-only."""
 
     def powered(self, now: float) -> bool:
         """Whether the unit has supply at `now`."""
@@ -49,7 +49,7 @@ class Car(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """What the unit says of itself."""
+    """The unit's version, passports and number of parameters."""
 
     version_code: int = 0x0A
     passports: tuple[str, ...] = ("",) * 8  # three of the program, five of the data
@@ -75,7 +75,7 @@ class Responder:
         self.car.power_cycle()
 
     def answer(self, body: bytes, now: float) -> Answer:
-        """What this unit does with the request `body` that came at `now`."""
+        """Return the response to the request `body` that came at `now`."""
         if body != b"\x62\x0e\x00":
             self._erase_armed = False  # only two writes in a row erase
         if body[:1] and body[0] in self.quirks.missing:
@@ -89,7 +89,7 @@ class Responder:
         return self._perform(command, now)
 
     def data(self, parameters: tuple[c.Datum, ...], now: float) -> bytes | None:
-        """The data of `parameters`, or what this unit says to too long a list (D11)."""
+        """Return the data of `parameters`, or the response to too long a list (D11)."""
         if len(parameters) > self.quirks.max_list:
             if self.quirks.long_list is LongList.SILENT:
                 return self._unknown()

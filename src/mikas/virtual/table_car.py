@@ -1,4 +1,4 @@
-"""A car whose data stand still: for tests, and for a unit on a bench with no engine at all."""
+"""A car with constant data: for tests, and for a unit on a bench without an engine."""
 
 from __future__ import annotations
 
@@ -52,5 +52,5 @@ class TableCar:
         return time if time >= after else (count + 1) * cycle + offset
 
     def power_cycle(self) -> None:
-        """Written data are forgotten."""
+        """Forget written data."""
         self._data = dict(self._untouched)

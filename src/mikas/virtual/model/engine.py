@@ -7,7 +7,7 @@
     engine.next_cycle_time(1, 12.5)  # when the next engine cycle starts (D15)
 
 Values hold for a step of the grid (1/32 s), only `cycles` runs on in between. The same scenario,
-seed and changes of faults give the same states at the same times, however often anybody asks.
+seed and changes of faults give the same states at the same times, however often they are read.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Engine:
         self._ahead: deque[tuple[float, float]] = deque()  # (cycles, rpm) of each step from now on
 
     def advance(self, to: float) -> None:
-        """Runs until `to`, seconds since the start."""
+        """Advance to `to`, seconds since the start."""
         self._apply_faults()
         if to <= self.time:
             return
@@ -63,7 +63,7 @@ class Engine:
 
     @property
     def state(self) -> EngineState:
-        """Everything at the present time."""
+        """The state at the present time."""
         if self._state is None:
             self._state = state_of(self._plant, self.time, powered=self.powered)
         return self._state
@@ -74,11 +74,11 @@ class Engine:
         return self.scenario.ignition_on(self.time)
 
     def next_power_change(self, after: float) -> float:
-        """When that changes next; infinity if never."""
+        """Return when `powered` changes next; infinity if never."""
         return self.scenario.next_ignition_change(after)
 
     def next_cycle_time(self, stroke: int, after: float) -> float:
-        """The next time later than `after` at which this stroke begins (D15).
+        """Return the next time later than `after` at which this stroke begins (D15).
 
         Strokes 0 and 1 begin with the engine cycle, 2 to 4 a quarter, a half and three quarters
         later. Exact as long as nobody changes `faults`. Infinity: no such moment within `HORIZON`
