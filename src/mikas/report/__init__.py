@@ -1,8 +1,8 @@
-"""A report on one car for its owner: what was measured, what that means, what could not be known.
+"""A report on one car for its owner: measured values, their rating, and what remains unknown.
 
-    a recording ─ gathering ─┐                       ┌─ page ─► HTML   (plots: its charts)
-    a running session ───────┴► MeasurementCollector ─► findings ┘
+    a recording ─► from_recording ─┐
+                                   ├─► MeasurementCollector ─► findings ─► page ─► HTML
+    a running session ─────────────┘                                       (charts)
 
-`findings` is where judging happens, and only there: a value is judged at warm idle, against a
-reference of the catalog, or not at all.
+Only `findings` rates values: at warm idle, against a reference of the catalog, or not at all.
 """

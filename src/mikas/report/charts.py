@@ -1,6 +1,6 @@
-"""A chart as an SVG drawing: a channel's course, its reference as a band, where warm idle was.
+"""A chart as an SVG drawing: a channel's envelope, its reference as a band, the warm idle.
 
-Numbers only go in as formatted numbers, texts only escaped. No script and no `style` attribute: a
+Numbers are formatted, texts are escaped. No script and no `style` attribute: a
 page with a strict Content-Security-Policy shows it, and it prints as it looks.
 """
 

@@ -1,4 +1,4 @@
-"""How it was measured, as rows of a name and a text."""
+"""The conditions of the measurement, as rows of a name and a text."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _BEHIND: Final = re.compile(
 
 
 def rows(found: Findings, language: Language) -> Iterator[tuple[str, str]]:
-    """What there is to tell; what is not known is left out."""
+    """Yield the known conditions."""
     label, how, measured = Labels(language), found.subject.how, found.measured
     yield label("length"), duration(measured.seconds).to(language)
     rate = measured.rows / measured.seconds if measured.seconds else 0.0
@@ -60,7 +60,7 @@ def rows(found: Findings, language: Language) -> Iterator[tuple[str, str]]:
 
 
 def _port(url: str) -> Text:
-    """As it was opened; a virtual car by what it does."""
+    """Return the URL; for a virtual car its scenario."""
     if not url.startswith("sim:"):
         return Text(url, url)
     with suppress(UsageError):
@@ -71,7 +71,7 @@ def _port(url: str) -> Text:
 
 
 def _method(name: str) -> Text:
-    """In words; a later version's method by its name."""
+    """Return the method's text; for a method of a later version its name."""
     if name.startswith("stroke"):
         return _STROKE
     return _METHODS.get(name, Text(name, name))
@@ -91,7 +91,5 @@ def _gaps(pauses: tuple[Interruption, ...], began: float, label: Labels, languag
 
 
 def _plain(reason: str) -> str:
-    """What happened, for the car's owner: without the bytes, and without what the one at the line
-    was to try.
-    """
+    """Return the first sentence of a reason: without the bytes and without advice."""
     return _BEHIND.split(reason, maxsplit=1)[0]

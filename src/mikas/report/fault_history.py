@@ -1,4 +1,4 @@
-"""What the unit told of its faults, one reading after the other, and what was gone in between."""
+"""Fault readings of a recording (responses to 02, in order) and the faults cleared between."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from mikas.sampling.events import FaultReading
 
 @dataclass(frozen=True, slots=True)
 class ClearedFaults:
-    """Faults that were stored, and were not any more at `time`, on the link's clock. `erased`: by a
-    tester; else nobody saw why (the battery was taken off, or the unit forgot them).
+    """Faults that were no longer stored at `time`, on the link's clock. `erased`: by a tester;
+    else for an unknown reason (battery disconnected, or the unit dropped them).
     """
 
     time: float
@@ -28,7 +28,7 @@ class ClearedFaults:
 
 
 def cleared_faults(heard: Sequence[FaultReading], catalog: Catalog) -> tuple[ClearedFaults, ...]:
-    """What was told once and not the next time."""
+    """Return the faults of one reading that are missing in the next."""
     missing = (
         (after, tuple(code for code in before.codes if code not in after.codes))
         for before, after in pairwise(heard)
@@ -41,7 +41,7 @@ def cleared_faults(heard: Sequence[FaultReading], catalog: Catalog) -> tuple[Cle
 
 
 def faults_heard(path: Path) -> Mapping[Source, Sequence[FaultReading]]:
-    """By session and port; one in which they were not asked, or not told, is missing."""
+    """Return the fault readings by session and port; one without readings is missing."""
     heard: dict[Source, list[FaultReading]] = {}
     listeners: dict[Source, _Listener] = {}
     for item in read_exchanges(path):
@@ -53,13 +53,13 @@ def faults_heard(path: Path) -> Mapping[Source, Sequence[FaultReading]]:
 
 
 class _Listener:
-    """One port: whether faults were erased since they were told last."""
+    """One port: whether faults were erased since the last reading."""
 
     def __init__(self) -> None:
         self._erased = False
 
     def listen(self, exchanges: Exchanges) -> Iterator[FaultReading]:
-        """Yield the responses that make sense among these."""
+        """Yield the valid fault readings among these."""
         command, erasing = ReadFaults(), ERASE_FAULTS[-1].body()
         wanted = {
             number

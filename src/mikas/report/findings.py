@@ -1,7 +1,7 @@
-"""What follows from what was measured. Pure; the only place where a value is judged.
+"""The findings of the measurements. Pure; the only place where a value is rated.
 
-A value is judged by its median at warm idle against the catalog's reference. Without a reference,
-without enough of warm idle, or with too few values, it is shown and not judged.
+A value is rated by its median at warm idle against the catalog's reference. Without a reference,
+without enough warm idle, or with too few values it is shown without a rating.
 """
 
 from __future__ import annotations
@@ -19,31 +19,31 @@ from mikas.report.measurements import Channel, Measurements
 from mikas.report.statistics import ChannelStatistics, is_inside
 from mikas.report.subject import ReportSubject
 
-_FEWEST: Final = 5  # values at warm idle to judge by
+_FEWEST: Final = 5  # values at warm idle needed for a rating
 _LONG_ENOUGH: Final = 600.0  # s after which an erased fault should have come back
 
 
 class BandPosition(StrEnum):
-    """Where a value lies; shown as a word and a shape."""
+    """Position of a value to its reference; shown as a word and a shape."""
 
     INSIDE = "inside"
     LOW = "low"
     HIGH = "high"
-    NONE = "none"  # not judged
+    NONE = "none"  # not rated
 
 
 class Outcome(StrEnum):
-    """What it all comes to."""
+    """The overall result."""
 
     GOOD = "good"
     ATTENTION = "attention"
-    OPEN = "open"  # not enough is known to say either
+    OPEN = "open"  # not enough data for either
 
 
 @dataclass(frozen=True, slots=True)
 class ChannelFinding:
-    """One channel's row. `meaning`: what its being off may mean. `faults`: those stored that bear
-    on it.
+    """One channel's row. `meaning`: the possible cause of a value outside its reference.
+    `faults`: stored faults that concern the channel.
     """
 
     channel: Channel
@@ -55,7 +55,7 @@ class ChannelFinding:
 
 @dataclass(frozen=True, slots=True)
 class FaultFinding:
-    """A stored fault, with the measured values that bear on it."""
+    """A stored fault, with the measured values that it concerns."""
 
     fault: Fault
     values: tuple[ChannelFinding, ...]
@@ -63,8 +63,8 @@ class FaultFinding:
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """All that the report says. `faults` None: they were not read. `at_idle`: whether the values'
-    numbers are those of warm idle, or of the whole time. `gone`: real faults that were stored.
+    """The content of the report. `faults` None: not read. `at_idle`: the statistics are those of
+    warm idle, else of the whole time. `gone`: real faults that were stored before.
     """
 
     subject: ReportSubject
@@ -83,12 +83,12 @@ class Findings:
 
     @property
     def real_faults(self) -> tuple[FaultFinding, ...]:
-        """The stored faults without those numbers that are only messages."""
+        """The stored faults without mere messages."""
         return tuple(each for each in self.faults or () if not each.fault.informational)
 
 
 def find(subject: ReportSubject, measured: Measurements) -> Findings:
-    """Everything that follows."""
+    """Rate the measurements and return all findings."""
     at_idle = measured.idle.enough
     stats = measured.at_idle if at_idle else measured.whole
     bearing = _bearing(subject.faults or ())
@@ -141,7 +141,7 @@ def _meaning(parameter: Parameter, mark: BandPosition) -> Text:
 
 
 def _bearing(faults: tuple[Fault, ...]) -> dict[str, tuple[int, ...]]:
-    """By parameter: the stored faults that concern it."""
+    """Return the stored faults that concern each parameter."""
     found: dict[str, tuple[int, ...]] = {}
     for fault in faults:
         for name in fault.parameters:
@@ -154,7 +154,7 @@ def _stored(fault: Fault, values: Mapping[str, ChannelFinding]) -> FaultFinding:
 
 
 def is_open(subject: ReportSubject, gone: ClearedFaults) -> bool:
-    """Whether it is too early to say that these are cured: they were not looked for again later."""
+    """Whether it is too early to call these faults cured: they were not read again later."""
     return (subject.faults_read or gone.time) - gone.time < _LONG_ENOUGH
 
 

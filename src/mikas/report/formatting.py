@@ -1,4 +1,4 @@
-"""How numbers and counts are said in the two languages."""
+"""Numbers, durations and times as texts in the two languages."""
 
 from __future__ import annotations
 

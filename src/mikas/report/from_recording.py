@@ -1,6 +1,6 @@
-"""From a recording to what follows from it: the rows, the notes and the faults of its last session.
+"""The findings of a recording: from the rows, notes and faults of its last session.
 
-Always in the corrected reading, whatever the recording was made with: references belong to it.
+Always in the corrected interpretation, which the references belong to.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ def _follows(name: str, recorded: Iterable[str], catalog: Catalog) -> bool:
 def _fullest(
     sessions: Mapping[Source, _Session], last: int, catalog: Catalog
 ) -> tuple[Source, Measurements]:
-    """The port that brought most in the last session; a source of its own if none brought any."""
+    """Return the port with most rows in the last session; a new source if none has rows."""
     found = [
         (source, session.measuring.measured)
         for source, session in sessions.items()

@@ -1,7 +1,7 @@
-"""Rows in, what the report needs of them out: the spread of each channel, its course, warm idle.
+"""Statistics, envelope and warm idle of each channel, collected from rows.
 
-Rows come in stretches, as a recording is read or a running session remembers them. Nothing of them
-is kept but counts and a few hundred columns a channel.
+Rows come in blocks, from a recording or from the memory of a running session. Only value counts and
+a few hundred columns a channel are kept.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from mikas.sampling.derived import Rows
 
 Channel: TypeAlias = Parameter | Derived
 
-_FINER = 2  # decimals beyond those that are shown, for what is computed
+_FINER = 2  # decimals beyond those shown, for computed channels
 
 
 @dataclass(frozen=True, slots=True)
 class Measurements:
-    """What was measured. By channel name: `whole` in all the time, `at_idle` at warm idle.
+    """The measurements. By channel name: `whole` over all the time, `at_idle` at warm idle.
 
     `began`, `ended` None: there were no rows.
     """
@@ -40,16 +40,16 @@ class Measurements:
 
     @property
     def seconds(self) -> float:
-        """How long it took."""
+        """The duration of the measurement."""
         if self.began is None or self.ended is None:
             return 0.0
         return max(0.0, self.ended - self.began)
 
 
 class MeasurementCollector:
-    """Takes the rows of one unit. `names`: the channels that they may have, in order.
+    """Collects the rows of one unit. `names`: the channels that they may have, in order.
 
-    A derived channel that accumulates has a course, but no spread that would mean anything.
+    A derived channel that accumulates has an envelope, but no useful statistics.
     """
 
     def __init__(self, catalog: Catalog, names: Iterable[str]) -> None:
@@ -64,7 +64,7 @@ class MeasurementCollector:
         self._rows = 0
 
     def add(self, rows: Rows) -> None:
-        """The next rows, parameters in the corrected reading."""
+        """Add rows, parameters in the corrected interpretation."""
         if not len(rows.times):
             return
         if self._began is None:
@@ -84,7 +84,7 @@ class MeasurementCollector:
 
     @property
     def measured(self) -> Measurements:
-        """Everything so far; a channel that brought no value is not in it."""
+        """The measurements so far, without channels that had no value."""
         whole = self._stats(self._whole)
         there = {name for name, curve in self._curves.items() if np.isfinite(curve.most).any()}
         return Measurements(

@@ -1,13 +1,15 @@
-"""The report as one page: HTML with its style and its drawings in it, and nothing from elsewhere.
+"""The report as one self-contained HTML page with its style and drawings.
 
-It prints on two sides of A4. There is no script, and its own Content-Security-Policy lets nothing
-in but the style it carries: a recording may hold anybody's words.
+It prints on two sides of A4. It has no script, and its Content-Security-Policy allows only its own
+style: a recording may contain any text.
 """
 
 from __future__ import annotations
 
+import os
 from base64 import b64encode
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
@@ -16,7 +18,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from markupsafe import Markup
 
-from mikas.i18n import Language
+from mikas.errors import ExportError, reason_of
+from mikas.i18n import Language, Text
 from mikas.report.charts import chart
 from mikas.report.conditions import rows as how_rows
 from mikas.report.fault_history import ClearedFaults
@@ -30,23 +33,24 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 CHARTS: Final = 3
+SUFFIXES: Final = (".html", ".htm")
 _FIRST: Final = ("FREQ", "JAIR", "TWAT", "INJ", "UACC", "UOZ", "FREQX", "THR")
-"""What is drawn if nothing is off."""
+"""The charts if all values are normal."""
 
 
 def policy() -> str:
-    """The Content-Security-Policy that the page needs, and has in it."""
+    """Return the Content-Security-Policy that the page needs and contains."""
     digest = b64encode(sha256(_style().encode()).digest()).decode()
     return f"default-src 'none'; style-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'"
 
 
 def render(found: Findings, language: Language) -> str:
-    """The page in one language."""
+    """Return the page in one language."""
     return _template().render(_Page(found, language).context())
 
 
 class _Page:
-    """What the template shows, as texts of one language."""
+    """The values of the template, as texts in one language."""
 
     def __init__(self, found: Findings, language: Language) -> None:
         self._found = found
@@ -180,7 +184,7 @@ class _Page:
 
 
 def _drawn(found: Findings) -> list[Any]:
-    """What is off first, then the usual ones, then whatever there is; never two of the speed."""
+    """Return the channels to draw: abnormal ones first, then `_FIRST`, then others; one speed."""
     there = {each.name: each for each in found.measured.channels if not each.is_flag}
     order = [value.channel.name for value in found.off]
     order += [*_FIRST, *there]
@@ -202,3 +206,44 @@ def _template() -> Template:
     return Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template(
         "page.html"
     )
+
+
+def check_output(out: Path, *, overwrite: bool) -> None:
+    """Check the name before measuring. Raises `ExportError`."""
+    if out.suffix.lower() not in SUFFIXES:
+        raise ExportError(
+            str(out),
+            Text(
+                "a report is an .html file (a browser prints it to paper or PDF)",
+                "отчёт — это файл .html (напечатать его или сохранить в PDF можно из браузера)",
+            ),
+        )
+    if not overwrite and os.path.lexists(out):
+        raise ExportError(
+            str(out),
+            Text(
+                "the file is there already; give another name, or allow overwriting",
+                "файл уже есть; укажите другое имя или разрешите перезапись",
+            ),
+        )
+    if not out.absolute().parent.is_dir():
+        raise ExportError(str(out), Text("there is no such folder", "такой папки нет"))
+
+
+def write_page(out: Path, page: str, *, overwrite: bool) -> None:
+    """Write `page` under a temporary name and rename it. Raises `ExportError`."""
+    check_output(out, overwrite=overwrite)
+    part = out.with_name(f"{out.name}.part")
+    try:
+        try:
+            with part.open("w", encoding="utf-8", newline="\n") as file:
+                file.write(page)
+                file.flush()
+                os.fsync(file.fileno())
+            part.replace(out)
+        finally:
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
+    except OSError as error:
+        problem = Text("can't be written: {why}", "не записать: {why}")
+        raise ExportError(str(out), problem.filled(why=reason_of(error))) from error

@@ -1,7 +1,7 @@
-"""How the values of one channel are spread: exactly, however many there are.
+"""Statistics of one channel, exact for any number of values, and its envelope over time.
 
-Values come from one or two bytes, so that few of them differ: each is kept once, with how often it
-came. Ten hours need no more memory than ten minutes.
+Values come from one or two bytes, so few of them differ: each is kept once with its count. Ten
+hours need no more memory than ten minutes.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ _INSIDE: Final = 1e-9  # what rounding may add to a value that lies on the edge 
 
 @dataclass(frozen=True, slots=True)
 class ChannelStatistics:
-    """What a channel did. Save `mean`, each is a value that came; `low` to `high` holds 90 % of
-    them. `inside`: the share of the values within the reference; None without one.
+    """All but `mean` are values that occurred; 90 % lie between `low` and `high`. `inside`: the
+    share of values within the reference; None without one.
     """
 
     count: int
@@ -38,7 +38,7 @@ class ChannelStatistics:
 
 
 class ValueCounts:
-    """The values of one channel so far, rounded to `places` (what is computed has no steps)."""
+    """Counts of the values of one channel, rounded to `places` (computed values have no steps)."""
 
     def __init__(self, places: int) -> None:
         self._places = places
@@ -46,7 +46,7 @@ class ValueCounts:
         self._counts: NDArray[np.int64] = np.empty(0, np.int64)
 
     def add(self, column: Column) -> None:
-        """More values; NaN is missing."""
+        """Add values; NaN means missing."""
         came, counts = np.unique(
             np.round(column[np.isfinite(column)], self._places), return_counts=True
         )
@@ -57,7 +57,7 @@ class ValueCounts:
             self._counts = np.bincount(place, weights).astype(np.int64)
 
     def stats(self, reference: tuple[float, float] | None = None) -> ChannelStatistics | None:
-        """What is known of them; None if none came."""
+        """Return the statistics; None without values."""
         count = int(self._counts.sum())
         if not count:
             return None
@@ -73,7 +73,7 @@ class ValueCounts:
         )
 
     def _ranked(self, share: float) -> float:
-        """The least value that at least so large a share of all does not exceed."""
+        """Return the quantile: the least value that `share` of all values do not exceed."""
         upto = np.cumsum(self._counts)
         rank = max(1, int(np.ceil(share * upto[-1])))
         return float(self._values[np.searchsorted(upto, rank)])
@@ -84,12 +84,15 @@ class ValueCounts:
 
 
 def is_inside(value: float, band: tuple[float, float]) -> bool:
-    """Whether it is in the band, the edges included."""
+    """Whether the value is in the band, edges included."""
     return band[0] - _INSIDE <= value <= band[1] + _INSIDE
 
 
 class Envelope:
-    """The course of one channel since `began`. Columns that nothing fell into are NaN."""
+    """Lowest and highest value of one channel per column of time since `began`; NaN: no values.
+
+    A spike of one sample stays visible. When the columns are full, pairs of them are merged.
+    """
 
     def __init__(self, began: float) -> None:
         self.began = began
@@ -98,7 +101,7 @@ class Envelope:
         self.most: Column = np.full(COLUMNS, np.nan)
 
     def add(self, times: Column, values: Column) -> None:
-        """More of it; NaN is missing, and so is what was before `began`."""
+        """Add values; NaN and times before `began` are ignored."""
         there = np.isfinite(values) & (times >= self.began)
         times, values = times[there], values[there]
         if not times.size:

@@ -1,7 +1,7 @@
-"""What a report is about, before anything is judged: the unit, its faults, how it was measured.
+"""The subject of a report: the unit, its faults, the conditions of the measurement.
 
-Whoever makes a report (of a recording, of a running session) fills these in; None or empty is what
-could not be known, and the report says so.
+Filled in from a recording or a running session; None or empty means unknown; the report
+says so.
 """
 
 from __future__ import annotations
@@ -16,9 +16,7 @@ from mikas.report.fault_history import ClearedFaults
 
 @dataclass(frozen=True, slots=True)
 class UnitIdentity:
-    """Who was asked. The passport's pieces: three of the program, five of the data; None: it does
-    not tell.
-    """
+    """The unit. Its passport: three pieces of the program, five of the data; None: unknown."""
 
     model: Model
     program: tuple[str | None, ...] = ()
@@ -27,7 +25,7 @@ class UnitIdentity:
 
 @dataclass(frozen=True, slots=True)
 class Interruption:
-    """Nothing came from `began` to `ended`, on the link's clock; None: until the end."""
+    """No data from `began` to `ended`, on the link's clock; None: until the end."""
 
     began: float
     ended: float | None = None
@@ -36,7 +34,7 @@ class Interruption:
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
-    """How it was measured. `file`: the recording's name; empty: of a running session.
+    """Conditions of the measurement. `file`: the recording's name; empty: a running session.
 
     `date` None: the clock was a simulated one. `errors`: exchanges that failed. `sessions`: how
     many the file holds; the report is of the last. `damaged`: places that could not be read.
@@ -57,8 +55,8 @@ class Conditions:
 
 @dataclass(frozen=True, slots=True)
 class ReportSubject:
-    """All of it. `faults` None: they were not read; else they were stored at `faults_read`, and
-    `gone` had been before. `notes`: a person's words, in their order.
+    """All of these. `faults` None: not read; else those stored at `faults_read`; `gone`: those
+    stored before. `notes`: the user's notes, in order.
     """
 
     catalog: Catalog

@@ -1,4 +1,4 @@
-"""When the engine was at warm idle: found in the data, by rules that the report prints.
+"""Finds when the engine was at warm idle, by rules that the report prints.
 
 The bounds are wider than the references on purpose: they have to tell a warm idle from everything
 else, not a good one from a bad one. An idle at 1150 rpm is found, and then judged too high.
@@ -29,9 +29,9 @@ ENOUGH: Final = 10.0  # s of warm idle in all; with less nothing is judged
 
 @dataclass(frozen=True, slots=True)
 class IdleRule:
-    """What one channel has to be at warm idle: the first of `names` that was recorded.
+    """The limits of one channel at warm idle: of the first of `names` that was recorded.
 
-    `holds`: for how many seconds its last value is taken to stand.
+    `holds`: for how many seconds its last value is valid.
     """
 
     text: Text
@@ -43,9 +43,9 @@ class IdleRule:
 
 @dataclass(frozen=True, slots=True)
 class RuleResult:
-    """How a rule fared: by which channel (None: none was recorded), between which values, and
-    whether it ever held. `missing`: seconds for which nothing told; `instead`: by what it was
-    judged where its own channel was not asked.
+    """The result of a rule: its channel (None: not recorded), the range of its values, and whether
+    the rule ever held. `missing`: seconds without a valid value; `instead`: the rule used where its
+    own channel was not read.
     """
 
     rule: IdleRule
@@ -75,24 +75,24 @@ IDLE_FLAG: Final = IdleRule(
 
 @dataclass(frozen=True, slots=True)
 class WarmIdle:
-    """What was found: the stretches, in the data's own time, and how the rules fared."""
+    """The stretches of warm idle, in the time of the data, and the result of each rule."""
 
     stretches: tuple[tuple[float, float], ...]
     rules: tuple[RuleResult, ...]
 
     @property
     def seconds(self) -> float:
-        """Of warm idle, in all."""
+        """The duration of warm idle in all."""
         return sum(ended - began for began, ended in self.stretches)
 
     @property
     def enough(self) -> bool:
-        """Whether it lasted long enough to judge by."""
+        """Whether it lasted long enough for a rating."""
         return self.seconds >= ENOUGH
 
     @property
     def unknown(self) -> tuple[IdleRule, ...]:
-        """The rules that nothing was recorded for: then there is no telling."""
+        """The rules whose channels were not recorded."""
         return tuple(seen.rule for seen in self.rules if seen.name is None)
 
 
@@ -111,7 +111,7 @@ class WarmIdleFinder:
 
     @property
     def found(self) -> WarmIdle:
-        """What was found so far. A single moment is no stretch."""
+        """The result so far. A single moment is no stretch."""
         stretches = tuple(each for each in self._stretches if each[1] > each[0])
         return WarmIdle(stretches, tuple(watch.seen for watch in self._watches))
 
@@ -166,13 +166,13 @@ class WarmIdleFinder:
 
 
 def _by_channel(recorded: set[str], *rules: IdleRule) -> list[_Watch]:
-    """A watch for each channel that can tell, the best first; one that sees nothing if none can."""
+    """Return a watch for each recorded channel, the best first; without one, an empty watch."""
     watches = [_Watch(rule, name) for rule in rules for name in rule.names if name in recorded]
     return watches or [_Watch(rules[0], None)]
 
 
 class _Either:
-    """One rule by the best channel that was asked at the time: what is asked may change."""
+    """One rule, by the best channel that was read at the time: the plan may change."""
 
     def __init__(self, watches: Sequence[_Watch]) -> None:
         self._watches = watches
@@ -201,7 +201,7 @@ class _Either:
 
 
 class _Watch:
-    """One channel over the rows: where it is known, where it fits, and what was seen."""
+    """One channel over the rows: where it is valid, where it fits the rule, and its range."""
 
     def __init__(self, rule: IdleRule, name: str | None) -> None:
         self.rule = rule

@@ -19,7 +19,6 @@ from mikas.cli.render.notices import Notices
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
 from mikas.errors import UsageError
 from mikas.i18n import Text
-from mikas.report import writing
 from mikas.sampling.events import UnitFound
 
 if TYPE_CHECKING:
@@ -72,15 +71,16 @@ def report(
                 "--duration и --capture действуют при измерении; с FILE ничего не измеряется",
             )
         )
-    writing.check(out, overwrite=overwrite)
     from mikas.report.from_recording import of_recording
-    from mikas.report.page import render
+    from mikas.report.page import check_output, render, write_page
+
+    check_output(out, overwrite=overwrite)
 
     if file is not None:
         found = of_recording(file, context.catalog())
     else:
         found = _measured_now(context, duration or _SECONDS)
-    writing.write(out, render(found, current_language()), overwrite=overwrite)
+    write_page(out, render(found, current_language()), overwrite=overwrite)
     _tell(context, out, found)
 
 
