@@ -13,7 +13,7 @@ const t = dictionary({
     ru: "Записываются {sampled} из {all} величин: те, что сейчас опрашиваются",
   },
   startedAll: { en: "Recording all values to {file}", ru: "Идёт запись всех величин в {file}" },
-  all_values: { en: "Record all_values", ru: "Записывать всё" },
+  allValues: { en: "Record all values", ru: "Записывать всё" },
   everythingNow: { en: "All values are recorded now, each less often", ru: "Записываются все величины, каждая реже" },
   stopped: { en: "Recording saved: {file}", ru: "Запись сохранена: {file}" },
   marked: { en: "Marker set", ru: "Отметка поставлена" },
@@ -54,7 +54,7 @@ class RecordingControl {
     toasts.success(() => t("started", { file, sampled, all }), {
       duration: 12_000,
       code: STARTED,
-      action: { text: () => t("all_values"), run: () => void this.recordAll() },
+      action: { text: () => t("allValues"), run: () => void this.recordAll() },
     });
   }
 

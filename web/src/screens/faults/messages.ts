@@ -53,7 +53,7 @@ export const t = dictionary({
     ru: "Список останется в журнале. Если причина не устранена, ошибка появится снова: сразу или в следующей поездке.",
   },
   erase_still: {
-    en: "Only with the car limitState still.",
+    en: "Only while the car stands still.",
     ru: "Только на стоящей машине.",
   },
   erase_again: {
