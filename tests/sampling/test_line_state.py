@@ -17,9 +17,9 @@ from mikas.sampling.events import Event, LineState, Sampled, StateChanged
 from mikas.sampling.line_state import (
     TRANSITIONS,
     ImpossibleTransition,
-    LineEvent,
     LineStateMachine,
-    event_of,
+    LineTrigger,
+    trigger_of,
 )
 from mikas.sampling.sampler import Sampler
 from mikas.virtual.adapter import AdapterKind
@@ -28,7 +28,7 @@ from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
 from mikas.virtual.responder import Identity
 from virtual_bench import PASSPORTS, make_bus
 
-Cell = tuple[LineState | None, LineEvent]
+Cell = tuple[LineState | None, LineTrigger]
 CELLS = [(state, event) for state, row in TRANSITIONS.items() for event in row]
 SECONDS = 40.0  # of simulated time in which a cell has to be reached
 
@@ -38,7 +38,7 @@ class RecordingMachine(LineStateMachine):
 
     cells: list[Cell]
 
-    def process(self, event: LineEvent) -> LineState | None:
+    def process(self, event: LineTrigger) -> LineState | None:
         self.cells.append((self.state, event))
         return super().process(event)
 
@@ -141,24 +141,24 @@ LEADS_TO: dict[LineState | None, Callable[[World], None]] = {
     LineState.ECU_ALIVE: World.mend,
     LineState.SAMPLING: World.mend,
 }
-CAUSES: dict[LineEvent, Callable[[World], None]] = {
-    LineEvent.PORT_MISSING: World.adapter_out,
-    LineEvent.PORT_LOST: World.adapter_out,
-    LineEvent.ECHO_MISSING: World.no_supply,
-    LineEvent.SILENT: World.key_off,
-    LineEvent.SPOILT: World.damage,
-    LineEvent.IDENTIFIED: World.mend,
-    LineEvent.ACCEPTED: World.another_plan,
-    LineEvent.REFUSED: World.refuse_all,
-    LineEvent.ENDED: World.stop,
+CAUSES: dict[LineTrigger, Callable[[World], None]] = {
+    LineTrigger.PORT_MISSING: World.adapter_out,
+    LineTrigger.PORT_LOST: World.adapter_out,
+    LineTrigger.ECHO_MISSING: World.no_supply,
+    LineTrigger.SILENT: World.key_off,
+    LineTrigger.SPOILT: World.damage,
+    LineTrigger.IDENTIFIED: World.mend,
+    LineTrigger.ACCEPTED: World.another_plan,
+    LineTrigger.REFUSED: World.refuse_all,
+    LineTrigger.ENDED: World.stop,
 }
 
 
-def cause_of(state: LineState | None, event: LineEvent) -> Callable[[World], None]:
+def cause_of(state: LineState | None, event: LineTrigger) -> Callable[[World], None]:
     """Return what makes `event` happen; a unit that was identified is resynchronized first."""
-    if event is LineEvent.SPOILT and state is LineState.ECU_ALIVE:
+    if event is LineTrigger.SPOILT and state is LineState.ECU_ALIVE:
         return World.another_version_while_it_refuses
-    if event is LineEvent.SPOILT and state is LineState.SAMPLING:
+    if event is LineTrigger.SPOILT and state is LineState.SAMPLING:
         return World.another_version_after_a_dip
     return CAUSES[event]
 
@@ -184,17 +184,17 @@ def run_on(world: World, events: Iterator[Event], reached: list[Cell], cell: Cel
 def simple(cell: Cell) -> bool:
     """Whether the scenario is: come to the state, then let the event's cause happen."""
     state, event = cell
-    return cell not in SPECIAL and (state is not None or event is not LineEvent.ENDED)
+    return cell not in SPECIAL and (state is not None or event is not LineTrigger.ENDED)
 
 
 def test_port_lost_at_first_use(reached: list[Cell]) -> None:
     world = World()
     world.adapter_out_at_first_use()
     with closing(world.sampler.run()) as events:
-        run_on(world, events, reached, (LineState.SAMPLING, LineEvent.ACCEPTED))
+        run_on(world, events, reached, (LineState.SAMPLING, LineTrigger.ACCEPTED))
     assert reached[:2] == [
-        (None, LineEvent.PORT_LOST),
-        (LineState.NO_PORT, LineEvent.IDENTIFIED),
+        (None, LineTrigger.PORT_LOST),
+        (LineState.NO_PORT, LineTrigger.IDENTIFIED),
     ]
 
 
@@ -203,8 +203,8 @@ def test_port_lost_at_first_use_after_it_was_missing(reached: list[Cell]) -> Non
     with closing(world.sampler.run()) as events:
         until_state(world, events, LineState.NO_PORT)
         world.adapter_out_at_first_use()
-        run_on(world, events, reached, (LineState.NO_PORT, LineEvent.PORT_LOST))
-    assert (LineState.NO_PORT, LineEvent.PORT_LOST) in reached
+        run_on(world, events, reached, (LineState.NO_PORT, LineTrigger.PORT_LOST))
+    assert (LineState.NO_PORT, LineTrigger.PORT_LOST) in reached
 
 
 def test_another_unit_is_identified_twice(reached: list[Cell]) -> None:
@@ -213,10 +213,10 @@ def test_another_unit_is_identified_twice(reached: list[Cell]) -> None:
         until_state(world, events, LineState.SAMPLING)
         until_state(world, events, LineState.ECHO_ONLY)
         world.another_unit()
-        run_on(world, events, reached, (LineState.ECU_ALIVE, LineEvent.IDENTIFIED))
+        run_on(world, events, reached, (LineState.ECU_ALIVE, LineTrigger.IDENTIFIED))
     assert reached[-3:-1] == [
-        (LineState.ECHO_ONLY, LineEvent.IDENTIFIED),
-        (LineState.ECU_ALIVE, LineEvent.IDENTIFIED),
+        (LineState.ECHO_ONLY, LineTrigger.IDENTIFIED),
+        (LineState.ECU_ALIVE, LineTrigger.IDENTIFIED),
     ]
 
 
@@ -225,10 +225,10 @@ def test_a_unit_that_goes_on_refusing_everything(reached: list[Cell]) -> None:
     with closing(world.sampler.run()) as events:
         until_state(world, events, LineState.SAMPLING)
         world.refuse_all()
-        run_on(world, events, reached, (LineState.ECU_ALIVE, LineEvent.REFUSED))
+        run_on(world, events, reached, (LineState.ECU_ALIVE, LineTrigger.REFUSED))
     assert reached[-3:-1] == [
-        (LineState.SAMPLING, LineEvent.REFUSED),
-        (LineState.ECU_ALIVE, LineEvent.REFUSED),
+        (LineState.SAMPLING, LineTrigger.REFUSED),
+        (LineState.ECU_ALIVE, LineTrigger.REFUSED),
     ]
 
 
@@ -237,9 +237,9 @@ def test_sampling_begins(reached: list[Cell]) -> None:
     with closing(world.sampler.run()) as events:
         until_state(world, events, LineState.SAMPLING)
     assert reached == [
-        (None, LineEvent.IDENTIFIED),
-        (LineState.ECU_ALIVE, LineEvent.ACCEPTED),
-        (LineState.SAMPLING, LineEvent.ENDED),
+        (None, LineTrigger.IDENTIFIED),
+        (LineState.ECU_ALIVE, LineTrigger.ACCEPTED),
+        (LineState.SAMPLING, LineTrigger.ENDED),
     ]
 
 
@@ -248,22 +248,22 @@ def test_a_strict_run_ends_before_any_state(reached: list[Cell]) -> None:
     world.adapter_out()
     with pytest.raises(MikasError):
         list(world.sampler.run())
-    assert reached == [(None, LineEvent.ENDED)]
+    assert reached == [(None, LineTrigger.ENDED)]
 
 
 SPECIAL: dict[Cell, Callable[[list[Cell]], None]] = {
-    (None, LineEvent.PORT_LOST): test_port_lost_at_first_use,
-    (LineState.NO_PORT, LineEvent.PORT_LOST): test_port_lost_at_first_use_after_it_was_missing,
-    (LineState.ECU_ALIVE, LineEvent.IDENTIFIED): test_another_unit_is_identified_twice,
-    (LineState.ECU_ALIVE, LineEvent.REFUSED): test_a_unit_that_goes_on_refusing_everything,
-    (LineState.ECU_ALIVE, LineEvent.ACCEPTED): test_sampling_begins,
-    (None, LineEvent.ENDED): test_a_strict_run_ends_before_any_state,
+    (None, LineTrigger.PORT_LOST): test_port_lost_at_first_use,
+    (LineState.NO_PORT, LineTrigger.PORT_LOST): test_port_lost_at_first_use_after_it_was_missing,
+    (LineState.ECU_ALIVE, LineTrigger.IDENTIFIED): test_another_unit_is_identified_twice,
+    (LineState.ECU_ALIVE, LineTrigger.REFUSED): test_a_unit_that_goes_on_refusing_everything,
+    (LineState.ECU_ALIVE, LineTrigger.ACCEPTED): test_sampling_begins,
+    (None, LineTrigger.ENDED): test_a_strict_run_ends_before_any_state,
 }
 
 
 @pytest.mark.parametrize(("state", "event"), [cell for cell in CELLS if simple(cell)])
 def test_every_other_cell_is_reached_by_its_cause(
-    state: LineState | None, event: LineEvent, reached: list[Cell]
+    state: LineState | None, event: LineTrigger, reached: list[Cell]
 ) -> None:
     world = World()
     with closing(world.sampler.run()) as events:
@@ -277,7 +277,7 @@ def test_every_other_cell_is_reached_by_its_cause(
 def test_only_the_end_leads_to_not_running() -> None:
     for state, row in TRANSITIONS.items():
         for event, to in row.items():
-            assert (to is None) == (event is LineEvent.ENDED), (state, event)
+            assert (to is None) == (event is LineTrigger.ENDED), (state, event)
 
 
 @pytest.mark.parametrize("end", [World.replay_over, World.stop])
@@ -289,7 +289,7 @@ def test_the_end_of_a_recording_and_stop_end_the_run(
         until_state(world, events, LineState.SAMPLING)
         end(world)
         list(events)
-    assert reached[-1] == (LineState.SAMPLING, LineEvent.ENDED)
+    assert reached[-1] == (LineState.SAMPLING, LineTrigger.ENDED)
     assert world.sampler.state is LineState.SAMPLING  # as it was reported
 
 
@@ -297,7 +297,7 @@ def test_an_elm327_ends_the_run_before_any_state(reached: list[Cell]) -> None:
     port = ReconnectingPort("sim:?adapter=elm327&clock=simulated", open_port=open_link)
     with pytest.raises(MikasError):
         list(Sampler(port, ecu_factory(), wishes("FREQ")).run())
-    assert reached == [(None, LineEvent.ENDED)]
+    assert reached == [(None, LineTrigger.ENDED)]
 
 
 def test_a_method_that_the_unit_lacks_changes_no_state(reached: list[Cell]) -> None:
@@ -305,17 +305,17 @@ def test_a_method_that_the_unit_lacks_changes_no_state(reached: list[Cell]) -> N
     with closing(make_sampler(SimulatedPlug(bus), "FREQ", method="stream").run()) as events:
         take(events, lambda e: len(of(Sampled, e)) > 10)
     assert set(reached) == {
-        (None, LineEvent.IDENTIFIED),
-        (LineState.ECU_ALIVE, LineEvent.ACCEPTED),
-        (LineState.SAMPLING, LineEvent.ACCEPTED),
-        (LineState.SAMPLING, LineEvent.ENDED),
+        (None, LineTrigger.IDENTIFIED),
+        (LineState.ECU_ALIVE, LineTrigger.ACCEPTED),
+        (LineState.SAMPLING, LineTrigger.ACCEPTED),
+        (LineState.SAMPLING, LineTrigger.ENDED),
     }
 
 
 @pytest.mark.parametrize("state", [None, *LineState])
-@pytest.mark.parametrize("event", LineEvent)
+@pytest.mark.parametrize("event", LineTrigger)
 def test_an_event_without_a_cell_raises_and_changes_nothing(
-    state: LineState | None, event: LineEvent
+    state: LineState | None, event: LineTrigger
 ) -> None:
     machine = LineStateMachine()
     machine.state = state
@@ -331,18 +331,18 @@ def test_an_event_without_a_cell_raises_and_changes_nothing(
 @pytest.mark.parametrize(
     ("error", "event"),
     [
-        (NoEcho(), LineEvent.ECHO_MISSING),
-        (EchoOnly(), LineEvent.SILENT),
-        (SyncLost(), LineEvent.SPOILT),
-        (PortBusy(url="sim:"), LineEvent.ECHO_MISSING),
+        (NoEcho(), LineTrigger.ECHO_MISSING),
+        (EchoOnly(), LineTrigger.SILENT),
+        (SyncLost(), LineTrigger.SPOILT),
+        (PortBusy(url="sim:"), LineTrigger.ECHO_MISSING),
     ],
 )
-def test_which_event_an_error_is(error: MikasError, event: LineEvent) -> None:
-    assert event_of(error) is event
+def test_which_event_an_error_is(error: MikasError, event: LineTrigger) -> None:
+    assert trigger_of(error) is event
 
 
-@given(st.lists(st.sampled_from(LineEvent), max_size=30))
-def test_any_sequence_of_events_follows_the_table(events: list[LineEvent]) -> None:
+@given(st.lists(st.sampled_from(LineTrigger), max_size=30))
+def test_any_sequence_of_events_follows_the_table(events: list[LineTrigger]) -> None:
     machine, state = LineStateMachine(), None
     for event in events:
         if event in TRANSITIONS[state]:
@@ -396,4 +396,4 @@ def test_an_adapter_without_supply_at_the_beginning(reached: list[Cell]) -> None
     plug = SimulatedPlug(make_bus(adapter=AdapterKind(supplied=False)))
     with closing(make_sampler(plug).run()) as events:
         next(events)
-    assert reached == [(None, LineEvent.ECHO_MISSING), (LineState.NO_ECHO, LineEvent.ENDED)]
+    assert reached == [(None, LineTrigger.ECHO_MISSING), (LineState.NO_ECHO, LineTrigger.ENDED)]

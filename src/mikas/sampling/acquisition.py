@@ -66,7 +66,7 @@ class Acquisition:
         self._derived = DerivedChannels(catalog, self._selection.derived)
         self._in_force = self._selection
         self._alarms = Alarms(catalog, limits)
-        self._behind: deque[AlarmChanged] = deque()  # of the sample that was told last
+        self._pending_alarms: deque[AlarmChanged] = deque()  # of the latest sample
         self._sampler = Sampler(
             port,
             make_ecu,
@@ -111,11 +111,11 @@ class Acquisition:
     @property
     def has_more(self) -> bool:
         """Whether alarms of the latest sample come next; they need no request."""
-        return bool(self._behind)
+        return bool(self._pending_alarms)
 
     def run(self) -> Generator[Event, None, None]:
         """Yield events until `stop`, or until the iterator is closed. Raises as `Sampler.run`."""
-        self._behind.clear()
+        self._pending_alarms.clear()
         log = EventLogger()
         for event in self._sampler.run():
             log.take(event)
@@ -139,10 +139,10 @@ class Acquisition:
         # Values of this cycle are fresh, however long it lasts; only the others have an age.
         fresh = {name: number_of(reading) for name, reading in sampled.fresh.items()}
         values: dict[str, Value] = {**sampled.stale, **fresh, **derived}
-        self._behind.extend(self._alarms.update(values, sampled.time))
+        self._pending_alarms.extend(self._alarms.update(values, sampled.time))
         yield replace(sampled, derived=derived)
-        while self._behind:
-            yield self._behind.popleft()
+        while self._pending_alarms:
+            yield self._pending_alarms.popleft()
 
     def _adopt_selection(self) -> None:
         if self._in_force is not self._selection:

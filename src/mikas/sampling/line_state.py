@@ -34,7 +34,7 @@ from mikas.errors import EchoOnly, LineError, MikasError, NoConnection
 from mikas.sampling.events import LineState
 
 
-class LineEvent(Enum):
+class LineTrigger(Enum):
     """An observation that may change the state."""
 
     PORT_MISSING = "the port could not be opened"
@@ -51,77 +51,77 @@ class LineEvent(Enum):
 class ImpossibleTransition(RuntimeError):
     """A bug: `event` cannot occur in `state`."""
 
-    def __init__(self, state: LineState | None, event: LineEvent) -> None:
+    def __init__(self, state: LineState | None, event: LineTrigger) -> None:
         super().__init__(f"{event.name} cannot occur in state {state.name if state else 'None'}")
         self.state = state
         self.event = event
 
 
-TRANSITIONS: Final[Mapping[LineState | None, Mapping[LineEvent, LineState | None]]] = {
+TRANSITIONS: Final[Mapping[LineState | None, Mapping[LineTrigger, LineState | None]]] = {
     None: {  # not running
-        LineEvent.PORT_MISSING: LineState.NO_PORT,
-        LineEvent.PORT_LOST: LineState.NO_PORT,
-        LineEvent.ECHO_MISSING: LineState.NO_ECHO,
-        LineEvent.SILENT: LineState.ECHO_ONLY,
-        LineEvent.SPOILT: LineState.ECHO_ONLY,
-        LineEvent.IDENTIFIED: LineState.ECU_ALIVE,
-        LineEvent.ENDED: None,
+        LineTrigger.PORT_MISSING: LineState.NO_PORT,
+        LineTrigger.PORT_LOST: LineState.NO_PORT,
+        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+        LineTrigger.SILENT: LineState.ECHO_ONLY,
+        LineTrigger.SPOILT: LineState.ECHO_ONLY,
+        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
+        LineTrigger.ENDED: None,
     },
     LineState.NO_PORT: {
-        LineEvent.PORT_MISSING: LineState.NO_PORT,
-        LineEvent.PORT_LOST: LineState.NO_PORT,  # the port opened, and failed at its first use
-        LineEvent.ECHO_MISSING: LineState.NO_ECHO,
-        LineEvent.SILENT: LineState.ECHO_ONLY,
-        LineEvent.SPOILT: LineState.ECHO_ONLY,
-        LineEvent.IDENTIFIED: LineState.ECU_ALIVE,
-        LineEvent.ENDED: None,
+        LineTrigger.PORT_MISSING: LineState.NO_PORT,
+        LineTrigger.PORT_LOST: LineState.NO_PORT,  # the port opened, and failed at its first use
+        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+        LineTrigger.SILENT: LineState.ECHO_ONLY,
+        LineTrigger.SPOILT: LineState.ECHO_ONLY,
+        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
+        LineTrigger.ENDED: None,
     },
     LineState.NO_ECHO: {
-        LineEvent.PORT_LOST: LineState.NO_PORT,
-        LineEvent.ECHO_MISSING: LineState.NO_ECHO,
-        LineEvent.SILENT: LineState.ECHO_ONLY,
-        LineEvent.SPOILT: LineState.ECHO_ONLY,
-        LineEvent.IDENTIFIED: LineState.ECU_ALIVE,
-        LineEvent.ENDED: None,
+        LineTrigger.PORT_LOST: LineState.NO_PORT,
+        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+        LineTrigger.SILENT: LineState.ECHO_ONLY,
+        LineTrigger.SPOILT: LineState.ECHO_ONLY,
+        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
+        LineTrigger.ENDED: None,
     },
     LineState.ECHO_ONLY: {
-        LineEvent.PORT_LOST: LineState.NO_PORT,
-        LineEvent.ECHO_MISSING: LineState.NO_ECHO,
-        LineEvent.SILENT: LineState.ECHO_ONLY,
-        LineEvent.SPOILT: LineState.ECHO_ONLY,
-        LineEvent.IDENTIFIED: LineState.ECU_ALIVE,
-        LineEvent.ENDED: None,
+        LineTrigger.PORT_LOST: LineState.NO_PORT,
+        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+        LineTrigger.SILENT: LineState.ECHO_ONLY,
+        LineTrigger.SPOILT: LineState.ECHO_ONLY,
+        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
+        LineTrigger.ENDED: None,
     },
     LineState.ECU_ALIVE: {
-        LineEvent.PORT_LOST: LineState.NO_PORT,
-        LineEvent.ECHO_MISSING: LineState.NO_ECHO,
-        LineEvent.SILENT: LineState.ECHO_ONLY,
-        LineEvent.SPOILT: LineState.ECHO_ONLY,
-        LineEvent.IDENTIFIED: LineState.ECU_ALIVE,  # another unit: once more, as a new one
-        LineEvent.ACCEPTED: LineState.SAMPLING,
-        LineEvent.REFUSED: LineState.ECU_ALIVE,
-        LineEvent.ENDED: None,
+        LineTrigger.PORT_LOST: LineState.NO_PORT,
+        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+        LineTrigger.SILENT: LineState.ECHO_ONLY,
+        LineTrigger.SPOILT: LineState.ECHO_ONLY,
+        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,  # another unit: once more, as a new one
+        LineTrigger.ACCEPTED: LineState.SAMPLING,
+        LineTrigger.REFUSED: LineState.ECU_ALIVE,
+        LineTrigger.ENDED: None,
     },
     LineState.SAMPLING: {
-        LineEvent.PORT_LOST: LineState.NO_PORT,
-        LineEvent.ECHO_MISSING: LineState.NO_ECHO,
-        LineEvent.SILENT: LineState.ECHO_ONLY,
-        LineEvent.SPOILT: LineState.ECHO_ONLY,
-        LineEvent.ACCEPTED: LineState.SAMPLING,  # another plan
-        LineEvent.REFUSED: LineState.ECU_ALIVE,
-        LineEvent.ENDED: None,
+        LineTrigger.PORT_LOST: LineState.NO_PORT,
+        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+        LineTrigger.SILENT: LineState.ECHO_ONLY,
+        LineTrigger.SPOILT: LineState.ECHO_ONLY,
+        LineTrigger.ACCEPTED: LineState.SAMPLING,  # another plan
+        LineTrigger.REFUSED: LineState.ECU_ALIVE,
+        LineTrigger.ENDED: None,
     },
 }
 
-FAILURES: Final[tuple[tuple[type[MikasError], LineEvent], ...]] = (
-    (EchoOnly, LineEvent.SILENT),
-    (NoConnection, LineEvent.ECHO_MISSING),
-    (LineError, LineEvent.SPOILT),
+FAILURES: Final[tuple[tuple[type[MikasError], LineTrigger], ...]] = (
+    (EchoOnly, LineTrigger.SILENT),
+    (NoConnection, LineTrigger.ECHO_MISSING),
+    (LineError, LineTrigger.SPOILT),
 )
 """The event of a failed request, by the first class that fits; a lost port is none of them."""
 
 
-def event_of(error: NoConnection | LineError) -> LineEvent:
+def trigger_of(error: NoConnection | LineError) -> LineTrigger:
     """Return the event of a request that failed with `error`."""
     return next(event for kind, event in FAILURES if isinstance(error, kind))
 
@@ -132,7 +132,7 @@ class LineStateMachine:
     def __init__(self) -> None:
         self.state: LineState | None = None
 
-    def process(self, event: LineEvent) -> LineState | None:
+    def process(self, event: LineTrigger) -> LineState | None:
         """Enter the state that follows `event`, and return it. Raises `ImpossibleTransition`."""
         row = TRANSITIONS[self.state]
         if event not in row:

@@ -1,4 +1,4 @@
-"""What is known of the methods on one unit and adapter, and the choice of the fastest (D10–D12).
+"""Timings of the methods on one unit and adapter, and the choice of the fastest (D10–D12).
 
 Most of §3 was never tried by its author, and an adapter that delivers bytes in lumps reverses the
 order of the methods. So each method is measured for a second (`method_trial`), and its delay beyond
@@ -56,7 +56,7 @@ class MethodKnowledge:
         self._failures: Counter[FixedMethod] = Counter()
 
     def begin_trials(self, ecu: Ecu) -> None:
-        """Identify the adapter if it may be another one; load what is known with its kind."""
+        """Identify the adapter if it may be another one; load the timings with its kind."""
         self._tried.clear()
         if ecu is self._ecu:
             return

@@ -121,11 +121,11 @@ def run_trial(
     ecu: Ecu,
     plan: Plan,
     identity_check: IdentityCheck | None = None,
-    aside: Callable[[Callable[[], None]], bool] = lambda _: False,
+    run_pending: Callable[[Callable[[], None]], bool] = lambda _: False,
 ) -> Trial:
     """Run `plan` for a second: yield readings and errors, return the rate.
 
-    `aside` may ask for something else between two cycles, after it has called what it is given;
+    `run_pending` may run jobs between two cycles, after it has called the pause it is given;
     returns whether it did. Raises a `NoConnection` if the unit goes away meanwhile, `SyncLost` if
     another one comes.
     """
@@ -140,7 +140,7 @@ def run_trial(
     try:
         while len(spans) < _CYCLES or sum(spans) < _SECONDS:
             try:
-                if free and aside(cycles.pause):
+                if free and run_pending(cycles.pause):
                     before, free = None, False
                 fresh = cycles.run(turn)
             except (NoConnection, SyncLost):

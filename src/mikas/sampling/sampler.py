@@ -22,7 +22,7 @@ from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import Event, LineState, MethodChosen, PlanChanged
 from mikas.sampling.jobs import JobQueue
-from mikas.sampling.line_state import LineEvent
+from mikas.sampling.line_state import LineTrigger
 from mikas.sampling.method_knowledge import CANDIDATES, FALLBACK, best_method
 from mikas.sampling.method_trial import MethodTrials
 from mikas.sampling.plan import Plan, PlannedParameter, Price
@@ -189,7 +189,7 @@ class Sampler:
                 yield from self._idle(ecu, requested, _LONG)
                 context.refused.clear()
                 continue
-            yield from self._supervisor.process(LineEvent.ACCEPTED, ecu.tester.link.now())
+            yield from self._supervisor.process(LineTrigger.ACCEPTED, ecu.tester.link.now())
             method = yield from self._method(ecu, plan, requested)
             if not context.is_current(requested):
                 continue
@@ -251,6 +251,6 @@ class Sampler:
     def _idle(self, ecu: Ecu, requested: SamplingRequest, seconds: float) -> Iterator[Event]:
         """Run only jobs for `seconds`, or until the request changes: nothing can be sampled."""
         context, due = self._context, ecu.tester.link.now() + seconds
-        yield from self._supervisor.process(LineEvent.REFUSED, ecu.tester.link.now())
+        yield from self._supervisor.process(LineTrigger.REFUSED, ecu.tester.link.now())
         while context.is_current(requested) and not context.wait_until_due(ecu, requested, due):
             self._jobs.run(ecu)

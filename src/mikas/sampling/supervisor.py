@@ -23,7 +23,7 @@ from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.context import SamplingContext
 from mikas.sampling.events import CycleFailed, Event, LineState, StateChanged, UnitFound
-from mikas.sampling.line_state import LineEvent, LineStateMachine, event_of
+from mikas.sampling.line_state import LineStateMachine, LineTrigger, trigger_of
 
 UnitIdentity = tuple[int, Passport]
 
@@ -59,14 +59,14 @@ class ConnectionSupervisor:
             try:
                 return self._port.open()
             except NoConnection as error:
-                yield from self._broken(LineEvent.PORT_MISSING, self._port.now(), error)
+                yield from self._broken(LineTrigger.PORT_MISSING, self._port.now(), error)
                 self._port.wait(_RETRY_PORT)
         return None
 
     def port_lost(self, error: LinkLost, time: float) -> Iterator[Event]:
         """Report that the open port is gone. Raises `error` with `strict` before any sample."""
         self.ecu = None
-        yield from self._broken(LineEvent.PORT_LOST, time, error)
+        yield from self._broken(LineTrigger.PORT_LOST, time, error)
 
     def find_unit(self, link: Link) -> Generator[Event, None, Ecu | None]:
         """Return a connected `Ecu` on `link`; None: sampling was stopped."""
@@ -96,7 +96,7 @@ class ConnectionSupervisor:
         return True
 
     def process(
-        self, event: LineEvent, time: float, error: MikasError | None = None
+        self, event: LineTrigger, time: float, error: MikasError | None = None
     ) -> Iterator[Event]:
         """Enter the state that follows `event`; report it if state or kind of `error` changed."""
         state = self._machine.process(event)
@@ -108,7 +108,7 @@ class ConnectionSupervisor:
 
     def end(self) -> None:
         """The run is over. `state` stays as reported."""
-        self._machine.process(LineEvent.ENDED)
+        self._machine.process(LineTrigger.ENDED)
         self.ecu = None
 
     def _wait_for_answer(
@@ -130,7 +130,7 @@ class ConnectionSupervisor:
                 yield from self._no_answer(ecu, error)
             else:
                 self.identity_check.confirm(ecu)
-                yield from self.process(LineEvent.IDENTIFIED, ecu.tester.link.now())
+                yield from self.process(LineTrigger.IDENTIFIED, ecu.tester.link.now())
                 return unit
         return None
 
@@ -156,10 +156,10 @@ class ConnectionSupervisor:
             raise SyncLost(time=ecu.tester.link.now())
 
     def _no_answer(self, ecu: Ecu, error: NoConnection | LineError) -> Iterator[Event]:
-        yield from self._broken(event_of(error), ecu.tester.link.now(), error)
+        yield from self._broken(trigger_of(error), ecu.tester.link.now(), error)
 
     def _broken(
-        self, event: LineEvent, time: float, error: NoConnection | LineError
+        self, event: LineTrigger, time: float, error: NoConnection | LineError
     ) -> Iterator[Event]:
         context = self._context
         context.jobs.fail(error)

@@ -41,7 +41,7 @@ class _Running:
 
 
 class VirtualEcu:
-    """One unit. `baud` tells it how long its own sending takes."""
+    """One unit. `baud`: the pace of its own transmissions."""
 
     def __init__(
         self,
@@ -55,8 +55,8 @@ class VirtualEcu:
         self.watcher = watcher
         self._decoder = Decoder()
         self._heard_at = -inf
-        self._seen = -inf  # the latest time it was told
-        self._change: float | None = None  # of the supply; asked anew once it has passed
+        self._seen = -inf  # the latest time it was given
+        self._change: float | None = None  # of the supply; computed again once it has passed
         self._answers: deque[tuple[float, bytes]] = deque()
         self._free_at = -inf  # when its own last byte has left
         self._stream: _Running | None = None

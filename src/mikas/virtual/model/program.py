@@ -49,7 +49,7 @@ class Program:
         return other
 
     def power_on(self, coolant: float, intake_air: float) -> None:
-        """The key was turned on: everything begins anew, but the valve is where it was."""
+        """The key was turned on: all starts again, but the valve keeps its position."""
         self._begin(self.sensors.lost, coolant, intake_air, self.idle.valve)
 
     def power_off(self) -> None:
