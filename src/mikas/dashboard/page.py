@@ -40,7 +40,7 @@ _TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
 
 
 def router(folder: Path, language: Language | None = None) -> APIRouter:
-    """Serves what is in `folder`, and its index.html at /, which begins in `language`."""
+    """Return the routes of the files in `folder`; index.html, at /, begins in `language`."""
     routes = APIRouter(include_in_schema=False)
 
     @routes.get("/")

@@ -1,7 +1,7 @@
 """Runs the application: a socket of our own, uvicorn on it, and a clean end.
 
 One worker, no access log, WebSockets pinged so that a lid that was closed is noticed. The first
-Ctrl-C closes recordings and lets go of the port, the second ends at once.
+Ctrl-C closes recordings and the port, the second ends the process at once.
 """
 
 from __future__ import annotations

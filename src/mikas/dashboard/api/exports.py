@@ -1,8 +1,7 @@
-"""Recordings as files to take away: as they are, in other programs' formats, as a report.
+"""Routes of recordings as files: the capture itself, other programs' formats, a report.
 
-Exports and reports are made in a thread, one at a time, so that sampling keeps its share of the
-computer. What is made for a request is a temporary file, gone when it has been sent, or when nobody
-waits for it any more.
+Exports and reports run in a thread, one at a time, so that sampling keeps its share of the
+computer. The result is a temporary file, deleted once it is sent or the client is gone.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The API's side of recordings: which there are, what is in one, any window of it, its note.
+"""Routes of recordings: the list, one recording, any window of its rows, its note.
 
 A recording is named by its file's name in the folder; nothing else can be reached. Reading takes
 threads, never the event loop's time.
@@ -32,7 +32,7 @@ router = APIRouter(tags=["recordings"])
 
 
 class RecordingInfo(BaseModel):
-    """One recording. Null is what is not known of it; `problem`: why it can't be read."""
+    """One recording; null: not known. `problem`: why it can't be read."""
 
     id: str = Field(description="the file's name")
     bytes: int

@@ -35,10 +35,12 @@ from mikas.sampling.events import (
 from mikas.sampling.gaps import GapTracker
 from mikas.tester import Failure
 
-DISCONNECTED: Final = Text("The connection was ended by hand.", "Соединение закрыто вручную.")
-RECONNECTED: Final = Text("The connection was made anew.", "Соединение установлено заново.")
+DISCONNECTED: Final = Text(
+    "The connection was closed by the user.", "Соединение закрыто пользователем."
+)
+RECONNECTED: Final = Text("The connection was restarted.", "Соединение установлено заново.")
 OTHER_PORT: Final = Text("Another connection was chosen.", "Выбрано другое соединение.")
-DIAGNOSIS: Final = Text("The doctor had the port.", "Порт занимала проверка связи.")
+DIAGNOSIS: Final = Text("Paused for the connection check.", "Пауза на время проверки связи.")
 OTHER_PLAN: Final = Text(
     "The plan was changed: the unit was asked for something else.",
     "План опроса изменён: блок спрашивали о другом.",
