@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
-from types import SimpleNamespace
+import time
 
 import pytest
 
@@ -87,7 +87,7 @@ def put(folder, name, held=64, **stored):
 
 
 def found(folder):
-    it = DumpJobs(SimpleNamespace(settings=SimpleNamespace(dumps=folder)))
+    it = DumpJobs(None, folder, time.monotonic)
     it.find()
     return it.jobs
 
