@@ -252,7 +252,7 @@ def test_the_live_report(idle) -> None:
     begun = idle.dashboard.connection.now()
     idle.until(lambda it: it["now"] > begun + 20 and it["state"]["fault_count"] == 1)
     text = idle.get("/report", lang="ru").text
-    assert "измерено на связи с блоком" in text
+    assert "измерено на подключённой машине" in text
     assert "В памяти блока 1 ошибка: 13;" in text
     assert "МИКАС 7.1" in text
     assert "все значения, которые можно оценить (6)" in text
