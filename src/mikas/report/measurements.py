@@ -15,7 +15,7 @@ import numpy as np
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.report.statistics import ChannelStatistics, Envelope, ValueCounts
 from mikas.report.warm_idle import WarmIdle, WarmIdleFinder
-from mikas.sampling.derived import Rows
+from mikas.sampling.derived import SampleRows
 
 Channel: TypeAlias = Parameter | Derived
 
@@ -63,7 +63,7 @@ class MeasurementCollector:
         self._ended: float | None = None
         self._rows = 0
 
-    def add(self, rows: Rows) -> None:
+    def add(self, rows: SampleRows) -> None:
         """Add rows, parameters in the corrected interpretation."""
         if not len(rows.times):
             return

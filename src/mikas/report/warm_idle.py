@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from mikas.i18n import Text
-from mikas.sampling.derived import Rows
+from mikas.sampling.derived import SampleRows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -115,7 +115,7 @@ class WarmIdleFinder:
         stretches = tuple(each for each in self._stretches if each[1] > each[0])
         return WarmIdle(stretches, tuple(watch.seen for watch in self._watches))
 
-    def find(self, rows: Rows) -> Mask:
+    def find(self, rows: SampleRows) -> Mask:
         """Which of these rows are at warm idle, and settled."""
         times = rows.times
         if not times.size:
@@ -185,7 +185,7 @@ class _Either:
         first = self._watches[0].seen
         return replace(first, held=self._held, missing=self._missing, instead=self._instead)
 
-    def holds(self, rows: Rows, passed: Column) -> Mask:
+    def holds(self, rows: SampleRows, passed: Column) -> Mask:
         """Where it does; `passed`: seconds since the row before."""
         fits = np.zeros(rows.times.size, np.bool_)
         told = fits.copy()
@@ -215,7 +215,7 @@ class _Watch:
             return RuleResult(self.rule, self._name)
         return RuleResult(self.rule, self._name, self._least, self._most)
 
-    def look(self, rows: Rows) -> tuple[Mask, Mask]:
+    def look(self, rows: SampleRows) -> tuple[Mask, Mask]:
         """Where the channel's last value is fresh enough, and there within the rule."""
         column = rows.values.get(self._name) if self._name else None
         if column is None:

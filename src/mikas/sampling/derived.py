@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 _ALIKE = 2.5  # times the shorter of the two steps before: a usual step
 
 
-class Rows(Protocol):
+class SampleRows(Protocol):
     """Columns over time, parameters in the corrected reading; NaN is missing, flags are 0 and 1."""
 
     @property
@@ -146,7 +146,7 @@ class DerivedChannels:
             return None
         return DerivedValue(channel, value, channel.unit, time, inputs, so_far.since, so_far.gaps)
 
-    def columns(self, rows: Rows) -> dict[str, Column]:
+    def columns(self, rows: SampleRows) -> dict[str, Column]:
         """Return the columns for rows of samples, each value as `update` gives it; NaN is missing.
 
         Calls follow each other in time, and totals continue from one to the next.
