@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from catalog_bench import Write
+from catalog_harness import Write
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from catalog_bench import Write, assert_refused, refused
+from catalog_harness import Write, assert_refused, refused
 
 from mikas.catalog import Confidence, Derived, Level, Parameter, load, shipped
 from mikas.catalog.derived import in_order

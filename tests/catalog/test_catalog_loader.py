@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from catalog_bench import Write, assert_refused, refused
+from catalog_harness import Write, assert_refused, refused
 
 import mikas.catalog
 from mikas.catalog import Catalog, Confidence, load, shipped

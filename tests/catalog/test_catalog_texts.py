@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from catalog_bench import Write, assert_refused
+from catalog_harness import Write, assert_refused
 
 from mikas.catalog import Confidence, Lamp, Meaning, load, shipped
 from mikas.i18n import Text

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from cli_bench import SIM, Mikas, NoTerminal
+from cli_harness import SIM, Mikas, NoTerminal
 
 from mikas.cli.language import set_language
 

@@ -10,7 +10,7 @@ import sys
 
 import click
 import pytest
-from cli_bench import is_russian
+from cli_harness import is_russian
 
 from mikas.catalog import shipped
 from mikas.cli.main import cli

@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from cli_bench import is_one_short_paragraph, is_russian
+from cli_harness import is_one_short_paragraph, is_russian
 from pyarrow import parquet
 
 from mikas.catalog import shipped

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from cli_bench import is_one_short_paragraph, is_russian
+from cli_harness import is_one_short_paragraph, is_russian
 
 from mikas.recording import CaptureReader
 from mikas.recording.capture.reader import Packet, Problem

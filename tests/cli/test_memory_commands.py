@@ -6,7 +6,7 @@ import json
 from hashlib import sha256
 
 import pytest
-from cli_bench import SIM
+from cli_harness import SIM
 
 from mikas.errors import LinkLost
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from cli_bench import is_one_short_paragraph, is_russian
+from cli_harness import is_one_short_paragraph, is_russian
 
 
 @pytest.fixture

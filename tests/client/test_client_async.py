@@ -8,11 +8,11 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from client_bench import bench, by_worker, ecu_on
+from client_harness import bench, by_worker, ecu_on
 
 from mikas import errors
 from mikas.client import METHODS, AsyncEcu, AsyncMemorySpace, Ecu, MemorySpace
-from virtual_bench import DATA
+from virtual_harness import DATA
 
 SIM = "sim:?clock=simulated"
 

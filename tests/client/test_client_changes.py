@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from client_bench import bench, ecu_on, lines
+from client_harness import bench, ecu_on, lines
 
 from mikas.commands import Safety
 from mikas.errors import (
@@ -21,7 +21,7 @@ from mikas.errors import (
 )
 from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.table_car import TableCar
-from virtual_bench import DATA, FAULTS
+from virtual_harness import DATA, FAULTS
 
 
 class TestFaults:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from client_bench import bench
+from client_harness import bench
 
 from link_rig import registered
 from mikas import errors

@@ -6,12 +6,12 @@ import asyncio
 from contextlib import asynccontextmanager
 
 import pytest
-from client_bench import bench, by_worker, ecu_on
+from client_harness import bench, by_worker, ecu_on
 
 from mikas import errors
 from mikas.client import METHODS
 from mikas.virtual.memory import pattern
-from virtual_bench import DATA, FAULTS
+from virtual_harness import DATA, FAULTS
 
 
 class Direct:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import threading
 
 import pytest
-from client_bench import bench, ecu_on, lines
+from client_harness import bench, ecu_on, lines
 
 from mikas.client import Change
 from mikas.commands import COMMANDS_BY_CODE, Safety
@@ -18,7 +18,7 @@ from mikas.errors import (
     UsageError,
     WriteRefused,
 )
-from virtual_bench import DATA, FAULTS
+from virtual_harness import DATA, FAULTS
 
 CHANGING = {0x12, 0x14, 0x16, 0x22, 0x24, 0x26, 0x32, 0x41, 0x62, 0x64}
 

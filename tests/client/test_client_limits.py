@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from client_bench import bench, ecu_on
+from client_harness import bench, ecu_on
 
 from mikas.client import Limits
 from mikas.client.limits import STARTING_LIST, LimitsStore, MethodTiming
@@ -15,7 +15,7 @@ from mikas.errors import NoResponse, NotSupported
 from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity
-from virtual_bench import DATA
+from virtual_harness import DATA
 
 WAYS = [("silent", "silent"), ("silent", "01"), ("short", "silent"), ("short", "01")]
 

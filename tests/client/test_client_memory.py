@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from client_bench import bench, ecu_on, lines
+from client_harness import bench, ecu_on, lines
 
 from mikas.errors import (
     AddressOutOfRange,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
-from client_bench import bench, ecu_on
+from client_harness import bench, ecu_on
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -20,7 +20,7 @@ from mikas.errors import (
     WrongLength,
 )
 from mikas.virtual.fault_injector import LineFault
-from virtual_bench import DATA
+from virtual_harness import DATA
 
 NAMES = [p.name for p in shipped().parameters]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from itertools import islice, pairwise
 
 import pytest
-from client_bench import ASKED, STROKES, bench, ecu_on
+from client_harness import ASKED, STROKES, bench, ecu_on
 
 from mikas.client import METHODS
 from mikas.errors import EchoOnly, LinkLost, UnknownParameter, UsageError
 from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.table_car import TableCar
-from virtual_bench import DATA
+from virtual_harness import DATA
 
 
 class CountingCar(TableCar):

@@ -6,7 +6,7 @@ from contextlib import closing
 from itertools import islice
 
 import pytest
-from client_bench import STREAMS, STROKES, bench, ecu_on
+from client_harness import STREAMS, STROKES, bench, ecu_on
 
 from mikas.errors import (
     DamagedResponse,
@@ -21,7 +21,7 @@ from mikas.errors import (
     WrongLength,
 )
 from mikas.virtual.fault_injector import LineFault
-from virtual_bench import DATA
+from virtual_harness import DATA
 
 
 @pytest.mark.parametrize("unknown", ["silent", "01"])

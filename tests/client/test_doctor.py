@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from client_bench import bench, ecu_on
+from client_harness import bench, ecu_on
 
 from mikas import commands
 from mikas.catalog import shipped
@@ -12,7 +12,7 @@ from mikas.client.identity import try_commands
 from mikas.errors import BadPortUrl
 from mikas.link import Link, open_link
 from mikas.tester import Tester as TheTester
-from virtual_bench import DATA
+from virtual_harness import DATA
 
 ALL = list(STEPS)
 

@@ -6,7 +6,7 @@ import json
 from contextlib import suppress
 
 import pytest
-from client_bench import bench, ecu_on
+from client_harness import bench, ecu_on
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 
 import pytest
-from client_bench import bench, ecu_on
+from client_harness import bench, ecu_on
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,7 +13,7 @@ from mikas.client import Limits
 from mikas.client.data import COMMON
 from mikas.errors import LineError, NoConnection, NotSupported
 from mikas.virtual.fault_injector import LineFault
-from virtual_bench import DATA
+from virtual_harness import DATA
 
 TWAT, TWICE = b"\x61\x1a", b"\x61\x1a\x1a"
 GOOD = {code: raw for code, raw in DATA.items() if code not in {d.code for d in COMMON}}

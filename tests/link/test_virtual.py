@@ -13,7 +13,7 @@ from mikas.errors import LinkLost
 from mikas.framing import encode
 from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
 from mikas.virtual.adapter import AdapterKind
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 from .contract import FAR, LinkContract, RealTimeContract, Rig
 

@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from capture_bench import MICRO, RECEIVED, SENT, contents, read, small_capture
+from capture_harness import MICRO, RECEIVED, SENT, contents, read, small_capture
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -16,7 +16,7 @@ from mikas.recording import CaptureReader, CaptureWriter, Coalescer
 from mikas.recording.annotations.events import note_of
 from mikas.sampling.events import Marker
 from mikas.virtual.adapter import AdapterKind
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 BYTE = 10 / 9600

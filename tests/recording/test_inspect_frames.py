@@ -25,7 +25,7 @@ from mikas.recording.inspect.frames import (
     to_text,
 )
 from mikas.virtual.adapter import AdapterKind
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 

@@ -7,7 +7,7 @@ import threading
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from recorder_bench import (
+from recorder_harness import (
     OTHER,
     PASSPORT,
     RECEIVED,
@@ -175,7 +175,7 @@ def test_waiting_for_the_first_answer_is_no_gap(recorder, tmp_path):
 
 
 def test_alarms_what_was_learnt_markers_and_words(recorder, tmp_path):
-    from recorder_bench import CATALOG
+    from recorder_harness import CATALOG
 
     file = tmp_path / "a.pcapng"
     recorder.start(file, url="sim:")

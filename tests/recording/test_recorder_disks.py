@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from recorder_bench import (
+from recorder_harness import (
     RECEIVED,
     SENT,
     SmallDisk,

@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import sys
 
-from recorder_bench import RECEIVED, SENT, begin_session, sampled, wire
+from recorder_harness import RECEIVED, SENT, begin_session, sampled, wire
 
 from mikas.recording.recorder import Recorder
 

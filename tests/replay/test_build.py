@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from replay_bench import METHODS, NAMES, RECEIVED, SENT, do, session, sim
+from replay_harness import METHODS, NAMES, RECEIVED, SENT, do, session, sim
 
 from mikas.catalog import shipped
 from mikas.errors import MikasError

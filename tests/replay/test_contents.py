@@ -9,7 +9,7 @@ from math import isnan
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from replay_bench import RECEIVED, SENT, again, session, sim
+from replay_harness import RECEIVED, SENT, again, session, sim
 from test_build import FEW, same
 
 from mikas.catalog import shipped

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from replay_bench import METHODS, NAMES, again, do, session, sim
+from replay_harness import METHODS, NAMES, again, do, session, sim
 
 from mikas.errors import RecordingOver
 from mikas.framing import encode

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import closing
 
 import pytest
-from replay_bench import again, do, session, sim
+from replay_harness import again, do, session, sim
 
 from mikas.catalog import shipped
 from mikas.cli.language import set_language

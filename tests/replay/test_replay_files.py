@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from replay_bench import NAMES, RECEIVED, SENT, again, do, session, sim
+from replay_harness import NAMES, RECEIVED, SENT, again, do, session, sim
 
 from mikas.errors import BadPortUrl, CaptureError, UsageError
 from mikas.framing import encode

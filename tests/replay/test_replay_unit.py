@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 
 import pytest
-from replay_bench import NAMES, RECEIVED, SENT, again, do, linger, session, sim
+from replay_harness import NAMES, RECEIVED, SENT, again, do, linger, session, sim
 
 from mikas.errors import EchoOnly, MikasError, RecordingOver
 from mikas.framing import encode

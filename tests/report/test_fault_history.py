@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from report_bench import START, rows
-from report_bench import found as found_in
+from report_harness import START, rows
+from report_harness import found as found_in
 
 import mikas
 from mikas.catalog import shipped

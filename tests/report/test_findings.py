@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from report_bench import found, rows
+from report_harness import found, rows
 
 from mikas.catalog import shipped
 from mikas.report.findings import BandPosition, Outcome

@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from report_bench import START, found, rows
+from report_harness import START, found, rows
 
 from mikas.catalog import load, shipped
 from mikas.errors import EchoOnly
@@ -189,7 +189,7 @@ def test_anybody_s_words_stay_words(tmp_path: Path) -> None:
         faults=(catalog.fault(13),),
         notes=(evil,),
     )
-    from report_bench import measured
+    from report_harness import measured
 
     text = page.render(find(subject, measured(rows(TWAT=99), catalog=catalog)), "en")
     parsed = Parsed(text)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from report_bench import START, rows
+from report_harness import START, rows
 
 from mikas.recording.table.channels import Rows
 from mikas.report.warm_idle import ENOUGH, PAUSE, SETTLING, WarmIdleFinder

@@ -6,7 +6,14 @@ import threading
 from contextlib import closing
 
 import pytest
-from sampling_bench import SimulatedPlug, assert_values_are_the_units, ecu_factory, enough, of, take
+from sampling_harness import (
+    SimulatedPlug,
+    assert_values_are_the_units,
+    ecu_factory,
+    enough,
+    of,
+    take,
+)
 
 from mikas.catalog import AlarmLimits, shipped
 from mikas.errors import NotSupported, UnknownParameter, UsageError
@@ -25,7 +32,7 @@ from mikas.sampling.plan import Plan, select
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity
-from virtual_bench import DATA, PASSPORTS, make_bus
+from virtual_harness import DATA, PASSPORTS, make_bus
 
 
 def acquisition(plug: SimulatedPlug, *names: str, **settings: object) -> Acquisition:

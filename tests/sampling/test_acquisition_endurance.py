@@ -10,13 +10,13 @@ import tracemalloc
 from contextlib import closing
 
 import pytest
-from sampling_bench import SimulatedPlug, assert_values_are_the_units, ecu_factory
+from sampling_harness import SimulatedPlug, assert_values_are_the_units, ecu_factory
 
 from mikas.catalog import shipped
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import CycleFailed, Sampled
 from mikas.virtual.fault_injector import FaultInjector, LineFault
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 TROUBLES = {
     LineFault.LOST: 0.004,

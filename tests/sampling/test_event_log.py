@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import logging
 
-from sampling_bench import SimulatedPlug, ecu_factory, take
+from sampling_harness import SimulatedPlug, ecu_factory, take
 
 from mikas.catalog import shipped
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.event_log import EventLogger
 from mikas.sampling.events import MethodChosen, ParameterDropped, Sampled
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 
 def lines(caplog):

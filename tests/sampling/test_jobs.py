@@ -7,7 +7,7 @@ from concurrent.futures import CancelledError
 from contextlib import closing
 
 import pytest
-from sampling_bench import (
+from sampling_harness import (
     SimulatedPlug,
     assert_values_are_the_units,
     enough,
@@ -29,7 +29,7 @@ from mikas.errors import (
 from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
 from mikas.sampling.jobs import JobQueue
 from mikas.virtual.adapter import AdapterKind
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 METHODS = ["single", "batch", "list", "stream", "stroke0"]
 

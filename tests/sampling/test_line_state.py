@@ -8,7 +8,7 @@ from contextlib import closing, suppress
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sampling_bench import SimulatedPlug, ecu_factory, make_sampler, of, take, wishes
+from sampling_harness import SimulatedPlug, ecu_factory, make_sampler, of, take, wishes
 
 from mikas.errors import EchoOnly, MikasError, NoEcho, PortBusy, RecordingOver, SyncLost
 from mikas.link.reconnecting import ReconnectingPort
@@ -26,7 +26,7 @@ from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
 from mikas.virtual.responder import Identity
-from virtual_bench import PASSPORTS, make_bus
+from virtual_harness import PASSPORTS, make_bus
 
 Cell = tuple[LineState | None, LineTrigger]
 CELLS = [(state, event) for state, row in TRANSITIONS.items() for event in row]

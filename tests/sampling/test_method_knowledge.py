@@ -10,7 +10,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sampling_bench import (
+from sampling_harness import (
     SimulatedPlug,
     assert_values_are_the_units,
     ecu_factory,
@@ -40,7 +40,7 @@ from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
-from virtual_bench import IDENTITY, make_bus
+from virtual_harness import IDENTITY, make_bus
 
 LUMPS = AdapterKind(latency=0.016)
 ALL = tuple(map(PlannedParameter, shipped().parameters))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from contextlib import closing
 
 import pytest
-from sampling_bench import SimulatedPlug, make_sampler, of, settled, take
+from sampling_harness import SimulatedPlug, make_sampler, of, settled, take
 
 from mikas.sampling.events import CycleFailed, MethodChosen, PlanChanged
 from mikas.sampling.sampler import Sampler
 from mikas.virtual.quirks import EcuQuirks
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 CYCLE = 0.6  # s, and a little more: one of batch takes 0.46 s, one of list 0.43
 

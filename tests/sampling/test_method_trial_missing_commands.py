@@ -6,7 +6,7 @@ from contextlib import closing
 from itertools import pairwise
 
 import pytest
-from sampling_bench import (
+from sampling_harness import (
     SimulatedPlug,
     assert_values_are_the_units,
     make_sampler,
@@ -19,7 +19,7 @@ from sampling_bench import (
 from mikas.sampling.events import CycleFailed, MethodChosen, ParameterDropped, PlanChanged, Sampled
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 MANY = ("FREQ", "FREQX", "TWAT", "UACC", "TAIR", "INJ", "JAIR", "UGB", "VALF", "SSM")
 POOR = GROUPS["stream"] | GROUPS["list"]

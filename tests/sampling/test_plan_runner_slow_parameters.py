@@ -10,7 +10,7 @@ from contextlib import closing
 from itertools import pairwise
 
 import pytest
-from sampling_bench import (
+from sampling_harness import (
     SimulatedPlug,
     assert_values_are_the_units,
     enough,
@@ -25,7 +25,7 @@ from mikas.sampling.events import CycleFailed, MethodChosen, Sampled
 from mikas.sampling.plan import Plan
 from mikas.sampling.plan_runner import PlanCycles
 from mikas.virtual.quirks import GROUPS, EcuQuirks
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 
 def apart(events, name: str = "TWAT") -> list[float]:

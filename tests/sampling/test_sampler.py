@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import closing
 
 import pytest
-from sampling_bench import (
+from sampling_harness import (
     SAMPLES,
     SimulatedPlug,
     assert_values_are_the_units,
@@ -32,7 +32,7 @@ from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import GROUPS, EcuQuirks, LongList, Unknown
 from mikas.virtual.responder import Identity
-from virtual_bench import IDENTITY, make_bus
+from virtual_harness import IDENTITY, make_bus
 
 
 def test_it_says_how_the_way_opened():

@@ -7,7 +7,7 @@ from __future__ import annotations
 from contextlib import closing
 
 import pytest
-from sampling_bench import (
+from sampling_harness import (
     SimulatedPlug,
     assert_values_are_the_units,
     make_sampler,
@@ -20,7 +20,7 @@ from sampling_bench import (
 
 from mikas.sampling.events import MethodChosen, ParameterDropped, Sampled
 from mikas.virtual.quirks import GROUPS, EcuQuirks, LongList, Unknown
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 
 @pytest.mark.parametrize("lacking", [{0x29}, {0x29, 0x2C, 0x1A, 0x1E}])

@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from sampling_bench import (
+from sampling_harness import (
     SAMPLES,
     SimulatedPlug,
     assert_values_are_the_units,
@@ -37,7 +37,7 @@ from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity
-from virtual_bench import IDENTITY, PASSPORTS, make_bus
+from virtual_harness import IDENTITY, PASSPORTS, make_bus
 
 
 class TestStrict:

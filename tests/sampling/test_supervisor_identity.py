@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import closing
 
 import pytest
-from sampling_bench import SimulatedPlug, enough, make_sampler, of, settled, take
+from sampling_harness import SimulatedPlug, enough, make_sampler, of, settled, take
 
 from mikas.client import Passport
 from mikas.sampling.events import (
@@ -24,7 +24,7 @@ from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
-from virtual_bench import DATA, FAULTS, IDENTITY, PASSPORTS, make_bus
+from virtual_harness import DATA, FAULTS, IDENTITY, PASSPORTS, make_bus
 
 OTHER_DATA = {code: bytes(byte + 1 & 0xFF for byte in raw) for code, raw in DATA.items()}
 METHODS = ["single", "batch", "list", "stream", "stroke0"]

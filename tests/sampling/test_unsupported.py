@@ -5,11 +5,11 @@ from __future__ import annotations
 from contextlib import closing
 
 import pytest
-from sampling_bench import SimulatedPlug, make_sampler, of, take, wishes
+from sampling_harness import SimulatedPlug, make_sampler, of, take, wishes
 
 from mikas.sampling.events import ParameterDropped, PlanChanged, Sampled
 from mikas.virtual.quirks import GROUPS, EcuQuirks
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from contextlib import closing
 from itertools import pairwise
 
 import pytest
-from sampling_bench import (
+from sampling_harness import (
     SimulatedPlug,
     assert_values_are_the_units,
     enough,
@@ -31,7 +31,7 @@ from mikas.sampling.events import (
 from mikas.virtual.bus import Bus
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import GROUPS, EcuQuirks, LongList, Unknown
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 
 def changing(sampler, bus: Bus, change):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mikas.errors import UsageError
 from mikas.framing import Damage, Decoder, Frame, encode
 from mikas.virtual.fault_injector import LATE_BY, FaultInjector, LineFault, parse_rates
-from virtual_bench import DATA, make_bus
+from virtual_harness import DATA, make_bus
 
 from .raw_tester import BYTE, TURN, RawTester
 

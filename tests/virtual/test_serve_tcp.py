@@ -15,7 +15,7 @@ from mikas.errors import NotAKLineAdapter, PortFailed
 from mikas.framing import encode
 from mikas.virtual import serve
 from mikas.virtual.build import build_bus
-from virtual_bench import DATA
+from virtual_harness import DATA
 
 from .serving import PATIENCE, a_tcp_port, read_until, serving
 

@@ -13,7 +13,7 @@ from mikas.framing import encode
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester as Client
 from mikas.virtual.adapter import PACKET, Adapter, AdapterKind
-from virtual_bench import make_bus
+from virtual_harness import make_bus
 
 from .raw_tester import BYTE, RawTester
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mikas.framing import encode
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.quirks import EcuQuirks, StreamEnd
-from virtual_bench import DATA, make_bus
+from virtual_harness import DATA, make_bus
 
 from .raw_tester import BYTE, TURN, RawTester
 

@@ -19,7 +19,7 @@ from mikas.virtual.model.engine import Engine
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Responder
 from mikas.virtual.scenarios.scenario import SCENARIOS
-from virtual_bench import DATA, FAULTS, connected, make_bus
+from virtual_harness import DATA, FAULTS, connected, make_bus
 
 from .raw_tester import BYTE, RawTester
 

@@ -14,7 +14,7 @@ from mikas.virtual.build import build_bus
 from mikas.virtual.bus import Bus
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks, LongList, StreamEnd, Unknown
-from virtual_bench import EXCHANGES, make_bus
+from virtual_harness import EXCHANGES, make_bus
 
 from .raw_tester import RawTester
 

@@ -14,7 +14,7 @@ from mikas.virtual.quirks import (
     StreamEnd,
     Unknown,
 )
-from virtual_bench import DATA, make_bus
+from virtual_harness import DATA, make_bus
 
 from .raw_tester import BYTE, TURN, RawTester
 

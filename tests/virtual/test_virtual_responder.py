@@ -7,7 +7,7 @@ import pytest
 from mikas.framing import encode
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.quirks import EcuQuirks
-from virtual_bench import EXCHANGES, make_bus
+from virtual_harness import EXCHANGES, make_bus
 
 from .raw_tester import RawTester
 

@@ -14,7 +14,7 @@ from mikas.catalog import shipped
 from mikas.errors import LinkLost
 from mikas.framing import encode
 from mikas.virtual.memory import pattern
-from virtual_bench import DATA
+from virtual_harness import DATA
 
 from ..serving import PATIENCE, a_pty_port, read_until, serving
 

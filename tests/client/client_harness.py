@@ -21,7 +21,7 @@ from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.table_car import TableCar
-from virtual_bench import DATA, FAULTS, IDENTITY
+from virtual_harness import DATA, FAULTS, IDENTITY
 
 STROKES = [method for method in METHODS if method.startswith("stroke")]
 STREAMS = ["stream", *STROKES]

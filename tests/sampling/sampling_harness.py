@@ -18,7 +18,7 @@ from mikas.sampling.plan import PlannedParameter
 from mikas.sampling.sampler import Sampler
 from mikas.tester import Tester
 from mikas.virtual.bus import Bus
-from virtual_bench import DATA
+from virtual_harness import DATA
 
 SAMPLES = 40
 
