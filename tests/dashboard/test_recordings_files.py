@@ -256,7 +256,7 @@ def test_the_live_report(idle) -> None:
     assert "В памяти блока 1 ошибка: 13;" in text
     assert "МИКАС 7.1" in text
     assert "все значения, которые можно оценить (6)" in text
-    assert "много параметров одним запросом" in text
+    assert "несколько параметров одним запросом" in text
     answer = idle.get("/report", inline=1)
     assert "content-disposition" not in answer.headers
     assert "mikas.html" in saved_as(idle.get("/report"))
