@@ -14,9 +14,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from mikas.cli.options import ECHO, INTERPRETATIONS, LANGUAGES, LONGEST_TIMEOUT, MOST_RETRIES
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Text
+
+ECHO = ("auto", "on", "off")
+INTERPRETATIONS = ("corrected", "literal", "alternative")
+LANGUAGES = ("en", "ru")
+LONGEST_TIMEOUT = 60
+MOST_RETRIES = 100
 
 _WORDS = {
     "echo": ECHO,

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 import click
 
+from mikas.cli.config import ECHO, INTERPRETATIONS, LANGUAGES, LONGEST_TIMEOUT, MOST_RETRIES
 from mikas.cli.language import localized
 from mikas.cli.parameter_types import File, Number, OneOf, Whole
 from mikas.i18n import Text
@@ -41,13 +42,6 @@ def _keep(ctx: click.Context, option: click.Parameter, value: object) -> object:
     if given is click.core.ParameterSource.COMMANDLINE:
         ctx.find_root().ensure_object(dict)[option.name] = value
     return value
-
-
-ECHO = ("auto", "on", "off")
-INTERPRETATIONS = ("corrected", "literal", "alternative")
-LANGUAGES = ("en", "ru")
-LONGEST_TIMEOUT = 60
-MOST_RETRIES = 100
 
 
 _COMMON = (
