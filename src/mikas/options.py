@@ -70,17 +70,29 @@ def _no_option(name: str, allowed: Collection[str]) -> Text:
 
 
 def with_nearest(problem: Text, word: str, known: Iterable[str]) -> Text:
-    """`problem`, and the one of `known` that `word` may be a misspelling of."""
+    """Return `problem`, followed by the one of `known` that `word` may be a misspelling of."""
     for name in nearest(word, known):
         return Text(f"{problem.en}. Did you mean {name}?", f"{problem.ru}. Может быть, {name}?")
     return problem
 
 
-def nearest(word: str, known: Iterable[str]) -> list[str]:
-    """The one of `known` that is nearest to `word`; empty if none is near."""
+_LOOKALIKES = str.maketrans("АВЕЁІЈКМНОРЅСТУХавеёіјкморѕстух", "ABEEIJKMHOPSCTYXabeeijkmopsctyx")
+
+
+def in_latin(word: str) -> str:
+    """Return `word` with each Cyrillic letter that looks like a Latin one replaced by that."""
+    return word.translate(_LOOKALIKES)
+
+
+def nearest(word: str, known: Iterable[str], most: int = 1) -> tuple[str, ...]:
+    """Return the names most like `word`, best first, ignoring case and alphabet (ТWАТ)."""
     from difflib import get_close_matches
 
-    return get_close_matches(word.lower(), list(known), n=1)
+    by_key = {name.upper(): name for name in known}
+    key = in_latin(word.upper())
+    if key in by_key:
+        return (by_key[key],)
+    return tuple(by_key[match] for match in get_close_matches(key, by_key, most))
 
 
 class OptionParser:

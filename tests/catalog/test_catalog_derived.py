@@ -13,7 +13,7 @@ import pytest
 from catalog_harness import Write, assert_refused, refused
 
 from mikas.catalog import Confidence, Derived, Level, Parameter, load, shipped
-from mikas.catalog.derived import in_order
+from mikas.catalog.model import in_order
 from mikas.errors import UnknownParameter
 from mikas.i18n import Text
 

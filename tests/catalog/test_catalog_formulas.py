@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.catalog.formulas.calculation import Calculation
-from mikas.catalog.formulas.syntax import DEEPEST, FUNCTIONS, LONGEST, FormulaError, parse
+from mikas.catalog.formula_syntax import DEEPEST, FUNCTIONS, LONGEST, FormulaError, parse
+from mikas.catalog.formulas import Calculation
 
 NAN = math.nan
 

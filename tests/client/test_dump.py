@@ -10,8 +10,7 @@ from client_harness import bench, ecu_on
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.client.memory.dump import Difference, Dump, compare, differences
-from mikas.client.memory.manifest import manifest_path, read_manifest
+from mikas.client.dumps import Difference, Dump, compare, differences, manifest_path, read_manifest
 from mikas.errors import AddressOutOfRange, LineError, NoConnection, UsageError
 
 

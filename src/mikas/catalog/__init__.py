@@ -8,17 +8,18 @@ The data are the `.toml` files beside this module, `shipped()`; `load(file, …)
 files over them. Nothing here knows the wire, a clock or a port.
 """
 
-from mikas.catalog.confidence import Confidence
 from mikas.catalog.conversion import Conversion
-from mikas.catalog.derived import Derived
-from mikas.catalog.limits import AlarmLimits, Level
 from mikas.catalog.loading.loader import load, shipped
 from mikas.catalog.lookup import Catalog
 from mikas.catalog.model import (
     INTERPRETATIONS,
+    AlarmLimits,
+    Confidence,
+    Derived,
     Erratum,
     Fault,
     Lamp,
+    Level,
     Meaning,
     Model,
     Parameter,

@@ -10,11 +10,10 @@ import re
 from collections.abc import Iterable, Mapping
 
 from mikas.catalog.conversion import Conversion
-from mikas.catalog.derived import Derived
-from mikas.catalog.model import Erratum, Fault, Model, Parameter
-from mikas.catalog.spelling import in_latin, nearest
+from mikas.catalog.model import Derived, Erratum, Fault, Model, Parameter
 from mikas.errors import UnknownParameter
 from mikas.i18n import Text
+from mikas.options import in_latin, nearest
 
 _RAW_CODE = re.compile(r"0x([0-9a-f]{1,2})(?::([0-9]{1,3}))?", re.IGNORECASE)
 _RAW_SIZES = (1, 2, 3, 4)
@@ -84,7 +83,7 @@ class Catalog:
             return self._raw(name, int(match[1], 16), match[2])
         if _RAW_CODE.fullmatch(in_latin(name)):
             raise UnknownParameter(name, (in_latin(name),))
-        raise UnknownParameter(name, nearest(name, known))
+        raise UnknownParameter(name, nearest(name, known, 3))
 
     def _raw(self, name: str, code: int, asked: str | None) -> Parameter:
         size = int(asked) if asked else self._sizes.get(code, 1)

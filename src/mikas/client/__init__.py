@@ -12,10 +12,9 @@ from mikas.client.ecu import Ecu, Erased
 from mikas.client.gate import Change, Confirm
 from mikas.client.identity import Info, Passport, Support
 from mikas.client.limits import Limits
-from mikas.client.memory.spaces import Memory, MemorySpace, Written
-from mikas.client.parameters import WrittenParameter
+from mikas.client.memory import Memory, MemorySpace, Written
+from mikas.client.parameters import Reading, Sample, WrittenParameter
 from mikas.client.polling import METHODS, Method
-from mikas.client.reading import Reading, Sample
 
 if TYPE_CHECKING:
     from mikas.client.asynchronous import AsyncEcu, AsyncItems, AsyncMemory, AsyncMemorySpace

@@ -18,8 +18,8 @@ from typing import Any, Concatenate, Generic, ParamSpec, Protocol, Self, TypeVar
 from mikas.catalog import Catalog, Model
 from mikas.client.connecting import connect
 from mikas.client.ecu import Ecu
-from mikas.client.memory.spaces import Memory, MemorySpace
-from mikas.client.reading import Reading
+from mikas.client.memory import Memory, MemorySpace
+from mikas.client.parameters import Reading
 from mikas.errors import LinkLost
 from mikas.i18n import Text
 

@@ -26,8 +26,8 @@ from mikas.client.identity import (
     try_commands,
 )
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
-from mikas.client.memory.spaces import Memory
-from mikas.client.parameters import Parameters, WrittenParameter
+from mikas.client.memory import Memory
+from mikas.client.parameters import Parameters, Reading, Sample, WrittenParameter
 from mikas.client.polling import (
     FixedMethod,
     Method,
@@ -36,7 +36,6 @@ from mikas.client.polling import (
     create_poller,
     fixed_method,
 )
-from mikas.client.reading import Reading, Sample
 from mikas.errors import NoResponse, NotSupported, UsageError
 from mikas.i18n import Text, counted
 from mikas.tester import Tester

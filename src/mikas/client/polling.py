@@ -18,8 +18,7 @@ from typing import Literal, get_args
 
 from mikas.catalog import Parameter
 from mikas.client.data import refused
-from mikas.client.parameters import Parameters
-from mikas.client.reading import Reading, Sample
+from mikas.client.parameters import Parameters, Reading, Sample
 from mikas.client.streaming import ReadingStream
 from mikas.errors import (
     EcuRefused,

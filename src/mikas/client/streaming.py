@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from mikas.catalog import Parameter
-from mikas.client.parameters import Parameters
-from mikas.client.reading import Reading
+from mikas.client.parameters import Parameters, Reading
 from mikas.commands import Availability, StreamAtStroke, StreamCyclic
 from mikas.errors import (
     EngineStopped,

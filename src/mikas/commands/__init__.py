@@ -7,26 +7,21 @@ from __future__ import annotations
 from typing import Any
 
 from mikas.commands.base import Command, MalformedRequest, Safety, SizeOf
-from mikas.commands.control import GoTo
-from mikas.commands.faults import ReadFaults
-from mikas.commands.identity import Availability, ReadDataPassport, ReadProgramPassport
-from mikas.commands.memory_blocks import (
+from mikas.commands.memory import (
     LARGEST_BLOCK,
     ReadCodeBlock,
-    ReadRamBlock,
-    ReadXramBlock,
-    WriteCodeBlock,
-    WriteRamBlock,
-    WriteXramBlock,
-)
-from mikas.commands.memory_bytes import (
     ReadCodeByte,
+    ReadRamBlock,
     ReadRamByte,
     ReadSfr,
+    ReadXramBlock,
     ReadXramByte,
+    WriteCodeBlock,
     WriteCodeByte,
+    WriteRamBlock,
     WriteRamByte,
     WriteSfr,
+    WriteXramBlock,
     WriteXramByte,
 )
 from mikas.commands.parameters import (
@@ -40,6 +35,13 @@ from mikas.commands.parameters import (
     StreamCyclic,
     WriteList,
     WriteParameter,
+)
+from mikas.commands.unit import (
+    Availability,
+    GoTo,
+    ReadDataPassport,
+    ReadFaults,
+    ReadProgramPassport,
 )
 from mikas.errors import UsageError
 

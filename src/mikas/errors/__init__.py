@@ -64,24 +64,22 @@ from mikas.errors.connection import (
     PortNotFound,
     RecordingOver,
 )
-from mikas.errors.line import (
+from mikas.errors.exchange import (
     DamagedResponse,
     EchoDiffers,
+    EcuRefused,
     EngineStopped,
     LineError,
     LineNotQuiet,
     NoResponse,
-    SyncLost,
-    WrongAddress,
-    WrongContent,
-    WrongLength,
-)
-from mikas.errors.refusal import (
-    EcuRefused,
     NotConfirmed,
     NotSupported,
     ReadBackDiffers,
+    SyncLost,
     WriteRefused,
+    WrongAddress,
+    WrongContent,
+    WrongLength,
 )
 from mikas.errors.usage import (
     AddressOutOfRange,

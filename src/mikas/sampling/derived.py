@@ -20,9 +20,9 @@ from math import isfinite, nan
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from mikas.catalog import Catalog, Derived
-from mikas.catalog.derived import in_order
-from mikas.catalog.formulas.calculation import Calculation
-from mikas.client.reading import Reading
+from mikas.catalog.formulas import Calculation
+from mikas.catalog.model import in_order
+from mikas.client.parameters import Reading
 from mikas.errors import UsageError
 from mikas.i18n import Text
 

@@ -25,8 +25,7 @@ from mikas.errors import (
 from mikas.framing import Damage, DamageReason, Decoder, Frame, encode
 from mikas.i18n import Text
 from mikas.link import Chunk, Link
-from mikas.tester.exchange import Reply, Timing
-from mikas.tester.timed_decoder import TimedDecoder
+from mikas.tester.exchange import Reply, TimedDecoder, Timing
 
 if TYPE_CHECKING:
     from logging import Logger

@@ -24,7 +24,7 @@ from mikas.link.virtual import VirtualLink
 from mikas.recording.capture.reader import CaptureReader, Problem
 from mikas.recording.capture.writer import CaptureWriter
 from mikas.recording.table.reader import TableReader
-from mikas.tester.timed_decoder import TimedDecoder
+from mikas.tester.exchange import TimedDecoder
 from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import VirtualEcu

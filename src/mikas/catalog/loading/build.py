@@ -3,18 +3,157 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from graphlib import CycleError
 from pathlib import PurePath
 from typing import Any
 
-from mikas.catalog.confidence import Confidence
-from mikas.catalog.conversion import Conversion
+from mikas.catalog.conversion import NO_TEXT, Conversion
+from mikas.catalog.formula_syntax import FormulaError, parse
 from mikas.catalog.loading.entries import Entries, Entry
-from mikas.catalog.loading.limits import NOT_FOR_FLAGS, alarm_limits
 from mikas.catalog.loading.source import KeyPath
-from mikas.catalog.loading.texts import lamp, meaning, optional
-from mikas.catalog.model import Erratum, Fault, Model, Parameter
-from mikas.catalog.spelling import nearest
+from mikas.catalog.model import (
+    LIMITS,
+    AlarmLimits,
+    Confidence,
+    Derived,
+    Erratum,
+    Fault,
+    Lamp,
+    Meaning,
+    Model,
+    Parameter,
+    in_order,
+)
+from mikas.errors import UsageError
 from mikas.i18n import Text
+from mikas.options import nearest
+
+_OF_NUMBERS = (*LIMITS, "hysteresis")
+_OF_FLAGS = ("when_true",)
+
+NOT_FOR_FLAGS = Text("makes no sense for a flag", "для признака не имеет смысла")
+ONLY_FOR_FLAGS = Text("makes sense for a flag only", "имеет смысл только для признака")
+
+
+def alarm_limits(entry: Entry, *, is_flag: bool) -> AlarmLimits | None:
+    """What its table `limits` says; None if no limit is left in it."""
+    table = entry.values.get("limits", {})
+    unfit, problem = (_OF_NUMBERS, NOT_FOR_FLAGS) if is_flag else (_OF_FLAGS, ONLY_FOR_FLAGS)
+    for key in unfit:
+        # What an earlier file said, before a later one made a flag of it (or a number), is dropped.
+        if key in table and entry.order(("limits", key)) >= entry.order(("mask",)):
+            raise entry.wrong(("limits", key), problem)
+    values: dict[str, Any] = {"source": PurePath(entry.source.name).name}
+    values |= {key: value for key, value in table.items() if key not in unfit}
+    try:
+        limits = AlarmLimits(**values)
+    except UsageError as error:
+        written = [("limits", key) for key in reversed(_OF_NUMBERS) if key in table]
+        raise entry.wrong(max(written, key=entry.order), _problem(error)) from None
+    return limits if limits.for_number or limits.for_flag else None
+
+
+def _problem(error: UsageError) -> Text:
+    return Text(f"can't be: {error.reason.en}", f"не годится: {error.reason.ru}")
+
+
+def optional(entry: Entry, *path: str) -> Text:
+    """The text at `path`, in both languages; empty if it is not there."""
+    return entry.text(*path) if path in entry.places else NO_TEXT
+
+
+def lamp(entry: Entry, *, is_flag: bool) -> Lamp | None:
+    """Both texts of a flag's lamp; None if it has none."""
+    if not _fits(entry, "lamp", ONLY_FOR_FLAGS, fits=is_flag):
+        return None
+    return Lamp(on=entry.text("lamp", "on"), off=entry.text("lamp", "off"))
+
+
+def meaning(entry: Entry, *, is_flag: bool) -> Meaning | None:
+    """What its table `meaning` says; None if it says nothing."""
+    if not _fits(entry, "meaning", NOT_FOR_FLAGS, fits=not is_flag):
+        return None
+    said: dict[str, Any] = {"source": PurePath(entry.source.name).name}
+    said |= entry.values["meaning"]
+    said |= {side: optional(entry, "meaning", side) for side in ("low", "high")}
+    return Meaning(**said)
+
+
+def _fits(entry: Entry, key: str, problem: Text, *, fits: bool) -> bool:
+    """Whether the key is there and makes sense; what an earlier file said no longer has to."""
+    if key not in entry.values:
+        return False
+    if not fits and entry.order((key,)) >= entry.order(("mask",)):
+        raise entry.wrong((key,), problem)
+    return fits
+
+
+def derived(entries: Entries, unit_texts: Mapping[str, Text]) -> dict[str, Derived]:
+    """The derived channels by name, in the order of the files' tables."""
+    _check_names(entries)
+    known = (*entries["parameter"], *entries["derived"])
+    built = {
+        name: _derived(name, entry, unit_texts, known) for name, entry in entries["derived"].items()
+    }
+    _check_cycles(entries["derived"], built)
+    return built
+
+
+def _derived(
+    name: str, entry: Entry, unit_texts: Mapping[str, Text], known: Iterable[str]
+) -> Derived:
+    entry.require("formula")
+    values, constants = entry.values, entry.values.get("constants", {})
+    try:
+        inputs = parse(values["formula"], constants).inputs
+    except FormulaError as error:
+        raise entry.wrong(("formula",), error.problem) from None
+    for each in inputs:
+        if each not in known:
+            raise entry.wrong(("formula",), does_not_exist(each, (*known, *constants)))
+    unit = values.get("unit", "")
+    return Derived(
+        name=name,
+        text=entry.text("text"),
+        formula=values["formula"],
+        inputs=inputs,
+        constants=tuple(constants.items()),
+        accumulates=values.get("accumulates", False),
+        unit=unit,
+        unit_text=unit_texts.get(unit, Text(unit, unit)),
+        decimals=values.get("decimals", 2),
+        alarm_limits=alarm_limits(entry, is_flag=False),
+        source=source_of(entry),
+        confidence=values.get("confidence", Confidence.UNCONFIRMED),
+    )
+
+
+def _check_names(entries: Entries) -> None:
+    """Parameters and derived channels share their names. The later file is to blame."""
+    for name, entry in entries["derived"].items():
+        if (parameter := entries["parameter"].get(name)) is None:
+            continue
+        if parameter.first[0].order > entry.first[0].order:
+            raise parameter.wrong_name(
+                Text("is the name of a derived channel", "имя занято производным каналом")
+            )
+        raise entry.wrong_name(Text("is the name of a parameter", "имя занято параметром"))
+
+
+def _check_cycles(entries: Mapping[str, Entry], built: Mapping[str, Derived]) -> None:
+    """No channel may need itself. The formula that was written last is to blame."""
+    try:
+        in_order(built, built)
+    except CycleError as error:
+        circle = error.args[1]
+        to_blame = max(
+            (entries[name] for name in circle), key=lambda each: each.order(("formula",))
+        )
+        shown = " → ".join(reversed(circle))
+        raise to_blame.wrong(
+            ("formula",), Text(f"goes in a circle: {shown}", f"замкнут в круг: {shown}")
+        ) from None
+
 
 _NUMERIC = ("signed", "scale", "bias", "offset", "unit")
 
@@ -185,7 +324,7 @@ def _names(entry: Entry, key: str, known: Mapping[str, Entry]) -> tuple[str, ...
 
 def does_not_exist(name: str, known: Iterable[str]) -> Text:
     """The problem of an entry that names another that is not there."""
-    close = nearest(name, known, 1)
+    close = nearest(name, known)
     return Text(
         f"names {name}, which does not exist" + (f"; the nearest is {close[0]}" if close else ""),
         f"называет {name}, чего нет" + (f"; ближайшее имя — {close[0]}" if close else ""),

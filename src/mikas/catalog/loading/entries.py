@@ -21,9 +21,9 @@ from mikas.catalog.loading.fields import (
     string,
 )
 from mikas.catalog.loading.source import KeyPath, Source
-from mikas.catalog.spelling import nearest
 from mikas.errors import CatalogError
 from mikas.i18n import Text
+from mikas.options import nearest
 
 Entries: TypeAlias = "dict[str, dict[Any, Entry]]"
 """By family, then by name (upper case) or number, in the order of the files' tables."""
@@ -141,7 +141,7 @@ def _about(path: KeyPath, problem: Text) -> Text:
 
 def _unknown(key: str, known: Iterable[str]) -> Text:
     names = list(known)
-    if close := nearest(key, names, 1):
+    if close := nearest(key, names):
         return Text(
             f"unknown key `{key}`; the nearest is `{close[0]}`",
             f"неизвестный ключ `{key}`; ближайший — `{close[0]}`",

@@ -13,9 +13,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import TypeAlias
 
-from mikas.catalog.confidence import Confidence
-from mikas.catalog.limits import LIMITS, Level
-from mikas.catalog.model import INTERPRETATIONS
+from mikas.catalog.model import INTERPRETATIONS, LIMITS, Confidence, Level
 from mikas.i18n import Text
 
 Reader: TypeAlias = Callable[[object], object]

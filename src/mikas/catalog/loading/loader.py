@@ -21,7 +21,7 @@ from functools import cache
 from pathlib import Path
 from zlib import crc32
 
-from mikas.catalog.loading import build, derived
+from mikas.catalog.loading import build
 from mikas.catalog.loading.entries import merged
 from mikas.catalog.loading.source import Source, parse_source, read_source
 from mikas.catalog.lookup import Catalog
@@ -64,7 +64,7 @@ def _catalog(sources: Sequence[Source]) -> Catalog:
     units = build.units(entries)
     return Catalog(
         parameters=build.parameters(entries, units),
-        derived=derived.derived(entries, units),
+        derived=build.derived(entries, units),
         faults=build.faults(entries),
         models=build.models(entries),
         errata=build.errata(entries),

@@ -15,9 +15,8 @@ from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
 from mikas.client import Ecu
-from mikas.client.memory.dump import Difference, differences
-from mikas.client.memory.manifest import Manifest
-from mikas.client.memory.spaces import last_of
+from mikas.client.dumps import Difference, Manifest, differences
+from mikas.client.memory import last_of
 from mikas.commands.base import check_range
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
 from mikas.dashboard.api.errors import ErrorBody, errors

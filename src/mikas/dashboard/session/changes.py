@@ -11,8 +11,8 @@ from mikas.catalog import Catalog, Parameter
 from mikas.client import Ecu, Reading
 from mikas.client.ecu import erasing
 from mikas.client.gate import hex_or_none as spaced_hex
-from mikas.client.memory.spaces import last_of, writing
-from mikas.client.reading import decode
+from mikas.client.memory import last_of, writing
+from mikas.client.parameters import decode
 from mikas.commands.base import check_range
 from mikas.dashboard.error_responses import hex_or_none
 from mikas.dashboard.errors import BadRequest

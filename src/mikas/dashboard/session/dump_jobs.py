@@ -1,7 +1,7 @@
 """Dumps as jobs: read piece by piece between samples into files, resumable after any interruption.
 
 A piece takes 0.4 s on the line, then sampling has its turn. A lost line, a reload or the end of the
-program loses no byte that was read: the file and its manifest (`mikas.client.memory.dump`) hold the
+program loses no byte that was read: the file and its manifest (`mikas.client.dumps`) hold the
 progress, and reading resumes there. A second pass (verify) works alike; its result is kept as well.
 """
 
@@ -18,8 +18,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from mikas.client import Ecu
-from mikas.client.memory.dump import Dump
-from mikas.client.memory.manifest import Manifest, manifest_path, read_manifest
+from mikas.client.dumps import Dump, Manifest, manifest_path, read_manifest
 from mikas.dashboard.errors import Busy, InternalError, NotConnected, NotFound
 from mikas.dashboard.library.deletion import DUMP, Deletion
 from mikas.dashboard.session.connection import Connection

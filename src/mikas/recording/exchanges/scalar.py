@@ -85,7 +85,7 @@ class _Stream:
         """Return the first and last packet, and when the first byte began on the wire.
 
         That is the earliest time that any packet with a byte of the frame implies: a packet may
-        have been delayed (`mikas.tester.timed_decoder`).
+        have been delayed (`mikas.tester.exchange`).
         """
         self._forget(start)
         first = self._marks[0]

@@ -52,7 +52,7 @@ class Stream:
         """Return when the first bytes of these frames of the latest block began on the wire.
 
         That is the earliest time that any packet with a byte of the frame implies: a packet may
-        have been delayed (`mikas.tester.timed_decoder`).
+        have been delayed (`mikas.tester.exchange`).
         """
         starts = block.starts[events] + block.origin
         packet = self._first_packets(block, events)

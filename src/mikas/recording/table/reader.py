@@ -196,7 +196,7 @@ class _Stretch:
 def _raise(times: Floats, last: float, byte_time: float) -> None:
     """Move a row that seems to begin before its predecessor to one byte behind it.
 
-    It only came in another lump; `mikas.tester.timed_decoder` does so on a live line.
+    It only came in another lump; `mikas.tester.exchange` does so on a live line.
     """
     begins = (np.diff(times, prepend=last) <= 0).nonzero()[0]
     for begin in begins.tolist():

@@ -14,9 +14,9 @@ from typing import Any, TypeGuard
 
 from mikas.catalog.loading.fields import TEXT, Reader, Schema, Unfit, boolean, choice, string
 from mikas.catalog.loading.source import KeyPath, Source
-from mikas.catalog.spelling import nearest
 from mikas.errors import CatalogError
 from mikas.i18n import Text
+from mikas.options import nearest
 from mikas.virtual.memory import SIZES
 from mikas.virtual.scenarios.timeline import Track
 

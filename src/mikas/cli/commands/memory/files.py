@@ -15,8 +15,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
 from mikas.cli.parameter_types import Address, Count, File
 from mikas.cli.render.output import stderr_console
-from mikas.client.memory.dump import Difference, Dump, compare, differences
-from mikas.client.memory.manifest import read_manifest
+from mikas.client.dumps import Difference, Dump, compare, differences, read_manifest
 from mikas.errors import UsageError
 from mikas.i18n import Text
 

@@ -13,7 +13,7 @@ from mikas.cli.language import tr
 from mikas.cli.parameter_types import HexBytes
 from mikas.cli.render.readings import shown_unit, shown_value
 from mikas.client import Reading
-from mikas.client.reading import decode
+from mikas.client.parameters import decode
 from mikas.errors import UsageError
 from mikas.i18n import Text
 

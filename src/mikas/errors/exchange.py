@@ -1,4 +1,4 @@
-"""The ECU is there, but the exchange failed (§2, D12–D14)."""
+"""The ECU is there, but the exchange failed, or the ECU refused (§2, §3, D10, D12–D14)."""
 
 from __future__ import annotations
 
@@ -105,3 +105,52 @@ class SyncLost(LineError):
         "Synchronisation with the ECU could not be restored after a failed exchange",
         "После сбоя обмена не удалось восстановить синхронизацию с блоком",
     )
+
+
+class EcuRefused(MikasError):
+    """The ECU refused the request, or does not know it."""
+
+
+class WriteRefused(EcuRefused):
+    """The ECU answered 01 to a write (§3)."""
+
+    what = Text("The ECU refused the write", "Блок отверг запись")
+    advice = Text(
+        "This unit does not allow this cell or parameter to be written; nothing was changed.",
+        "Этот блок не разрешает запись этой ячейки или параметра; ничего не изменено.",
+    )
+
+
+class NotSupported(EcuRefused):
+    """Unknown command or parameter: silence, or 01 where that can't be data (D10)."""
+
+    what = Text("This ECU does not know {command}", "Этот блок не знает {command}")
+    advice = Text(
+        "Not every unit has every command.",
+        "Не каждый блок знает все команды.",
+    )
+
+
+class ReadBackDiffers(EcuRefused):
+    """The write was accepted, but another value was read back."""
+
+    what = Text(
+        "{name}: {wanted} was written, {got} was read back",
+        "{name}: записано {wanted}, прочитано {got}",
+    )
+    advice = Text(
+        "The cell may be read-only, or the unit's program changes it; read it again before you "
+        "rely on it.",
+        "Возможно, ячейка доступна только для чтения или её меняет программа блока; прочтите её "
+        "ещё раз.",
+    )
+
+
+class NotConfirmed(MikasError):
+    """A change that was not approved; nothing was sent."""
+
+    what = Text(
+        "Not confirmed, nothing was changed: {change}",
+        "Не подтверждено, ничего не изменено: {change}",
+    )
+    advice = Text("{how}", "{how}")

@@ -8,7 +8,7 @@ import tomllib
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.catalog.loading.toml_lines import lines_of
+from mikas.catalog.loading.source import lines_of
 
 # each line with the paths that first appear on it
 AWKWARD: list[tuple[str, list[str]]] = [

@@ -19,8 +19,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
 
-from mikas.catalog.spelling import nearest
 from mikas.i18n import Text
+from mikas.options import nearest
 
 LONGEST = 1000
 """Characters."""
@@ -165,7 +165,7 @@ class _PlainForm:
 
     def _call(self, name: str, arguments: list[ast.expr], depth: int) -> ast.expr:
         if name not in FUNCTIONS:
-            close = nearest(name, FUNCTIONS, 1)
+            close = nearest(name, FUNCTIONS)
             known = f"`{close[0]}`" if close else ", ".join(FUNCTIONS)
             raise FormulaError(
                 f"calls `{name}`, which there is not; there is {known}",

@@ -1,13 +1,15 @@
-"""The arithmetic of formulas, for one number and for columns of them, with the same result.
+"""The computation of formulas, for one number and for numpy columns, with the same result.
 
-Numbers are 64-bit floats; NaN is "no value". An operation whose result is no finite number (a
-division by zero, a root of a negative number, an overflow) has no value, and what has no value
-gives none to whatever is computed from it. Only `where` can leave it aside:
-`where(FREQ > 0, JAIR / FREQ, 0)` is 0 with the engine standing. Conditions are numbers: 0 is false,
-anything else true, and a comparison gives 0 or 1.
+Numbers are 64-bit floats; NaN means no value. An operation without a finite result (division by
+zero, root of a negative number, overflow) has no value, nor has anything computed from no value.
+Only `where` can skip such an operand: `where(FREQ > 0, JAIR / FREQ, 0)` is 0 at a standing engine.
+Conditions are numbers: 0 is false, anything else true; a comparison gives 0 or 1.
 
-Both forms are made of operations that IEEE 754 rounds in one way only. Powers are not of these
-(libraries differ in the last digit), so a column's are computed one by one, by the same function.
+IEEE 754 rounds all operations in one way, except powers, whose last digit depends on the library:
+a column of powers is computed one by one, by the function for numbers.
+
+The library simpleeval evaluates the plain form with this arithmetic, so it meets nothing but
+numbers. It is imported when the first formula is computed.
 """
 
 from __future__ import annotations
@@ -15,12 +17,16 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable, Mapping
-from functools import cache, partial, reduce
+from functools import cache, cached_property, partial, reduce
+from math import isfinite
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+from mikas.catalog.formula_syntax import Parsed
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+    from simpleeval import SimpleEval
 
     Column: TypeAlias = NDArray[np.float64]
 
@@ -131,3 +137,49 @@ def of_columns() -> Arithmetic:
             "clip": lambda a, low, high: np.minimum(np.maximum(a, low), high),
         },
     )
+
+
+class Calculation:
+    """Computes one formula, which `parse` has accepted. Not for several threads at once."""
+
+    def __init__(self, formula: Parsed) -> None:
+        self._tree = formula.tree
+        self.inputs = formula.inputs
+
+    def number(self, values: Mapping[str, float]) -> float:
+        """The value of `values`, which has all `inputs`; NaN if one of them is NaN or infinite."""
+        named = {name: float(values[name]) for name in self.inputs}
+        if not all(map(isfinite, named.values())):
+            return NO_VALUE
+        return float(self._evaluated(self._of_numbers, named))
+
+    def column(self, values: Mapping[str, Column]) -> Column:
+        """The same for columns of one length, each value as `number` has it."""
+        import numpy as np
+
+        named = {name: np.asarray(values[name], dtype=np.float64) for name in self.inputs}
+        present = np.logical_and.reduce([np.isfinite(column) for column in named.values()])
+        with np.errstate(all="ignore"):
+            return np.where(present, self._evaluated(self._of_columns, named), NO_VALUE)
+
+    @cached_property
+    def _of_numbers(self) -> SimpleEval:
+        return _evaluator(of_numbers())
+
+    @cached_property
+    def _of_columns(self) -> SimpleEval:
+        return _evaluator(of_columns())
+
+    def _evaluated(
+        self,
+        evaluator: SimpleEval,
+        names: Mapping[str, object],
+    ) -> Any:  # noqa: ANN401  (a number or a column, as the evaluator's arithmetic is)
+        evaluator.names = names
+        return evaluator.eval("", self._tree)
+
+
+def _evaluator(arithmetic: Arithmetic) -> SimpleEval:
+    from simpleeval import SimpleEval
+
+    return SimpleEval(operators=arithmetic.operators, functions=arithmetic.functions)

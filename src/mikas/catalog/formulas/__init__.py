@@ -1,1 +1,0 @@
-"""Formulas of derived channels: their syntax, their arithmetic, and their calculation."""

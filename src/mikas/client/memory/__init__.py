@@ -1,1 +1,0 @@
-"""Memory of the ECU: cells and blocks of a space, and whole dumps with their manifest (§3)."""

@@ -1,0 +1,186 @@
+"""The unit itself: availability, passports, stored faults, jumps (§3, rows 01, 02, 41, 51–58; D9).
+
+Erasing the faults takes two parameter writes: `parameters.ERASE_FAULTS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from mikas.commands.base import (
+    ERROR,
+    Command,
+    MalformedRequest,
+    ReadNumber,
+    Safety,
+    SizeOf,
+    check_range,
+    low_high,
+)
+from mikas.errors import NotSupported, WrongContent
+from mikas.i18n import Text
+
+SEPARATOR = 0xE0
+_MOST = 0xFF
+
+
+@dataclass(frozen=True, slots=True)
+class ReadFaults(Command[tuple[int, ...]]):
+    """02: the stored faults' numbers, as the ECU lists them.
+
+    `02` → `N E1 E0 E2 E0 … EN E0`, every number followed by the separator E0; none: `00`. A fault
+    numbered E0 is possible: only every second byte is a separator. Wire: `02 FE 0D`.
+    """
+
+    CODES: ClassVar[tuple[int, ...]] = (0x02,)
+    SOURCE_NAME: ClassVar[str] = "read faults"
+    TITLE: ClassVar[Text] = Text("stored faults", "запомненные неисправности")
+
+    def body(self) -> bytes:
+        return b"\x02"
+
+    def response_lengths(self) -> Sequence[int]:
+        return range(1, 2 * _MOST + 2, 2)
+
+    def _read(self, body: bytes) -> tuple[int, ...]:
+        if body == ERROR:  # D10: one fault would have its number behind it
+            raise NotSupported(command=self.display_name, request=self.body(), received=body)
+        count, numbers, separators = body[0], body[1::2], body[2::2]
+        if count != len(numbers):
+            raise WrongContent(
+                problem=Text(
+                    f"it announces {count} and holds {len(numbers)} faults",
+                    f"объявлено ошибок {count}, а пришло {len(numbers)}",
+                ),
+                request=self.body(),
+                received=body,
+            )
+        if any(byte != SEPARATOR for byte in separators):
+            raise WrongContent(
+                problem=Text("a fault is not followed by E0", "за номером ошибки нет E0"),
+                request=self.body(),
+                received=body,
+            )
+        return tuple(numbers)
+
+    def respond(self, value: tuple[int, ...]) -> bytes:
+        listed = value[:_MOST]
+        return bytes([len(listed)]) + b"".join(bytes([n, SEPARATOR]) for n in listed)
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        if len(body) != 1:
+            raise MalformedRequest
+        return cls()
+
+
+@dataclass(frozen=True, slots=True)
+class GoTo(Command[bytes]):
+    """41 CGOTO: `41 AL AH`. D9: no response is expected; one that comes is shown.
+
+    The most dangerous of all: the ECU runs whatever stands there. Wire for 8000: `41 00 80 3F 0D`.
+    """
+
+    address: int
+
+    CODES: ClassVar[tuple[int, ...]] = (0x41,)
+    SOURCE_NAME: ClassVar[str] = "CGOTO"
+    TITLE: ClassVar[Text] = Text("go to an address", "переход по адресу")
+    SAFETY: ClassVar[Safety] = Safety.DANGEROUS
+    ANSWERED: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        check_range("code", 0xFFFF, self.address)
+
+    def body(self) -> bytes:
+        return bytes([self.code]) + low_high(self.address)
+
+    def response_lengths(self) -> Sequence[int]:
+        return ()
+
+    def read(self, body: bytes) -> bytes:
+        """Whatever came: no form is laid down for it."""
+        return body
+
+    _read = read
+
+    def respond(self, value: bytes) -> bytes:
+        return value
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        if len(body) != 3:
+            raise MalformedRequest
+        return cls(int.from_bytes(body[1:], "little"))
+
+
+PASSPORT_LENGTH = 16
+PASSPORT_ENCODING = "cp866"
+
+
+@dataclass(frozen=True, slots=True)
+class Availability(ReadNumber):
+    """01: is anybody there? `01` → the version code, `09` Mikas 5.4, `0A` Mikas 7.1.
+
+    Any other code is an unknown model, still usable. Wire: `01 FF 0D` → `0A F6 0D`.
+    """
+
+    CODES: ClassVar[tuple[int, ...]] = (0x01,)
+    SOURCE_NAME: ClassVar[str] = "availability"
+    TITLE: ClassVar[Text] = Text("availability, model", "доступность, модель")
+
+
+@dataclass(frozen=True, slots=True)
+class _ReadPassport(Command[str]):
+    """One 16-byte piece of a passport: code page 866, zero-padded. `part` counts from 1."""
+
+    part: int
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.part <= len(self.CODES):
+            raise ValueError(f"part must be 1 to {len(self.CODES)}")
+
+    @property
+    def code(self) -> int:
+        return self.CODES[self.part - 1]
+
+    def body(self) -> bytes:
+        return bytes([self.code])
+
+    def response_lengths(self) -> Sequence[int]:
+        return (PASSPORT_LENGTH,)
+
+    def _read(self, body: bytes) -> str:
+        # Every byte is a character in code page 866, so this can't fail; only the padding goes.
+        return body.rstrip(b"\x00").decode(PASSPORT_ENCODING)
+
+    def respond(self, value: str) -> bytes:
+        return value.encode(PASSPORT_ENCODING, "replace")[:PASSPORT_LENGTH].ljust(
+            PASSPORT_LENGTH, b"\x00"
+        )
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        if len(body) != 1:
+            raise MalformedRequest
+        return cls(cls.CODES.index(body[0]) + 1)
+
+
+class ReadProgramPassport(_ReadPassport):
+    """51 52 53, CPASP: the program's passport, in three parts. Wire: `51 AF 0D`."""
+
+    __slots__ = ()
+    CODES: ClassVar[tuple[int, ...]] = (0x51, 0x52, 0x53)
+    SOURCE_NAME: ClassVar[str] = "CPASP"
+    TITLE: ClassVar[Text] = Text("program passport", "паспорт программы")
+
+
+class ReadDataPassport(_ReadPassport):
+    """54 … 58, CPASD: the data's passport, in five parts. Wire: `54 AC 0D`."""
+
+    __slots__ = ()
+    CODES: ClassVar[tuple[int, ...]] = (0x54, 0x55, 0x56, 0x57, 0x58)
+    SOURCE_NAME: ClassVar[str] = "CPASD"
+    TITLE: ClassVar[Text] = Text("data passport", "паспорт данных")
