@@ -15,8 +15,8 @@ from mikas.catalog import shipped
 from mikas.errors import MikasError
 from mikas.framing import encode
 from mikas.recording import CaptureWriter
-from mikas.recording.exchanges.packet_reader import column_exchanges
-from mikas.recording.exchanges.reading import scalar_exchanges
+from mikas.recording.exchanges.columnar import column_exchanges
+from mikas.recording.exchanges.scalar import scalar_exchanges
 from mikas.replay import behaviour as replay_habits
 from mikas.replay.build import ReplayBuilder, build
 from mikas.replay.model import Latest, Series

@@ -19,7 +19,7 @@ from mikas.i18n import Text
 from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import note_of
 from mikas.recording.capture.notes import Kind, Note
-from mikas.recording.exchanges.packet_reader import column_exchanges
+from mikas.recording.exchanges.columnar import column_exchanges
 from mikas.recording.table.reader import TableReader
 from mikas.replay import behaviour as replay_habits
 from mikas.replay import load, playing

@@ -21,7 +21,7 @@ from mikas.i18n import Text
 from mikas.link.base import BITS_PER_BYTE
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import CaptureReader, Problem, Source
-from mikas.recording.exchanges.reading import read_exchanges
+from mikas.recording.exchanges import read_exchanges
 from mikas.recording.exchanges.result import Exchanges
 from mikas.recording.exchanges.scalar import DEFAULT_BAUD
 from mikas.replay.behaviour import EcuBehaviour

@@ -11,7 +11,7 @@ from mikas.catalog import Catalog, Fault
 from mikas.commands import ERASE_FAULTS, ReadFaults
 from mikas.errors import MikasError
 from mikas.recording.capture.reader import Problem, Source
-from mikas.recording.exchanges.reading import read_exchanges
+from mikas.recording.exchanges import read_exchanges
 from mikas.recording.exchanges.result import Exchanges
 from mikas.sampling.events import FaultReading
 

@@ -14,8 +14,7 @@ from mikas.errors import CaptureError
 from mikas.link.tee import Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem
-from mikas.recording.exchanges.packet_reader import read
-from mikas.recording.exchanges.packets import seconds
+from mikas.recording.exchanges.packets import read, seconds
 
 SECTION = pcapng.Section(application="mikas test")
 LINE = pcapng.Interface(name="sim:", speed=9600)

@@ -13,12 +13,11 @@ from test_table_sessions import adapters, record, steps
 
 from mikas.catalog import shipped
 from mikas.recording.capture.reader import Problem
-from mikas.recording.exchanges.groups import ResponseClassifier
+from mikas.recording.exchanges.columnar import column_exchanges
+from mikas.recording.exchanges.groups import RefusalColumns, ResponseClassifier
 from mikas.recording.exchanges.layouts import READ_LIST, Layouts
-from mikas.recording.exchanges.packet_reader import column_exchanges
-from mikas.recording.exchanges.reading import scalar_exchanges
-from mikas.recording.exchanges.refusal_columns import RefusalColumns
 from mikas.recording.exchanges.refusals import RefusalResolver
+from mikas.recording.exchanges.scalar import scalar_exchanges
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 
 LAYOUTS = Layouts(shipped().size_of)
@@ -133,7 +132,7 @@ WITHOUT_NUMPY = """
 import sys
 
 sys.modules["numpy"] = None
-from mikas.recording.exchanges.reading import read_exchanges
+from mikas.recording.exchanges import read_exchanges
 from mikas.recording.inspect.frames import decode
 from mikas.recording.capture.reader import CaptureReader
 from mikas.replay import load

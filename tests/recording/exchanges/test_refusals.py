@@ -15,7 +15,7 @@ from mikas.framing import encode
 from mikas.link.tee import Direction
 from mikas.recording.capture.reader import CaptureReader
 from mikas.recording.capture.writer import CaptureWriter
-from mikas.recording.exchanges import packet_reader as capture
+from mikas.recording.exchanges import columnar as capture
 from mikas.recording.table import reader as table
 from mikas.recording.table.reader import TableReader
 

@@ -10,16 +10,24 @@ hours), go frame by frame through `Matching`.
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from mikas.link.base import BITS_PER_BYTE
-from mikas.recording.capture.reader import Source
+from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, equal
-from mikas.recording.exchanges.matching import AVAILABILITY, NO_REQUEST, Matching, SentRequest
-from mikas.recording.exchanges.packets import Packets
+from mikas.recording.exchanges.matching import (
+    AVAILABILITY,
+    NO_REQUEST,
+    Matching,
+    SentRequest,
+    matched,
+)
+from mikas.recording.exchanges.packets import WINDOW, Packets, read
 from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
 from mikas.recording.exchanges.scalar import DEFAULT_BAUD
 from mikas.recording.exchanges.stream import Events, Stream
@@ -60,6 +68,13 @@ class ExchangeColumns(Exchanges):
 
     requests: RequestColumns
     responses: ResponseColumns
+
+
+def column_exchanges(
+    path: str | os.PathLike[str], window: int = WINDOW
+) -> Iterator[ExchangeColumns | Problem]:
+    """Yield the exchanges of a capture as arrays. Raise as `CaptureReader` does."""
+    return matched(read(path, window), lambda packets: packets.source, ColumnarMatcher)
 
 
 class ColumnarMatcher:

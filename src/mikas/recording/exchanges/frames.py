@@ -20,18 +20,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mikas.framing import ESCAPE, TERMINATOR, Damage, DamageReason, Decoder, Event, Frame
-from mikas.recording.exchanges.segments import Segments, cut_up
-
-Bytes = NDArray[np.uint8]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
-
-SOUND: Final = 0
-CHECKSUM: Final = 1
-TOO_LONG: Final = 2
-IRREGULAR_ESCAPE: Final = 3
-GIVEN_UP: Final = 4
-"""An unfinished frame before a cut: the incremental decoder's `reset()` returns it."""
+from mikas.recording.exchanges.arrays import Bytes, Index, Mask
+from mikas.recording.exchanges.segments import (
+    CHECKSUM,
+    GIVEN_UP,
+    IRREGULAR_ESCAPE,
+    SOUND,
+    TOO_LONG,
+    Segments,
+    cut_up,
+)
 
 _REASONS: Final = {
     CHECKSUM: DamageReason.CHECKSUM,

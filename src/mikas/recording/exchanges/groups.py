@@ -1,21 +1,42 @@
-"""Responses of one port in groups of the same layout, as arrays."""
+"""Responses of one port in groups of the same layout, as arrays; the rule of `refusals` over them.
+
+A recording is read twice: the first pass notes which doubtful responses do not count, the second
+leaves their values out.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Final
 
 import numpy as np
 
-from mikas.recording.exchanges.arrays import Index
+from mikas.commands.base import ERROR
+from mikas.recording.exchanges.arrays import Index, Mask
 from mikas.recording.exchanges.columnar import ExchangeColumns, ResponseColumns
 from mikas.recording.exchanges.layouts import (
     LIST_IS_SET,
     READ_LIST,
+    STREAMS,
     WRITE_LIST,
     Layout,
     Layouts,
 )
+from mikas.recording.exchanges.refusals import (
+    DATUM,
+    OTHER,
+    REFUSAL,
+    LoneResponses,
+    is_lone,
+    is_twice,
+    was_one,
+)
+
+_ONE: Final = ERROR[0]
+_NOWHERE: Final = np.empty(0, np.int64)
+_DOUBTFUL: Final = 3  # beside the kinds of `refusals`
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,3 +112,164 @@ class ResponseClassifier:
 
 def _group(number: int, layout: Layout, rows: Index, responses: ResponseColumns) -> ResponseGroup:
     return ResponseGroup(number, layout, rows, rows[responses.lengths[rows] == layout.length])
+
+
+@dataclass(slots=True)
+class Verdicts:
+    """The doubtful responses of one port that do not count. `streams`: serials of their requests;
+    `lone`: by code, where such begin and end among all doubtful ones to a 61 with that code.
+    """
+
+    streams: set[int] = field(default_factory=set)
+    lone: dict[int, list[tuple[int, int]]] = field(default_factory=dict)
+
+
+class RefusalColumns:
+    """One port's responses with data: the first time without `verdicts`, then with them."""
+
+    def __init__(self, bodies: list[bytes], verdicts: Verdicts | None = None) -> None:
+        self._bodies = bodies  # of requests, by number; grows
+        self._verdicts = verdicts
+        self._refused_streams: set[int] = set()
+        self._codes: dict[int, LoneResponses] = {}
+        self._counted: Counter[int] = Counter()  # doubtful responses, by code
+        self._stretches = 0
+        self._latest: dict[Layout, tuple[int, bytes]] = {}
+        self._last_serials: dict[int, int] = {}  # of streams, by the request's number
+
+    def resolve(
+        self, groups: list[ResponseGroup], responses: ResponseColumns
+    ) -> Iterator[ResponseGroup]:
+        """Yield the groups without values that do not count; the first time, without doubtful."""
+        certain: list[ResponseGroup] = []
+        lone: dict[int, ResponseGroup] = {}
+        for group in groups:
+            request = self._bodies[group.request]
+            if not is_lone(request, group.layout):
+                if is_twice(request):
+                    self._follow(request[1])
+                certain.append(group)
+                yield group
+            elif request[0] in STREAMS:
+                doubtful = self._beginnings(group, responses)
+                others = group.only(np.setdiff1d(group.fitting, doubtful))
+                certain.append(others)
+                counting = self._continued(others, doubtful, responses)
+                yield group.only(np.union1d(others.fitting, counting))
+            else:
+                lone[request[1]] = group
+                self._follow(request[1])
+        self._remember(certain, responses)
+        for code in self._codes:
+            events = self._events(code, certain, lone.get(code), responses)
+            counting = self._lone(code, *events)
+            if code in lone:
+                certainly = lone[code].fitting[~_is_one(lone[code], responses)]
+                yield lone[code].only(np.union1d(certainly, counting))
+
+    def conclude(self) -> tuple[Verdicts, set[int]]:
+        """Return, after the first time, the verdicts, and codes whose last doubtful ones count."""
+        believed = set()
+        for code, lone in self._codes.items():
+            waits = lone.waiting < lone.count
+            twice = any(is_twice(request) and request[1] == code for request in self._bodies)
+            if lone.conclude(asked_twice=twice) and waits:
+                believed.add(code)
+        refused = {code: lone.refused for code, lone in self._codes.items()}
+        return Verdicts(self._refused_streams, refused), believed
+
+    # Streams
+
+    def _beginnings(self, group: ResponseGroup, responses: ResponseColumns) -> Index:
+        """Return the doubtful responses of a stream of one byte."""
+        serials = responses.requests[group.rows]
+        before = np.concatenate(([self._last_serials.get(group.request, -1)], serials[:-1]))
+        self._last_serials[group.request] = int(serials[-1])
+        first = np.isin(group.fitting, group.rows[serials != before])
+        doubtful: Index = group.fitting[first & _is_one(group, responses)]
+        return doubtful
+
+    def _continued(
+        self, others: ResponseGroup, doubtful: Index, responses: ResponseColumns
+    ) -> Index:
+        """Return the doubtful ones that count. `others`: the certain ones of the same request."""
+        serials = responses.requests[doubtful]
+        if self._verdicts is not None:
+            counting: Index = doubtful[~np.isin(serials, list(self._verdicts.streams))]
+            return counting
+        self._refused_streams.update(serials.tolist())
+        continued = np.unique(responses.requests[others.fitting]).tolist()
+        self._refused_streams.difference_update(continued)
+        return _NOWHERE
+
+    # The latest data before a code is followed
+
+    def _follow(self, code: int) -> None:
+        if code not in self._codes:
+            self._codes[code] = LoneResponses(is_sure=was_one(code, self._latest))
+
+    def _remember(self, certain: list[ResponseGroup], responses: ResponseColumns) -> None:
+        count = len(responses.starts)
+        for group in certain:
+            if group.fitting.size:
+                last = int(group.fitting[-1])
+                start = int(responses.starts[last])
+                body = responses.bodies[start : start + group.layout.length].tobytes()
+                self._latest[group.layout] = self._stretches + last, body
+        self._stretches += count
+
+    # A 61 with one code
+
+    def _lone(self, code: int, rows: Index, kinds: Index) -> Index:
+        """Return which of the doubtful rows count; the first time, none."""
+        doubtful = rows[kinds == _DOUBTFUL]
+        if self._verdicts is not None:
+            numbers = self._counted[code] + np.arange(doubtful.size)
+            self._counted[code] += doubtful.size
+            edges = np.array(self._verdicts.lone.get(code, []), np.int64).reshape(-1)
+            counting: Index = doubtful[edges.searchsorted(numbers, "right") % 2 == 0]
+            return counting
+        # Where a kind repeats, the first one has decided.
+        news = np.ones(kinds.size, np.bool_)
+        news[1:] = (kinds[1:] != kinds[:-1]) | (kinds[1:] == _DOUBTFUL)
+        lone = self._codes[code]
+        for kind in kinds[news].tolist():
+            if kind == _DOUBTFUL:
+                lone.count += 1
+            else:
+                lone.decide(kind)
+        return _NOWHERE
+
+    def _events(
+        self,
+        code: int,
+        certain: list[ResponseGroup],
+        lone: ResponseGroup | None,
+        responses: ResponseColumns,
+    ) -> tuple[Index, Index]:
+        """Return the rows that concern a code, in order, and their kinds."""
+        rows: list[Index] = []
+        kinds: list[Index] = []
+        for group in certain:
+            place = group.layout.last_of(code)
+            if place is not None and group.fitting.size:
+                begin, size = place
+                values = responses.bodies[responses.starts[group.fitting] + begin]
+                rows.append(group.fitting)
+                kinds.append(np.where((values == _ONE) & (size == 1), DATUM, OTHER))
+            request = self._bodies[group.request]
+            if is_twice(request) and request[1] == code:
+                short = group.rows[responses.lengths[group.rows] == 1]
+                rows.append(short[responses.bodies[responses.starts[short]] == _ONE])
+                kinds.append(np.full(rows[-1].size, REFUSAL))
+        if lone is not None:
+            rows.append(lone.fitting)
+            kinds.append(np.where(_is_one(lone, responses), _DOUBTFUL, OTHER))
+        found = np.concatenate([*rows, np.empty(0, np.int64)])
+        order: Index = found.argsort(kind="stable")
+        return found[order], np.concatenate([*kinds, np.empty(0, np.int64)])[order]
+
+
+def _is_one(group: ResponseGroup, responses: ResponseColumns) -> Mask:
+    one: Mask = responses.bodies[responses.starts[group.fitting]] == _ONE
+    return one

@@ -13,9 +13,16 @@ traffic is irregular and computes their outcome in one step where it is regular.
 from __future__ import annotations
 
 from collections import deque
-from typing import Final, NamedTuple
+from collections.abc import Callable, Iterable, Iterator
+from typing import Final, NamedTuple, Protocol, TypeVar
 
 from mikas.commands import COMMANDS_BY_CODE, Availability
+from mikas.recording.capture.reader import Problem, Source
+
+P_contra = TypeVar("P_contra", contravariant=True)
+E_co = TypeVar("E_co", covariant=True)
+P = TypeVar("P")
+E = TypeVar("E")
 
 # An unfinished frame is abandoned after such a silence. Adapters deliver bytes in lumps and
 # networks delay them, so D14's 20 ms apply only if something was sent in between: then the tester
@@ -102,3 +109,34 @@ class Matching:
         while self._unechoed.popleft() != wire:
             pass
         return True
+
+
+class Matcher(Protocol[P_contra, E_co]):
+    """One port of one recording."""
+
+    def interrupt(self) -> None:
+        """Note that a part of the file is missing here."""
+
+    def feed(self, packets: P_contra, /) -> E_co:
+        """Return the exchanges that these packets complete."""
+
+
+def matched(
+    items: Iterable[P | Problem],
+    source_of: Callable[[P], Source],
+    matcher: Callable[[Source], Matcher[P, E]],
+) -> Iterator[E | Problem]:
+    """Yield the exchanges of stretches of packets; each port of a recording has a matcher."""
+    lines: dict[Source, Matcher[P, E]] = {}
+    for item in items:
+        if isinstance(item, Problem):
+            for line in lines.values():
+                line.interrupt()
+            yield item
+            continue
+        source = source_of(item)
+        if source not in lines:
+            if any(line.recording != source.recording for line in lines):
+                lines.clear()
+            lines[source] = matcher(source)
+        yield lines[source].feed(item)

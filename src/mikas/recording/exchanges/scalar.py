@@ -5,15 +5,16 @@ Each direction has a decoder of its own (§2); `exchanges.matching` has the rule
 
 from __future__ import annotations
 
+import os
 from array import array
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from mikas.framing import Damage, Decoder, Event, Frame
 from mikas.link.base import BITS_PER_BYTE
 from mikas.link.tee import Direction
-from mikas.recording.capture.reader import Packet, Source
+from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.exchanges.matching import (
     NO_REQUEST,
     SILENCE,
@@ -21,10 +22,12 @@ from mikas.recording.exchanges.matching import (
     UNKNOWN,
     Matching,
     SentRequest,
+    matched,
 )
-from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
+from mikas.recording.exchanges.result import GAP, JUMP, Exchanges, Requests, Responses
 
 DEFAULT_BAUD = 9600  # §1
+_STRETCH = 1024  # packets
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,3 +229,28 @@ class ScalarMatcher:
         if number == len(self._bodies):
             self._bodies.append(body)
         return number
+
+
+def scalar_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem]:
+    """Yield the exchanges without numpy."""
+    return matched(_stretches(CaptureReader(path)), lambda it: it[0].source, ScalarMatcher)
+
+
+def _stretches(items: Iterable[Packet | Problem]) -> Iterator[Sequence[Packet] | Problem]:
+    waiting: list[Packet] = []
+    for item in items:
+        if waiting and (len(waiting) == _STRETCH or not _continues(waiting[-1], item)):
+            yield waiting
+            waiting = []
+        if isinstance(item, Problem):
+            yield item
+        else:
+            waiting.append(item)
+    if waiting:
+        yield waiting
+
+
+def _continues(last: Packet, item: Packet | Problem) -> bool:
+    if isinstance(item, Problem):
+        return False
+    return item.source == last.source and item.time >= last.time - JUMP

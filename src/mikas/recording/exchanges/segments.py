@@ -9,20 +9,18 @@ so its own sum is 0D, and what it decides never reaches further: no rule looks p
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mikas.framing import ESCAPE, TERMINATOR
+from mikas.recording.exchanges.arrays import Bytes, Index, Mask
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Bytes = NDArray[np.uint8]
-    Index = NDArray[np.int64]
-    Mask = NDArray[np.bool_]
-
-_SOUND, _CHECKSUM, _TOO_LONG, _GIVEN_UP = 0, 1, 2, 4  # as in `frames`
+SOUND, CHECKSUM, TOO_LONG, IRREGULAR_ESCAPE, GIVEN_UP = range(5)
+"""An event is sound, or the reason why not. GIVEN_UP: an unfinished frame before a cut, which the
+incremental decoder's `reset()` returns.
+"""
 _NOWHERE: Final = np.empty(0, np.int64)
 _NO_REASON: Final = np.empty(0, np.uint8)
 _NO_FLAG: Final = np.empty(0, np.bool_)
@@ -123,14 +121,14 @@ def _judged(
     swallowed = np.zeros_like(raw)
     swallowed[1:] = raw[:-1]
 
-    reasons = np.where((plain | raw) & finished, _SOUND, _CHECKSUM).astype(np.uint8)
-    reasons[~finished | lost_hope] = _GIVEN_UP
-    reasons[too_long] = _TOO_LONG
+    reasons = np.where((plain | raw) & finished, SOUND, CHECKSUM).astype(np.uint8)
+    reasons[~finished | lost_hope] = GIVEN_UP
+    reasons[too_long] = TOO_LONG
     found.noise = int(np.count_nonzero(empty & ~swallowed))
     found.discarded = int((lengths[too_long] - limit).sum())
     found.damaged = True
 
-    last = np.where(reasons == _CHECKSUM, ends - 1, ends + raw)
+    last = np.where(reasons == CHECKSUM, ends - 1, ends + raw)
     last[too_long] = starts[too_long] + limit
     needed = np.where(too_long, last + 1, ends + (hopeful & ~lost_hope))
     events = ~empty
@@ -153,7 +151,7 @@ def _add_overflow(found: Segments, size: int, limit: int) -> None:
     found.starts = np.append(found.starts, start)
     found.ends = np.append(found.ends, start + limit)
     found.needed = np.append(found.needed, start + limit + 1)
-    found.reasons = np.append(found.reasons, np.uint8(_TOO_LONG))
+    found.reasons = np.append(found.reasons, np.uint8(TOO_LONG))
     found.raw = np.append(found.raw, np.False_)
     found.discarded += size - start - limit
     found.overflowed = found.damaged = True

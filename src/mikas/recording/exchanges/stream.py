@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from mikas.recording.exchanges.arrays import Floats, Index, Mask
-from mikas.recording.exchanges.frames import SOUND, BulkDecoder, FrameBlock
+from mikas.recording.exchanges.frames import BulkDecoder, FrameBlock
 from mikas.recording.exchanges.matching import NO_REQUEST, SILENCE, SILENCE_AFTER_SENDING
 from mikas.recording.exchanges.packets import Packets
+from mikas.recording.exchanges.segments import SOUND
 
 
 class Stream:

@@ -18,10 +18,13 @@ import numpy as np
 from mikas.catalog import Catalog
 from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges.arrays import Floats
-from mikas.recording.exchanges.columnar import ResponseColumns
-from mikas.recording.exchanges.groups import ResponseClassifier, ResponseGroup
-from mikas.recording.exchanges.packet_reader import column_exchanges
-from mikas.recording.exchanges.refusal_columns import RefusalColumns, Verdicts
+from mikas.recording.exchanges.columnar import ResponseColumns, column_exchanges
+from mikas.recording.exchanges.groups import (
+    RefusalColumns,
+    ResponseClassifier,
+    ResponseGroup,
+    Verdicts,
+)
 from mikas.recording.table.channels import Channel, Rows
 from mikas.recording.table.values import Definitions, converted
 

@@ -3,7 +3,7 @@
 A conversion's normal form is three integers (`catalog.conversion`), and every quotient of 64-bit
 floats below is the one that `Conversion.decode` computes: the values are the same, bit for bit. A
 response whose length does not fit its request makes a row without a value. Which `01` is a refusal
-(D10) is decided by `refusal_columns`.
+(D10) is decided by `exchanges.groups`.
 """
 
 from __future__ import annotations
