@@ -3,8 +3,8 @@
     recording = mikas.open("drive.pcapng")
     frame = recording.to_pandas()          # or to_polars(), to_arrow(), rows()
 
-Parameters come from the raw bytes by the present catalog, derived channels from the parameters.
-numpy and the data frames' libraries are imported on use.
+Parameters are decoded from the raw bytes by the present catalog, derived channels computed from
+them. numpy and the data frames' libraries are imported on use.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ def open(  # noqa: A001  (read as `mikas.open`)
     """Read a recording (.pcapng) and return it as a table.
 
     `interpretation`: corrected, literal or alternative (errata). `catalogs`: your own files, which
-    add to and override the shipped definitions. `names`: the wanted channels, in that order; none:
-    all recorded ones.
+    add to and override the shipped definitions. `names`: the wanted channels in their order; by
+    default all recorded ones.
 
     Raises `CaptureError` for a file that is no capture, `UsageError` for an invalid name or
-    setting. Damage in the file is listed in `problems`.
+    setting. `problems` lists damage in the file.
     """
     return Recording(path, load(*map(Path, catalogs)), interpretation, names)
 
@@ -52,12 +52,10 @@ def open(  # noqa: A001  (read as `mikas.open`)
 class Recording:
     """One recording. `channels`: its columns, parameters first, then those derived from them.
 
-    `problems`: the places of the file that could not be read, with offsets, up to a thousand;
-    `problem_count` counts them all. `absent`: the wanted channels without recorded values; their
-    columns are empty. `about`: facts of the recording, by title.
+    `absent`: the wanted channels without recorded values; their columns are empty.
 
-    The file is read once when it is opened, a second for ten hours; its notes (`unit`, `events`,
-    part of `about`) are read on first use.
+    Opening reads the file once, a second for ten hours; its notes (`unit`, `events`, part of
+    `about`) are read on first use.
     """
 
     def __init__(
@@ -90,35 +88,45 @@ class Recording:
     @cached_property
     def about(self) -> dict[str, str]:
         """Facts of the file's first recording, by title; unknown ones are left out."""
-        about = _about(self._capture, self.unit, self.catalog, self.interpretation)
-        if self.unit and (chosen := self._chosen_methods()):
-            about["method"] = ", ".join(chosen)  # the first plan was made before any was measured
-        return about
-
-    def _chosen_methods(self) -> list[str]:
+        unit = self.unit or RecordedUnit()
+        packets = (item for item in self._capture if isinstance(item, Packet))
+        source = next((packet.source for packet in packets), Source(0))
+        # The first plan precedes any measurement of methods.
         chosen = [event.method for event in self.events if isinstance(event, MethodChosen)]
-        return list(dict.fromkeys(chosen))
+        facts = {
+            "recording": self.path.name,
+            "port": source.url,
+            "adapter": source.description or unit.adapter,
+            "computer": source.hardware,
+            "recorded by": source.application,
+            "unit": unit.model.en if unit.model else "",
+            "passport": " · ".join(filter(None, unit.passport or ())),
+            "method": (self.unit and ", ".join(dict.fromkeys(chosen))) or unit.method,
+            "recorded with catalog": unit.catalog,
+            "catalog": self.catalog.version,
+            "reading": self.interpretation,
+        }
+        return {title: text for title, text in facts.items() if text}
 
     @cached_property
     def unit(self) -> RecordedUnit | None:
-        """The recorded unit, from the first recording of the file with a note of it; else None."""
+        """The unit of the file's first recording with a note of one; else None."""
         first = next((note.recording for note in self._notes if note.kind == Kind.UNIT), 0)
-        return unit_of((it for it in self._notes if it.recording == first), self.catalog)
+        return unit_of((note for note in self._notes if note.recording == first), self.catalog)
 
     @cached_property
     def events(self) -> tuple[Event, ...]:
-        """Events beside the wire: markers, gaps, states, alarms …, in the file's order."""
+        """The noted events: markers, gaps, states, alarms …, in the file's order."""
         return tuple(events_of(self._notes, self.catalog))
 
     def window(
         self, begin: float, end: float, points: int = 2000, names: Iterable[str] | None = None
     ) -> tuple[Rows, bool]:
-        """Return the rows from `begin` to `end` of the link's clock, at most about `points`.
+        """Return the rows from `begin` to `end` of the link's clock, and if they are decimated.
 
-        If there are more, each piece of time keeps the least and the greatest value of each column
-        in their order; a piece without rows is one row without values. The second returned value
-        is whether that was done. `names`: of `channels`, all by default. The first call reads the
-        whole recording into memory (seconds, and some 130 MB for ten hours); all others are quick.
+        More than `points` rows are decimated (`table/decimation.py`) to about as many. `names`: of
+        `channels`, all by default. The first call reads the whole recording into memory (seconds
+        and about 130 MB for ten hours); the others are quick.
         """
         known = [each.name for each in self.channels]
         wanted = known if names is None else [named(self.catalog, name) for name in names]
@@ -153,12 +161,12 @@ class Recording:
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """The places of the file that could not be read."""
+        """The places of the file that could not be read, with offsets, up to a thousand."""
         return tuple(self._reader.problems)
 
     @property
     def problem_count(self) -> int:
-        """Their number, also of those beyond the first thousand."""
+        """The number of all such places."""
         return self._reader.problem_count
 
     def __repr__(self) -> str:
@@ -167,9 +175,9 @@ class Recording:
     def rows(self) -> Iterator[Rows]:
         """Yield the recording in stretches, read from the file at each call.
 
-        A row is a response, its time the response's beginning on the link's clock (UNIX time of a
-        real one); a missing value is NaN, flags are 0 and 1. Times rise within a stretch. They may
-        run back between two stretches: another port, another session.
+        A row is a response, its time the response's begin on the link's clock (UNIX time of a real
+        one); a missing value is NaN, flags are 0 and 1. Times rise within a stretch. They may run
+        back between two stretches: another port, another session.
         """
         if not self._derived:
             for _, rows in self._reader.stretches():
@@ -186,27 +194,27 @@ class Recording:
 
     def to_pandas(self) -> Any:  # noqa: ANN401  (pandas may not be installed)
         """Return a `pandas.DataFrame`; its index: seconds since the start; units are in `attrs`."""
-        from mikas.recording.table import dataframes as notebook
+        from mikas.recording.table import dataframes
 
-        notebook.library("pandas")
-        return notebook.pandas_frame(self._table())
+        dataframes.library("pandas")
+        return dataframes.pandas_frame(self._table())
 
     def to_polars(self) -> Any:  # noqa: ANN401  (polars may not be installed)
         """Return a `polars.DataFrame`; a missing value is null."""
-        from mikas.recording.table import dataframes as notebook
+        from mikas.recording.table import dataframes
 
-        notebook.library("polars")
-        return notebook.polars_frame(self._table())
+        dataframes.library("polars")
+        return dataframes.polars_frame(self._table())
 
     def to_arrow(self) -> Any:  # noqa: ANN401  (pyarrow may not be installed)
         """Return a `pyarrow.Table`; units and texts are in the metadata of its fields."""
-        from mikas.recording.table import dataframes as notebook
+        from mikas.recording.table import dataframes
 
-        notebook.library("pyarrow")
-        return notebook.arrow_table(self._table())
+        dataframes.library("pyarrow")
+        return dataframes.arrow_table(self._table())
 
     def _stretches(self) -> Iterator[tuple[Source, Rows, Rows]]:
-        """Yield each stretch, and its corrected values for the derived channels."""
+        """Yield each stretch with its corrected values, for the derived channels."""
         if self._corrected is self._reader:
             for source, rows in self._reader.stretches():
                 yield source, rows, rows
@@ -225,8 +233,8 @@ class Recording:
     def _table(self) -> Table:
         import numpy as np
 
+        from mikas.recording.table.channels import with_gaps
         from mikas.recording.table.dataframes import Table
-        from mikas.recording.table.gaps import with_gaps
 
         stretches = list(with_gaps(self.rows(), self.events))
         times = np.concatenate([np.empty(0), *(rows.times for rows in stretches)])
@@ -245,15 +253,7 @@ class Recording:
             "started": started.isoformat() if started else None,
             "about": dict(self.about),
             "units": {channel.name: channel.unit for channel in self.channels},
-            "channels": {
-                channel.name: {
-                    "unit": channel.unit,
-                    "en": channel.text.en,
-                    "ru": channel.text.ru,
-                    "decimals": channel.decimals,
-                }
-                for channel in self.channels
-            },
+            "channels": {channel.name: channel.facts() for channel in self.channels},
         }
 
 
@@ -261,23 +261,3 @@ def _reader(path: Path, catalog: Catalog, interpretation: str) -> TableReader:
     from mikas.recording.table.reader import TableReader
 
     return TableReader(path, catalog, interpretation)
-
-
-def _about(
-    capture: CaptureReader, unit: RecordedUnit | None, catalog: Catalog, interpretation: str
-) -> dict[str, str]:
-    source = next((it.source for it in capture if isinstance(it, Packet)), Source(0))
-    facts = {
-        "recording": capture.path.name,
-        "port": source.url,
-        "adapter": source.description or (unit.adapter if unit else ""),
-        "computer": source.hardware,
-        "recorded by": source.application,
-        "unit": unit.model.en if unit and unit.model else "",
-        "passport": " · ".join(filter(None, unit.passport or ())) if unit else "",
-        "method": (unit.method or "") if unit else "",
-        "recorded with catalog": (unit.catalog or "") if unit else "",
-        "catalog": catalog.version,
-        "reading": interpretation,
-    }
-    return {title: text for title, text in facts.items() if text}

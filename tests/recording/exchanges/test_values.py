@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.catalog import Conversion, shipped
-from mikas.recording.table.values import values
+from mikas.recording.table.reader import values
 
 ALL_OF = {
     1: np.arange(256, dtype=np.uint8).reshape(-1, 1),

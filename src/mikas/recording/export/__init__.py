@@ -1,6 +1,6 @@
-"""Recordings as files for other programs; each format has its module (docs/exports.md)."""
+"""Recordings as files for other programs, a module a format (docs/exports.md)."""
 
-from mikas.recording.export.dialect import DIALECTS, EXCEL, PLAIN, Dialect
-from mikas.recording.export.exporting import SUFFIXES, Result, export
+from mikas.recording.export.exporting import Result, export
+from mikas.recording.export.formats import DIALECTS, EXCEL, PLAIN, SUFFIXES, Dialect
 
 __all__ = ["DIALECTS", "EXCEL", "PLAIN", "SUFFIXES", "Dialect", "Result", "export"]

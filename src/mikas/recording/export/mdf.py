@@ -2,8 +2,8 @@
 
 A channel is a float of 64 bits with its unit; both texts are its comment; a missing value is NaN.
 Markers, notes and alarms are events (bookmarks) of the file, a gap is an interrupt of the
-acquisition, from its beginning to its end.
-Records go to a file beside OUT as they come and are packed (transposed, deflate) at the end.
+acquisition with a begin and an end.
+Records are collected in a file next to OUT and packed (transposed, deflate) at the end.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _EVENTS: Final = {
     "alarm": (EVENT_TYPE_MARKER, EVENT_CAUSE_TOOL),
     "gap": (EVENT_TYPE_ACQUISITION_INTERRUPT, EVENT_CAUSE_ERROR),
 }
-"""By the kind of moment: the type of the event and its cause."""
+"""The type and the cause of an event, by the kind of moment."""
 _UNKNOWN = datetime(1970, 1, 1, tzinfo=UTC)
 
 
@@ -49,22 +49,18 @@ def write(path: Path, sheet: Sheet) -> None:
     ):
         mdf.start_time = sheet.started or _UNKNOWN
         mdf.header.comment = _comment(sheet)
-        started = False
-        for times, columns in sheet.stretches:
-            if started:
-                mdf.extend(0, [(times, None), *((column, None) for column in columns)])
-            else:
-                _begin(mdf, sheet, times, columns)
-                started = True
-        if not started:
-            empty = np.empty(0)
-            _begin(mdf, sheet, empty, [empty] * len(sheet.channels))
+        stretches = iter(sheet.stretches)
+        empty = np.empty(0)
+        times, columns = next(stretches, (empty, [empty] * len(sheet.channels)))
+        mdf.append(_signals(sheet, times, columns), common_timebase=True)
+        for times, columns in stretches:
+            mdf.extend(0, [(times, None), *((column, None) for column in columns)])
         _add_events(mdf, sheet)
         mdf.save(file, compression=_PACKED)
 
 
-def _begin(mdf: MDF, sheet: Sheet, times: Column, columns: list[Column]) -> None:
-    signals = [
+def _signals(sheet: Sheet, times: Column, columns: list[Column]) -> list[Signal]:
+    return [
         Signal(
             samples=values,
             timestamps=times,
@@ -74,7 +70,6 @@ def _begin(mdf: MDF, sheet: Sheet, times: Column, columns: list[Column]) -> None
         )
         for channel, values in zip(sheet.channels, columns, strict=True)
     ]
-    mdf.append(signals, common_timebase=True)
 
 
 def _add_events(mdf: MDF, sheet: Sheet) -> None:
@@ -88,7 +83,7 @@ def _add_events(mdf: MDF, sheet: Sheet) -> None:
             event.range_type = EVENT_RANGE_TYPE_BEGINNING
             end = _event(moment.kind, moment.ended, event.name, event.comment)
             end.range_type = EVENT_RANGE_TYPE_END
-            end["range_start"] = len(events) - 1  # its place in the list; saving makes it a link
+            end["range_start"] = len(events) - 1  # an index; saving makes it a link
             events.append(end)
 
 

@@ -1,11 +1,13 @@
-"""What MegaLogViewer's two formats share: the two lines at the beginning, marks between the rows.
+"""MegaLogViewer's text log (.msl) as TunerStudio writes it, and the parts that .mlg shares with it.
 
-TunerStudio writes exactly two lines, and some readers of its files rely on that; so both texts of
-every channel are in the first one, after the program and the facts of the recording.
+Tab separated: two quoted lines, the fields' names, their units, the data; the first field is `Time`
+in seconds. A missing value is `NaN`: some readers take an empty field for a zero, and lose it at a
+line's end. Some readers rely on exactly two quoted lines, so both texts of every channel are in the
+first one, after the program and the facts of the recording.
 
-A mark (`MARK 000 - words`) is as TunerStudio sets it into a log; MegaLogViewer draws a line there.
-It has no time of its own: it is before the first row that is not older. Where times run back
-(another session in the same file) it is at the first place that fits.
+A mark, `MARK 000 - words` between two rows, is a marker, a note, a gap or an alarm; MegaLogViewer
+draws a line there. A mark has no time of its own: it precedes the first row that is not older.
+Where times run back (another session in the same file) it is at the first place that fits.
 """
 
 from __future__ import annotations
@@ -13,33 +15,20 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from datetime import UTC
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from mikas.i18n import Text
+from mikas.recording.export.csv import formatted, lines
 from mikas.recording.export.sheet import Column, Sheet, program, without
+from mikas.recording.table.channels import Channel
 
-_DAYS = ("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun")
-_MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
-
-
-def heading(sheet: Sheet) -> tuple[str, str]:
-    """Return both lines, without quotation marks around or in them."""
-    facts = [f"{title}: {text}" for title, text in sheet.about.items()]
-    facts += [f"{c.name} = {c.text.en} / {c.text.ru}" for c in sheet.channels]
-    first = f"{program()}: {'; '.join(facts)}"
-    return " ".join(first.replace('"', "'").split()), f"Capture Date: {_date(sheet)}"
+_TIME = Channel("Time", "s", Text("Time", "Время"), decimals=3)
 
 
-def _date(sheet: Sheet) -> str:
-    """Return the date as TunerStudio has it, in English on any computer."""
-    if sheet.started is None:
-        return "unknown"
-    at = sheet.started.astimezone(UTC)
-    return f"{_DAYS[at.weekday()]} {_MONTHS[at.month - 1]} {at:%d %H:%M:%S} UTC {at.year}"
-
-
-class Mark(NamedTuple):
+class LogMark(NamedTuple):
     """`text` as in the file; `time` in seconds, as the rows'."""
 
     text: str
@@ -53,10 +42,44 @@ class Piece(NamedTuple):
     columns: list[Column]
 
 
-def marked(sheet: Sheet) -> Iterator[Piece | Mark]:
+def write(path: Path, sheet: Sheet) -> None:
+    """Write the whole sheet as a text log."""
+    fields = (_TIME, *sheet.channels)
+    with path.open("wb") as file:
+        file.write(heading(sheet))
+        file.write(lines([[without(field.name, '"')] for field in fields], "\t"))
+        file.write(lines([[without(field.unit, '"')] for field in fields], "\t"))
+        for piece in marked(sheet):
+            if isinstance(piece, LogMark):
+                file.write(f"{piece.text}\n".encode())
+                continue
+            cells = [
+                formatted(field, values, missing="NaN")
+                for field, values in zip(fields, (piece.times, *piece.columns), strict=True)
+            ]
+            file.write(lines(cells, "\t"))
+
+
+def heading(sheet: Sheet) -> bytes:
+    """Return both lines in quotation marks, with none inside."""
+    facts = [f"{title}: {text}" for title, text in sheet.about.items()]
+    facts += [f"{c.name} = {c.text.en} / {c.text.ru}" for c in sheet.channels]
+    first = without(f"{program()}: {'; '.join(facts)}".replace('"', "'"))
+    return f'"{first}"\n"Capture Date: {_date(sheet)}"\n'.encode()
+
+
+def _date(sheet: Sheet) -> str:
+    """Return the date in TunerStudio's form, in English on any computer."""
+    if sheet.started is None:
+        return "unknown"
+    weekday, month, day, clock, year = sheet.started.astimezone(UTC).ctime().split()
+    return f"{weekday} {month} {day:0>2} {clock} UTC {year}"
+
+
+def marked(sheet: Sheet) -> Iterator[Piece | LogMark]:
     """Yield the rows with the marks between them, in the sheet's language."""
     waiting = deque(
-        Mark(f"MARK {number:03d} - {without(moment.text.to(sheet.language))}", moment.time)
+        LogMark(f"MARK {number:03d} - {without(moment.text.to(sheet.language))}", moment.time)
         for number, moment in enumerate(sheet.moments)
     )
     for times, columns in sheet.stretches:

@@ -1,13 +1,13 @@
 """MegaLogViewer's binary log, format version 1 (EFI Analytics, “MLG Binary Log Format 1.0”).
 
 Version 1, because version 2 adds only a category and wider offsets. Numbers are big-endian. `Time`
-is a signed count of milliseconds with the scale 0.001: a float of 32 bits knows the tenth hour only
+is a signed count of milliseconds with the scale 0.001: a 32-bit float resolves the tenth hour only
 to 4 ms. The channels are such floats; a missing value is NaN.
 
     header   4D 4C 56 4C 47 00, version, UNIX time, where the info is, where the data begins,
              bytes in a record, number of fields
     field    type, name (34), unit (10), display style, scale, transform, digits: 55 bytes
-    info     the two lines of `heading`, ended by 00
+    info     the two lines of `heading`, then 00
     block    00, rolling counter, 16 bits of a 10 µs clock, the fields, the sum of their bytes
     marker   01, the same counter and clock, its words (50), no sum
 """
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from mikas.errors import ExportError
 from mikas.i18n import Text
-from mikas.recording.export.megalogviewer import Mark, heading, marked
+from mikas.recording.export.megalogviewer import LogMark, heading, marked
 from mikas.recording.export.sheet import Column, Sheet
 from mikas.recording.table.channels import Channel
 
@@ -47,7 +47,7 @@ def write(path: Path, sheet: Sheet) -> None:
         file.write(_head(sheet, layout))
         written = 0
         for piece in marked(sheet):
-            if isinstance(piece, Mark):
+            if isinstance(piece, LogMark):
                 file.write(_marker(written, piece))
                 written += 1
                 continue
@@ -66,7 +66,7 @@ def _head(sheet: Sheet, layout: np.dtype[np.void]) -> bytes:
         _FIELD.pack(_F32, name, _fitting(channel.unit, 9), _FLOAT, 1.0, 0.0, _digits(channel))
         for name, channel in zip(_names(sheet.channels), sheet.channels, strict=True)
     ]
-    info = "".join(f'"{line}"\n' for line in heading(sheet)).encode() + b"\0"
+    info = heading(sheet) + b"\0"
     begins = _HEADER.size + _FIELD.size * len(fields)
     started = 0
     if sheet.started is not None:
@@ -83,7 +83,7 @@ def _blocks(
     blocks["number"] = np.arange(written, written + len(times)) % 256
     blocks["clock"] = np.floor(times * 100_000).astype(np.int64) % 65_536
     blocks["Time"] = np.clip(np.rint(times * 1000), -(2**31), 2**31 - 1)
-    with np.errstate(over="ignore"):  # beyond what 32 bits hold: infinite
+    with np.errstate(over="ignore"):  # a value beyond 32 bits becomes infinite
         for number, values in enumerate(columns):
             blocks[f"channel {number}"] = values
     raw = blocks.view(np.uint8).reshape(len(times), layout.itemsize)
@@ -91,7 +91,7 @@ def _blocks(
     return blocks
 
 
-def _marker(written: int, mark: Mark) -> bytes:
+def _marker(written: int, mark: LogMark) -> bytes:
     clock = math.floor(mark.time * 100_000) % 65_536
     return _MARKER.pack(1, written % 256, clock, _fitting(mark.text, 49))
 
@@ -101,7 +101,7 @@ def _digits(channel: Channel) -> int:
 
 
 def _names(channels: tuple[Channel, ...]) -> list[bytes]:
-    """Return names that fit and are still different."""
+    """Return names that fit, all different."""
     names: list[bytes] = []
     taken = {b"Time"}
     for channel in channels:

@@ -1,8 +1,8 @@
 """Parquet, by duckdb: `time` in seconds, a DOUBLE a channel, a BOOLEAN a flag, missing as NULL.
 
 Units, texts and events have no place in a Parquet column, so they are in the file's own metadata,
-as JSON under the key `mikas`. Rows are collected in a duckdb database beside OUT, which packs them
-as they come, and copied from there: that bounds the memory, and is quicker than a table in it.
+as JSON under the key `mikas`. Rows are collected in a duckdb database next to OUT, which packs them
+at once, and copied from there: memory stays bounded, and it is faster than a table in memory.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ def write(path: Path, sheet: Sheet) -> None:
     """Write the whole sheet."""
     with TemporaryDirectory(dir=path.parent, prefix=f"{path.name}.") as folder:
         try:
-            with _opened(Path(folder)) as database:
+            with _connect(Path(folder)) as database:
                 _collect(database, sheet)
-                database.execute(_copying(path, sheet))
-        except (duckdb.OperationalError, duckdb.FatalException) as error:  # of the disk
+                database.execute(_copy_statement(path, sheet))
+        except (duckdb.OperationalError, duckdb.FatalException) as error:  # a disk error
             raise _system_error(error) from error
 
 
-def _opened(folder: Path) -> duckdb.DuckDBPyConnection:
+def _connect(folder: Path) -> duckdb.DuckDBPyConnection:
     return duckdb.connect(
         str(folder / "rows.db"),
         config={
@@ -48,10 +48,9 @@ def _opened(folder: Path) -> duckdb.DuckDBPyConnection:
 
 
 def _collect(database: duckdb.DuckDBPyConnection, sheet: Sheet) -> None:
-    """Insert all rows into one table. Never committed: the database is deleted and needs no log.
+    """Insert all rows into one table, never committed: the database is deleted and needs no log.
 
-    One stretch is registered and filled again and again: a transaction keeps everything alive that
-    was registered in it.
+    One array is registered and refilled: a transaction keeps every registered array alive.
     """
     names = ["time", *(f"c{number}" for number in range(len(sheet.channels)))]
     stretch = {name: np.empty(sheet.stretches.longest) for name in names}
@@ -66,12 +65,12 @@ def _collect(database: duckdb.DuckDBPyConnection, sheet: Sheet) -> None:
         database.execute(f"INSERT INTO collected SELECT {present} FROM stretch LIMIT {len(times)}")
 
 
-def _copying(path: Path, sheet: Sheet) -> str:
+def _copy_statement(path: Path, sheet: Sheet) -> str:
     rows = min(_GROUP, 4_000_000 // (len(sheet.channels) + 1)) // _VECTOR * _VECTOR
     return (
-        f"COPY (SELECT {', '.join(_selected(sheet))} FROM collected) TO {_text(str(path))} "
+        f"COPY (SELECT {', '.join(_selected(sheet))} FROM collected) TO {_quoted(str(path))} "
         f"(FORMAT parquet, COMPRESSION zstd, ROW_GROUP_SIZE {max(rows, _VECTOR)}, "
-        f"KV_METADATA {{mikas: {_text(_metadata(sheet))}}})"
+        f"KV_METADATA {{mikas: {_quoted(_metadata(sheet))}}})"
     )
 
 
@@ -84,34 +83,25 @@ def _selected(sheet: Sheet) -> Iterator[str]:
 
 
 def _metadata(sheet: Sheet) -> str:
-    channels = {
-        channel.name: {
-            "unit": channel.unit,
-            "en": channel.text.en,
-            "ru": channel.text.ru,
-            "decimals": channel.decimals,
-        }
-        for channel in sheet.channels
-    }
     started = None if sheet.started is None else sheet.started.isoformat()
     facts = {
         "program": program(),
         "started": started,
         "about": dict(sheet.about),
         "time": {"unit": "s", "en": "Time since the start", "ru": "Время от начала"},
-        "channels": channels,
+        "channels": {channel.name: channel.facts() for channel in sheet.channels},
         "events": [moment.as_json() for moment in sheet.moments],
     }
     return json.dumps(facts, ensure_ascii=False)
 
 
 def _system_error(error: duckdb.Error) -> OSError:
-    """Return the system's error, whose number is in the text of duckdb's."""
+    """Return the system's error; its number is in the text of duckdb's."""
     if found := re.search(r'"errno":"(\d+)"', str(error)):
         number = int(found[1])
         return OSError(number, os.strerror(number))
     return OSError(str(error).partition("\n")[0])
 
 
-def _text(value: str) -> str:
+def _quoted(value: str) -> str:
     return "'" + value.replace("'", "''") + "'"

@@ -1,37 +1,45 @@
 """Columns over time, the source of every export and data frame; and which ones a recording has.
 
-A recording of ten hours does not fit a table at once, so it comes in stretches (`Rows`), each with
-the same columns. A value that is missing (a gap, a parameter asked less often) is NaN, never the
-last one.
+Ten hours do not fit one table, so rows come in stretches (`Rows`) with the same columns. A missing
+value (a gap, a parameter read less often) is NaN, never the last value. A recorded gap is one row
+without values: otherwise a plot would join the samples on both sides.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from mikas.catalog import Catalog, Derived
 from mikas.errors import UsageError
 from mikas.i18n import Text
+from mikas.sampling.events import Event, Gap
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
 
 PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
 
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A column: its mnemonic, its unit, what it is in both languages, how it is shown."""
+    """A column: mnemonic, unit, description in both languages, number of decimals."""
 
     name: str
     unit: str
     text: Text
     is_flag: bool = False
     decimals: int = 0
+
+    def facts(self) -> dict[str, Any]:
+        """Return unit, description and decimals, for metadata."""
+        text = self.text
+        return {"unit": self.unit, "en": text.en, "ru": text.ru, "decimals": self.decimals}
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,14 +49,14 @@ class Rows:
     `values`: by channel name, as long as `times`, float64; flags are 0 and 1.
     """
 
-    times: NDArray[np.float64]
-    values: Mapping[str, NDArray[np.float64]]
+    times: Floats
+    values: Mapping[str, Floats]
 
 
 def calendar(time: float) -> datetime | None:
-    """What a calendar said at `time` of the link's clock, if that plainly counts from 1970.
+    """Return the date of `time` on the link's clock; None unless that clock counts from 1970.
 
-    A damaged time that is beyond all calendars has none either.
+    A damaged time beyond the calendar has no date either.
     """
     if time < PLAINLY_UNIX:
         return None
@@ -59,7 +67,7 @@ def calendar(time: float) -> datetime | None:
 
 
 def named(catalog: Catalog, name: str) -> str:
-    """The channel's name in full. Raises `UsageError` for what has no column."""
+    """Return the channel's full name. Raises `UsageError` for a name without a column."""
     found = catalog.channel(name).name
     if found not in catalog.derived and all(found != each.name for each in catalog.parameters):
         raise UsageError(
@@ -74,7 +82,7 @@ def named(catalog: Catalog, name: str) -> str:
 
 
 def is_recorded(name: str, catalog: Catalog, recorded: Iterable[str]) -> bool:
-    """Whether all is recorded that this channel is made of."""
+    """Return whether the channel, or all inputs of a derived one, are recorded."""
     if name not in catalog.derived:
         return name in recorded
     from mikas.sampling.derived import DerivedChannels
@@ -85,21 +93,55 @@ def is_recorded(name: str, catalog: Catalog, recorded: Iterable[str]) -> bool:
 def all_channels(
     read: Iterable[Channel], catalog: Catalog, recorded: Iterable[str], wanted: Iterable[str]
 ) -> dict[str, Channel]:
-    """What was recorded, what follows from it, and what is wanted all the same."""
+    """Return the recorded channels, those derived from them, and the wanted ones, by name."""
     known = {channel.name: channel for channel in read}
-    for derived in catalog.derived.values():
-        if is_recorded(derived.name, catalog, recorded):
-            known[derived.name] = _column(derived)
-    for name in wanted:
+    derived = [each.name for each in catalog.derived.values()]
+    for name in (*(name for name in derived if is_recorded(name, catalog, recorded)), *wanted):
         if name not in known:
-            channel = catalog.channel(name)
-            known[name] = (
-                _column(channel)
-                if isinstance(channel, Derived)
-                else Channel(name, channel.unit, channel.text, channel.is_flag, channel.decimals)
-            )
+            each = catalog.channel(name)
+            is_flag = not isinstance(each, Derived) and each.is_flag
+            known[name] = Channel(name, each.unit, each.text, is_flag, each.decimals)
     return known
 
 
-def _column(derived: Derived) -> Channel:
-    return Channel(derived.name, derived.unit, derived.text, decimals=derived.decimals)
+def with_gaps(rows: Iterable[Rows], events: Iterable[Event]) -> Iterator[Rows]:
+    """Yield `rows`, times rising within a stretch, with a row of NaN in each gap of `events`.
+
+    The row stands half-way between the gap's begin and its end, or the next row if that is earlier.
+    A gap before the first row of all has none.
+    """
+    import numpy as np
+
+    gaps = [event for event in events if isinstance(event, Gap)]
+    left = sorted((gap.began, gap.began if gap.ended is None else gap.ended) for gap in gaps)
+    last: Rows | None = None
+    for stretch in rows:
+        if not len(stretch.times):
+            continue
+        begin, end = float(stretch.times[0]), float(stretch.times[-1])
+        if last is not None and last.times[-1] <= begin:  # else it is another session
+            begin = float(last.times[-1])
+        inside = [span for span in left if begin <= span[0] < end]
+        left = [span for span in left if not begin <= span[0] < end]
+        last = stretch
+        if not inside:
+            yield stretch
+            continue
+        places = np.searchsorted(stretch.times, [began for began, _ in inside], "right")
+        times = _middles(inside, stretch.times[places])
+        values = {
+            name: np.insert(column, places, np.nan) for name, column in stretch.values.items()
+        }
+        yield Rows(np.insert(stretch.times, places, times), values)
+    if last is not None and (later := [span for span in left if span[0] >= last.times[-1]]):
+        times = _middles(later, np.full(len(later), np.inf))
+        yield Rows(times, {name: np.full(len(times), np.nan) for name in last.values})
+
+
+def _middles(gaps: list[tuple[float, float]], following: Floats) -> Floats:
+    """Return the times of the gaps' rows, rising. `following`: the time of the row after each."""
+    import numpy as np
+
+    began, ended = np.array(gaps).T
+    middles: Floats = began + np.maximum(0.0, np.minimum(ended, following) - began) / 2
+    return np.sort(middles)  # a gap may lie in another

@@ -1,9 +1,8 @@
 """A recording as a data frame: pandas, polars or Arrow, whichever is installed.
 
-Each has its columns named as the channels; `time` counts in seconds from the first row. What is
-missing is NaN in numbers and null in flags (polars and Arrow: null in both). Units and texts go
-where the library keeps such things: `attrs` of a pandas frame, the fields' and the schema's
-metadata in Arrow; polars has no such place.
+Floatss are named as the channels; `time` counts seconds from the first row. A missing value is NaN
+in numbers and null in flags (polars and Arrow: null in both). Units and texts are in a pandas
+frame's `attrs` and in the metadata of Arrow's fields and schema; polars has no place for them.
 """
 
 from __future__ import annotations
@@ -12,34 +11,30 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from mikas.errors import MissingExtra
 from mikas.i18n import Text
+from mikas.recording.exchanges.arrays import Floats
 from mikas.recording.table.channels import Channel
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Column: TypeAlias = NDArray[np.float64]
 
 _TIME_TEXT = Text("Time since the start", "Время от начала")
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The whole recording in memory. `facts`: what is known of it, as JSON can hold it."""
+    """The whole recording in memory. `facts`: JSON values by title."""
 
     channels: Sequence[Channel]
-    times: Column
-    values: dict[str, Column]
+    times: Floats
+    values: dict[str, Floats]
     facts: dict[str, Any]
 
 
 def library(name: str) -> Any:  # noqa: ANN401  (a module that may not be installed)
-    """Return the library. Raise `MissingExtra`, which names its package."""
+    """Import the library. Raises `MissingExtra` with the command that installs it."""
     try:
         return import_module(name)
     except ImportError as error:
@@ -52,25 +47,20 @@ def library(name: str) -> Any:  # noqa: ANN401  (a module that may not be instal
 
 
 def pandas_frame(table: Table) -> Any:  # noqa: ANN401  (pandas may not be installed)
-    """A `pandas.DataFrame`, its index `time`."""
+    """Return a `pandas.DataFrame`, its index `time`."""
     pandas = library("pandas")
-    columns = {
-        channel.name: _flags(pandas, table.values[channel.name])
-        if channel.is_flag
-        else table.values[channel.name]
-        for channel in table.channels
-    }
+    columns = dict(table.values)
+    for channel in table.channels:
+        if channel.is_flag:
+            values = columns[channel.name]
+            columns[channel.name] = pandas.arrays.BooleanArray(values == 1, np.isnan(values))
     frame = pandas.DataFrame(columns, index=pandas.Index(table.times, name="time"))
     frame.attrs.update(table.facts)
     return frame
 
 
-def _flags(pandas: Any, values: Column) -> Any:  # noqa: ANN401  (pandas may not be installed)
-    return pandas.arrays.BooleanArray(values == 1, np.isnan(values))
-
-
 def polars_frame(table: Table) -> Any:  # noqa: ANN401  (polars may not be installed)
-    """A `polars.DataFrame`."""
+    """Return a `polars.DataFrame`."""
     polars = library("polars")
     columns = [polars.Series("time", table.times)]
     for channel in table.channels:
@@ -80,7 +70,7 @@ def polars_frame(table: Table) -> Any:  # noqa: ANN401  (polars may not be insta
 
 
 def arrow_table(table: Table) -> Any:  # noqa: ANN401  (pyarrow may not be installed)
-    """A `pyarrow.Table`; its schema's metadata has the facts as JSON, under the key `mikas`."""
+    """Return a `pyarrow.Table`; its schema's metadata has the facts as JSON, by the key `mikas`."""
     arrow = library("pyarrow")
     fields = [arrow.field("time", arrow.float64(), metadata=_about("s", _TIME_TEXT))]
     arrays = [arrow.array(table.times)]

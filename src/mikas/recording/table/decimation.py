@@ -1,10 +1,10 @@
 """Decimation: fewer rows for a picture, with the extremes of each column kept.
 
 Time is cut into equal pieces. Of each piece every column keeps its least and its greatest value, in
-the order in which they came, at the piece's first and last time: a spike stays. A piece in which no
-row came is one row without values: a gap stays, too.
+their order, at the piece's first and last time: a spike stays. A piece without rows is one row
+without values: a gap stays, too.
 
-numpy is used where it is installed. Without it (in a browser) the reference does the same.
+Without numpy (in a browser) the scalar reference does the same.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise
 from math import isnan, nan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 from mikas.recording.table.channels import Rows
 
@@ -54,13 +54,11 @@ def decimated_scalar(rows: Rows, points: int) -> Rows:
         for name, column in rows.values.items():
             piece = [float(value) for value in column[start:stop]]
             values[name].extend(_ends(piece) if piece else (nan,))
-    made: Any = Rows
-    result: Rows = made(kept, values)
-    return result
+    return Rows(cast("Floats", kept), cast("dict[str, Floats]", values))
 
 
 def _ends(piece: Sequence[float]) -> tuple[float, float]:
-    """Return the least and the greatest value, the earlier one first; NaN: there is none."""
+    """Return the least and the greatest value, the earlier one first; NaN without values."""
     present = [value for value in piece if not isnan(value)]
     if not present:
         return nan, nan
@@ -95,8 +93,8 @@ class Pieces:
     ) -> Rows:
         """Return the decimated rows.
 
-        `times`, and the values of each `column`, may be extremes themselves: `starts` is of these,
-        `rows` of the rows that they were made from, by which a piece is empty or not.
+        `times` and the values of each `column` may be extremes themselves: `starts` indexes these,
+        `rows` indexes their original rows, which decide whether a piece is empty.
         """
         import numpy as np
 
@@ -127,7 +125,7 @@ def _extremes(values: Floats, starts: Index) -> tuple[Floats, Floats]:
 
 
 def _place(values: Floats, wanted: Floats, starts: Index, lengths: Index) -> Index:
-    """Return where each piece has its wanted value first; the end, where that is missing."""
+    """Return the first place of each piece's wanted value; `values.size` if it is missing."""
     import numpy as np
 
     places = np.where(values == np.repeat(wanted, lengths), np.arange(values.size), values.size)

@@ -1,33 +1,29 @@
-"""Derived channels of a recording: computed row by row, where its parameters came in several rows.
+"""Derived channels of a recording, computed row by row.
 
 A row is one response. If a unit takes only small requests (D11), or one parameter at a time, the
-inputs of a formula stand in different rows, where live they are one sample; then each holds for a
-second, or for a cycle where that is longer, and the formula has a value in the rows in which one of
-its inputs is new. A row in which nothing came is a gap and stays one.
+inputs of a formula stand in different rows. Then each input holds for a second, or for a cycle if
+that is longer, and the formula has a value in rows with a new input. A row without values is a gap
+and stays one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import Final
 
 import numpy as np
 
 from mikas.catalog import Catalog
+from mikas.recording.exchanges.arrays import Floats
 from mikas.recording.table.channels import Rows
 from mikas.sampling.derived import DerivedChannels
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Column: TypeAlias = NDArray[np.float64]
-
-FRESH: Final = 1.0  # s that a value holds for those of the responses behind it
-LONGEST: Final = 10.0  # s of a cycle; one request for each code, to a unit that takes half a second
+FRESH: Final = 1.0  # s that a value holds for later responses
+LONGEST: Final = 10.0  # s of a cycle: one request a code, to a unit that needs 0.5 s for each
 
 
 class Deriver:
-    """The derived channels `names` of one port in one session, stretch after stretch."""
+    """Computes the derived channels `names` of one port in one session, stretch after stretch."""
 
     def __init__(self, catalog: Catalog, names: Iterable[str]) -> None:
         names = list(names)
@@ -36,35 +32,33 @@ class Deriver:
             channel.name: DerivedChannels(catalog, [channel.name]).requires
             for channel in self._channels.channels
         }
-        self._last: dict[str, tuple[float, float]] = {}  # when, and what
-        self._step: dict[str, float] = {}  # s from the value before it
+        self._last: dict[str, tuple[float, float]] = {}  # time, value
+        self._step: dict[str, float] = {}  # s since the previous value
 
-    def columns(self, rows: Rows) -> dict[str, Column]:
-        """A column for each of the names; `rows` has all that was recorded, corrected."""
+    def columns(self, rows: Rows) -> dict[str, Floats]:
+        """Return a column for each name. `rows`: all recorded parameters, corrected."""
         missing = np.full(len(rows.times), np.nan)
-        came = {name: rows.values.get(name, missing) for name in self._channels.requires}
-        something = np.zeros(len(rows.times), np.bool_)
+        inputs = {name: rows.values.get(name, missing) for name in self._channels.requires}
+        is_row = np.zeros(len(rows.times), np.bool_)
         for column in rows.values.values():
-            something |= np.isfinite(column)
-        hold = self._cycle(rows.times, came)
+            is_row |= np.isfinite(column)
+        hold = self._cycle(rows.times, inputs)
         held = {
-            name: np.where(something, self._held(name, rows.times, column, hold), np.nan)
-            for name, column in came.items()
+            name: np.where(is_row, self._held(name, rows.times, column, hold), np.nan)
+            for name, column in inputs.items()
         }
         derived = self._channels.columns(Rows(rows.times, {**rows.values, **held}))
         for name, column in derived.items():
             new = np.zeros(len(column), np.bool_)
             for source in self._inputs[name]:
-                new |= np.isfinite(came[source])
+                new |= np.isfinite(inputs[source])
             derived[name] = np.where(new, column, np.nan)
         return derived
 
-    def _cycle(self, times: Column, came: dict[str, Column]) -> Column:
-        """How long a value holds at each row: as long as the most frequent input takes to come
-        again, and a second at least.
-        """
+    def _cycle(self, times: Floats, inputs: dict[str, Floats]) -> Floats:
+        """Return how long a value holds at each row: the step of the most frequent input, ≥ 1 s."""
         cycle = np.full(len(times), np.inf)
-        for name, column in came.items():
+        for name, column in inputs.items():
             rows = np.flatnonzero(np.isfinite(column))
             before = self._last.get(name, (-np.inf, np.nan))[0]
             before = before if np.isfinite(before) else np.inf  # the first step is none
@@ -74,8 +68,8 @@ class Deriver:
             cycle = np.minimum(cycle, steps[np.cumsum(np.isfinite(column))])
         return np.clip(np.where(np.isfinite(cycle), cycle, 0.0), FRESH, LONGEST)
 
-    def _held(self, name: str, times: Column, column: Column, hold: Column) -> Column:
-        """`column` with each value standing until the next, as long as it holds."""
+    def _held(self, name: str, times: Floats, column: Floats, hold: Floats) -> Floats:
+        """Return `column` with each value repeated until the next, as long as it holds."""
         at, value = self._last.get(name, (-np.inf, np.nan))
         all_times = np.concatenate(([at], times))
         values = np.concatenate(([value], column))

@@ -1,9 +1,12 @@
-"""A recording as a table: columns over time, in stretches, always from the raw bytes.
+"""A recording as a table: columns over time, in stretches, always from the raw bytes (§3, §4).
 
-The file is read twice: once to find its parameters, so that the columns are known before the first
-row, and the `01`s that are refusals (D10), which later responses decide; once for the values.
-Decoded values are not kept: a formula that was corrected in the catalog gives corrected values of
-an old recording.
+The file is read twice: once for its parameters, so that the columns are known before the first row,
+and for the `01`s that are refusals (D10), which later responses decide; once for the values.
+Decoded values are not stored: a formula corrected in the catalog corrects old recordings.
+
+A conversion's normal form is three integers (`catalog.conversion`), and every quotient of 64-bit
+floats below is the one that `Conversion.decode` computes: values are equal bit for bit. A response
+whose length does not fit its request makes a row without a value.
 """
 
 from __future__ import annotations
@@ -16,8 +19,9 @@ from typing import Final
 import numpy as np
 
 from mikas.catalog import Catalog
+from mikas.catalog.conversion import Conversion
 from mikas.recording.capture.reader import Problem, Source
-from mikas.recording.exchanges.arrays import Floats
+from mikas.recording.exchanges.arrays import Bytes, Floats, side_by_side
 from mikas.recording.exchanges.columnar import ResponseColumns, column_exchanges
 from mikas.recording.exchanges.groups import (
     RefusalColumns,
@@ -25,8 +29,8 @@ from mikas.recording.exchanges.groups import (
     ResponseGroup,
     Verdicts,
 )
+from mikas.recording.exchanges.layouts import Layouts
 from mikas.recording.table.channels import Channel, Rows
-from mikas.recording.table.values import Definitions, converted
 
 STRETCH: Final = 65536
 _MOST_PROBLEMS: Final = 1000
@@ -38,12 +42,11 @@ Columns = dict[str, Floats]
 class TableReader:
     """The samples of a capture as rows of columns.
 
-    A row is a response; its time is when the response began on the wire; a value not in it is NaN.
-    `channels` are the parameters that have at least one value, or `names`, in the order of the
-    catalog. `problems` are the places of the file that could not be read, up to a thousand of them,
-    complete once `channels` is known; `problem_count` counts them all.
+    A row is a response, its time the response's begin on the wire; a value not in it is NaN.
+    `channels`: the parameters with at least one value, or `names`, in the catalog's order.
+    `problems`: the unreadable places of the file, up to a thousand; `problem_count` counts all.
 
-    Raise `CaptureError` for a file that is no capture, `UsageError` for an unknown interpretation.
+    Raises `CaptureError` for a file that is no capture, `UsageError` for an unknown interpretation.
     Every iteration reads the file again; memory does not grow with it.
     """
 
@@ -60,7 +63,7 @@ class TableReader:
         self.problem_count = 0
         self._definitions = Definitions(catalog, interpretation)
         self._verdicts: dict[Source, Verdicts] = {}
-        found = self._look_through()
+        found = self._find_channels()
         if names is not None:
             found = {catalog.parameter(name).name for name in names}
         self.channels: tuple[Channel, ...] = self._definitions.channels(found)
@@ -85,7 +88,7 @@ class TableReader:
         for left in waiting.values():
             yield from left.rest()
 
-    def _look_through(self) -> set[str]:
+    def _find_channels(self) -> set[str]:
         """Return the parameters that have a value; find problems and refusals."""
         found: set[int] = set()
         lines: dict[Source, tuple[ResponseClassifier, RefusalColumns]] = {}
@@ -156,7 +159,7 @@ class _Stretch:
         self, times: Floats, columns: Columns, rows: slice
     ) -> Iterator[tuple[Source, Rows]]:
         start, stop = rows.start, rows.stop
-        _raise(times[rows], self._last, 10 / (self._source.baud or 9600))
+        _set_rising(times[rows], self._last, 10 / (self._source.baud or 9600))
         while start < stop:
             end = min(stop, start + self._size - self._count)
             self._times.append(times[start:end])
@@ -196,10 +199,10 @@ class _Stretch:
         return responses.times[rows], columns
 
 
-def _raise(times: Floats, last: float, byte_time: float) -> None:
-    """Move a row that seems to begin before its predecessor to one byte behind it.
+def _set_rising(times: Floats, last: float, byte_time: float) -> None:
+    """Move a row that seems to begin before its predecessor to one byte after it.
 
-    It only came in another lump; `mikas.tester.exchange` does so on a live line.
+    Only the chunks of the bytes differ; `mikas.tester.exchange` does the same on a live line.
     """
     begins = (np.diff(times, prepend=last) <= 0).nonzero()[0]
     for begin in begins.tolist():
@@ -208,3 +211,59 @@ def _raise(times: Floats, last: float, byte_time: float) -> None:
             before += byte_time
             times[row] = before
             row += 1
+
+
+class Definitions:
+    """A catalog in one interpretation, as layouts and channels."""
+
+    def __init__(self, catalog: Catalog, interpretation: str) -> None:
+        self._catalog = catalog
+        self._conversions = {p.name: p.interpretation(interpretation) for p in catalog.parameters}
+        self.layouts = Layouts(catalog.size_of)
+
+    def names(self, codes: Collection[int]) -> set[str]:
+        """Return the parameters that have these codes."""
+        return {p.name for code in codes for p in self._catalog.by_code(code)}
+
+    def conversions(self, code: int) -> list[tuple[str, Conversion]]:
+        """Return the parameters that have this code, with their conversions."""
+        return [(p.name, self._conversions[p.name]) for p in self._catalog.by_code(code)]
+
+    def channels(self, names: Collection[str]) -> tuple[Channel, ...]:
+        """Return the columns of these parameters, in the order of the catalog."""
+        return tuple(
+            Channel(p.name, self._conversions[p.name].unit, p.text, p.is_flag, p.decimals)
+            for p in self._catalog.parameters
+            if p.name in names
+        )
+
+
+def converted(
+    group: ResponseGroup,
+    responses: ResponseColumns,
+    definitions: Definitions,
+    names: Collection[str],
+) -> Iterator[tuple[str, Floats]]:
+    """Yield the values of the group's fitting rows, a parameter at a time."""
+    table = side_by_side(responses.bodies, responses.starts[group.fitting], group.layout.length)
+    for code, begin, _ in group.layout.places:
+        for name, conversion in definitions.conversions(code):
+            if name in names:
+                yield name, values(table[:, begin : begin + conversion.size], conversion)
+
+
+def values(raw: Bytes, conversion: Conversion) -> Floats:
+    """Return `Conversion.decode` of every row of raw bytes; flags are 0 and 1."""
+    numbers = np.zeros(len(raw), np.int64)
+    for at in range(conversion.size):
+        numbers |= raw[:, at].astype(np.int64) << (8 * at)
+    if conversion.signed:
+        half = 1 << (8 * conversion.size - 1)
+        numbers -= (numbers & half) << 1
+    floats: Floats
+    if conversion.is_flag:
+        floats = ((numbers & conversion.mask) != 0).astype(np.float64)
+    else:
+        exact = numbers * conversion.numerator + conversion.constant
+        floats = exact / float(conversion.denominator)
+    return floats

@@ -1,11 +1,11 @@
-"""Any window of a recording at once, for scrubbing through it: the columns in memory, packed.
+"""Any window of a recording, for scrubbing through it: the columns in memory, packed.
 
-Ten hours by list are a million rows. Parameters are kept as the whole numbers of their raw data
-(one to two bytes each, two to four here), so values are those of `rows()` to the bit; about 130 MB
-for ten hours of all channels.
+Ten hours by list are a million rows. Parameters are stored as the whole numbers of their raw data
+(one to two bytes each, two to four here), so values equal those of `rows()` bit for bit; ten hours
+of all channels take about 130 MB.
 
-More rows than a picture has points are decimated (`decimation.py`). Wide windows are decimated by
-blocks of rows whose extremes were computed before.
+More rows than a picture has points are decimated (`decimation.py`), wide windows by blocks of rows
+whose extremes are computed once.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _MISSING: Final = {2: np.iinfo(np.int16).min, 4: np.iinfo(np.int32).min}
 
 @dataclass(frozen=True, slots=True)
 class _Packed:
-    """A column as whole numbers, or as it is where they would not give every value back.
+    """A column as whole numbers, or as floats if these would not restore every value.
 
     `first`, `second`: the extremes of each block of rows, in their order.
     """
@@ -40,14 +40,14 @@ class _Packed:
     second: Floats
 
     def values(self, chosen: slice | Index) -> Floats:
-        """The rows `chosen`."""
+        """Return the values of the rows `chosen`."""
         return _unpacked(self.numbers[chosen], self.conversion)
 
 
 class Windows:
     """The columns of a recording. `rows`: all of it; `conversions`: of its parameters, by name.
 
-    Where times run back (another session) rows are put in their order.
+    Where times run back (another session) rows are sorted.
     """
 
     def __init__(self, rows: Iterable[Rows], conversions: Mapping[str, Conversion]) -> None:
@@ -57,14 +57,12 @@ class Windows:
             times.append(stretch.times)
             for name, column in stretch.values.items():
                 pieces.setdefault(name, []).append(_packed(column, conversions.get(name)))
-        unordered: Floats = np.concatenate([np.empty(0), *times])
+        self.times: Floats = np.concatenate([np.empty(0), *times])
         order: Index | None = None
-        if (np.diff(unordered) < 0).any():
-            order = unordered.argsort(kind="stable")
-        self.times: Floats = unordered if order is None else unordered[order]
-        self._columns: dict[str, _Packed] = {}
-        for name in list(pieces):
-            self._columns[name] = _joined(pieces.pop(name), order)
+        if (np.diff(self.times) < 0).any():
+            order = self.times.argsort(kind="stable")
+            self.times = self.times[order]
+        self._columns = {name: _joined(pieces.pop(name), order) for name in list(pieces)}
 
     def window(
         self, begin: float, end: float, points: int, names: Sequence[str]
@@ -112,13 +110,13 @@ class _Extracted:
         )
 
     def values(self, column: _Packed) -> Floats:
-        """As long as `times`."""
+        """Return the column's values at `times`."""
         if self._blocks is None:
             return column.values(slice(self._first, self._last))
         both = np.stack((column.first[self._blocks], column.second[self._blocks]), axis=1)
         before = column.values(slice(self._first, self._inner[0]))
-        behind = column.values(slice(self._inner[1], self._last))
-        return np.concatenate((before, both.reshape(-1), behind))
+        after = column.values(slice(self._inner[1], self._last))
+        return np.concatenate((before, both.reshape(-1), after))
 
 
 def _packed(

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.recording.table.channels import Rows, calendar
-from mikas.recording.table.gaps import with_gaps
+from mikas.recording.table.channels import Rows, calendar, with_gaps
 from mikas.sampling.events import Gap
 
 
