@@ -16,8 +16,8 @@ from websockets.sync.client import connect
 from mikas.dashboard.app import create_app
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.security.access import Access
-from mikas.dashboard.server import Server, listening
-from mikas.dashboard.settings import SamplingRequest, Settings
+from mikas.dashboard.server import Server, listen
+from mikas.dashboard.settings import PlanSettings, Settings
 from mikas.errors import PortNotFound
 from mikas.link.ports import Port
 from mikas.link.virtual import RealTimeVirtualLink
@@ -180,8 +180,8 @@ def rig(
         language=language,
     )
     dashboard = Dashboard(settings, port=begin, lan=access.get("lan", False))
-    dashboard.plan.request = SamplingRequest(dict.fromkeys(names, 1), method, rate)
-    with listening(0, lan=False) as own:
+    dashboard.plan.request = PlanSettings(dict.fromkeys(names, 1), method, rate)
+    with listen(0, lan=False) as own:
         rules = Access(own.getsockname()[1], **access)
         ready = threading.Event()
         app = create_app(dashboard, rules, folder=page or tmp_path / "page")

@@ -7,7 +7,7 @@ import re
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from mikas.dashboard.api.changes import WriteParameter
+from mikas.dashboard.api.changes import WriteParameterRequest
 from mikas.dashboard.api.dumps import DumpRequest
 from mikas.dashboard.api.errors import validation_text
 from mikas.dashboard.api.presets import Preset
@@ -23,8 +23,9 @@ def errors_of(kind, value):
 
 @pytest.mark.parametrize(
     ("kind", "value"),
-    [(WriteParameter, {}), (WriteParameter, {"kind": "x", "name": 3}), (WriteParameter, 3),
-     (DumpRequest, {"space": "rom", "first": -1, "last": "x"}), (Preset, {"name": 3}),
+    [(WriteParameterRequest, {}), (WriteParameterRequest, {"kind": "x", "name": 3}),
+     (WriteParameterRequest, 3), (Preset, {"name": 3}),
+     (DumpRequest, {"space": "rom", "first": -1, "last": "x"}),
      (list[int], "x"), (int, 1.5), (bool, "maybe")],
 )  # fmt: skip
 def test_in_both_languages(kind, value) -> None:
@@ -35,7 +36,7 @@ def test_in_both_languages(kind, value) -> None:
 
 
 def test_the_field_is_named() -> None:
-    (text, *_) = errors_of(WriteParameter, {"kind": "write_parameter"})
+    (text, *_) = errors_of(WriteParameterRequest, {"kind": "write_parameter"})
     assert text == ("“name” is missing", "«name» не указано")
 
 

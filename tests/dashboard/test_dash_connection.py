@@ -67,12 +67,26 @@ def test_an_adapter_pulled_out_is_waited_for_and_found_again(idle):
         live.until(lambda it: it["state"]["line"] == "sampling")
 
 
+KEY_OFF = """
+duration = 60
+after_end = "hold"
+[text]
+en = "The key stays off"
+ru = "Зажигание выключено"
+[timeline]
+key = 0
+"""
+
+
 @pytest.mark.parametrize(
-    ("url", "line"),
-    [("sim:?supplied=0", "no-echo"), ("sim:?scenario=key-off", "echo-only")],
+    ("setting", "line"),
+    [("supplied=0", "no-echo"), ("scenario={key_off}", "echo-only")],
+    ids=["no-supply", "key-off"],
 )
-def test_no_supply_and_ignition_off_are_told_apart(tmp_path, url, line):
-    with rig(tmp_path, url) as it:
+def test_no_supply_and_ignition_off_are_distinguished(tmp_path, setting, line):
+    key_off = tmp_path / "key-off.toml"
+    key_off.write_text(KEY_OFF, "utf-8")
+    with rig(tmp_path, f"sim:?{setting.format(key_off=key_off)}") as it:
         state = it.until(lambda message: message["state"]["line"] == line)["state"]
         assert state["reason"]["en"]
         error = it.get("/faults", 503)

@@ -11,7 +11,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from dashboard.rig import rig
-from mikas.dashboard.api.broadcaster import QUEUE, Listener, understood
+from mikas.dashboard.api.broadcaster import QUEUE, Listener, handle_request
 from mikas.dashboard.api.live import Broadcaster, _send
 from mikas.dashboard.api.state import state_of
 from mikas.dashboard.dashboard import Dashboard
@@ -142,7 +142,7 @@ def test_the_queue_is_bounded_and_tells_what_it_lost():
 
 def test_a_deep_nesting_is_no_trouble():
     listener = Listener(Client("x", "", False))
-    assert not understood(listener, "[" * 4000)
+    assert not handle_request(listener, "[" * 4000)
 
 
 def test_a_reload_finds_what_it_missed_in_the_history(idle):

@@ -10,7 +10,7 @@ from dashboard.rig import rig
 from mikas.cli.commands.dash import DashboardOptions, dashboard_options_of, show_dashboard
 from mikas.cli.context import CommandContext
 from mikas.dashboard.docs import shape
-from mikas.dashboard.server import FIRST_PORT, listening, own_addresses
+from mikas.dashboard.server import FIRST_PORT, listen, own_addresses
 from mikas.dashboard.settings import VirtualCars
 from mikas.errors import BadPortUrl, UsageError
 from mikas.link import open_link
@@ -97,18 +97,18 @@ def test_shapes_are_said_in_a_word_or_two():
 
 
 def test_a_taken_port_leads_to_the_next_one():
-    with listening(None, lan=False) as first:
+    with listen(None, lan=False) as first:
         assert first.getsockname()[0] == "127.0.0.1"
-        with listening(None, lan=False) as second:
+        with listen(None, lan=False) as second:
             assert second.getsockname()[1] != first.getsockname()[1]
         taken = first.getsockname()[1]
         with pytest.raises(UsageError, match=str(taken)):
-            listening(taken, lan=False)
+            listen(taken, lan=False)
     assert taken >= FIRST_PORT
 
 
 def test_the_network_sees_us_only_when_that_is_wanted():
-    with listening(0, lan=True) as own:
+    with listen(0, lan=True) as own:
         assert own.getsockname()[0] == "0.0.0.0"
     names = own_addresses()
     assert socket.gethostname() in names

@@ -9,7 +9,7 @@ from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.session.diagnosis import Diagnosis
 from mikas.dashboard.session.fault_history import StoredFaults
 from mikas.dashboard.session.sampling_thread import SamplingThread
-from mikas.dashboard.settings import PortSettings, SamplingRequest, Settings
+from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
 from mikas.errors import LinkLost
 from mikas.link import open_link
 from mikas.recording.recorder import Recorder
@@ -60,7 +60,7 @@ def test_a_port_that_opens_when_nobody_samples_any_more_is_closed_at_once(tmp_pa
     opening.wanting = SamplingThread(
         PortSettings("sim:"),
         opening.settings,
-        SamplingRequest({"FREQ": 1}),
+        PlanSettings({"FREQ": 1}),
         sink=Recorder(),
         confirm=lambda _: False,
         on_event=lambda *_: None,

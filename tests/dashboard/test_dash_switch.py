@@ -15,7 +15,7 @@ from mikas.dashboard.session.history import History
 from mikas.dashboard.session.manager import ConnectionManager
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.session.plan import SamplingPlanner
-from mikas.dashboard.settings import SamplingRequest, Settings
+from mikas.dashboard.settings import PlanSettings, Settings
 
 
 async def lend(it):
@@ -67,7 +67,7 @@ def test_of_two_plans_at_once_the_one_that_is_sampled_is_the_one_that_is_told(mo
     sampled, told, over = [], [], threading.Event()
 
     def second():
-        planner.sample(SamplingRequest({"FREQ": 1}))
+        planner.sample(PlanSettings({"FREQ": 1}))
         over.set()
 
     thread = threading.Thread(target=second)
@@ -83,7 +83,7 @@ def test_of_two_plans_at_once_the_one_that_is_sampled_is_the_one_that_is_told(mo
     monitor = SimpleNamespace(set_names=lambda every: told.append(list(every)))
     planner = SamplingPlanner(connection, monitor, ConnectionOptions())
     monkeypatch.setattr(planner, "_lock", Lock(over), raising=False)
-    planner.sample(SamplingRequest({"TWAT": 1}))
+    planner.sample(PlanSettings({"TWAT": 1}))
     thread.join()
     assert sampled == told == [["TWAT"], ["FREQ"]]
     assert planner.request.names == sampled[-1]

@@ -153,7 +153,7 @@ class Dashboard:
         if why in (RECONNECTED, DIAGNOSIS):
             self.recorder.interrupt(thread.now(), why)
         self.monitor.end(thread.now(), None, why)
-        self._forget_unit()
+        self._clear_unit()
 
     def _on_event(self, thread: SamplingThread, event: Event) -> None:
         """Pass on an event; in the sampling thread."""
@@ -166,8 +166,8 @@ class Dashboard:
         self.monitor.take(event)
         if isinstance(event, UnitFound):
             if event.another:
-                self._forget_unit()
-                self.fault_history.forget()
+                self._clear_unit()
+                self.fault_history.clear()
             thread.call(self.fault_history.read)
         if isinstance(event, StateChanged):
             self.manager.state_known()
@@ -178,7 +178,7 @@ class Dashboard:
             self.monitor.end(thread.now(), error)
             self.manager.state_known()
 
-    def _forget_unit(self) -> None:
+    def _clear_unit(self) -> None:
         """Drop the content read from one unit, and the confirmations for it."""
         self.fault_history.disconnect()
         self.confirmations.clear()

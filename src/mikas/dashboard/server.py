@@ -36,7 +36,7 @@ _NO_NEWS = (
 )
 
 
-def listening(port: int | None, *, lan: bool) -> socket.socket:
+def listen(port: int | None, *, lan: bool) -> socket.socket:
     """A socket on `port`, or on the first free one from 8071 on. Raises `UsageError`."""
     wanted = range(FIRST_PORT, FIRST_PORT + _TRIED) if port is None else [port]
     failure: OSError | None = None
@@ -95,7 +95,7 @@ def serve(app: FastAPI, own: socket.socket, *, ready: Callable[[], None]) -> Non
     """
     server = Server(app, ready=ready)
     server.run(sockets=[own])
-    server.end_as_asked()
+    server.finish_signal()
 
 
 def _is_news(record: logging.LogRecord) -> bool:
@@ -127,7 +127,7 @@ class Server(uvicorn.Server):
             )
         )
         self._ready = ready
-        self._asked: int | None = None  # by which signal
+        self._signal: int | None = None  # by which signal
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -148,20 +148,20 @@ class Server(uvicorn.Server):
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:  # noqa: ARG002  (uvicorn's)
         """The first signal asks, the second Ctrl-C does not wait."""
-        if self._asked is not None and sig == signal.SIGINT:
+        if self._signal is not None and sig == signal.SIGINT:
             os._exit(_INTERRUPTED)
-        self._asked = self._asked or sig
+        self._signal = self._signal or sig
         self.should_exit = True
 
-    def end_as_asked(self) -> None:
+    def finish_signal(self) -> None:
         """What the signal would have done by itself."""
-        if self._asked == signal.SIGINT:
+        if self._signal == signal.SIGINT:
             # All is closed, the rest takes a moment: one more has nothing to end, and would only
             # show in the status.
             signal.signal(signal.SIGINT, signal.SIG_IGN)
             raise KeyboardInterrupt
-        if self._asked is not None:
-            signal.raise_signal(self._asked)
+        if self._signal is not None:
+            signal.raise_signal(self._signal)
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Tells when it answers."""

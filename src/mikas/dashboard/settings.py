@@ -117,7 +117,7 @@ class PortSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class SamplingRequest:
+class PlanSettings:
     """The channels to sample. `every`: a divisor for each name; 10 means every tenth cycle."""
 
     every: dict[str, int]

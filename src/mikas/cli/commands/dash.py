@@ -182,7 +182,7 @@ def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
     from mikas.dashboard.app import create_app
     from mikas.dashboard.dashboard import Dashboard
     from mikas.dashboard.security.access import Access
-    from mikas.dashboard.server import listening, own_addresses, serve
+    from mikas.dashboard.server import listen, own_addresses, serve
     from mikas.dashboard.settings import Settings, VirtualCars, default_recordings, ensure_folder
 
     if context.capture is not None:
@@ -202,7 +202,7 @@ def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
         open_port=VirtualCars().open,
         language=requested_language(),
     )
-    own = listening(options.port, lan=options.lan)
+    own = listen(options.port, lan=options.lan)
     with own:
         access = Access(
             own.getsockname()[1],

@@ -56,7 +56,7 @@ class Listener:
         return f"{text}{self.waiting.popleft()}}}"
 
 
-def understood(listener: Listener, text: str | None) -> bool:
+def handle_request(listener: Listener, text: str | None) -> bool:
     """Does what `text` asks for; False if it makes no sense."""
     if text is None or len(text) > _LONGEST_MESSAGE:
         return False

@@ -40,7 +40,7 @@ class AboutResponse(BaseModel):
     recordings_folder: str
 
 
-class Limits(BaseModel):
+class ChannelLimits(BaseModel):
     """Beyond them is an alarm."""
 
     danger_low: float | None
@@ -63,7 +63,7 @@ class ChannelErratum(BaseModel):
     text: TwoTexts
 
 
-class Channel(BaseModel):
+class ChannelInfo(BaseModel):
     """A parameter, or a derived channel (`inputs`; no code and no size)."""
 
     name: str
@@ -77,7 +77,7 @@ class Channel(BaseModel):
     formula: str
     range: tuple[float, float] | None
     reference: tuple[float, float] | None = Field(description="warm idle of a sound engine")
-    limits: Limits | None
+    limits: ChannelLimits | None
     lamp: LampTexts | None
     alarm_when_true: Level
     inputs: list[str] | None
@@ -90,8 +90,8 @@ class CatalogResponse(BaseModel):
     """Everything that can be shown, and the presets that come with the program."""
 
     version: str
-    parameters: list[Channel]
-    derived: list[Channel]
+    parameters: list[ChannelInfo]
+    derived: list[ChannelInfo]
     presets: list[Preset]
 
 
@@ -183,10 +183,10 @@ def history(
     return Response(dumps({**shown, "events": events}), media_type="application/json")
 
 
-def _channel(known: Catalog, it: Parameter | Derived) -> Channel:
+def _channel(known: Catalog, it: Parameter | Derived) -> ChannelInfo:
     limits, parameter = it.alarm_limits, it if isinstance(it, Parameter) else None
     lamp = parameter.lamp if parameter else None
-    return Channel(
+    return ChannelInfo(
         name=it.name,
         derived=parameter is None,
         flag=it.is_flag,
@@ -198,7 +198,7 @@ def _channel(known: Catalog, it: Parameter | Derived) -> Channel:
         formula=it.formula() if isinstance(it, Parameter) else it.formula,
         range=parameter.range if parameter else None,
         reference=parameter.reference if parameter else None,
-        limits=Limits(
+        limits=ChannelLimits(
             danger_low=limits.danger_low,
             warning_low=limits.warning_low,
             warning_high=limits.warning_high,

@@ -26,13 +26,13 @@ _MAX_WRITE = 256
 Hex = Annotated[str, Field(pattern=r"^([0-9A-Fa-f]{2})+$", max_length=2 * _MAX_WRITE)]
 
 
-class EraseFaults(BaseModel):
+class EraseFaultsRequest(BaseModel):
     """Erase the stored faults."""
 
     kind: Literal["erase_faults"]
 
 
-class WriteParameter(BaseModel):
+class WriteParameterRequest(BaseModel):
     """Write a physical `value`, or the `raw` bytes, low byte first."""
 
     kind: Literal["write_parameter"]
@@ -41,7 +41,7 @@ class WriteParameter(BaseModel):
     raw: Hex | None = None
 
 
-class WriteMemory(BaseModel):
+class WriteMemoryRequest(BaseModel):
     """Write bytes, beginning at an address."""
 
     kind: Literal["write_memory"]
@@ -50,14 +50,14 @@ class WriteMemory(BaseModel):
     data: Hex
 
 
-class DeleteRecording(BaseModel):
+class DeleteRecordingRequest(BaseModel):
     """Delete a recording's file."""
 
     kind: Literal["delete_recording"]
     id: str = Field(max_length=255)
 
 
-class DeleteDump(BaseModel):
+class DeleteDumpRequest(BaseModel):
     """Delete a dump: its file and its manifest."""
 
     kind: Literal["delete_dump"]
@@ -65,7 +65,11 @@ class DeleteDump(BaseModel):
 
 
 ChangeRequest = Annotated[
-    EraseFaults | WriteParameter | WriteMemory | DeleteRecording | DeleteDump,
+    EraseFaultsRequest
+    | WriteParameterRequest
+    | WriteMemoryRequest
+    | DeleteRecordingRequest
+    | DeleteDumpRequest,
     Field(discriminator="kind"),
 ]
 
@@ -159,19 +163,19 @@ async def confirm(
 
 async def _prepared(dashboard: Dashboard, body: ChangeRequest) -> PendingChange:
     match body:
-        case EraseFaults():
+        case EraseFaultsRequest():
             return await dashboard.changes.erase_faults()
-        case WriteParameter():
+        case WriteParameterRequest():
             return await dashboard.changes.write_parameter(
                 body.name, value=body.value, raw=body.raw
             )
-        case WriteMemory():
+        case WriteMemoryRequest():
             return await dashboard.changes.write_memory(
                 body.space, body.address, bytes.fromhex(body.data)
             )
-        case DeleteRecording():
+        case DeleteRecordingRequest():
             return await recording_deletion(dashboard.library, body.id).prepare()
-        case DeleteDump():
+        case DeleteDumpRequest():
             return await dashboard.dump_jobs.deletion(body.id).prepare()
 
 

@@ -19,7 +19,7 @@ from mikas.dashboard.api.dependencies import (
 )
 from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.api.state import PlannedChannel, State, state_of
-from mikas.dashboard.settings import SamplingRequest
+from mikas.dashboard.settings import PlanSettings
 
 router = APIRouter(tags=["connection"])
 
@@ -182,8 +182,8 @@ def release(dashboard: TheDashboard, client: KnownClient) -> State:
 
 def _request(
     catalog: Catalog, wanted: list[PlannedChannel], method: Method, rate: float | None
-) -> SamplingRequest:
+) -> PlanSettings:
     every: dict[str, int] = {}
     for one in wanted:
         every.setdefault(catalog.channel(one.name).name, one.every)
-    return SamplingRequest(every, None if method == "auto" else method, rate)
+    return PlanSettings(every, None if method == "auto" else method, rate)

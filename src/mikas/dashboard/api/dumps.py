@@ -107,7 +107,7 @@ async def start(dashboard: TheDashboard, _: Controller, body: DumpRequest) -> Du
 @router.get("/dumps", responses=errors())
 async def dumps(dashboard: TheDashboard) -> DumpsResponse:
     """Return all dumps."""
-    jobs = sorted(dashboard.dump_jobs.jobs.values(), key=lambda job: job.begun, reverse=True)
+    jobs = sorted(dashboard.dump_jobs.jobs.values(), key=lambda job: job.started, reverse=True)
     return DumpsResponse(dumps=[_response(job) for job in jobs])
 
 

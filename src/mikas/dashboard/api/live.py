@@ -17,7 +17,7 @@ from typing import Any
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
-from mikas.dashboard.api.broadcaster import Fields, Listener, dumps, understood
+from mikas.dashboard.api.broadcaster import Fields, Listener, dumps, handle_request
 from mikas.dashboard.api.dependencies import client_of
 from mikas.dashboard.api.state import OWN, holder_of, state_of
 from mikas.dashboard.dashboard import Dashboard
@@ -209,7 +209,7 @@ async def _receive(socket: WebSocket, listener: Listener, broadcaster: Broadcast
         now = loop.time()
         flood = len(came) == _MOST_A_SECOND and now - came[0] < 1
         came.append(now)
-        if flood or not understood(listener, message.get("text")):
+        if flood or not handle_request(listener, message.get("text")):
             await socket.close(_POLICY_VIOLATION)
             return
         broadcaster.poke()

@@ -62,7 +62,7 @@ class DumpJob:
     _pace: deque[tuple[float, int]] = field(default_factory=deque)
 
     @property
-    def begun(self) -> tuple[str, int]:
+    def started(self) -> tuple[str, int]:
         """The start by the id; a file with another name counts as the oldest."""
         stamp = _STAMP.search(self.id)
         return (stamp[1], int(stamp[2] or 1)) if stamp else ("", 0)

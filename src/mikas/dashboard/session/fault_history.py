@@ -40,7 +40,7 @@ class FaultHistory:
             self._first.clear()
             self.latest = None
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Forget the unit: another one answers."""
         self.disconnect()
         with self._lock:

@@ -54,7 +54,7 @@ class History:
                     self._held += block.size
                 block = _Block(names)
                 self._blocks.append(block)
-                self._forget(time)
+                self._drop_old(time)
             block.times.append(time)
             for column, value in zip(block.columns, row, strict=True):
                 column.append(value)
@@ -85,7 +85,7 @@ class History:
                     column.extend(repeat(nan, part.stop - part.start))
         return _rows(times, columns)
 
-    def _forget(self, now: float) -> None:
+    def _drop_old(self, now: float) -> None:
         blocks = self._blocks
         while len(blocks) > 1 and (
             blocks[0].times[-1] < now - self._seconds

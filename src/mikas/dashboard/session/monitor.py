@@ -170,7 +170,7 @@ class ConnectionMonitor:
                     self._failed(event)
                 case StateChanged(state=LineState() as state):
                     self.line, self.since = state, event.time
-                    self._because(event.error)
+                    self._set_reason(event.error)
                     self.log(event)
                 case AlarmChanged():
                     self._alarm(event)
@@ -197,7 +197,7 @@ class ConnectionMonitor:
         """End the connection: by itself, because of `error`, or for the reason `why`."""
         with self.lock:
             self.line, self.since = None, time
-            self._because(error)
+            self._set_reason(error)
             self.alarms.clear()
             for gap in self._gaps.disconnect(time, ADVICE.text(error) if error else why):
                 self.log(gap)
@@ -249,7 +249,7 @@ class ConnectionMonitor:
         self.meters.error(event.time)
         self.log(event)
 
-    def _because(self, error: MikasError | None) -> None:
+    def _set_reason(self, error: MikasError | None) -> None:
         self.reason = ADVICE.text(error) if error else None
         self.reason_code = type(error).__name__ if error else None
 

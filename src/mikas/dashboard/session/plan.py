@@ -10,7 +10,7 @@ from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import NotConnected
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.monitor import ConnectionMonitor
-from mikas.dashboard.settings import SamplingRequest
+from mikas.dashboard.settings import PlanSettings
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.plan import Price
@@ -25,7 +25,7 @@ class SamplingPlanner:
         self._connection, self._monitor, self._options = connection, monitor, options
         self._catalog = options.catalog
         self._lock = threading.Lock()
-        self.request = SamplingRequest(dict.fromkeys(self.channels, 1))
+        self.request = PlanSettings(dict.fromkeys(self.channels, 1))
 
     @property
     def channels(self) -> list[str]:
@@ -33,7 +33,7 @@ class SamplingPlanner:
         parameters = (parameter.name for parameter in self._catalog.parameters)
         return [*parameters, *self._catalog.derived]
 
-    def sample(self, request: SamplingRequest) -> None:
+    def sample(self, request: PlanSettings) -> None:
         """Sample `request` from now on, or from the next connection. Raises `UnknownParameter` …"""
         with self._lock:  # two requests at once: the one that is sampled is the one that is shown
             if (thread := self._connection.thread) is not None:

@@ -18,7 +18,7 @@ from typing import TypeVar
 from mikas.client import Ecu
 from mikas.client.gate import Confirm
 from mikas.dashboard.errors import InternalError
-from mikas.dashboard.settings import PortSettings, SamplingRequest, Settings
+from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
 from mikas.errors import MikasError
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
@@ -46,7 +46,7 @@ class SamplingThread:
         self,
         port: PortSettings,
         settings: Settings,
-        request: SamplingRequest,
+        request: PlanSettings,
         *,
         sink: Sink,
         confirm: Confirm,

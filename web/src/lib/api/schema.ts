@@ -55,8 +55,8 @@ export interface components {
         /** @description Everything that can be shown, and the presets that come with the program. */
         CatalogResponse: {
             version: string;
-            parameters: components["schemas"]["Channel"][];
-            derived: components["schemas"]["Channel"][];
+            parameters: components["schemas"]["ChannelInfo"][];
+            derived: components["schemas"]["ChannelInfo"][];
             presets: components["schemas"]["Preset"][];
         };
         /** @description The effect of a change, to be shown to a person, who then confirms it by the nonce. */
@@ -80,8 +80,13 @@ export interface components {
              */
             done: true;
         };
+        /** @description A doubtful place of the source that bears on this channel. */
+        ChannelErratum: {
+            id: string;
+            text: components["schemas"]["TwoTexts"];
+        };
         /** @description A parameter, or a derived channel (`inputs`; no code and no size). */
-        Channel: {
+        ChannelInfo: {
             name: string;
             derived: boolean;
             flag: boolean;
@@ -100,7 +105,7 @@ export interface components {
                 number,
                 number
             ] | null;
-            limits: components["schemas"]["Limits"] | null;
+            limits: components["schemas"]["ChannelLimits"] | null;
             lamp: components["schemas"]["LampTexts"] | null;
             alarm_when_true: components["schemas"]["Level"];
             inputs: string[] | null;
@@ -108,10 +113,12 @@ export interface components {
             confidence: components["schemas"]["Confidence"];
             writable: boolean;
         };
-        /** @description A doubtful place of the source that bears on this channel. */
-        ChannelErratum: {
-            id: string;
-            text: components["schemas"]["TwoTexts"];
+        /** @description Beyond them is an alarm. */
+        ChannelLimits: {
+            danger_low: number | null;
+            warning_low: number | null;
+            warning_high: number | null;
+            danger_high: number | null;
         };
         /** @description The time that a channel adds to each cycle, and the rate with it. */
         ChannelPrice: {
@@ -149,13 +156,13 @@ export interface components {
             you: boolean;
         };
         /** @description Delete a dump: its file and its manifest. */
-        DeleteDump: {
+        DeleteDumpRequest: {
             /** @constant */
             kind: "delete_dump";
             id: string;
         };
         /** @description Delete a recording's file. */
-        DeleteRecording: {
+        DeleteRecordingRequest: {
             /** @constant */
             kind: "delete_recording";
             id: string;
@@ -240,7 +247,7 @@ export interface components {
             dumps: components["schemas"]["DumpResponse"][];
         };
         /** @description Erase the stored faults. */
-        EraseFaults: {
+        EraseFaultsRequest: {
             /** @constant */
             kind: "erase_faults";
         };
@@ -336,13 +343,6 @@ export interface components {
          * @enum {string}
          */
         Level: "none" | "warning" | "danger";
-        /** @description Beyond them is an alarm. */
-        Limits: {
-            danger_low: number | null;
-            warning_low: number | null;
-            warning_high: number | null;
-            danger_high: number | null;
-        };
         /**
          * @description How far the way to the ECU is open, from worst to best.
          * @enum {string}
@@ -557,7 +557,7 @@ export interface components {
             on: boolean;
             failure: components["schemas"]["TwoTexts"] | null;
         };
-        /** @description One recording. Null is what is not known of it; `problem`: why it can't be read. */
+        /** @description One recording; null: not known. `problem`: why it can't be read. */
         RecordingInfo: {
             /** @description the file's name */
             id: string;
@@ -768,7 +768,7 @@ export interface components {
             raw: string;
         };
         /** @description Write bytes, beginning at an address. */
-        WriteMemory: {
+        WriteMemoryRequest: {
             /** @constant */
             kind: "write_memory";
             /** @enum {string} */
@@ -777,7 +777,7 @@ export interface components {
             data: string;
         };
         /** @description Write a physical `value`, or the `raw` bytes, low byte first. */
-        WriteParameter: {
+        WriteParameterRequest: {
             /** @constant */
             kind: "write_parameter";
             name: string;

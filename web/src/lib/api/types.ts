@@ -19,8 +19,8 @@ export type RecordingNow = Schemas["RunningRecording"];
 export type About = Schemas["AboutResponse"];
 
 export type Catalog = Schemas["CatalogResponse"];
-export type Channel = Schemas["Channel"];
-export type Limits = Schemas["Limits"];
+export type Channel = Schemas["ChannelInfo"];
+export type Limits = Schemas["ChannelLimits"];
 export type Preset = Schemas["Preset"];
 export type Presets = Schemas["PresetList"];
 export type Tile = Schemas["Tile"];
@@ -40,11 +40,11 @@ export type Dumps = Schemas["DumpsResponse"];
 export type Differences = Schemas["DifferencesResponse"];
 
 export type Change =
-  | Schemas["EraseFaults"]
-  | Schemas["WriteParameter"]
-  | Schemas["WriteMemory"]
-  | Schemas["DeleteRecording"]
-  | Schemas["DeleteDump"];
+  | Schemas["EraseFaultsRequest"]
+  | Schemas["WriteParameterRequest"]
+  | Schemas["WriteMemoryRequest"]
+  | Schemas["DeleteRecordingRequest"]
+  | Schemas["DeleteDumpRequest"];
 /** What a change would do; shown before a person confirms it with its nonce. */
 export type ChangeProposal = Schemas["ChangeProposal"];
 export type ChangeResult = Pick<Schemas["ChangeResult"], "before" | "after">;
