@@ -16,14 +16,8 @@ from mikas.link.tee import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.capture.writer import CaptureWriter
-from mikas.recording.inspect.frames import (
-    UNFINISHED,
-    SeenDamage,
-    SeenFrame,
-    decode,
-    to_json,
-    to_text,
-)
+from mikas.recording.exchanges.scalar import UNFINISHED, DecodedDamage, DecodedFrame
+from mikas.recording.inspect.frames import decode, to_json, to_text
 from mikas.virtual.adapter import AdapterKind
 from virtual_harness import make_bus
 
@@ -49,7 +43,7 @@ def brief(items):
     lines = []
     for item in items:
         sign = "=" if item.echo else ">" if item.direction is SENT else "<"
-        if isinstance(item, SeenDamage):
+        if isinstance(item, DecodedDamage):
             lines.append(f"{sign}! {item.data.hex().upper()} {item.reason}")
             continue
         line = f"{sign} {item.frame.body.hex().upper()}"
@@ -294,9 +288,9 @@ def test_no_bytes_make_it_fail_and_none_are_shown_twice(chunks):
     for item in decode(made):
         assert item.begin <= item.end <= now
         assert made[item.offset].direction is item.direction
-        data = item.frame.wire if isinstance(item, SeenFrame) else item.data
+        data = item.frame.wire if isinstance(item, DecodedFrame) else item.data
         shown[item.direction] += len(data)
-        assert item.reason in {"checksum", UNFINISHED} if isinstance(item, SeenDamage) else True
+        assert item.reason in {"checksum", UNFINISHED} if isinstance(item, DecodedDamage) else True
         json.dumps(to_json(item))
         to_text(item)
     for direction in Direction:
@@ -316,7 +310,7 @@ def test_a_session_with_a_virtual_unit(tmp_path, echo, latency):
         for request in requests:
             tester.request(request)
     items = list(decode(CaptureReader(path)))
-    assert all(isinstance(item, SeenFrame) for item in items)
+    assert all(isinstance(item, DecodedFrame) for item in items)
     sent = [item.frame.body for item in items if item.direction is SENT]
     echoed = [item.frame.body for item in items if item.echo]
     answers = [item for item in items if item.direction is RECEIVED and not item.echo]

@@ -9,7 +9,8 @@ from mikas import commands as c
 from mikas.errors import MikasError
 from mikas.link.tee import Direction
 from mikas.recording.capture.reader import Packet
-from mikas.recording.inspect.frames import SeenFrame, decode
+from mikas.recording.exchanges.scalar import DecodedFrame
+from mikas.recording.inspect.frames import decode
 
 
 def answers(items):
@@ -27,7 +28,7 @@ def answers(items):
             line.append((start, start + len(packet.data), packet.time))
     asked, listed, sent = {}, {}, Counter()
     for item in decode(items):
-        if not isinstance(item, SeenFrame) or item.echo:
+        if not isinstance(item, DecodedFrame) or item.echo:
             continue
         body = item.frame.body
         if item.direction is Direction.SENT:
@@ -74,7 +75,7 @@ def rows(items, catalog, reading="corrected"):
 
 
 def _sent(items):
-    frames = (item for item in decode(items) if isinstance(item, SeenFrame))
+    frames = (item for item in decode(items) if isinstance(item, DecodedFrame))
     return {(it.source, it.frame.body) for it in frames if it.direction is Direction.SENT}
 
 

@@ -92,7 +92,7 @@ def results(items, sizes, matcher, stretch):
     for item in items:
         if isinstance(item, Problem):
             flush()
-            matcher.interrupt()
+            matcher.matching.interrupt()
             continue
         waiting.append(item)
         if len(waiting) == sizes[0]:

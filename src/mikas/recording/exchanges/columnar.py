@@ -43,11 +43,11 @@ _NEVER: Final = np.iinfo(np.int64).max
 class ResponseColumns(Responses):
     """Responses as numpy arrays."""
 
+    bodies: Bytes
     times: Floats
     requests: Index
     numbers: Index
     after: Index
-    bodies: Bytes
     starts: Index
     lengths: Index
     wire_lengths: Index
@@ -84,17 +84,11 @@ class ColumnarMatcher:
         byte_time = BITS_PER_BYTE / (source.baud or DEFAULT_BAUD)
         self.matching = Matching()
         self._source = source
-        self._bodies: list[bytes] = []
-        self._numbers: dict[bytes, int] = {}
         self._sent = Stream(byte_time)
         self._received = Stream(byte_time)
         self._sent_last = False
         self._last: float = np.inf
         self._latest = np.full(2, NO_REQUEST)  # numbers of the last two requests
-
-    def interrupt(self) -> None:
-        """Note that a part of the file is missing here."""
-        self.matching.interrupt()
 
     def feed(self, packets: Packets) -> ExchangeColumns:
         """Return the exchanges that these packets complete."""
@@ -109,13 +103,13 @@ class ColumnarMatcher:
         responses = Events(received, turns[at])
         first = self.matching.count
         self._number_requests(requests)
-        answers = _Turns(self, requests, responses, first).answers(int(turns[-1]))
+        answers = _Turns(self.matching, requests, responses, first).answers(int(turns[-1]))
         self.matching.count = first + requests.index.size
         after = first - 1 + requests.turns.searchsorted(responses.turns, "right")
         chosen = (answers > _ECHO).nonzero()[0]
         return ExchangeColumns(
             source=self._source,
-            bodies=self._bodies,
+            bodies=self.matching.bodies,
             requests=RequestColumns(
                 first, requests.numbers, self._sent.arrived(sent, requests.index), requests.lengths
             ),
@@ -128,19 +122,6 @@ class ColumnarMatcher:
             end=float(packets.times[-1]),
         )
 
-    def number(self, body: bytes | None) -> int:
-        """Return the number of a request body."""
-        if body is None:
-            return NO_REQUEST
-        number = self._numbers.setdefault(body, len(self._bodies))
-        if number == len(self._bodies):
-            self._bodies.append(body)
-        return number
-
-    def body(self, number: int) -> bytes | None:
-        """Return the request body with this number."""
-        return self._bodies[number] if number >= 0 else None
-
     def _number_requests(self, sent: Events) -> None:
         """Number the requests; equal ones in a row are looked up once."""
         block, starts = sent.block, sent.starts
@@ -150,7 +131,7 @@ class ColumnarMatcher:
         new[pairs + 1] = ~equal(
             block.wire, starts[pairs], block.wire, starts[pairs + 1], sent.lengths[pairs]
         )
-        numbers = [self.number(sent.body(event)) for event in new.nonzero()[0].tolist()]
+        numbers = [self.matching.number(sent.body(event)) for event in new.nonzero()[0].tolist()]
         if numbers:
             sent.numbers[:] = np.array(numbers)[new.cumsum() - 1]
 
@@ -186,16 +167,13 @@ class ColumnarMatcher:
 class _Turns:
     """The turns of one stretch of packets. `first`: the serial of its first request."""
 
-    def __init__(
-        self, matcher: ColumnarMatcher, requests: Events, responses: Events, first: int
-    ) -> None:
-        self._matcher = matcher
-        self._matching = matcher.matching
+    def __init__(self, matching: Matching, requests: Events, responses: Events, first: int) -> None:
+        self._matching = matching
         self._requests = requests
         self._responses = responses
         self._first = first
         self._answers: Index = np.full(responses.index.size, _ECHO)
-        self._availability = matcher.number(AVAILABILITY)
+        self._availability = matching.number(AVAILABILITY)
 
     def answers(self, last: int) -> Index:
         """Return for each received frame the serial of the request that it answers, or a marker.
@@ -266,7 +244,7 @@ class _Turns:
             answers[place == echo[at]] = _ECHO
         answers[~received.sound[events]] = _DAMAGE
         self._answers[events] = answers
-        body = self._matcher.body(int(numbers[stop - first - 1]))
+        body = matching.bodies[int(numbers[stop - first - 1])]
         matching.request = SentRequest(int(serials[-1]), body)
         matching.count = int(serials[-1]) + 1
         return stop

@@ -57,8 +57,19 @@ class Matching:
         self.request = UNKNOWN
         self.count = 0
         self.echoes: bool | None = None
+        self.bodies: list[bytes] = []
+        self._numbers: dict[bytes, int] = {}
         self._before = UNKNOWN
         self._unechoed: deque[bytes] = deque(maxlen=_MOST_UNECHOED)
+
+    def number(self, body: bytes | None) -> int:
+        """Return the number of a request body, its place in `bodies`; NO_REQUEST for None."""
+        if body is None:
+            return NO_REQUEST
+        number = self._numbers.setdefault(body, len(self.bodies))
+        if number == len(self.bodies):
+            self.bodies.append(body)
+        return number
 
     @property
     def settled(self) -> bool:
@@ -114,8 +125,7 @@ class Matching:
 class Matcher(Protocol[P_contra, E_co]):
     """One port of one recording."""
 
-    def interrupt(self) -> None:
-        """Note that a part of the file is missing here."""
+    matching: Matching
 
     def feed(self, packets: P_contra, /) -> E_co:
         """Return the exchanges that these packets complete."""
@@ -127,16 +137,16 @@ def matched(
     matcher: Callable[[Source], Matcher[P, E]],
 ) -> Iterator[E | Problem]:
     """Yield the exchanges of stretches of packets; each port of a recording has a matcher."""
-    lines: dict[Source, Matcher[P, E]] = {}
+    ports: dict[Source, Matcher[P, E]] = {}
     for item in items:
         if isinstance(item, Problem):
-            for line in lines.values():
-                line.interrupt()
+            for port in ports.values():
+                port.matching.interrupt()
             yield item
             continue
         source = source_of(item)
-        if source not in lines:
-            if any(line.recording != source.recording for line in lines):
-                lines.clear()
-            lines[source] = matcher(source)
-        yield lines[source].feed(item)
+        if source not in ports:
+            if any(other.recording != source.recording for other in ports):
+                ports.clear()
+            ports[source] = matcher(source)
+        yield ports[source].feed(item)

@@ -65,11 +65,11 @@ class Responses:
     on the wire.
     """
 
+    bodies: bytes | NDArray[np.uint8]
     times: Column[float]
     requests: Column[int]
     numbers: Column[int]
     after: Column[int]
-    bodies: bytes | NDArray[np.uint8]
     starts: Column[int]
     lengths: Column[int]
     wire_lengths: Column[int]

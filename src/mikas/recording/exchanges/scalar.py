@@ -10,8 +10,11 @@ from array import array
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
 
-from mikas.framing import Damage, Decoder, Event, Frame
+from mikas.commands import COMMANDS_BY_CODE
+from mikas.framing import DamageReason, Decoder, Event, Frame
+from mikas.i18n import Text
 from mikas.link.base import BITS_PER_BYTE
 from mikas.link.tee import Direction
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
@@ -27,11 +30,63 @@ from mikas.recording.exchanges.matching import (
 from mikas.recording.exchanges.result import GAP, JUMP, Exchanges, Requests, Responses
 
 DEFAULT_BAUD = 9600  # §1
+UNFINISHED: Final = "unfinished"
+"""Why an abandoned frame is damage, beside the values of `DamageReason`."""
 _STRETCH = 1024  # packets
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class DecodedPart:
+    """A part of the line. `begin`, `end`: times of the packets with its first and last byte.
+
+    `offset`: place of the first of them in the file. `wire_time`: when the first byte began on the
+    wire. `echo`: the line returned a sent frame. `after`: serial of the last request sent before.
+    """
+
+    source: Source
+    direction: Direction
+    begin: float
+    end: float
+    offset: int
+    wire_time: float
+    echo: bool
+    after: int
+
+
+@dataclass(frozen=True, slots=True)
+class DecodedFrame(DecodedPart):
+    """A sound frame. `answers`: the request that a received frame answers."""
+
+    frame: Frame
+    answers: SentRequest
+    meaning: Text | None = None
+
+    @property
+    def request(self) -> bytes | None:
+        """The body that this frame answers; None for sent frames and echoes."""
+        return self.answers.body
+
+    @property
+    def name(self) -> str | None:
+        """The command's name in the source, for a request."""
+        is_request = self.echo or self.direction is Direction.SENT
+        command = COMMANDS_BY_CODE.get(self.frame.body[0]) if self.frame.body else None
+        return command.SOURCE_NAME if command and is_request else None
+
+
+@dataclass(frozen=True, slots=True)
+class DecodedDamage(DecodedPart):
+    """Bytes that are no frame. `reason`: a value of `DamageReason`, or `UNFINISHED`.
+
+    `abandoned`: a frame that was not finished before a silence or the end.
+    """
+
+    data: bytes
+    reason: str
+    abandoned: bool = False
+
+
+class _PacketEnd(NamedTuple):
     """Up to which byte of its direction a packet reaches, its time and its place in the file."""
 
     end: int
@@ -39,120 +94,106 @@ class Mark:
     offset: int
 
 
-@dataclass(frozen=True, slots=True)
-class LineEvent:
-    """A frame, damage, or the bytes of an abandoned frame. `first`, `last`: the packets with its
-    first and last byte.
-
-    `began`: when its first byte began on the wire. `answers`: the request that a received frame
-    answers. `after`: the serial of the last request before it.
-    """
-
-    direction: Direction
-    event: Event | bytes
-    first: Mark
-    last: Mark
-    began: float
-    echo: bool = False
-    answers: SentRequest = UNKNOWN
-    after: int = NO_REQUEST
+_Place = tuple[float, float, int, float]  # `begin`, `end`, `offset`, `wire_time` of a part
 
 
-class _Stream:
+class _Direction:
     """One direction: a decoder, and which packet brought which byte."""
 
     def __init__(self, byte_time: float) -> None:
-        self.last: float | None = None
+        self.last_time: float | None = None
         self._byte_time = byte_time
         self._decoder = Decoder()
-        self._marks: deque[Mark] = deque()
+        self._packets: deque[_PacketEnd] = deque()
 
-    def feed(self, packet: Packet) -> Iterator[tuple[Event, Mark, Mark, float]]:
-        """Yield the events that the packet completes, with their marks and begins."""
-        self.last = packet.time
+    def feed(self, packet: Packet) -> Iterator[tuple[Event, _Place]]:
+        """Yield the events that the packet completes."""
+        self.last_time = packet.time
         end = self._decoder.offset + len(packet.data)
-        self._marks.append(Mark(end, packet.time, packet.offset))
+        self._packets.append(_PacketEnd(end, packet.time, packet.offset))
         for event in self._decoder.feed(packet.data):
             data = event.wire if isinstance(event, Frame) else event.data
-            yield event, *self._place(event.offset, len(data))
-        self._forget(self._decoder.offset - len(self._decoder.pending))
+            yield event, self._place(event.offset, len(data))
+        self._drop_before(self._decoder.offset - len(self._decoder.pending))
 
-    def cut(self) -> tuple[bytes, Mark, Mark, float] | None:
+    def abandon(self) -> tuple[bytes, _Place] | None:
         """Abandon the unfinished frame, if there is one."""
         left = self._decoder.reset()
-        if not left:
-            return None
-        return left, *self._place(self._decoder.offset - len(left), len(left))
+        return (left, self._place(self._decoder.offset - len(left), len(left))) if left else None
 
-    def _place(self, start: int, length: int) -> tuple[Mark, Mark, float]:
-        """Return the first and last packet, and when the first byte began on the wire.
-
-        That is the earliest time that any packet with a byte of the frame implies: a packet may
-        have been delayed (`mikas.tester.exchange`).
+    def _place(self, start: int, length: int) -> _Place:
+        """Locate a part. Its first byte began at the earliest time that any of its packets implies:
+        a packet may have been delayed (`mikas.tester.timed_decoder`).
         """
-        self._forget(start)
-        first = self._marks[0]
-        began = first.time - (first.end - start) * self._byte_time
-        for mark in self._marks:
-            began = min(began, mark.time - (mark.end - start) * self._byte_time)
-            if mark.end >= start + length:
-                return first, mark, began
-        raise AssertionError("a byte that no packet brought")
+        self._drop_before(start)
+        first = self._packets[0]
+        began = first.time
+        for packet in self._packets:
+            began = min(began, packet.time - (packet.end - start) * self._byte_time)
+            if packet.end >= start + length:
+                return first.time, packet.time, first.offset, began
+        raise AssertionError("a byte without a packet")
 
-    def _forget(self, start: int) -> None:
-        while self._marks and self._marks[0].end <= start:
-            self._marks.popleft()
+    def _drop_before(self, start: int) -> None:
+        while self._packets and self._packets[0].end <= start:
+            self._packets.popleft()
 
 
-class Line:
+class PortDecoder:
     """One port: both directions, and the state of the matching."""
 
     def __init__(self, source: Source) -> None:
+        self.matching = Matching()
+        self._source = source
         self._byte_time = BITS_PER_BYTE / (source.baud or DEFAULT_BAUD)
-        self._streams = {direction: _Stream(self._byte_time) for direction in Direction}
+        self._directions = {direction: _Direction(self._byte_time) for direction in Direction}
         self._sent_last = False
-        self._matching = Matching()
 
-    def take(self, packet: Packet) -> Iterator[LineEvent]:
-        """Yield the events that this packet completes."""
-        stream, matching = self._streams[packet.direction], self._matching
+    def feed(self, packet: Packet) -> Iterator[DecodedFrame | DecodedDamage]:
+        """Yield the parts that this packet completes."""
+        decoder, matching = self._directions[packet.direction], self.matching
         is_sent = packet.direction is Direction.SENT
-        if self._is_late(packet, stream):
-            yield from self._cut(packet.direction)
+        if self._is_late(packet, decoder.last_time):
+            yield from self._abandon(packet.direction)
         if is_sent and not self._sent_last:
             matching.turn()
-        for event, first, last, began in stream.feed(packet):
-            wire = event.wire if isinstance(event, Frame) else event.data
-            body = event.body if isinstance(event, Frame) else None
+        for event, place in decoder.feed(packet):
+            wire, body = (
+                (event.wire, event.body) if isinstance(event, Frame) else (event.data, None)
+            )
+            echo, answers = False, UNKNOWN
             if is_sent:
                 matching.sent(wire, body)
-                yield LineEvent(packet.direction, event, first, last, began)
             else:
                 echo = matching.received(wire, body)
                 answers = UNKNOWN if echo else matching.answered
-                place = packet.direction, event, first, last, began
-                yield LineEvent(*place, echo, answers, matching.count - 1)
+            where = (self._source, packet.direction, *place, echo, matching.count - 1)
+            if isinstance(event, Frame):
+                yield DecodedFrame(*where, event, answers)
+            else:
+                yield DecodedDamage(*where, event.data, event.reason.value)
         self._sent_last = is_sent
 
-    def interrupt(self) -> None:
-        """Note that a part of the file is missing here."""
-        self._matching.interrupt()
-
-    def finish(self) -> Iterator[LineEvent]:
+    def finish(self) -> Iterator[DecodedDamage]:
         """Yield the unfinished frames."""
         for direction in Direction:
-            yield from self._cut(direction)
+            yield from self._abandon(direction)
 
-    def _is_late(self, packet: Packet, stream: _Stream) -> bool:
-        if stream.last is None:
+    def _is_late(self, packet: Packet, last_time: float | None) -> bool:
+        if last_time is None:
             return False
-        begin = packet.time - len(packet.data) * self._byte_time
+        silence = packet.time - len(packet.data) * self._byte_time - last_time
         answered = packet.direction is Direction.RECEIVED and self._sent_last
-        return begin - stream.last > (SILENCE_AFTER_SENDING if answered else SILENCE)
+        return silence > (SILENCE_AFTER_SENDING if answered else SILENCE)
 
-    def _cut(self, direction: Direction) -> Iterator[LineEvent]:
-        if (cut := self._streams[direction].cut()) is not None:
-            yield LineEvent(direction, *cut)
+    def _abandon(self, direction: Direction) -> Iterator[DecodedDamage]:
+        if (abandoned := self._directions[direction].abandon()) is not None:
+            data, place = abandoned
+            reason = UNFINISHED
+            if data.endswith(b"\x0d"):  # the decoder was waiting for a raw checksum 0D (D3)
+                data, reason = data[:-1], DamageReason.CHECKSUM.value
+            where = (self._source, direction, *place, False, self.matching.count - 1)
+            yield DecodedDamage(*where, data, reason, abandoned=True)
 
 
 class ScalarMatcher:
@@ -160,20 +201,15 @@ class ScalarMatcher:
 
     def __init__(self, source: Source) -> None:
         self._source = source
-        self._line = Line(source)
-        self._bodies: list[bytes] = []
-        self._numbers: dict[bytes, int] = {}
-        self._sent = 0
+        self._port = PortDecoder(source)
+        self.matching = self._port.matching
         self._last: float | None = None
-
-    def interrupt(self) -> None:
-        """Note that a part of the file is missing here."""
-        self._line.interrupt()
 
     def feed(self, packets: Sequence[Packet]) -> Exchanges:
         """Return the exchanges that these packets complete."""
-        sent: list[tuple[int, float, int]] = []
-        received: list[tuple[float, int, int, int, int, int, int]] = []
+        first, number = self.matching.count, self.matching.number
+        sent = array("q"), array("d"), array("q")
+        received: list[array[Any]] = [array("d"), *(array("q") for _ in range(6))]
         bodies, damaged = bytearray(), array("q")
         gaps: list[tuple[float, float]] = []
         echoes, raw_checksum = 0, False
@@ -181,39 +217,30 @@ class ScalarMatcher:
             if self._last is not None and packet.time - self._last > GAP:
                 gaps.append((self._last, packet.time))
             self._last = packet.time
-            for item in self._line.take(packet):
-                echoes += item.echo
-                match item.event:
-                    case Frame(body, wire) if item.direction is Direction.SENT:
-                        sent.append((self._number(body), item.first.time, len(wire)))
-                    case Damage() as damage if item.direction is Direction.SENT:
-                        sent.append((NO_REQUEST, item.first.time, len(damage.data)))
-                    case Frame(body, wire) as frame if not item.echo:
-                        raw_checksum |= frame.raw_checksum
-                        serial, number = item.answers.serial, self._number(item.answers.body)
-                        place = len(bodies), len(body), len(wire)
-                        received.append((item.began, serial, number, item.after, *place))
-                        bodies += body
-                    case Damage() if not item.echo:
+            for item in self._port.feed(packet):
+                is_sent = item.direction is Direction.SENT
+                match item:
+                    case DecodedDamage(abandoned=True):
+                        pass
+                    case _ if item.echo:
+                        echoes += 1
+                    case DecodedDamage(data=wire) if is_sent:
+                        _append(sent, NO_REQUEST, item.begin, len(wire))
+                    case DecodedDamage():
                         damaged.append(item.after)
-        requests = Requests(
-            self._sent,
-            array("q", (number for number, _, _ in sent)),
-            array("d", (time for _, time, _ in sent)),
-            array("q", (length for _, _, length in sent)),
-        )
-        self._sent += len(sent)
-        serials, numbers, after, starts, lengths, wire_lengths = (
-            array("q", (int(row[at]) for row in received)) for at in range(1, 7)
-        )
-        times = array("d", (row[0] for row in received))
-        places = starts, lengths, wire_lengths
-        responses = Responses(times, serials, numbers, after, bytes(bodies), *places)
+                    case DecodedFrame(frame=frame) if is_sent:
+                        _append(sent, number(frame.body), item.begin, len(frame.wire))
+                    case DecodedFrame(frame=frame, answers=(serial, request)):
+                        raw_checksum |= frame.raw_checksum
+                        place = len(bodies), len(frame.body), len(frame.wire)
+                        answered = serial, number(request), item.after
+                        _append(received, item.wire_time, *answered, *place)
+                        bodies += frame.body
         return Exchanges(
             source=self._source,
-            bodies=self._bodies,
-            requests=requests,
-            responses=responses,
+            bodies=self.matching.bodies,
+            requests=Requests(first, *sent),
+            responses=Responses(bytes(bodies), *received),
             damaged=damaged,
             echoes=echoes,
             raw_checksum=raw_checksum,
@@ -222,13 +249,10 @@ class ScalarMatcher:
             end=packets[-1].time,
         )
 
-    def _number(self, body: bytes | None) -> int:
-        if body is None:
-            return NO_REQUEST
-        number = self._numbers.setdefault(body, len(self._bodies))
-        if number == len(self._bodies):
-            self._bodies.append(body)
-        return number
+
+def _append(columns: Iterable[array[Any]], *row: float) -> None:
+    for column, value in zip(columns, row, strict=True):
+        column.append(value)
 
 
 def scalar_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem]:

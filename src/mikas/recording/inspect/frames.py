@@ -1,21 +1,18 @@
 """A capture frame by frame, as `mikas decode` shows it.
 
 `mikas.recording.exchanges.scalar` finds the frames, the echoes, and which request a response
-answers. This module knows no meaning of bytes beyond the command's name; a caller that does passes
-`describe`.
+answers; the meaning of the bytes comes from the caller's `describe`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from mikas.commands import COMMANDS_BY_CODE
-from mikas.framing import Damage, DamageReason, Frame
 from mikas.i18n import Language, Text
 from mikas.link.tee import Direction
 from mikas.recording.capture.reader import Packet, Problem, Source
-from mikas.recording.exchanges.scalar import Line, LineEvent
+from mikas.recording.exchanges.scalar import UNFINISHED, DecodedDamage, DecodedFrame, PortDecoder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -24,7 +21,6 @@ if TYPE_CHECKING:
     """Takes a request's body, and its response's (None: the request itself is described)."""
 
 SCHEMA: Final = 1
-UNFINISHED: Final = "unfinished"  # beside the values of `DamageReason`
 
 _REASONS: Final = {
     "checksum": Text("wrong checksum", "неверная контрольная сумма"),
@@ -37,91 +33,41 @@ _RAW_CHECKSUM = Text("raw checksum", "контрольная сумма без �
 _IRREGULAR = _REASONS["irregular escape"]
 
 
-@dataclass(frozen=True, slots=True)
-class Seen:
-    """A part of the line. `begin`, `end`: the times of the packets with its first and last byte.
-
-    `offset`: place of the first of them in the file. `echo`: the line returned a sent frame.
-    """
-
-    source: Source
-    direction: Direction
-    begin: float
-    end: float
-    offset: int
-    echo: bool
-
-
-@dataclass(frozen=True, slots=True)
-class SeenFrame(Seen):
-    """A sound frame. `request`: the body that this one answers; `None` for what was sent, and echo.
-
-    `name` is the command's in the source, for a request; `meaning` what `describe` made of it.
-    """
-
-    frame: Frame
-    request: bytes | None
-    name: str | None
-    meaning: Text | None
-
-
-@dataclass(frozen=True, slots=True)
-class SeenDamage(Seen):
-    """Bytes that are no frame; `reason`: a value of `DamageReason`, or `UNFINISHED`."""
-
-    data: bytes
-    reason: str
-
-
-Item = SeenFrame | SeenDamage | Problem
+Item = DecodedFrame | DecodedDamage | Problem
 
 
 def decode(items: Iterable[Packet | Problem], describe: Describe | None = None) -> Iterator[Item]:
     """Yield the frames of `items` as soon as each is whole; pass problems through. Never raise."""
-    lines: dict[Source, Line] = {}
+    ports: dict[Source, PortDecoder] = {}
     recording = 0
     for item in items:
         if isinstance(item, Problem):
-            for line in lines.values():
-                line.interrupt()
+            for port in ports.values():
+                port.matching.interrupt()
             yield item
             continue
         if item.source.recording != recording:
             recording = item.source.recording
-            yield from _finished(lines, describe)
-            lines.clear()
-        if item.source not in lines:
-            lines[item.source] = Line(item.source)
-        for event in lines[item.source].take(item):
-            yield _item(event, item.source, describe)
-    yield from _finished(lines, describe)
+            for port in ports.values():
+                yield from port.finish()
+            ports.clear()
+        if item.source not in ports:
+            ports[item.source] = PortDecoder(item.source)
+        for part in ports[item.source].feed(item):
+            yield part if describe is None else _described(part, describe)
+    for port in ports.values():
+        yield from port.finish()
 
 
-def _finished(lines: dict[Source, Line], describe: Describe | None) -> Iterator[Item]:
-    for source, line in lines.items():
-        for event in line.finish():
-            yield _item(event, source, describe)
-
-
-def _item(it: LineEvent, source: Source, describe: Describe | None) -> SeenFrame | SeenDamage:
-    where = (source, it.direction, it.first.time, it.last.time, it.first.offset, it.echo)
-    if isinstance(it.event, Damage):
-        return SeenDamage(*where, it.event.data, it.event.reason.value)
-    if isinstance(it.event, bytes):
-        if it.event.endswith(b"\x0d"):  # the decoder was waiting for a raw checksum 0D (D3)
-            return SeenDamage(*where, it.event[:-1], DamageReason.CHECKSUM.value)
-        return SeenDamage(*where, it.event, UNFINISHED)
-    frame, request, name, meaning = it.event, None, None, None
-    if it.echo or it.direction is Direction.SENT:
-        command = COMMANDS_BY_CODE.get(frame.body[0]) if frame.body else None
-        name = command.SOURCE_NAME if command else None
-        if describe is not None and not it.echo:
-            meaning = describe(frame.body, None)
-    else:
-        request = it.answers.body
-        if describe is not None and request is not None:
-            meaning = describe(request, frame.body)
-    return SeenFrame(*where, frame, request, name, meaning)
+def _described(
+    item: DecodedFrame | DecodedDamage, describe: Describe
+) -> DecodedFrame | DecodedDamage:
+    if isinstance(item, DecodedDamage) or item.echo:
+        return item
+    request, response = item.request, item.frame.body
+    if item.direction is Direction.SENT:
+        return replace(item, meaning=describe(item.frame.body, None))
+    return item if request is None else replace(item, meaning=describe(request, response))
 
 
 def to_json(item: Item) -> dict[str, object]:
@@ -131,7 +77,7 @@ def to_json(item: Item) -> dict[str, object]:
         return {"schema": SCHEMA, "type": "problem", "offset": item.offset, "text": text}
     line: dict[str, object] = {
         "schema": SCHEMA,
-        "type": "frame" if isinstance(item, SeenFrame) else "damage",
+        "type": "frame" if isinstance(item, DecodedFrame) else "damage",
         "recording": item.source.recording,
         "port": item.source.url,
         "time": item.begin,
@@ -140,7 +86,7 @@ def to_json(item: Item) -> dict[str, object]:
         "echo": item.echo,
         "offset": item.offset,
     }
-    if isinstance(item, SeenDamage):
+    if isinstance(item, DecodedDamage):
         return line | {"reason": item.reason, "data": _hex(item.data)}
     meaning = None if item.meaning is None else {"en": item.meaning.en, "ru": item.meaning.ru}
     return line | {
@@ -163,7 +109,7 @@ def to_text(item: Item, language: Language = "en", *, zero: float = 0.0) -> str:
         return f"{'!':>14} {item.text.to(language)}"
     arrow = ">" if item.direction is Direction.SENT else "<"
     start = f"{item.begin - zero:12.6f} {arrow} "
-    if isinstance(item, SeenDamage):
+    if isinstance(item, DecodedDamage):
         data, notes = f"! {item.data.hex(' ').upper()}", [_REASONS[item.reason]]
     else:
         data, notes = item.frame.body.hex(" ").upper() or "—", _notes(item)
@@ -172,7 +118,7 @@ def to_text(item: Item, language: Language = "en", *, zero: float = 0.0) -> str:
     return start + "  ".join([data, "; ".join(note.to(language) for note in notes)]).rstrip()
 
 
-def _notes(item: SeenFrame) -> list[Text]:
+def _notes(item: DecodedFrame) -> list[Text]:
     notes = []
     # The name of 01 is not from the source; a meaning may begin with it.
     has_name = item.meaning is not None and item.meaning.en.startswith(item.name or "\0")
