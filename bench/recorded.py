@@ -19,11 +19,11 @@ from mikas.client.polling import Method
 from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording import CaptureWriter, Coalescer
-from mikas.recording.annotations.events import note_of, write_session_header
+from mikas.recording.annotations.events import catalog_note, note_of
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Kind, Note, block_of
 from mikas.sampling.alarms import Alarms
-from mikas.sampling.events import Gap, LineState, Marker, StateChanged, TextNote
+from mikas.sampling.events import Gap, LineState, Marker, StateChanged, TextNote, UnitFound
 
 PORT = "sim:?clock=simulated&scenario=city"
 START = 1_760_000_000  # UNIX time of the begin
@@ -72,17 +72,17 @@ def _session(
         Coalescer(_Shifted(writer)) as sink,
         mikas.connect(PORT, sink=sink) as ecu,
     ):
-        passports = ecu.passport().pieces
+        passport = ecu.passport()
         ecu.faults()
-        write_session_header(
-            sink,
+        unit = UnitFound(
             ecu.tester.link.now(),
-            version_code=ecu.version_code,
-            passports=passports,
-            catalog_version=ecu.catalog.version,
+            ecu.version_code,
+            passport,
             adapter=ecu.tester.link.description,
             echo=ecu.tester.echoes,
         )
+        sink.note(note_of(unit))
+        sink.note(catalog_note(unit.time, ecu.catalog.version))
         watching = Alarms(ecu.catalog)
         end = ecu.tester.link.now() + seconds
         steady = None

@@ -11,9 +11,10 @@ import mikas
 from browser.rig import CAR, dashboard
 from mikas.catalog import shipped
 from mikas.i18n import Text
-from mikas.recording import CaptureWriter, write_session_header
+from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import note_of
 from mikas.sampling.events import Gap, Marker
+from session_header import write_session_header
 
 BOTH = ("FREQ", "THR", "INJ", "JAIR", "TWAT", "UACC")
 REASON = Text(

@@ -15,7 +15,7 @@ import mikas
 from dashboard.recordings_rig import record
 from dashboard.rig import ME, OTHER, rig
 from mikas.recording import CaptureReader
-from mikas.recording.annotations.comment import comment_of
+from mikas.recording.annotations.events import comment_of
 
 
 @pytest.fixture(scope="module")

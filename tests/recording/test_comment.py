@@ -10,11 +10,11 @@ import pytest
 from mikas.errors import CaptureError
 from mikas.link.tee import Direction
 from mikas.recording import CaptureReader, CaptureWriter
-from mikas.recording.annotations.comment import LONGEST, comment_note, comment_of, write_comment
-from mikas.recording.annotations.events import note_of
+from mikas.recording.annotations.events import LONGEST_COMMENT, comment_note, comment_of, note_of
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Packet, Problem
+from mikas.recording.capture.writer import append_note
 from mikas.sampling.events import TextNote
 
 
@@ -37,7 +37,7 @@ def test_the_last_words_count_and_nothing_else_changes(drive: Path) -> None:
     packets = [item for item in CaptureReader(drive) if isinstance(item, Packet)]
     assert said(drive) == ""
     for text in ("первые", "вторые\nна двух строках", ""):
-        write_comment(drive, text, 10.0)
+        append_note(drive, comment_note(10.0, text))
         assert said(drive) == text
     assert drive.read_bytes().startswith(before)
     assert list(CaptureReader(drive)) == packets
@@ -45,7 +45,7 @@ def test_the_last_words_count_and_nothing_else_changes(drive: Path) -> None:
 
 def test_behind_a_cut_end_they_are_found_all_the_same(drive: Path) -> None:
     drive.write_bytes(drive.read_bytes()[:-5])
-    write_comment(drive, "cut", 10.0)
+    append_note(drive, comment_note(10.0, "cut"))
     assert said(drive) == "cut"
     items = list(CaptureReader(drive))
     assert sum(isinstance(item, Packet) for item in items) == 1
@@ -55,14 +55,14 @@ def test_behind_a_cut_end_they_are_found_all_the_same(drive: Path) -> None:
 def test_in_the_file_s_own_byte_order(tmp_path: Path) -> None:
     path = tmp_path / "big.pcapng"
     path.write_bytes(pcapng.encode(pcapng.Section(), ">"))
-    write_comment(path, "big", 1.0)
+    append_note(path, comment_note(1.0, "big"))
     assert said(path) == "big"
     assert not any(isinstance(item, Problem) for item in CaptureReader(path))
 
 
 def test_somebody_else_s_note_of_that_kind() -> None:
     assert comment_of([Note("about", 1.0, {"text": 5}), Note("about", 1.0, {})]) == ""
-    assert len(comment_note(1.0, "x" * 99_999).data["text"]) == LONGEST
+    assert len(comment_note(1.0, "x" * 99_999).data["text"]) == LONGEST_COMMENT
 
 
 def test_what_can_not_be_written_leaves_the_file_as_it_was(
@@ -97,14 +97,14 @@ def test_what_can_not_be_written_leaves_the_file_as_it_was(
 
     monkeypatch.setattr(Path, "open", full)
     with pytest.raises(CaptureError) as caught:
-        write_comment(drive, "too much", 1.0)
+        append_note(drive, comment_note(1.0, "too much"))
     assert "диск" in caught.value.text.ru
     monkeypatch.undo()
     assert drive.read_bytes() == before
     empty = tmp_path / "empty.pcapng"
     empty.write_bytes(b"")
     with pytest.raises(CaptureError):
-        write_comment(empty, "x", 1.0)
+        append_note(empty, comment_note(1.0, "x"))
     assert empty.read_bytes() == b""
     with pytest.raises(CaptureError):
-        write_comment(tmp_path / "none.pcapng", "x", 1.0)
+        append_note(tmp_path / "none.pcapng", comment_note(1.0, "x"))

@@ -22,7 +22,7 @@ from mikas.client import Limits, Passport
 from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.link.tee import Direction
-from mikas.recording import CaptureReader, CaptureWriter, Kind, Note, write_session_header
+from mikas.recording import CaptureReader, CaptureWriter, Kind, Note
 from mikas.recording.annotations.events import catalog_note, faults_note, note_of, unit_of
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture import notes as blocks
@@ -42,6 +42,7 @@ from mikas.sampling.events import (
     UnitFound,
 )
 from mikas.sampling.plan import Plan, PlannedParameter
+from session_header import write_session_header
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 

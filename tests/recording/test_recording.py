@@ -16,7 +16,7 @@ from mikas.client.connecting import ConnectionOptions
 from mikas.errors import CaptureError, CatalogError, MissingExtra, UnknownParameter, UsageError
 from mikas.i18n import Text
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.recording import CaptureWriter, write_session_header
+from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import note_of
 from mikas.recording.table.channels import Channel, Rows
 from mikas.recording.table.dataframes import Table, arrow_table, pandas_frame, polars_frame
@@ -24,6 +24,7 @@ from mikas.recording.table.derived import FRESH, Deriver
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import MethodChosen, Sampled
 from mikas.sampling.plan import Plan, PlannedParameter
+from session_header import write_session_header
 
 NAN = np.nan
 PORT = "sim:?clock=simulated"

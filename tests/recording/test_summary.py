@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 import mikas
 from mikas.catalog import shipped
 from mikas.i18n import Text
-from mikas.recording import CaptureWriter, Coalescer, Note, write_session_header
+from mikas.recording import CaptureWriter, Coalescer, Note
 from mikas.recording import summary as summaries
-from mikas.recording.annotations.comment import write_comment
-from mikas.recording.annotations.events import events_of, note_of, unit_of
+from mikas.recording.annotations.events import comment_note, events_of, note_of, unit_of
 from mikas.recording.capture import index as file_index
+from mikas.recording.capture.writer import append_note
 from mikas.recording.summary import summarise
 from mikas.sampling.events import (
     Gap,
@@ -24,6 +24,7 @@ from mikas.sampling.events import (
     StateChanged,
     TextNote,
 )
+from session_header import write_session_header
 
 PORT = "sim:?clock=simulated&faults=13,53"
 WHY = Text("no answer", "нет ответа")
@@ -80,7 +81,7 @@ def test_a_persons_words_are_added_and_the_wire_stays(tmp_path):
     path = record(tmp_path / "a.pcapng", count=5)
     before = path.read_bytes()
     for words in ("холодный пуск", "cold start, then hot"):
-        write_comment(path, words, 9.0)
+        append_note(path, comment_note(9.0, words))
         assert summarise(path).note == words
     assert path.read_bytes().startswith(before)
     assert summarise(path).samples == summarise(record(tmp_path / "b.pcapng", count=5)).samples

@@ -9,9 +9,10 @@ from replay_harness import NAMES, RECEIVED, SENT, again, do, linger, session, si
 
 from mikas.errors import EchoOnly, MikasError, RecordingOver
 from mikas.framing import encode
-from mikas.recording import CaptureWriter, write_session_header
+from mikas.recording import CaptureWriter
 from mikas.replay import load, playing
 from mikas.virtual.quirks import LongList, Unknown
+from session_header import write_session_header
 
 # Who it was, and what it could do
 

@@ -11,13 +11,14 @@ import mikas
 from mikas.catalog import load, shipped
 from mikas.errors import CaptureError
 from mikas.i18n import Text
-from mikas.recording import CaptureWriter, write_session_header
+from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import note_of
 from mikas.report.findings import BandPosition, Outcome
 from mikas.report.formatting import date_of
 from mikas.report.from_recording import of_recording
 from mikas.report.page import render
 from mikas.sampling.events import Gap, Marker, TextNote
+from session_header import write_session_header
 
 IDLE = "sim:?clock=simulated&scenario=warm-idle"
 

@@ -1,6 +1,6 @@
-"""Keeping what was seen: captures of the wire, and what is made from them."""
+"""Recordings: captures of the wire, and the tables, texts and files that are made from them."""
 
-from mikas.recording.annotations.events import note_of, write_session_header
+from mikas.recording.annotations.events import note_of
 from mikas.recording.capture.coalescer import Coalescer
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import CaptureReader
@@ -13,5 +13,4 @@ __all__ = [
     "Kind",
     "Note",
     "note_of",
-    "write_session_header",
 ]

@@ -1,22 +1,23 @@
-"""The recorder of a session: always at the wire, writing from `start` to `stop`, never in the way.
+"""The recorder of a session: always on the wire, writing from `start` to `stop`, never in the way.
 
     link ──► CaptureTee ──► Recorder ──► Coalescer ──► CaptureWriter ──► NAME.pcapng
     events ──────────────────┘  take: notes in between
 
-On a full disk, or if the folder or the stick is gone, the file ends with its last whole block,
+If the disk is full, or the folder or medium is gone, the file ends with its last whole block,
 `failure` has the reason, and sampling goes on. Another car gets its own file, NAME-2.pcapng.
 """
 
 from __future__ import annotations
 
+import os
 import threading
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from mikas.errors import CaptureError, MikasError
+from mikas.errors import CaptureError
 from mikas.link.tee import Direction
 from mikas.recording.annotations.annotator import SessionAnnotator
 from mikas.recording.annotations.events import note_of
@@ -27,8 +28,6 @@ from mikas.recording.capture.writer import CaptureWriter
 from mikas.sampling.events import Event, Marker, TextNote, UnitFound
 
 if TYPE_CHECKING:
-    import os
-
     from mikas.client import Ecu
     from mikas.i18n import Text
 
@@ -39,7 +38,7 @@ _LONGEST_TEXT: Final = 100_000
 class RecordingStatus:
     """The progress of one recording. `since`: on the link's clock; None before any byte or event.
 
-    `samples`: those in the file; `gaps`: stretches, not the cycles that failed in them. After a
+    `samples`: those in the file; `gaps`: counted once, however many cycles failed in them. After a
     `failure` nothing more is written; `lost`: samples since then, or lost with the file.
     """
 
@@ -48,23 +47,23 @@ class RecordingStatus:
     bytes: int
     samples: int
     gaps: int
-    failure: MikasError | None
+    failure: CaptureError | None
     lost: int = 0
 
 
 @dataclass(slots=True)
 class _Open:
-    """One recording: its file, until that is closed, and where its name is from."""
+    """One recording: its file, until that is closed, and the origin of its name."""
 
     path: Path
-    named: Path  # by the user; `path` has a number in it, if other files came before
+    named: Path  # by the user; `path` has a number in it if other files precede it
     url: str
     baud: int
     writer: CaptureWriter
     sink: NotedSink
     since: float | None
-    failure: MikasError | None = None
-    kept: int = 0  # samples in the file at the failure
+    failure: CaptureError | None = None
+    written: int = 0  # samples in the file at the failure
 
 
 class Recorder:
@@ -103,25 +102,23 @@ class Recorder:
     ) -> None:
         """Record to `path` from here on; end a running recording first.
 
-        In mid-session the request of a running stream or list was sent before: give `ask_in_full`
-        to `Acquisition.call`, so that it is sent again and this file can be read by itself.
+        In mid-session the request of a running stream or list was sent before: pass `ask_in_full`
+        to `Acquisition.call` to send it again, so that this file can be read by itself.
 
         Raises `CaptureError` if `path` exists already or can't be written; a running recording
         goes on then.
         """
         with self._lock:
             named = Path(path)
-            opened = self._opened(named, named, url, baud, overwrite=overwrite)
+            opened = self._create(named, named, url, baud, overwrite=overwrite)
             self.stop()
             self._begin(opened)
 
     def stop(self) -> RecordingStatus | None:
         """End the recording; return its progress, None if there was none."""
         with self._lock:
-            if self._open is not None and self._open.failure is None:
-                self._write(self._annotator.end())
-            if self._open is not None and self._open.failure is None:
-                self._close()
+            self._write(self._annotator.end())
+            self._close()
             status = self.status
             self._open = None
             return status
@@ -132,11 +129,11 @@ class Recorder:
         To be called between two cycles, by a job of `Acquisition.call`, after `ask_in_full`.
         """
         with self._lock:
-            if self._open is not None and self._open.failure is None:
-                self._move_on(None)
+            if self._running is not None:
+                self._continue_in_next_file(self._running)
 
     def marker(self, time: float | None = None, label: str = "") -> float | None:
-        """Mark a moment; None: now. Return its time, None if no byte or event came yet."""
+        """Mark a moment, by default now. Return its time, None before any byte or event."""
         with self._lock:
             time = self._time if time is None else time
             if time is not None:
@@ -157,19 +154,20 @@ class Recorder:
 
     @property
     def status(self) -> RecordingStatus | None:
-        """The recording's progress, also after a failure; None if there is none."""
+        """The recording's progress, also after a failure; None without a recording."""
         with self._lock:
             it = self._open
             if it is None:
                 return None
             samples, gaps = self._annotator.samples, self._annotator.gaps
-            kept = it.kept if it.failure else samples
+            written = it.written if it.failure else samples
             size = 0 if it.writer.deleted else it.writer.size
-            return RecordingStatus(it.path, it.since, size, kept, gaps, it.failure, samples - kept)
+            lost = samples - written
+            return RecordingStatus(it.path, it.since, size, written, gaps, it.failure, lost)
 
     @property
-    def failure(self) -> MikasError | None:
-        """Why the recording broke off, if it did."""
+    def failure(self) -> CaptureError | None:
+        """The reason why the recording ended early; None if it did not."""
         with self._lock:
             return self._open.failure if self._open else None
 
@@ -181,11 +179,9 @@ class Recorder:
             self._advance(time)
             if direction is Direction.RECEIVED or not self._annotator.echoes:
                 self.wire_bytes += len(data)
-            if self._open is not None and self._open.failure is None:
-                try:
-                    self._open.sink.record(direction, data, time)
-                except CaptureError as error:
-                    self._fail(error)
+            if (running := self._running) is not None:
+                with self._failing(running):
+                    running.sink.record(direction, data, time)
 
     def note(self, note: Note) -> None:
         """Write a note of the caller. Raises `ValueError` for data that JSON can't hold."""
@@ -198,17 +194,22 @@ class Recorder:
         with self._lock:
             if self._time is None or event.time > self._time:  # a sample began before it was read
                 self._advance(event.time)
-            recording = self._open is not None and self._open.failure is None
-            if isinstance(event, UnitFound) and event.another and recording:
-                self._move_on(event)
+            if isinstance(event, UnitFound) and event.another and self._running is not None:
+                self._continue_in_next_file(self._running, event)
                 return
             self._write(self._annotator.take(event))
-            if self._open is not None and isinstance(self._open.sink, Coalescer):
-                self._guarded(lambda sink: sink.tick(event.time), self._open.sink)
+            running = self._running
+            if running is not None and isinstance(running.sink, Coalescer):
+                with self._failing(running):
+                    running.sink.tick(event.time)
 
     # The file
 
-    def _opened(
+    @property
+    def _running(self) -> _Open | None:
+        return self._open if self._open is not None and self._open.failure is None else None
+
+    def _create(
         self, path: Path, named: Path, url: str, baud: int, *, overwrite: bool = False
     ) -> _Open:
         writer = CaptureWriter(path, url=url, baud=baud, overwrite=overwrite)
@@ -217,60 +218,51 @@ class Recorder:
 
     def _begin(self, opened: _Open) -> None:
         self._open = opened
-        time = 0.0 if self._time is None else self._time
-        self._write(self._annotator.head(time))
+        self._write(self._annotator.head(self._time or 0.0))
 
-    def _move_on(self, another: UnitFound | None) -> None:
-        """Go on in the next file; `another`: because of that unit."""
-        before = self._open
-        assert before is not None
+    def _continue_in_next_file(self, before: _Open, another: UnitFound | None = None) -> None:
+        """Close the file and begin the next one. `another`: the unit that is the reason."""
         self._write(self._annotator.end(another.time if another else None))
-        if before.failure is None:
-            self._close()
+        self._close()
         if another is not None:
             list(self._annotator.take(another))  # its notes are the new file's head
         try:
             path = _next(before.named)
-            opened = self._opened(path, before.named, before.url, before.baud)
+            opened = self._create(path, before.named, before.url, before.baud)
         except (CaptureError, OSError) as error:
             if before.failure is None:
-                before.failure = _capture_error(error, before.named)
-                before.kept = self._annotator.samples
+                if not isinstance(error, CaptureError):
+                    error = CaptureError(str(before.named), reason_of(error))
+                before.failure, before.written = error, self._annotator.samples
             return
         self._begin(opened)
         if self.on_file is not None:
             self.on_file(path)
 
     def _write(self, notes: Iterable[Note]) -> None:
-        for note in notes:  # all of them: making them is what keeps the annotator up to date
-            if self._open is not None and self._open.failure is None:
-                try:
-                    self._open.sink.note(note)
-                except CaptureError as error:
-                    self._fail(error)
-
-    def _guarded(self, act: Callable[[Coalescer], None], sink: Coalescer) -> None:
-        try:
-            act(sink)
-        except CaptureError as error:
-            self._fail(error)
-
-    def _fail(self, error: MikasError) -> None:
-        assert self._open is not None
-        self._open.failure = error
-        # All samples so far are written; unless the file itself is gone.
-        self._open.kept = 0 if self._open.writer.deleted else self._annotator.samples
-        with suppress(CaptureError):
-            self._open.writer.close()
+        for note in notes:  # all of them, also after a failure: the annotator's state follows
+            if (running := self._running) is not None:
+                with self._failing(running):
+                    running.sink.note(note)
 
     def _close(self) -> None:
-        assert self._open is not None
+        if (running := self._running) is not None:
+            with self._failing(running):
+                if isinstance(running.sink, Coalescer):
+                    running.sink.flush()
+                running.writer.close()
+
+    @contextmanager
+    def _failing(self, running: _Open) -> Iterator[None]:
+        """Take a `CaptureError` inside for the recording's failure, and close its file."""
         try:
-            if isinstance(self._open.sink, Coalescer):
-                self._open.sink.flush()
-            self._open.writer.close()
+            yield
         except CaptureError as error:
-            self._fail(error)
+            running.failure = error
+            # All samples so far are in the file, unless that was deleted.
+            running.written = 0 if running.writer.deleted else self._annotator.samples
+            with suppress(CaptureError):
+                running.writer.close()
 
     def _advance(self, time: float) -> None:
         self._time = time
@@ -279,7 +271,7 @@ class Recorder:
 
 
 def ask_in_full(ecu: Ecu) -> None:
-    """A job for `Acquisition.call`: later requests are sent in full, so a new file can be read.
+    """Send later requests in full, so that a new file can be read; a job for `Acquisition.call`.
 
     Any job ends a running stream; a list that was set is set again (64).
     """
@@ -292,9 +284,3 @@ def _next(named: Path) -> Path:
     while (path := named.with_name(f"{named.stem}-{number}{named.suffix}")).exists():
         number += 1
     return path
-
-
-def _capture_error(error: CaptureError | OSError, path: Path) -> CaptureError:
-    if isinstance(error, CaptureError):
-        return error
-    return CaptureError(str(path), reason_of(error))

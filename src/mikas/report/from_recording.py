@@ -10,8 +10,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from mikas.catalog import Catalog
-from mikas.recording.annotations.comment import comment_of
-from mikas.recording.annotations.events import RecordedUnit, events_of, recorded_faults, unit_of
+from mikas.recording.annotations.events import (
+    RecordedUnit,
+    comment_of,
+    events_of,
+    recorded_faults,
+    unit_of,
+)
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import CaptureReader, Source
 from mikas.recording.table.channels import Rows

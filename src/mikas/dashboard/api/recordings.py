@@ -23,7 +23,8 @@ from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.session.history import json_columns
 from mikas.dashboard.settings import check_folder
 from mikas.errors import UsageError
-from mikas.recording.annotations.comment import LONGEST, comment_note, write_comment
+from mikas.recording.annotations.events import LONGEST_COMMENT, comment_note
+from mikas.recording.capture.writer import append_note
 from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary
 from mikas.sampling.events import MethodChosen
@@ -91,7 +92,7 @@ class RowsResponse(BaseModel):
 class RecordingNoteRequest(BaseModel):
     """A person's words about the whole recording; they take the place of those before."""
 
-    text: str = Field(max_length=LONGEST)
+    text: str = Field(max_length=LONGEST_COMMENT)
 
 
 @router.get("/recordings", responses=errors())
@@ -146,10 +147,11 @@ def note(
 ) -> RecordingInfo:
     """Keeps words about the recording, in its own file."""
     it = library.folder.one(identity)
+    comment = comment_note(dashboard.connection.now(), body.text)
     if library.is_growing(it):
-        dashboard.recorder.recorder.note(comment_note(dashboard.connection.now(), body.text))
+        dashboard.recorder.recorder.note(comment)
     else:
-        write_comment(it.path, body.text, dashboard.connection.now())
+        append_note(it.path, comment)
     return _listed(library, library.folder.one(identity))
 
 

@@ -1,10 +1,10 @@
-"""A session's events as notes, and the notes that a recording begun in mid-session starts with.
+"""A session's events as notes, and the first notes of a recording that begins in mid-session.
 
     events ──► SessionAnnotator.take ──► notes     unit, catalog, plan, state, gap, alarm, learnt
-                   └── head()                      the first four again, for a new file
+                   └── head()                      the first four repeated, for a new file
 
-A gap is one note, however many cycles failed in it (`sampling/gaps.py`). It is written when the gap
-ends; a recording that ends first gets it with an open end.
+A gap is one note, however many cycles failed in it (`sampling/gaps.py`), written when the gap ends.
+A recording that ends first gets the note with an open end.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ from mikas.sampling.gaps import GapTracker
 
 
 class SessionAnnotator:
-    """Follows one session. `interpretation`: of values, which the plan's note keeps."""
+    """Follows one session. `interpretation`: of values, for the plan's note."""
 
     def __init__(self, interpretation: str = "corrected") -> None:
         self._interpretation = interpretation
-        self._unit: Sequence[Note] = ()  # with the catalog's
+        self._unit: Sequence[Note] = ()  # with the catalog's note
         self._plan: Note | None = None
         self._state: Note | None = None
         self._gaps = GapTracker()
         self.echoes = True
-        """Whether the unit's line echoes; taken for granted until a unit was found."""
+        """Whether the unit's line echoes; assumed until a unit was found."""
         self.samples = 0
         self.gaps = 0
 
     def head(self, time: float) -> Iterator[Note]:
-        """Yield what a new recording begins with, as of `time`; counting starts from 0."""
+        """Yield the first notes of a new recording, as of `time`; restart counting."""
         self._gaps.restart(time)
         self.samples, self.gaps = 0, int(self._gaps.open is not None)
         for note in (*self._unit, self._plan, self._state):
@@ -50,12 +50,12 @@ class SessionAnnotator:
                 yield replace(note, time=time)
 
     def end(self, ended: float | None = None) -> Iterator[Note]:
-        """Yield the gap in which a recording ends."""
+        """Yield the note of the gap in which a recording ends."""
         if (gap := self._gaps.open) is not None:
             yield note_of(replace(gap, ended=ended))
 
     def take(self, event: Event) -> Iterator[Note]:
-        """Yield the notes of `event`; to be run through, since that is what follows the session."""
+        """Yield the notes of `event`. Exhaust the iterator: it updates the annotator's state."""
         yield from self._noted(self._gaps.take(event))
         match event:
             case Sampled():

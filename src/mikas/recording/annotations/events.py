@@ -1,7 +1,10 @@
-"""Events as notes of a recording, and back: which unit was recorded, what happened when.
+"""Events as notes of a recording, and notes as events, with the recorded unit.
 
-Notes come from a file, so anything may be in them: what is missing or of another type is None, and
-a note without what its kind needs makes no event.
+Notes are read from a file, so anything may be in them: a field that is missing or of another type
+is None, and a note without its kind's necessary fields makes no event.
+
+A comment on a whole recording is a note of its own kind at the end of the file; the last one
+counts. A copy of the file has the comment, too.
 """
 
 from __future__ import annotations
@@ -14,7 +17,7 @@ from typing import Any, Final
 from mikas.catalog import Catalog
 from mikas.client import Limits, Passport
 from mikas.i18n import Text
-from mikas.recording.capture.notes import Kind, Note, NoteSink
+from mikas.recording.capture.notes import Kind, Note
 from mikas.sampling.events import (
     AlarmChanged,
     Event,
@@ -28,10 +31,11 @@ from mikas.sampling.events import (
     TextNote,
     UnitFound,
 )
-from mikas.sampling.plan import Plan
 
 _NO_TEXT: Final = Text("", "")
 _PROGRAM_PIECES: Final = 3  # of a passport; the others are the data's
+_COMMENT: Final = "about"
+LONGEST_COMMENT: Final = 10_000
 
 # Events to notes
 
@@ -80,40 +84,19 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
 
 
 def catalog_note(time: float, version: str) -> Note:
-    """Return the note of the definitions in force."""
+    """Return the note of the catalog in use."""
     return Note(Kind.CATALOG, time, {"version": version})
 
 
 def faults_note(time: float, readings: Iterable[FaultReading]) -> Note:
     """Return the note of the faults that were read before this recording, the latest last."""
-    told = [{"time": it.time, "codes": list(it.codes), "erased": it.erased} for it in readings]
-    return Note(Kind.FAULTS, time, {"readings": told})
+    data = [{"time": it.time, "codes": list(it.codes), "erased": it.erased} for it in readings]
+    return Note(Kind.FAULTS, time, {"readings": data})
 
 
-def write_session_header(
-    sink: NoteSink,
-    time: float,
-    *,
-    version_code: int | None,
-    passports: Iterable[str | None],
-    catalog_version: str,
-    adapter: str = "",
-    baud: int = 9600,
-    echo: bool | None = None,
-    plan: Plan | None = None,
-    interpretation: str = "corrected",
-) -> None:
-    """Write what is needed to read a recording again, at its beginning: unit, catalog, plan.
-
-    `passports`: 51–58; None for a piece that was not given. To be written again when another unit
-    answers, or when the plan changes.
-    """
-    passport = _passport(list(passports))
-    unit = UnitFound(time, version_code, passport, adapter=adapter, baud=baud, echo=echo)
-    sink.note(note_of(unit))
-    sink.note(catalog_note(time, catalog_version))
-    if plan is not None:
-        sink.note(note_of(PlanChanged(time, plan), interpretation))
+def comment_note(time: float, text: str) -> Note:
+    """Return the note of a comment on the whole recording; it replaces the one before."""
+    return Note(_COMMENT, time, {"text": text[:LONGEST_COMMENT]})
 
 
 def _unit_data(event: UnitFound) -> dict[str, Any]:
@@ -153,7 +136,7 @@ def _both(text: Text | None) -> dict[str, str] | None:
 
 @dataclass(frozen=True, slots=True)
 class RecordedUnit:
-    """The recorded unit, its link, and the definitions in force; None: not in the notes.
+    """The recorded unit, its link, and the catalog; None: not in the notes.
 
     `passport`: 51–58, None for a piece that was not given. `method`, `names`: of the first plan.
     """
@@ -171,7 +154,7 @@ class RecordedUnit:
 
 
 def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
-    """Return the unit of one recording's notes; None if there is no note of it."""
+    """Return the unit of one recording's notes; None without a note of one."""
     first: dict[str, Mapping[str, Any]] = {}
     for note in notes:
         first.setdefault(note.kind, note.data)
@@ -195,33 +178,37 @@ def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
 
 
 def events_of(notes: Iterable[Note], catalog: Catalog) -> list[Event]:
-    """Return the events of `notes`, in their order; the same unit again is no event.
+    """Return the events of `notes`, in their order.
 
-    A plan, and faults that were read before the recording, are none either.
+    A repeated unit, a plan, and faults read before the recording are no events.
     """
-    return list(_events(notes, catalog))
-
-
-def recorded_faults(notes: Iterable[Note]) -> Iterator[FaultReading]:
-    """Yield the readings of faults before the recording, of the same unit by the same program."""
-    for note in notes:
-        if note.kind == Kind.FAULTS and isinstance(told := note.data.get("readings"), list):
-            yield from filter(None, map(_fault_reading, told))
-
-
-def _events(notes: Iterable[Note], catalog: Catalog) -> Iterator[Event]:
+    events: list[Event] = []
     before: UnitFound | None = None
     for note in notes:
         event = _event(note, catalog)
         if isinstance(event, UnitFound):
             if before is not None:
-                unit, known = _identity(event), _identity(before)
-                if unit == known and before.recording == event.recording:
+                another = _identity(event) != _identity(before)
+                if not another and before.recording == event.recording:
                     continue
-                event = replace(event, another=unit != known)
+                event = replace(event, another=another)
             before = event
         if event is not None:
-            yield event
+            events.append(event)
+    return events
+
+
+def comment_of(notes: Iterable[Note]) -> str:
+    """Return the last comment; empty without one."""
+    texts = [note.data.get("text") for note in notes if note.kind == _COMMENT]
+    return next((text for text in reversed(texts) if isinstance(text, str)), "")
+
+
+def recorded_faults(notes: Iterable[Note]) -> Iterator[FaultReading]:
+    """Yield the readings of faults before the recording, of the same unit by the same program."""
+    for note in notes:
+        if note.kind == Kind.FAULTS and isinstance(data := note.data.get("readings"), list):
+            yield from filter(None, map(_fault_reading, data))
 
 
 def _identity(unit: UnitFound) -> tuple[int | None, Passport | None]:
@@ -270,15 +257,15 @@ def _event(note: Note, catalog: Catalog) -> Event | None:
     return None
 
 
-def _fault_reading(told: object) -> FaultReading | None:
-    if not isinstance(told, dict):
+def _fault_reading(data: object) -> FaultReading | None:
+    if not isinstance(data, dict):
         return None
-    time, codes = told.get("time"), told.get("codes")
+    time, codes = data.get("time"), data.get("codes")
     if not isinstance(time, (int, float)) or not isinstance(codes, list):
         return None
     if not all(isinstance(code, int) and 0 <= code <= 0xFF for code in codes):
         return None
-    return FaultReading(float(time), tuple(codes), told.get("erased") is True)
+    return FaultReading(float(time), tuple(codes), data.get("erased") is True)
 
 
 def _word(value: object) -> str | None:

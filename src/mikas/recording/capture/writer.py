@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, Self
 
 from mikas.errors import CaptureError
+from mikas.errors import reason_of as system_reason_of
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note, block_of
@@ -177,12 +178,10 @@ class CaptureWriter:
 
     def _append(self, block: pcapng.Block) -> None:
         """The whole block, or nothing of it."""
-        rest = memoryview(pcapng.encode(block))
-        length = len(rest)
+        data = pcapng.encode(block)
         try:
-            while rest:
-                rest = rest[self._file.write(rest) :]
-            self._end += length
+            _write_all(self._file, data)
+            self._end += len(data)
         except OSError as error:
             self._take_back()
             raise self._failure(error) from error
@@ -210,6 +209,32 @@ class CaptureWriter:
 
     def _failure(self, error: OSError) -> CaptureError:
         return CaptureError(str(self.path), reason_of(error))
+
+
+def append_note(path: Path, note: Note) -> None:
+    """Add a note to a recording that is not being written; whole, or not at all.
+
+    Raises `CaptureError` if the file is no capture or can't be written.
+    """
+    CaptureReader(path)
+    try:
+        with path.open("r+b", buffering=0) as file:
+            order = pcapng.byte_order(file.read(12)[8:]) or "<"
+            end = file.seek(0, os.SEEK_END)
+            try:
+                _write_all(file, pcapng.encode(block_of(note), order))
+            except OSError:
+                with suppress(OSError):
+                    file.truncate(end)
+                raise
+    except OSError as error:
+        raise CaptureError(str(path), system_reason_of(error)) from error
+
+
+def _write_all(file: BinaryIO, data: bytes) -> None:
+    rest = memoryview(data)
+    while rest:
+        rest = rest[file.write(rest) :]
 
 
 def _end_of_last_block(path: Path) -> int:
