@@ -98,8 +98,8 @@ def test_most_of_a_long_session_is_not_looked_at_one_by_one(few, tmp_path, monke
         heard.append(response)
         return hear(self, *response)
 
-    hear = ReplayBuilder.hear
-    monkeypatch.setattr(ReplayBuilder, "hear", counted)
+    hear = ReplayBuilder.take_response
+    monkeypatch.setattr(ReplayBuilder, "take_response", counted)
     found = build(column_exchanges(path), shipped())
     assert found.frames > 200
     assert len(heard) < found.frames / 3

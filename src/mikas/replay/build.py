@@ -1,9 +1,8 @@
-"""The content of a recording, put in order of time to be played back: one pass over its exchanges.
+"""The content of a recording in order of time, for replay: one pass over its exchanges.
 
-Times count from the first packet. A datum belongs to the moment at which its request was handed to
-the adapter, since the ECU measured after that, and before it answered; in a stream, to the moment
-at which its response began. So a tester that asks the replayed ECU what the recorded tester asked,
-at the same times, gets the same answers.
+Times count from the first packet. A datum belongs to the time at which its request was handed to
+the adapter, since the ECU measured later and before it answered; in a stream, to the begin of its
+response. So the same requests at the same times get the same responses as in the recording.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from mikas import commands as c
 from mikas.catalog import Catalog, shipped
@@ -22,18 +21,17 @@ from mikas.link.base import BITS_PER_BYTE
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import CaptureReader, Problem, Source
 from mikas.recording.exchanges import read_exchanges
-from mikas.recording.exchanges.result import Exchanges
+from mikas.recording.exchanges.result import Column, Exchanges
 from mikas.recording.exchanges.scalar import DEFAULT_BAUD
 from mikas.replay.behaviour import EcuBehaviour
-from mikas.replay.contents import Contents, Port, Request
+from mikas.replay.contents import Contents, RecordedPort, Request
 from mikas.replay.model import ReplayData
-from mikas.replay.outages import Outages
-from mikas.replay.timeline import AFTER, Timeline
+from mikas.replay.outages import AFTER, Outages, Timeline
 
 if TYPE_CHECKING:
     from mikas.replay.routine import Routine
 
-# An `01` to these can be nothing but a refusal (D10); as a cell or a fault it would be made up.
+# An `01` to these can only be a refusal (D10); as a cell or a fault it would be invented.
 _REFUSED_BY_01: Final = frozenset(
     [*c.ReadProgramPassport.CODES, *c.ReadDataPassport.CODES, *c.CountParameters.CODES]
 )
@@ -45,7 +43,7 @@ _AT_ONCE: Final = 64  # rows that are converted at once
 def load(path: str | os.PathLike[str], catalog: Catalog | None = None) -> ReplayData:
     """Return the content of a capture that can be replayed. Raise `CaptureError` if there is none.
 
-    Damaged parts are passed over; `problems` counts them.
+    Damaged parts are skipped; `problems` counts them.
     """
     reader = CaptureReader(path)
     notes = list(reader.notes())
@@ -75,7 +73,7 @@ class ReplayBuilder:
         self.timeline = Timeline(self.data, self.outages)
         self.behaviour = EcuBehaviour()
         self.contents = Contents(self.data, catalog, self.behaviour)
-        self._ports: dict[Source, Port] = {}  # of the present recording
+        self._ports: dict[Source, RecordedPort] = {}  # of the current recording
         self._echoes = self._requests = 0
 
     def take(self, item: Exchanges | Problem) -> None:
@@ -93,7 +91,7 @@ class ReplayBuilder:
         _Stretch(self, port, item).take()
 
     def finish(self) -> ReplayData:
-        """Return the data, complete."""
+        """Return the complete data."""
         self._end_recording()
         data = self.data
         data.duration = 0.0 if self.timeline.recording is None else self.timeline.latest + AFTER
@@ -108,24 +106,26 @@ class ReplayBuilder:
             data.refusals.setdefault(code, ERROR if code in _REFUSED_BY_01 else None)
         return data
 
-    def send(self, port: Port, request: Request | None) -> None:
-        """Take a request; None: it is damaged. The one before gets no response any more."""
-        before = port.asked
-        if before and not before.heard and before.body[0] not in c.GoTo.CODES:
+    def take_request(self, port: RecordedPort, request: Request | None) -> None:
+        """Take a request (None: damaged), which ends the wait for responses to the one before."""
+        before = port.request
+        if before and not before.responded and before.body[0] not in c.GoTo.CODES:
             self.behaviour.failed(before.time, before.body, None)
             self.outages.failed(before.time)
-        port.before, port.asked = before, request
+        port.previous, port.request = before, request
         if request:
             self.contents.sent(request.body, port)
 
-    def hear(self, port: Port, request: Request, body: bytes, began: float, ended: float) -> None:
+    def take_response(
+        self, port: RecordedPort, request: Request, body: bytes, began: float, ended: float
+    ) -> None:
         """Take a response."""
-        request.heard = True
+        request.responded = True
         self.data.frames += 1
         answered = self.contents.take(request, port, body, began)
         if answered is None:
             if body == ERROR:  # a datum or a refusal: the ECU is there
-                self.outages.ended(request.time)
+                self.outages.supplied(request.time)
             return
         if not answered:
             self.behaviour.failed(request.time, request.body, body)
@@ -136,12 +136,12 @@ class ReplayBuilder:
                 self.behaviour.answered(request.body, delay)
             elif not by_stroke:
                 self.behaviour.streamed(began - request.ended)
-        self.outages.ended(began if request.answered else request.time)
+        self.outages.supplied(began if request.answered else request.time)
         request.answered = answered
         request.ended = ended
 
     def _end_recording(self) -> None:
-        self.outages.ended(self.timeline.latest + AFTER)
+        self.outages.supplied(self.timeline.latest + AFTER)
         for port in self._ports.values():
             port.resolver.conclude()
         self._ports.clear()
@@ -151,82 +151,73 @@ class ReplayBuilder:
 class _Stretch:
     """The exchanges of one stretch, one after another; routine ones in runs."""
 
-    def __init__(self, builder: ReplayBuilder, port: Port, exchanges: Exchanges) -> None:
+    def __init__(self, builder: ReplayBuilder, port: RecordedPort, exchanges: Exchanges) -> None:
         self._builder = builder
         self._port = port
         self._exchanges = exchanges
         self._shift = builder.timeline.shift
         self._byte_time = BITS_PER_BYTE / (exchanges.source.baud or DEFAULT_BAUD)
-        self._sent = exchanges.requests.first  # the serial of the next one
+        self._next_serial = exchanges.requests.first
         self._damaged = set(exchanges.damaged.tolist())
-        if port.asked and port.asked.serial in self._damaged:
-            port.asked.heard = True
+        if port.request and port.request.serial in self._damaged:
+            port.request.responded = True
 
     def take(self) -> None:
         """Take all requests and responses in order."""
         requests, responses = self._exchanges.requests, self._exchanges.responses
-        routine = _routine(self._builder, self._port, self._exchanges)
+        routine: Routine | None = None
+        if not isinstance(responses.bodies, bytes):  # arrays
+            from mikas.replay.routine import Routine
+
+            routine = Routine(self._builder, self._port, self._exchanges)
         row = first = 0
         rows: list[_Row] = []
         while row < len(responses.times):
             if routine is not None and (taken := routine.take(row)):
                 row += taken
-                self._sent = max(self._sent, int(responses.requests[row]))
+                self._next_serial = max(self._next_serial, int(responses.requests[row]))
             if row >= first + len(rows):
                 first, rows = row, self._rows(slice(row, row + _AT_ONCE))
-            self._hear(rows[row - first])
+            self._take_response(rows[row - first])
             row += 1
-        self._send_until(requests.first + len(requests.numbers) - 1)
+        self._take_requests(requests.first + len(requests.numbers) - 1)
 
     def _rows(self, some: slice) -> list[_Row]:
-        responses = self._exchanges.responses
-        columns = (
-            responses.requests,
-            responses.after,
-            responses.starts,
-            responses.lengths,
-            responses.wire_lengths,
+        it = self._exchanges.responses
+        columns: tuple[Column[Any], ...] = (
+            *(it.times, it.requests, it.after),
+            *(it.starts, it.lengths, it.wire_lengths),
         )
-        rows = zip(
-            responses.times[some].tolist(), *(it[some].tolist() for it in columns), strict=True
-        )
-        return list(rows)
+        return list(zip(*(column[some].tolist() for column in columns), strict=True))
 
-    def _hear(self, row: _Row) -> None:
-        """Take a response, and the requests before it."""
+    def _take_response(self, row: _Row) -> None:
+        """Take the requests before a response, and the response."""
         began, serial, after, start, length, wire = row
-        self._send_until(after)
-        for request in (self._port.asked, self._port.before):
+        self._take_requests(after)
+        for request in (self._port.request, self._port.previous):
             if request and request.serial == serial:
                 began += self._shift
                 body = bytes(self._exchanges.responses.bodies[start : start + length])
-                self._builder.hear(self._port, request, body, began, began + wire * self._byte_time)
+                ended = began + wire * self._byte_time
+                self._builder.take_response(self._port, request, body, began, ended)
                 return
 
-    def _send_until(self, serial: int) -> None:
-        """Take the requests up to this one."""
+    def _take_requests(self, last: int) -> None:
+        """Take the requests up to serial `last`."""
         requests = self._exchanges.requests
-        for at in range(self._sent, serial + 1):
-            number = requests.numbers[at - requests.first]
-            body = self._exchanges.bodies[number] if number >= 0 else b""
-            time = float(requests.times[at - requests.first]) + self._shift
-            out = time + int(requests.lengths[at - requests.first]) * self._byte_time
-            request = Request(at, time, out, body, heard=at in self._damaged) if body else None
-            self._builder.send(self._port, request)
-        self._sent = max(self._sent, serial + 1)
-
-
-def _routine(builder: ReplayBuilder, port: Port, exchanges: Exchanges) -> Routine | None:
-    """Return the runs of routine exchanges, if they can be found quickly."""
-    if isinstance(exchanges.responses.bodies, bytes):
-        return None
-    from mikas.replay.routine import Routine
-
-    return Routine(builder, port, exchanges)
+        for serial in range(self._next_serial, last + 1):
+            row = serial - requests.first
+            request = None
+            if (number := requests.numbers[row]) >= 0 and (body := self._exchanges.bodies[number]):
+                time = float(requests.times[row]) + self._shift
+                out = time + int(requests.lengths[row]) * self._byte_time
+                request = Request(serial, time, out, body, responded=serial in self._damaged)
+            self._builder.take_request(self._port, request)
+        self._next_serial = max(self._next_serial, last + 1)
 
 
 def _add_noted_identity(data: ReplayData, notes: list[Note]) -> None:
-    """Add the noted identity where the wire has none: it may have been asked before."""
+    """Add the noted identity where the wire has none: its requests may precede the recording."""
     codes = range(0x51, 0x59)
     for note in notes:
         if note.kind != Kind.UNIT:
@@ -235,7 +226,7 @@ def _add_noted_identity(data: ReplayData, notes: list[Note]) -> None:
         if isinstance(version, int) and 0 <= version <= 0xFF and not data.version.values:
             data.version.add(0.0, version)
         pieces = note.data.get("passports")
-        if not isinstance(pieces, list):  # a note that was not written here
+        if not isinstance(pieces, list):  # a note of another program
             data.problems += pieces is not None
             continue
         for code, piece, known in zip(codes, pieces, data.passports, strict=False):

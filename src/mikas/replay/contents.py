@@ -1,8 +1,8 @@
-"""The contents of responses, kept by subject: data, identity, faults, memory, writes.
+"""The contents of responses by subject: data, identity, faults, memory, writes.
 
-The meaning of a request is parsed once. A list holds from the `00` that answered its 64 until the
-next 64 is sent. An `01` that may be a refusal (D10) is kept once `exchanges.refusals` has decided
-that it counts; while a code is refused, the replayed ECU refuses it too.
+A request is parsed once. A list holds from the `00` that answered its 64 until the next 64 is sent.
+An `01` that may be a refusal (D10) is kept once `exchanges.refusals` has decided that it counts;
+while a code is refused, the replayed ECU refuses it too.
 """
 
 from __future__ import annotations
@@ -21,22 +21,25 @@ from mikas.recording.exchanges.refusals import RefusalResolver
 from mikas.replay.behaviour import EcuBehaviour
 from mikas.replay.model import Cells, Latest, ReplayData, Series
 
-ROUNDING: Final = 0.0005  # s; far over that of times, far under the time between two responses
+ROUNDING: Final = (
+    0.0005  # s; far above the rounding of times, far below the time between two responses
+)
 _READ: Final = c.ReadParameters.CODES[0]
 
 
 @dataclass(slots=True)
 class Request:
-    """A request that was sent. `time`: handed to the adapter; `out`: its last bit is on the wire.
+    """A sent request. `time`: when the adapter got it; `out`: when its last bit was on the wire.
 
-    `heard`: something came that is no echo. `ended`: when its latest response did.
+    `responded`: a received frame or damage that is no echo followed. `ended`: end of the latest
+    response.
     """
 
     serial: int
     time: float
     out: float
     body: bytes
-    heard: bool = False
+    responded: bool = False
     answered: bool = False
     ended: float = 0.0
 
@@ -51,12 +54,12 @@ class Doubtful(NamedTuple):
 
 
 @dataclass(slots=True)
-class Port:
-    """One port in one recording. `asked`, `before`: its last two requests; None: damaged."""
+class RecordedPort:
+    """One port in one recording. `request`, `previous`: the last two requests; None: damaged."""
 
     resolver: RefusalResolver[Doubtful]
-    asked: Request | None = None
-    before: Request | None = None
+    request: Request | None = None
+    previous: Request | None = None
     list: Series | None = None
 
 
@@ -70,31 +73,31 @@ class Contents:
         self._sizes: dict[int, int] = {}  # of codes that the catalog lacks
         self._layouts = Layouts(self._size_of)
         self._series: dict[tuple[tuple[int, int, int], ...], Series] = {}
-        self._meant: dict[bytes, Series | c.Command[Any]] = {}
+        self._meanings: dict[bytes, Series | c.Command[Any]] = {}
         self._versions: Counter[int] = Counter()
 
     @property
     def series(self) -> list[Series]:
-        """Those that hold anything."""
+        """All series with a response."""
         return [series for series in self._series.values() if series.times]
 
-    def port(self) -> Port:
+    def port(self) -> RecordedPort:
         """Return the state of a port at the begin of a recording."""
-        return Port(RefusalResolver(self._decide))
+        return RecordedPort(RefusalResolver(self._decide))
 
-    def series_of(self, request: bytes, port: Port) -> Series | None:
+    def series_of(self, request: bytes, port: RecordedPort) -> Series | None:
         """Return the series of a known `request`; None: it has none, or is not known yet."""
-        meant = port.list if request == READ_LIST else self._meant.get(request)
+        meant = port.list if request == READ_LIST else self._meanings.get(request)
         return meant if isinstance(meant, Series) else None
 
-    def is_routine(self, series: Series, port: Port) -> bool:
+    def is_routine(self, series: Series, port: RecordedPort) -> bool:
         """Return whether one more response in `series` without 01s brings only data."""
         for code, refused in self._data.refused.items():
             if refused.values[-1] and series.layout.last_of(code) is not None:
                 return False
         return port.resolver.is_quiet(series.layout)
 
-    def sent(self, body: bytes, port: Port) -> None:
+    def sent(self, body: bytes, port: RecordedPort) -> None:
         """Note that a request was sent."""
         port.resolver.sent(body)
         if body.startswith(WRITE_LIST):
@@ -106,9 +109,10 @@ class Contents:
             self._data.version.add(began, version)
         self._versions.clear()
 
-    def take(self, request: Request, port: Port, body: bytes, began: float) -> bool | None:
-        """Keep the content of `body`. False: it is a refusal, or too short; None: it is doubtful,
-        or no response to this request.
+    def take(self, request: Request, port: RecordedPort, body: bytes, began: float) -> bool | None:
+        """Keep the content of `body` and return whether it is a valid response.
+
+        False: a refusal, or too short. None: doubtful, or no response to this request.
         """
         meant = self._meaning(request.body, port, body)
         if meant is None:
@@ -124,18 +128,18 @@ class Contents:
         except MikasError:
             return None
         self._keep(request.time, meant, value, body)
-        if isinstance(meant, c.WriteList) and port.asked is request:
+        if isinstance(meant, c.WriteList) and port.request is request:
             port.list = self._data_of(request.body)
         return True
 
     def _take_data(
-        self, request: Request, port: Port, series: Series, body: bytes, began: float
+        self, request: Request, port: RecordedPort, series: Series, body: bytes, began: float
     ) -> bool | None:
         streamed = c.COMMANDS_BY_CODE[request.body[0]].STREAM
         time = began - ROUNDING if streamed else request.time
         doubtful = Doubtful(series, time, began, request)
         if port.resolver.take(doubtful, request.body, request.serial, series.layout, body):
-            self._mark(series, time)
+            self._accept(series, time)
             self._add(doubtful, body)
             return True
         if len(body) == series.size:
@@ -149,7 +153,7 @@ class Contents:
         """Keep or drop an `01`."""
         series, time, _, request = doubtful
         if counts:
-            self._mark(series, time)
+            self._accept(series, time)
             self._add(doubtful, ERROR)
             return
         self._behaviour.failed(request.time, request.body, ERROR)
@@ -169,15 +173,17 @@ class Contents:
             refused.add(0.0, value=False)
         refused.add(time, value=True)
 
-    def _mark(self, series: Series, time: float) -> None:
+    def _accept(self, series: Series, time: float) -> None:
         """Note that the codes of `series` are not refused now."""
         for code, refused in self._data.refused.items():
             if series.layout.last_of(code) is not None:
                 refused.add(time, value=False)
 
-    def _meaning(self, request: bytes, port: Port, body: bytes) -> Series | c.Command[Any] | None:
-        if request in self._meant:
-            return self._meant[request]
+    def _meaning(
+        self, request: bytes, port: RecordedPort, body: bytes
+    ) -> Series | c.Command[Any] | None:
+        if request in self._meanings:
+            return self._meanings[request]
         if request == READ_LIST:
             return port.list
         alone = request[:1] == bytes([_READ]) and len(request) == 2
@@ -190,7 +196,7 @@ class Contents:
             return None
         meant = self._data_of(request) if isinstance(command, DATA) else command
         if meant is not None:
-            self._meant[request] = meant
+            self._meanings[request] = meant
         return meant
 
     def _size_of(self, code: int) -> int | None:
@@ -210,7 +216,7 @@ class Contents:
         self,
         time: float,
         command: c.Command[Any],
-        value: Any,  # noqa: ANN401  (as the command answers)
+        value: Any,  # noqa: ANN401  (depends on the command)
         body: bytes,
     ) -> None:
         found = self._data
@@ -235,8 +241,8 @@ class Contents:
     def _keep_cells(
         self,
         time: float,
-        command: Any,  # noqa: ANN401  (one of memory: it has a space and an address)
-        value: Any,  # noqa: ANN401  (as the command answers)
+        command: Any,  # noqa: ANN401  (a command of memory: SPACE and address)
+        value: Any,  # noqa: ANN401  (depends on the command)
         body: bytes,
     ) -> None:
         space, address = command.SPACE, command.address

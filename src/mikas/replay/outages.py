@@ -1,30 +1,36 @@
-"""When a replayed ECU is silent: it had no supply, or nothing was recorded.
+"""When the content of a recording is replayed, and when the replayed ECU is silent.
+
+Times of a replay count from the first packet. Recordings in one file (it was appended to) follow
+each other with a short silence between, however long it really was; where times run back, they
+continue from the latest.
 
 An ECU that left all requests of two seconds unanswered had no supply. During a stretch without any
-packet the ECU may have worked, but the line was not recorded: the adapter was pulled out, or the
-computer asleep. Its responses are not known, and an old value is not played as a new one. The
-recorder has left a note on such a hole; without a note, only a stretch of several usual cycles is
-one. A pause between two requests of a person is none.
+packet the ECU may have worked, but the line was not recorded (the adapter was unplugged, or the
+computer asleep), and an old value is not played as a new one. The recorder leaves a note on such a
+hole; without a note, only a stretch of several usual cycles is a hole, for a person pauses too.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterable, Sequence
+from math import inf
 from statistics import median
 from typing import Final
 
 from mikas.recording.capture.notes import Kind, Note
-from mikas.recording.exchanges.result import GAP
-from mikas.replay.model import Series
+from mikas.recording.exchanges.result import GAP, JUMP, Exchanges
+from mikas.replay.model import ReplayData, Series
 
+PAUSE: Final = 3.0  # s between two recordings in a file
+AFTER: Final = 0.5  # s from the last packet of a recording to its end
 Stretch = tuple[float, float]
 
-SILENT_FOR: Final = 2.0  # s with requests and no answer: then the unit had no supply
+SILENT_FOR: Final = 2.0  # s of unanswered requests are a loss of supply
 _JUST_BEFORE: Final = 0.001  # s; the supply is there when a request comes
-_EARLY: Final = 0.05  # s; a hole ends so much before its end, whose time is not so sure
-_CYCLES: Final = 5  # usual ones: a stretch of more without any packet is a hole, note or not
-_STEADY: Final = 20  # responses with the same parameters, or there is no usual cycle
+_EARLY: Final = 0.05  # s; a hole ends earlier by this, as the time of its end is inexact
+_CYCLES: Final = 5  # a longer stretch without any packet is a hole, also without a note
+_STEADY: Final = 20  # responses with the same parameters that show the usual cycle
 _MOST_STEPS: Final = 1000
 
 
@@ -39,24 +45,24 @@ class Outages:
         for note in notes:
             if (noted := _hole_of(note)) is not None:
                 self._noted.setdefault(note.recording, []).append(noted)
-        self._noted = {number: _joined(holes) for number, holes in self._noted.items()}
+        self._noted = {number: _merged(holes) for number, holes in self._noted.items()}
 
     def failed(self, time: float) -> None:
         """Note that a request of `time` got no response."""
         if self.failing_since is None:
             self.failing_since = time
 
-    def ended(self, time: float) -> None:
-        """Note that the ECU had its supply at `time`, when it was asked."""
+    def supplied(self, time: float) -> None:
+        """Note that the ECU had its supply at the request of `time`."""
         since, self.failing_since = self.failing_since, None
         if since is not None and time - since > SILENT_FOR:
             self.without_supply(since - _JUST_BEFORE, time)
 
     def without_supply(self, begin: float, end: float) -> None:
-        """Note that it had no supply until the request of `end`."""
+        """Note that the ECU had no supply until the request of `end`."""
         self._off.append((begin, end - _JUST_BEFORE))
 
-    def passed(self, recording: int, begin: float, end: float, shift: float) -> None:
+    def add_pause(self, recording: int, begin: float, end: float, shift: float) -> None:
         """Note a stretch without a packet. `shift`: from the recording's own times to these."""
         if end - begin > GAP:
             noted = self._noted.get(recording, [])
@@ -73,7 +79,38 @@ class Outages:
             for begin, end, noted in self._quiet
             if noted or (cycle is not None and end - begin > least)
         ]
-        return _joined(self._off), _joined([it for it in holes if it[0] < it[1]])
+        return _merged(self._off), _merged([it for it in holes if it[0] < it[1]])
+
+
+class Timeline:
+    """Places stretches of exchanges. `shift`: from the current one's own times to the replay's.
+
+    `latest`: time of the last packet; `began`: of the recording.
+    """
+
+    def __init__(self, data: ReplayData, outages: Outages) -> None:
+        self.shift = self.latest = self.began = 0.0
+        self.recording: int | None = None
+        self._data = data
+        self._outages = outages
+
+    def enter(self, stretch: Exchanges) -> None:
+        """Place a stretch, within which times do not run back."""
+        recording = stretch.source.recording
+        if self.recording is None:
+            self._data.begin, self.shift = stretch.begin, -stretch.begin
+            self._data.baud = stretch.source.baud or self._data.baud
+        elif recording != self.recording:
+            self._outages.without_supply(self.latest + AFTER, self.latest + PAUSE)
+            self.began = self.latest + PAUSE
+            self.shift = self.began - stretch.begin
+        elif stretch.begin + self.shift < self.latest - JUMP:
+            self.shift = self.latest - stretch.begin
+        self.recording = recording
+        for begin, end in stretch.gaps:
+            since = max(begin + self.shift, self.latest)
+            self._outages.add_pause(recording, since, end + self.shift, self.shift)
+        self.latest = max(self.latest, stretch.end + self.shift)
 
 
 def _hole_of(note: Note) -> Stretch | None:
@@ -85,7 +122,7 @@ def _hole_of(note: Note) -> Stretch | None:
     began, ended = note.data.get("began"), note.data.get("ended")
     if not isinstance(began, (int, float)):
         return None
-    return float(began), float(ended) if isinstance(ended, (int, float)) else float("inf")
+    return float(began), float(ended) if isinstance(ended, (int, float)) else inf
 
 
 def _usual_cycle(series: Iterable[Series]) -> float | None:
@@ -96,12 +133,12 @@ def _usual_cycle(series: Iterable[Series]) -> float | None:
     return median(longest[at] - longest[at - 1] for at in range(1, len(longest), apart))
 
 
-def _joined(stretches: list[Stretch]) -> list[Stretch]:
+def _merged(stretches: list[Stretch]) -> list[Stretch]:
     """Return the stretches in order, overlapping ones as one."""
-    joined: list[Stretch] = []
+    merged: list[Stretch] = []
     for begin, end in sorted(stretches):
-        if joined and begin <= joined[-1][1]:
-            joined[-1] = joined[-1][0], max(end, joined[-1][1])
+        if merged and begin <= merged[-1][1]:
+            merged[-1] = merged[-1][0], max(end, merged[-1][1])
         else:
-            joined.append((begin, end))
-    return joined
+            merged.append((begin, end))
+    return merged

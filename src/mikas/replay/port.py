@@ -22,7 +22,6 @@ from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
 from mikas.options import OptionParser, check_names
 from mikas.replay.build import load
 from mikas.replay.car import ReplayCar
-from mikas.replay.model import ReplayData
 from mikas.replay.responder import ReplayResponder
 from mikas.virtual.build import WIRE_SETTINGS, wired
 
@@ -48,38 +47,19 @@ def replay_bus(
     catalog: Catalog | None = None,
     watcher: Callable[[EcuEvent], None] | None = None,
 ) -> Bus:
-    """Return the wire with the recorded ECU on it. The recording begins at `start` of the owner's
-    clock; None: with the first byte of a request.
+    """Return the wire with the recorded ECU. The recording begins at `start` of the owner's clock;
+    None: with the first byte of a request.
 
     Raise `UsageError` for a setting that does not exist or is invalid, `CaptureError` for a
     file that can't be read or holds no response.
     """
-    settings = settings or {}
+    settings, catalog = settings or {}, catalog or shipped()
     check_names(settings, SETTINGS)
+    recorded = load(path, catalog)
     given = OptionParser(settings)
-    return _bus_of(
-        load(path, catalog),
-        settings,
-        catalog or shipped(),
-        start=start,
-        seek=given.number("seek", 0.0, highest=1e9),
-        speed=given.number("speed", 1.0, highest=_FASTEST),
-        loop=given.switch("loop", default=False),
-        watcher=watcher,
-    )
-
-
-def _bus_of(
-    recorded: ReplayData,
-    settings: Mapping[str, str],
-    catalog: Catalog,
-    *,
-    start: float | None,
-    seek: float,
-    speed: float,
-    loop: bool,
-    watcher: Callable[[EcuEvent], None] | None,
-) -> Bus:
+    seek = given.number("seek", 0.0, highest=1e9)
+    speed = given.number("speed", 1.0, highest=_FASTEST)
+    loop = given.switch("loop", default=False)
     if seek >= recorded.duration:
         length = f"{recorded.duration:.1f}"
         raise UsageError(
@@ -89,11 +69,11 @@ def _bus_of(
             )
         )
     car = ReplayCar(recorded, catalog, start=start, seek=seek, speed=speed, loop=loop)
-    as_recorded = {"echo": "1" if recorded.echo else "0"}
+    wire = {"echo": "1" if recorded.echo else "0"}
     if recorded.baud in _BAUDS:
-        as_recorded["baud"] = str(recorded.baud)
-    given = {name: value for name, value in settings.items() if name in WIRE_SETTINGS}
-    return wired(ReplayResponder(car), as_recorded | given, watcher=watcher)
+        wire["baud"] = str(recorded.baud)
+    wire |= {name: value for name, value in settings.items() if name in WIRE_SETTINGS}
+    return wired(ReplayResponder(car), wire, watcher=watcher)
 
 
 def open_replay(url: str, options: dict[str, str]) -> Link:

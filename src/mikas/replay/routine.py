@@ -1,8 +1,8 @@
-"""Routine exchanges, taken in runs: an exchange after another is the same but for its data.
+"""Runs of routine exchanges, whose responses differ only in their data, kept at once.
 
-An exchange is routine if its request is known so well that one more response brings only data: the
-same result as exchange by exchange, in a fraction of the time. The first and the last of a run go
-the usual way, so that the builder's state before and behind a run is the usual one.
+An exchange is routine if one more response to its request adds only data to the replay. The result
+is the same as exchange by exchange. The first and the last exchange of a run are taken singly, so
+that the builder's state before and after a run is complete.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, joined
 from mikas.recording.exchanges.layouts import STREAMS
 from mikas.recording.exchanges.refusals import is_lone, is_twice
 from mikas.recording.exchanges.result import Exchanges
-from mikas.replay.contents import ROUNDING, Port, Request
+from mikas.replay.contents import ROUNDING, RecordedPort, Request
 from mikas.replay.model import Series
 
 if TYPE_CHECKING:
     from mikas.replay.build import ReplayBuilder
 
-_LEAST: Final = 16  # exchanges
-_NOT_BEFORE: Final = 64  # rows between two attempts where no run was found
+_MIN_RUN: Final = 16  # exchanges
+_RETRY_AFTER: Final = 64  # rows after an attempt that found no run
 
 
 class Routine:
     """The routine exchanges of one stretch."""
 
-    def __init__(self, builder: ReplayBuilder, port: Port, exchanges: Exchanges) -> None:
+    def __init__(self, builder: ReplayBuilder, port: RecordedPort, exchanges: Exchanges) -> None:
         self._builder = builder
         self._port = port
         self._exchanges = exchanges
@@ -41,21 +41,21 @@ class Routine:
         self._bodies: Bytes = np.asarray(responses.bodies)
         self._usual: Mask = self._serials == np.asarray(responses.after)
         self._usual &= ~np.isin(self._serials, np.asarray(exchanges.damaged))
-        self._again = 0
+        self._next_attempt = 0
 
     def take(self, row: int) -> int:
         """Keep the routine exchanges from `row` on, but for the last one; return how many."""
-        asked = self._port.asked
-        steady = asked and asked.answered and self._builder.outages.failing_since is None
-        if row < self._again or not asked or not steady:
+        request = self._port.request
+        steady = request and request.answered and self._builder.outages.failing_since is None
+        if row < self._next_attempt or not request or not steady:
             return 0
-        fits, series = self._fitting(row, asked)
+        fits, series = self._fitting(row, request)
         count = (int(fits.argmin()) if not fits.all() else fits.size) - 1
-        if count < _LEAST:
-            self._again = row + _NOT_BEFORE
+        if count < _MIN_RUN:
+            self._next_attempt = row + _RETRY_AFTER
             return 0
         rows = np.arange(row, row + count)
-        if asked.body[0] in STREAMS:
+        if request.body[0] in STREAMS:
             times = np.asarray(self._exchanges.responses.times)[rows] - ROUNDING
         else:
             sent = self._serials[rows] - self._exchanges.requests.first
@@ -65,11 +65,11 @@ class Routine:
         self._builder.data.frames += count
         return count
 
-    def _fitting(self, row: int, asked: Request) -> tuple[Mask, dict[int, Series]]:
+    def _fitting(self, row: int, request: Request) -> tuple[Mask, dict[int, Series]]:
         """Return which rows from `row` on are routine, and the series by the request's number."""
         numbers, serials = self._numbers[row:], self._serials[row:]
-        streamed = asked.body[0] in STREAMS
-        expected = asked.serial + (0 if streamed else 1 + np.arange(serials.size))
+        streamed = request.body[0] in STREAMS
+        expected = request.serial + (0 if streamed else 1 + np.arange(serials.size))
         fits: Mask = self._usual[row:] & (serials == expected)
         sizes = np.full(len(self._exchanges.bodies) + 1, -1)  # of -1, too
         found: dict[int, Series] = {}

@@ -30,7 +30,7 @@ from mikas.recording.exchanges.matching import (
 from mikas.recording.exchanges.packets import WINDOW, Packets, read
 from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
 from mikas.recording.exchanges.scalar import DEFAULT_BAUD
-from mikas.recording.exchanges.stream import Events, Stream
+from mikas.recording.exchanges.stream import Events, PacketStream
 
 _ECHO: Final = -2
 """Marker for echoes; they answer no request."""
@@ -84,8 +84,8 @@ class ColumnarMatcher:
         byte_time = BITS_PER_BYTE / (source.baud or DEFAULT_BAUD)
         self.matching = Matching()
         self._source = source
-        self._sent = Stream(byte_time)
-        self._received = Stream(byte_time)
+        self._sent = PacketStream(byte_time)
+        self._received = PacketStream(byte_time)
         self._sent_last = False
         self._last: float = np.inf
         self._latest = np.full(2, NO_REQUEST)  # numbers of the last two requests

@@ -11,7 +11,7 @@ from mikas.recording.exchanges.packets import Packets
 from mikas.recording.exchanges.segments import SOUND
 
 
-class Stream:
+class PacketStream:
     """Decodes frames; abandons an unfinished frame after a silence, as `exchanges.scalar` does."""
 
     def __init__(self, byte_time: float) -> None:
