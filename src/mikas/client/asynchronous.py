@@ -1,9 +1,7 @@
-"""`AsyncEcu`: the same unit for asyncio programs. Every method is `Ecu`'s own, run in a worker
-thread.
+"""`AsyncEcu`: a unit for asyncio programs. Its methods run those of `Ecu` in a worker thread.
 
-Nothing is written twice: a method here is a delegation to the one of the same name. One worker
-thread does all of it, in order, so the event loop never waits for the wire. A call that is
-cancelled is still finished by the worker; what comes after it waits for that.
+One worker thread runs all calls in order, so the event loop never waits for the line. The worker
+finishes a cancelled call before the next one.
 """
 
 from __future__ import annotations
@@ -36,34 +34,34 @@ class _Remote(Protocol[T]):
     _sync: T
 
 
-class _Delegated(Generic[T, P, R]):
-    """A method of `T`, awaited instead of called."""
+class _Method(Generic[T, P, R]):
+    """A method of `T` that runs in the worker thread."""
 
     def __init__(self, method: Callable[Concatenate[T, P], R]) -> None:
         self._method = method
         self.__doc__ = method.__doc__
 
+
+class _Delegated(_Method[T, P, R]):
+    """A method of `T`, awaited instead of called."""
+
     def __get__(
         self, instance: _Remote[T], owner: type[_Remote[T]]
     ) -> Callable[P, asyncio.Future[R]]:
         def call(*args: P.args, **kwargs: P.kwargs) -> asyncio.Future[R]:
-            ecu, sync = instance._async_ecu, instance._sync  # noqa: SLF001  (they are for this)
+            ecu, sync = instance._async_ecu, instance._sync  # noqa: SLF001  (of `_Remote`)
             return ecu.run(partial(self._method, sync, *args, **kwargs))
 
         update_wrapper(call, self._method)
         return call
 
 
-class _Iterated(Generic[T, P, R]):
-    """A method of `T` that gives an iterator, iterated with `async for`."""
-
-    def __init__(self, method: Callable[Concatenate[T, P], Iterator[R]]) -> None:
-        self._method = method
-        self.__doc__ = method.__doc__
+class _Iterated(_Method[T, P, Iterator[R]]):
+    """A method of `T` that returns an iterator, iterated with `async for`."""
 
     def __get__(self, instance: _Remote[T], owner: type[_Remote[T]]) -> Callable[P, AsyncItems[R]]:
         def call(*args: P.args, **kwargs: P.kwargs) -> AsyncItems[R]:
-            ecu, sync = instance._async_ecu, instance._sync  # noqa: SLF001  (they are for this)
+            ecu, sync = instance._async_ecu, instance._sync  # noqa: SLF001  (of `_Remote`)
             return ecu.iterate(partial(self._method, sync, *args, **kwargs))
 
         update_wrapper(call, self._method)
@@ -86,7 +84,7 @@ class _Connect(Generic[P]):
             try:
                 return owner(await asyncio.wrap_future(opening), worker)
             except BaseException:
-                opening.add_done_callback(_close)  # cancelled: it may still find the unit
+                opening.add_done_callback(_close)  # if cancelled, it may still open the unit
                 worker.shutdown(wait=False)
                 raise
 
@@ -97,8 +95,8 @@ class _Connect(Generic[P]):
 class AsyncItems(AsyncIterator[R]):
     """The items of an iterator, each fetched in the worker thread.
 
-    It ends when the task that waits for an item is cancelled, and when it is garbage-collected, so
-    a `break` frees the unit too; `aclose` raises the error of ending it.
+    Cancelling the task that waits for an item ends the iterator, and so does its garbage collection
+    after a `break`; `aclose` raises the error of ending it.
     """
 
     def __init__(self, ecu: AsyncEcu, make: Callable[[], Iterator[R]]) -> None:
@@ -119,11 +117,11 @@ class AsyncItems(AsyncIterator[R]):
         return item  # type: ignore[return-value]  # anything but _END is the iterator's
 
     async def aclose(self) -> None:
-        """End the iterator, and with it a stream that it runs. A second call does nothing."""
+        """End the iterator and a stream that it runs; a second call does nothing."""
         await self._ecu.run(self._items.close)
 
     def _end(self) -> None:
-        # Behind what the worker is doing now, before whatever it is given next.
+        # After the worker's current call, before the next one.
         self._ecu._submit(self._items.close)  # noqa: SLF001  (these items belong to it)
 
     def __del__(self) -> None:
@@ -132,7 +130,7 @@ class AsyncItems(AsyncIterator[R]):
 
 
 class _Items(Generic[R]):
-    """The worker's side of `AsyncItems`; it must not keep that object alive."""
+    """The worker's side of `AsyncItems`, without a reference to it."""
 
     def __init__(self, make: Callable[[], Iterator[R]]) -> None:
         self._make = make
@@ -187,7 +185,7 @@ class AsyncMemory:
 class AsyncEcu:
     """`async with await AsyncEcu.connect("sim:") as ecu: print(await ecu.read("TWAT"))`.
 
-    `ecu.ecu` is the `Ecu` behind it; what needs its own thread there goes through `run`.
+    `ecu.ecu` is the `Ecu`; `run` calls what has no method here.
     """
 
     connect = _Connect(connect)
@@ -223,19 +221,18 @@ class AsyncEcu:
 
     @property
     def model(self) -> Model:
-        """As `Ecu.model`; known since connect."""
+        """As `Ecu.model`."""
         return self.ecu.model
 
     @property
     def version_code(self) -> int:
-        """As `Ecu.version_code`; known since connect."""
+        """As `Ecu.version_code`."""
         return self.ecu.version_code
 
     def run(self, call: Callable[[], R]) -> asyncio.Future[R]:
-        """`call()` in the worker thread, for what has no method here.
+        """Run `call()` in the worker thread: `await ecu.run(lambda: ecu.ecu.tester.statistics)`.
 
-        `await ecu.run(lambda: ecu.ecu.tester.statistics)`. Raises what `call` raises, and
-        `LinkLost` when this is closed.
+        Raises the errors of `call`, and `LinkLost` if this is closed.
         """
         if self._closed:
             raise LinkLost(url=self.ecu.tester.link.url, problem=Text("it is closed", "он закрыт"))
@@ -255,13 +252,13 @@ class AsyncEcu:
             readings = await self.run(context.__enter__)
             yield self.iterate(lambda: readings)
         except BaseException as error:
-            # Also if it was cancelled while the worker was beginning the stream.
+            # Also if it was cancelled while the worker started the stream.
             await self.run(partial(context.__exit__, type(error), error, error.__traceback__))
             raise
         await self.run(partial(context.__exit__, None, None, None))
 
     async def close(self) -> None:
-        """Close the port and end the worker thread. A second call does nothing."""
+        """Close the port and end the worker thread; a second call does nothing."""
         if not self._closed:
             closing = self.run(self.ecu.close)
             self._closed = True
@@ -271,7 +268,7 @@ class AsyncEcu:
                 self._worker.shutdown(wait=False)
 
     def _submit(self, call: Callable[[], object]) -> None:
-        with suppress(RuntimeError):  # closed meanwhile, which has ended everything
+        with suppress(RuntimeError):  # closed meanwhile, which ended the iterator
             self._worker.submit(call)
 
     async def __aenter__(self) -> Self:

@@ -1,7 +1,7 @@
-"""The public object: one ECU, everything that can be read from it or changed in it.
+"""The public object: one ECU with all that can be read from it or changed in it.
 
-Each method says what it raises; all of it comes from `mikas.errors`. Reading changes nothing; every
-change goes through the gate. Several threads may use one `Ecu`.
+All errors are of `mikas.errors`. Reading changes nothing; every change passes the gate. Several
+threads may use one `Ecu`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Self
 
 from mikas import commands as c
@@ -56,7 +55,7 @@ def erasing(count: int) -> Text:
 
 
 class Ecu:
-    """A connected unit; made by `connect`. Close it, or use it with `with`."""
+    """A connected unit, created by `connect`. Close it, or use it in a `with` statement."""
 
     def __init__(
         self,
@@ -86,19 +85,19 @@ class Ecu:
 
     @property
     def version_code(self) -> int:
-        """The unit's answer to 01 at connect."""
+        """The unit's answer to 01 when it was connected."""
         assert self.tester.version_code is not None
         return self.tester.version_code
 
     @property
     def model(self) -> Model:
-        """The model of this version code; it may be an unknown one."""
+        """The model of this version code, perhaps an unknown one."""
         return self.catalog.model(self.version_code)
 
     # Identity
 
     def info(self) -> Info:
-        """Model, passports, number of parameters, echo, learnt limits: nine requests."""
+        """Read model, passports, number of parameters, echo and learnt limits: nine requests."""
         return Info(
             model=self.model,
             version_code=self.version_code,
@@ -111,8 +110,8 @@ class Ecu:
     def passport(self, *, again: bool = False) -> Passport:
         """Read the program's and the data's passport (51–58), once a session.
 
-        `again`: read once more; after a pause another unit may answer. A piece that was read before
-        and is missing now was lost on the line, and stays.
+        `again`: read once more, for another unit may answer after a pause. A piece that was read
+        before and is missing now was lost on the line; the earlier value stays.
         """
         if again or self._passport is None:
             before, found = self._passport, read_passport(self.tester)
@@ -124,16 +123,16 @@ class Ecu:
         return self._passport
 
     def supported(self) -> Iterator[Support]:
-        """Try every harmless command once and yield whether the unit knows it (D10)."""
+        """Try every harmless command once; yield whether the unit knows it (D10)."""
         return try_commands(self.tester)
 
     # Parameters
 
     def read(self, *names: str) -> dict[str, Reading]:
-        """Read each named parameter once; with no names, all that the unit knows.
+        """Read each named parameter once; without names, all that the unit knows.
 
-        A raw code is written `0x1A`, or `0x3F:2`. Raises `UnknownParameter`, `NotSupported` for a
-        named one that the unit does not know, or if it knows none, a `LineError`, `NoConnection`.
+        A raw code is written `0x1A`, or `0x3F:2`. Raises `UnknownParameter`, `NotSupported` if the
+        unit does not know a named parameter or knows none, `LineError`, `NoConnection`.
         """
         return self._parameters.read(names)
 
@@ -144,17 +143,16 @@ class Ecu:
         rate: float | None = None,
         count: int | None = None,
     ) -> Generator[Sample, None, None]:
-        """Yield `count` samples, or without end, as fast as the wire allows or `rate` a second.
+        """Yield `count` samples, or without end, at `rate` a second or as fast as the line allows.
 
-        A cycle that failed is a sample with `gap`; a parameter that the unit does not know is
-        missing. Raises `LinkLost`, `UnknownParameter`, and `EcuRefused` if it refuses the method
-        or every parameter.
+        A failed cycle is a sample with `gap`; parameters unknown to the unit are missing. Raises
+        `LinkLost`, `UnknownParameter`, and `EcuRefused` if the unit refuses the method or every
+        parameter.
 
-        auto, batch: as few requests (61) as the unit takes, which changes nothing in it and leaves
-        the line free in between; single: one a parameter; list: by 64 and 63, which changes the
-        unit's list; stream: 71; stroke0 … stroke4: 7F … 83. A stream keeps the line to itself until
-        what is returned is closed, or has yielded `count` samples. `mikas.sampling` finds out which
-        method is the fastest on a unit.
+        auto, batch: few requests (61), which change nothing in the unit and leave the line free
+        between cycles; single: one request a parameter; list: 64 and 63, which change the unit's
+        list; stream: 71; stroke0 … stroke4: 7F … 83. A stream occupies the line until the generator
+        is closed or has yielded `count` samples. `mikas.sampling` measures the fastest method.
         """
         fixed = fixed_method(method) or "batch"
         return Watcher(self.tester, self._parameters, names, fixed, rate).samples(count)
@@ -162,9 +160,9 @@ class Ecu:
     def stream(
         self, *names: str, stroke: int | None = None
     ) -> AbstractContextManager[Iterator[dict[str, Reading]]]:
-        """`with ecu.stream("FREQ") as readings:` — what the unit sends by itself (71, 7F–83).
+        """Stream readings until the `with` ends (71, 7F–83, D12): `with ecu.stream("FREQ") as …`.
 
-        `stroke`: 0 … 4 for one response an engine cycle (D15). Leaving the `with` ends it (D12).
+        `stroke`: 0 … 4 for one response an engine cycle (D15).
         """
         return self._parameters.stream(names, stroke=stroke)
 
@@ -176,14 +174,14 @@ class Ecu:
         return self._parameters.set_list(names)
 
     def read_list(self) -> dict[str, Reading]:
-        """Read each parameter of the list once (63); `set_list` sets it.
+        """Read each parameter of the list once (63).
 
-        Raises `UsageError` without a list, and after silence, for then the unit may have lost it.
+        Raises `UsageError` without a `set_list`, also after silence: the unit may have lost it.
         """
         return self._parameters.read_list()
 
     def forget_list(self) -> None:
-        """Take the unit's list for lost, as after its supply was off: it has to be set again."""
+        """Treat the unit's list as lost, as after a power cycle: it has to be set again."""
         self._parameters.forget_list()
 
     def write_parameter(
@@ -198,11 +196,11 @@ class Ecu:
     # Faults
 
     def faults(self) -> tuple[Fault, ...]:
-        """Read the stored faults, in the unit's order; one that the catalog lacks has no text."""
+        """Read the stored faults in the unit's order; one unknown to the catalog has no text."""
         return tuple(self.catalog.fault(code) for code in self.tester.request(c.ReadFaults()))
 
     def erase_faults(self) -> Erased:
-        """Erase the faults (two writes, §3), read again. Raises `NotConfirmed`, `WriteRefused`."""
+        """Erase the faults by two writes (§3). Raises `NotConfirmed`, `WriteRefused`."""
         before = self.faults()
         change = Change(
             what=erasing(len(before)),
@@ -218,7 +216,7 @@ class Ecu:
             except (NoResponse, NotSupported) as error:
                 if error.received:
                     raise
-                # Only an answer may be lost, and erasing twice does what erasing once does.
+                # Perhaps only an answer was lost; erasing twice has the same effect.
                 self.tester.in_a_row(*c.ERASE_FAULTS)
             return Erased(before, self.faults())
 
@@ -226,12 +224,10 @@ class Ecu:
             change, act, lambda erased: hex_or_none(bytes(fault.code for fault in erased.after))
         )
 
-    # The rest
-
     def goto(self, address: int) -> bytes:
-        """Make the ECU jump to `address` (41), the most dangerous command.
+        """Make the ECU jump to `address` (41), the most dangerous command; return its response.
 
-        Returns the body of a response, empty for the expected silence (D9).
+        The expected silence (D9) is returned as empty bytes.
         """
         command = c.GoTo(address)
         change = Change(
@@ -245,8 +241,8 @@ class Ecu:
     def raw(self, body: bytes) -> bytes | None:
         """Send any request body; return the response's body, None for silence.
 
-        A command that is not known to be harmless passes the gate. Raises `NotConfirmed`, `NoEcho`,
-        or a `LineError` for a damaged or doubled response.
+        Unless the command is known to be harmless, it passes the gate. Raises `NotConfirmed`,
+        `NoEcho`, or a `LineError` for a damaged or doubled response.
         """
         if not body:
             raise UsageError(problem=Text("there is nothing to send", "нечего посылать"))
@@ -267,48 +263,38 @@ class Ecu:
 
         return self._gate.make(change, act, hex_or_none)
 
-    # What was learnt
-
     def limits(self) -> Limits:
-        """Return a copy of what was learnt of this unit.
-
-        May read the unit's passport, and raises what that raises.
-        """
+        """Return a copy of the learnt limits. May read the unit's passport and raise its errors."""
         return self._limits.limits().copy()
 
     def keep_timings(self, adapter: str, timings: Mapping[str, MethodTiming]) -> None:
-        """Save how fast each sampling method is with this kind of adapter."""
+        """Save the speed of each sampling method with this kind of adapter."""
         self._limits.keep_timings(adapter, timings)
 
     def forget_limits(self) -> None:
-        """Forget all that was learnt of this unit, the saved limits too; it is learnt again."""
+        """Delete the learnt limits of this unit, the saved ones too."""
         self._limits.forget()
 
     def _whose(self) -> dict[str, object]:
         return {"port": self.tester.link.url, "model": self.model.text.en}
 
     def close(self) -> None:
-        """End a running stream and close the port. A second call does nothing."""
+        """End a running stream and close the port; a second call does nothing."""
         self.tester.close()
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 
 def poller_of(
     ecu: Ecu, method: FixedMethod, streamed: Sequence[Parameter] = (), *, again: bool = False
 ) -> Poller:
-    """Create a poller of `ecu` by `method`; `streamed`: what a stream sends.
+    """Create a poller of `ecu` by `method`; `streamed`: the parameters of a stream.
 
-    `again`: ask once more for parameters that the unit has refused before.
+    `again`: also request parameters that the unit has refused before.
     """
-    parameters = ecu._parameters  # noqa: SLF001  (what samples an ECU belongs to it as its methods)
+    parameters = ecu._parameters  # noqa: SLF001  (a method in all but its place)
     return create_poller(ecu.tester, parameters, method, streamed, again=again)

@@ -1,8 +1,8 @@
-"""What was learnt about one unit: how long a list and a block it takes (D11), what it lacks (D10),
-and how fast each sampling method is with each kind of adapter.
+"""The learnt limits of a unit: the longest list and block (D11), unknown parameters (D10), and the
+speed of each sampling method with each kind of adapter.
 
-Kept in the user's state folder under the unit's passports, so that the next session begins with it.
-`LimitsCache` has the limits of the connected unit: loaded when first needed, saved as they change.
+`LimitsStore` keeps them in the user's state folder under the unit's passports for the next session.
+`LimitsCache` has those of the connected unit: loaded at first use, saved at each change.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ import json
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, replace
+from copy import deepcopy
+from dataclasses import asdict, dataclass, field
 from hashlib import sha256
 from math import isfinite
 from pathlib import Path
@@ -20,19 +21,19 @@ from typing import Any
 from mikas.commands import LARGEST_BLOCK
 from mikas.errors import LineError, NoConnection
 
-STARTING_LIST = 64  # far over the 21 codes of §4, and a request of 66 bytes is still only 70 ms
+STARTING_LIST = 64  # far above the 21 codes of §4; a request of 66 bytes takes only 70 ms
 
-_ADAPTERS = 8  # kinds of adapter whose timings are kept for a unit: the latest
-# What reading a file can raise that holds anything but limits.
+_ADAPTERS = 8  # latest kinds of adapter whose timings are kept for a unit
+# Errors of reading a file that holds no limits.
 _NO_LIMITS = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError)
 
 
 @dataclass(frozen=True, slots=True)
 class MethodTiming:
-    """How a method of sampling did, with lists of `codes` parameters.
+    """The speed of a sampling method with lists of `codes` parameters.
 
-    `delay`: the seconds that each response took beyond its bytes and its request's: the unit's
-    turn-round, the adapter's lumps, the system. None: the unit does not take the method.
+    `delay`: the seconds of each exchange beyond its bytes, spent by the unit, the adapter and the
+    system. None: the unit does not support the method.
     """
 
     codes: int
@@ -41,48 +42,46 @@ class MethodTiming:
 
 @dataclass(slots=True)
 class Limits:
-    """The bounds in force, found by halving."""
+    """The limits in force, found by halving.
+
+    `max_block` is by memory space, 1 means byte by byte; `refused` has unknown parameter codes;
+    `methods` is by kind of adapter, for an adapter that lumps bytes reverses their order.
+    """
 
     max_list: int = STARTING_LIST
-    max_block: dict[str, int] = field(default_factory=dict)  # by memory space; 1: byte by byte
-    refused: list[int] = field(default_factory=list)  # parameter codes that it does not know
+    max_block: dict[str, int] = field(default_factory=dict)
+    refused: list[int] = field(default_factory=list)
     methods: dict[str, dict[str, MethodTiming]] = field(default_factory=dict)
-    """By kind of adapter, then by method: one that lumps bytes turns their order round."""
 
     def block(self, space: str) -> int:
-        """The largest block of `space` that is tried."""
+        """Return the largest block of `space` to request."""
         return self.max_block.get(space, LARGEST_BLOCK)
 
     def copy(self) -> Limits:
-        """As they are now."""
-        return replace(
-            self,
-            max_block=dict(self.max_block),
-            refused=list(self.refused),
-            methods={adapter: dict(paces) for adapter, paces in self.methods.items()},
-        )
+        """Return a deep copy."""
+        return deepcopy(self)
 
     @property
     def learnt(self) -> bool:
-        """Whether anything differs from what every unit starts with."""
+        """Whether a limit differs from the starting values."""
         return self != Limits()
 
 
 class LimitsStore:
-    """The limits of every unit met, a file each."""
+    """The saved limits of every unit, a file each."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
     @property
     def empty(self) -> bool:
-        """Whether nothing was ever saved: then no unit has to be asked for its passport."""
+        """Whether nothing was saved, so that no passport has to be read."""
         with suppress(OSError):
             return not any(self.folder.glob("*.json"))
         return True
 
     def load(self, version_code: int, passports: tuple[str, ...]) -> Limits:
-        """Load what was learnt of this unit; a file that can't be read counts as nothing learnt."""
+        """Load the limits of a unit; the starting values if its file is missing or invalid."""
         with suppress(OSError, *_NO_LIMITS):
             stored = json.loads(self._file(version_code, passports).read_text("utf-8"))
             limits = Limits(
@@ -93,33 +92,32 @@ class LimitsStore:
                 },
                 refused=[int(code) for code in stored["refused"]],
                 methods={
-                    str(adapter): {str(method): _pace(pace) for method, pace in paces.items()}
-                    for adapter, paces in stored.get("methods", {}).items()
+                    str(adapter): {str(method): _timing(timing) for method, timing in each.items()}
+                    for adapter, each in stored.get("methods", {}).items()
                 },
             )
-            # An earlier version kept all of it.
+            # An earlier version saved all limits of units without passports.
             return limits if any(passports) else Limits(methods=_working(limits.methods))
         return Limits()
 
     def save(self, version_code: int, passports: tuple[str, ...], limits: Limits) -> None:
-        """Save `limits`. A failure costs only time in the next session, so it is not reported.
+        """Save `limits`. A failure only costs time in the next session, so it is not reported.
 
-        Units with empty passports can't be distinguished. Of them only timings are saved, which
-        the first cycles of a session check.
+        Units with empty passports can't be distinguished: only timings are saved of them, which the
+        first cycles of a session check.
         """
         if not any(passports):
             limits = Limits(methods=_working(limits.methods))
         with suppress(OSError):
             self.folder.mkdir(parents=True, exist_ok=True)
-            kept = self._file(version_code, passports)
-            fresh = kept.with_suffix(".new")
-            fresh.write_text(
-                json.dumps({"passports": passports, **asdict(limits)}, ensure_ascii=False), "utf-8"
-            )
-            fresh.replace(kept)
+            file = self._file(version_code, passports)
+            new = file.with_suffix(".new")
+            content = {"passports": passports, **asdict(limits)}
+            new.write_text(json.dumps(content, ensure_ascii=False), "utf-8")
+            new.replace(file)
 
     def forget(self, version_code: int, passports: tuple[str, ...]) -> None:
-        """Delete what was learnt of this unit; a file that can't be deleted stays in force."""
+        """Delete the limits of a unit; a file that can't be deleted stays in force."""
         with suppress(OSError):
             self._file(version_code, passports).unlink(missing_ok=True)
 
@@ -129,10 +127,7 @@ class LimitsStore:
 
 
 class LimitsCache:
-    """The limits in force. `store`: where those of every unit are kept, by version and passport.
-
-    `passport`: reads the unit's passport; called only if there is anything to load or to save.
-    """
+    """The limits of the connected unit. `passport` is read only to load or to save in `store`."""
 
     def __init__(
         self,
@@ -147,9 +142,7 @@ class LimitsCache:
         self._limits: Limits | None = None
 
     def limits(self) -> Limits:
-        """Return the limits, which the caller may change. May ask the unit for its passport, and
-        raises what that raises.
-        """
+        """Return the limits, which the caller may change. Raises the errors of `passport`."""
         with self._lock:
             if self._limits is None:
                 if self._store is None or self._store.empty:
@@ -161,12 +154,12 @@ class LimitsCache:
     def keep(self) -> None:
         """Save the limits for the next session."""
         if self._store is not None and self._limits is not None:
-            # What was read is valid, even if the unit's passport can't be read now.
+            # The limits are valid even if the passport can't be read now.
             with self._lock, suppress(LineError, NoConnection):
                 self._store.save(self._version_code(), self._passport(), self._limits)
 
     def keep_timings(self, adapter: str, timings: Mapping[str, MethodTiming]) -> None:
-        """Replace what is known of this kind of adapter, and save it."""
+        """Replace and save the timings of this kind of adapter."""
         with self._lock:
             kinds = self.limits().methods
             kinds.pop(adapter, None)
@@ -176,27 +169,27 @@ class LimitsCache:
             self.keep()
 
     def forget(self) -> None:
-        """Forget all limits of this unit, the saved ones too."""
+        """Delete all limits of this unit, the saved ones too."""
         with self._lock:
             self._limits = Limits()
             if self._store is not None:
                 self._store.forget(self._version_code(), self._passport())
 
     def reset(self) -> None:
-        """Forget which limits are in force: another unit is connected."""
+        """Drop the cached limits: another unit is connected."""
         with self._lock:
             self._limits = None
 
 
 def _working(methods: dict[str, dict[str, MethodTiming]]) -> dict[str, dict[str, MethodTiming]]:
-    """Leave out the methods that a unit does not take: another unit may take them."""
+    """Leave out the methods that a unit does not support: another unit may support them."""
     return {
-        adapter: {method: pace for method, pace in paces.items() if pace.delay is not None}
-        for adapter, paces in methods.items()
+        adapter: {method: timing for method, timing in each.items() if timing.delay is not None}
+        for adapter, each in methods.items()
     }
 
 
-def _pace(stored: dict[str, Any]) -> MethodTiming:
+def _timing(stored: dict[str, Any]) -> MethodTiming:
     codes, delay = int(stored["codes"]), stored["delay"]
     if delay is None:
         return MethodTiming(codes, None)
@@ -206,7 +199,7 @@ def _pace(stored: dict[str, Any]) -> MethodTiming:
 
 
 def default_folder() -> Path:
-    """In the user's state folder."""
+    """Return the folder in the user's state folder."""
     from platformdirs import user_state_path
 
     return user_state_path("mikas", appauthor=False) / "units"

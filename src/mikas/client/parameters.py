@@ -34,11 +34,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """One parameter, read once.
+    """One value of a parameter, with unit, bytes, time and interpretation.
 
-    `value` is in `unit`; `raw` the datum as it came, low byte first; `time` when the response began
-    on the wire, in the link's clock (UNIX time on a real one); `reading` the sense in which it was
-    decoded: the session's, or `corrected` for a parameter that has no such.
+    `raw`: the datum as received, low byte first. `time`: the start of the response on the wire, in
+    the link's clock. `interpretation`: the session's, or `corrected` if the parameter lacks that.
     """
 
     parameter: Parameter
@@ -62,16 +61,13 @@ class Reading:
 def decode(parameter: Parameter, raw: bytes, time: float, interpretation: str) -> Reading:
     """Decode `raw` into a reading."""
     conversion = parameter.interpretation(interpretation)
-    taken = interpretation if interpretation in parameter.interpretations else "corrected"
-    return Reading(parameter, conversion.decode(raw), conversion.unit, raw, time, taken)
+    used = interpretation if interpretation in parameter.interpretations else "corrected"
+    return Reading(parameter, conversion.decode(raw), conversion.unit, raw, time, used)
 
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """The readings of one cycle of `watch`. A parameter that could not be read is missing.
-
-    `gap`: nothing came, `error` says why. A value is never repeated from the cycle before.
-    """
+    """The readings of one cycle of `watch`. A parameter that could not be read is missing."""
 
     time: float
     readings: Mapping[str, Reading] = field(default_factory=lambda: MappingProxyType({}))
@@ -79,7 +75,7 @@ class Sample:
 
     @property
     def gap(self) -> bool:
-        """Whether nothing came; `error` then says why."""
+        """Whether the cycle failed; `error` is the reason."""
         return self.error is not None
 
 
@@ -92,7 +88,7 @@ _TOO_LONG = Text(
 
 @dataclass(frozen=True, slots=True)
 class WrittenParameter:
-    """What a parameter write did. `before` and `after`: None where it can't be read."""
+    """The result of a parameter write. `before`, `after`: None if unreadable."""
 
     name: str
     before: Reading | None
@@ -114,7 +110,7 @@ class Parameters:
         self._list_lock = threading.RLock()  # the unit has one list for all threads
 
     def named(self, names: Sequence[str]) -> tuple[Parameter, ...]:
-        """Return the parameters of these names, all of the catalog if there are none."""
+        """Return the parameters of these names; without names, all of the catalog."""
         for name in names:
             if not isinstance(name, str):
                 raise UsageError(
@@ -126,9 +122,9 @@ class Parameters:
         return tuple(map(self._catalog.parameter, names)) or self._catalog.parameters
 
     def read(self, names: Sequence[str]) -> dict[str, Reading]:
-        """Read each once. Raises `NotSupported` for a named one that the unit does not know.
+        """Read each named parameter once; without names, all that the unit knows.
 
-        With no names: all that the unit knows, the others are left out.
+        Raises `NotSupported` if the unit does not know a named parameter, or knows none.
         """
         wanted = self.named(names)
         got = self.fetch(wanted, again=bool(names))
@@ -140,10 +136,7 @@ class Parameters:
     def fetch(
         self, wanted: Sequence[Parameter], method: str = "batch", *, again: bool = False
     ) -> dict[int, RawDatum]:
-        """Read the data of `wanted` by code, each code once.
-
-        `again`: also those that the unit has refused before. Raises as `DataReader.batch` does.
-        """
+        """Read the data of `wanted`, each code once. Arguments and errors: `DataReader.batch`."""
         read = self._data.single if method == "single" else self._data.batch
         return read(distinct(wanted), again=again)
 
@@ -152,7 +145,7 @@ class Parameters:
         return self._data.refuses(p.code for p in wanted)
 
     def readings(self, wanted: Sequence[Parameter], got: dict[int, RawDatum]) -> dict[str, Reading]:
-        """Decode the readings of those of `wanted` that are in `got`."""
+        """Decode those of `wanted` whose code is in `got`."""
         return {
             p.name: decode(p, got[p.code].raw, got[p.code].time, self._interpretation)
             for p in wanted
@@ -162,7 +155,7 @@ class Parameters:
     # Lists, 63 and 64
 
     def set_list(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Set the unit's list (64), which `read_list` then reads; a power cycle forgets it."""
+        """Set the unit's list (64) for `read_list`; a power cycle clears it."""
         wanted = self.named(names)
         self._write_list(wanted)
         return tuple(p.name for p in wanted)
@@ -177,7 +170,7 @@ class Parameters:
         change = Change(
             what=Text(
                 f"set what the unit is to tell at once: {parameters.en}",
-                f"задать, что блок сообщает разом: {parameters.ru}",
+                f"задать список блока: {parameters.ru}",
             ),
             safety=c.WriteList.SAFETY,
             command=c.WriteList.SOURCE_NAME,
@@ -194,7 +187,7 @@ class Parameters:
             except (NoResponse, NotSupported) as error:
                 if error.received:
                     raise
-                # Perhaps only the answer was lost, and setting the list twice does no harm.
+                # Perhaps only the answer was lost; setting the list twice has the same effect.
                 self._tester.request(c.WriteList(data))
             self._listed = wanted
 
@@ -203,19 +196,18 @@ class Parameters:
 
     @contextmanager
     def _holding_the_list(self) -> Iterator[None]:
-        self._tester.check_free()  # else its holder may be waiting for this thread's stream
+        self._tester.check_free()  # the lock's holder may wait for a stream of this thread
         with self._list_lock:
             yield
 
     def forget_list(self) -> None:
-        """Take the unit's list for unknown: it has to be set before `read_list`."""
+        """Treat the unit's list as lost: it has to be set before `read_list`."""
         self._listed = ()
 
     def read_list(self) -> dict[str, Reading]:
         """Read each parameter of the list that this session set (63).
 
-        A unit that has lost its supply meanwhile has forgotten it: after silence or a refusal the
-        list has to be set again.
+        A power cycle clears the list, so after silence or a refusal it has to be set again.
         """
         with self._holding_the_list():
             if not self._listed:
@@ -230,7 +222,7 @@ class Parameters:
             return self.readings(self._listed, got)
 
     def through_list(self, wanted: tuple[Parameter, ...]) -> dict[str, Reading]:
-        """Read each of `wanted` by the unit's list, which is set first if it is another."""
+        """Read `wanted` by the unit's list, which is set first if it differs."""
         with self._holding_the_list():
             if self._listed != wanted:
                 self._write_list(wanted)
@@ -242,16 +234,13 @@ class Parameters:
     def stream(
         self, names: Sequence[str], *, stroke: int | None = None
     ) -> Iterator[Iterator[dict[str, Reading]]]:
-        """Yield the readings that the unit sends on its own, until the `with` is left (D12).
-
-        `stroke`: 0 … 4 for one response an engine cycle (D15); None for the cyclic stream.
-        """
+        """Stream readings until the `with` ends (D12); `stroke` as for `Ecu.stream`."""
         wanted = self.named(names)
         with self.raw_stream(wanted, stroke) as stream:
             yield (self.of_item(wanted, item) for item in stream)
 
     def raw_stream(self, wanted: Sequence[Parameter], stroke: int | None) -> Stream:
-        """Start the tester's stream of `wanted`, to be closed."""
+        """Start the tester's stream of `wanted`; the caller closes it."""
         data = distinct(wanted)
         command = c.StreamCyclic(data) if stroke is None else c.StreamAtStroke(data, stroke)
         return self._tester.stream(command)
@@ -287,7 +276,7 @@ class Parameters:
                 after = None if error.received else self._one(parameter)
                 if not (before and after and before.raw != data == after.raw):
                     raise
-                # It was written: only the answer was lost.
+                # The write succeeded; only the answer was lost.
             else:
                 after = self._one(parameter)
             if after and after.raw != data:
@@ -325,9 +314,9 @@ class Parameters:
 
 
 def distinct(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
-    """Return their codes, each once: RXX, BITPOW and RDET are one byte (§5).
+    """Return each code once: RXX, BITPOW and RDET share one byte (§5).
 
-    Raises `UsageError` for one code with two sizes: its data could not be separated.
+    Raises `UsageError` for a code with two sizes, whose data could not be separated.
     """
     sizes: dict[int, int] = {}
     for p in parameters:
@@ -342,8 +331,8 @@ def distinct(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
 
 
 def _list_of(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
-    """Return the list for 64. A list of a single byte holds it twice: a unit that has forgotten its
-    list may answer 63 with 01 (D10), and that must not look like a datum.
+    """Return the list for 64. A single byte is listed twice: a unit that has lost its list may
+    answer 63 with 01 (D10), which must not look like a datum.
     """
     data = distinct(parameters)
     return data * 2 if data == ((data[0].code, 1),) else data
