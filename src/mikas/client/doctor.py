@@ -1,7 +1,7 @@
 """The check of the connection, step by step: port, echo, baud, latency, line, ECU (D1).
 
-Each step passes, or says what to do; a step after which no ECU can answer ends the check. Steps are
-yielded one by one, so that they can be shown as they run.
+Each step passes or gives advice. A step after which no ECU can answer ends the check. Steps are
+yielded one by one, so that a user interface can show them as they run.
 """
 
 from __future__ import annotations
@@ -30,19 +30,19 @@ from mikas.tester import Tester
 STEPS = ("port", "echo", "baud", "latency", "line", "ecu", "commands")
 
 _TRIES = 20
-_MANY = 3  # failed exchanges of these; more of them is more than repetitions should have to cure
+_MOST_FAILURES = 3  # of these tries on an acceptable line
 _LONG = 96  # parameters in the long request: 100 ms of echo, six times a 16 ms latency timer
-_TIMES = 3
-_LUMPS = 0.008  # s; no wire and no unit delays a response so long, but a USB latency timer does
+_REPETITIONS = 3
+_LUMPS = 0.008  # s; a USB latency timer delays a response so long, a wire or a unit does not
 _TOLERANCE = 0.2
 _RPM = c.Datum(0x29, 1)
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One result. `ok` None: unknown, or could be better; the other steps do not depend on it.
+    """One result. `ok` None: unknown, or could be better; other steps do not depend on it.
 
-    `detail` says what to do, unless all is well. `error`: the error whose text `detail` is.
+    `detail` advises what to do if `ok` is not True. `error`: the error whose text is `detail`.
     """
 
     name: str
@@ -56,7 +56,7 @@ def examine(
 ) -> Iterator[Step]:
     """Yield the steps in the order of `STEPS`, until no ECU can answer. Closes the port.
 
-    Raises what `open_port` raises, except a `NoConnection`, which is a result.
+    Raises the errors of `open_port`, except `NoConnection`, which is a result.
     """
     try:
         link = open_port()
@@ -82,13 +82,13 @@ def _on_the_line(tester: Tester, catalog: Catalog) -> Iterator[Step]:
     yield Step("echo", True, _ECHO if tester.echoes else _NO_ECHO)
     name = "baud"
     try:
-        pace = float(tester.link.baud)
+        rate = float(tester.link.baud)
         if tester.echoes:
             measured = _measured_baud(tester)
             yield _baud(measured, tester.link.baud)
-            pace = min(pace, measured) if measured else pace
+            rate = min(rate, measured) if measured else rate
         name = "line"
-        yield from _availability(tester, 10 / pace)
+        yield from _availability(tester, 10 / rate)
         yield Step("ecu", True, catalog.model(version_code).text)
         name = "commands"
         yield _commands(tester)
@@ -98,8 +98,8 @@ def _on_the_line(tester: Tester, catalog: Catalog) -> Iterator[Step]:
 
 _ECHO = Text("the adapter returns what it sends", "адаптер возвращает посланное")
 _NO_ECHO = Text(
-    "the adapter keeps the echo to itself; two talking at once can't be noticed",
-    "адаптер не возвращает эха: если говорят двое сразу, этого не видно",
+    "the adapter keeps the echo, so collisions on the line can't be detected",
+    "адаптер не возвращает эхо, поэтому коллизии на линии не обнаруживаются",
 )
 
 
@@ -108,52 +108,43 @@ def _failed(name: str, error: MikasError) -> Step:
 
 
 def _measured_baud(tester: Tester) -> float | None:
-    """Measure the baud rate: how much longer a long request's echo takes than a short one's.
+    """Measure the baud rate by the difference of a long and a short request's echo times.
 
-    The quickest of several each: a busy computer can only add to them.
+    The shortest of several times counts, for a busy computer only adds delays.
     """
     bodies = [c.ReadParameters((_RPM,) * count).body() for count in (1, _LONG)]
     try:
-        short, long = (min(tester.time_echo(body) for _ in range(_TIMES)) for body in bodies)
-    except LineError:  # the next step shows how bad the line is
+        short, long = (min(tester.time_echo(body) for _ in range(_REPETITIONS)) for body in bodies)
+    except LineError:  # the next step rates the line
         return None
     return 10 * (_LONG - 1) / max(long - short, 1e-6)
 
 
 def _baud(measured: float | None, wanted: int) -> Step:
-    """Whether that is as fast as it should be."""
+    """Rate the measured speed."""
     if measured is None:
-        return Step(
-            "baud",
-            None,
-            Text("not measured: the echo was damaged", "не измерена: эхо пришло испорченным"),
-        )
-    told = Text(f"about {measured:.0f} bit/s", f"около {measured:.0f} бит/с")
+        text = Text("not measured: the echo was damaged", "не измерена: эхо повреждено")
+        return Step("baud", None, text)
+    rate = Text(f"about {measured:.0f} bit/s", f"около {measured:.0f} бит/с")
     if measured > wanted * 2:
-        return Step(
-            "baud",
-            None,
-            Text(
-                "the echo comes faster than a wire carries it: the adapter makes it itself, or "
-                "this is a network or a virtual port. The ECU's answer tells the rest.",
-                "эхо приходит быстрее, чем идёт по проводу: его делает сам адаптер, или порт "
-                "сетевой либо виртуальный. Остальное скажет ответ блока.",
-            ),
+        text = Text(
+            "the echo arrives faster than a wire carries it: the adapter generates it, or this is "
+            "a network or a virtual port. The baud rate is checked by the ECU's answer.",
+            "эхо приходит быстрее, чем по проводу: его формирует сам адаптер, или порт сетевой "
+            "либо виртуальный. Скорость проверит ответ блока.",
         )
+        return Step("baud", None, text)
     if abs(measured - wanted) > wanted * _TOLERANCE:
-        return Step(
-            "baud",
-            False,
-            Text(
-                f"{told.en} instead of {wanted}. Likely, in order: the other end runs at another "
-                "pace (its own baud setting); the computer is too busy; the adapter is slow. "
-                "Correct that pace, or close other programs and try again.",
-                f"{told.ru} вместо {wanted}. Скорее всего, по порядку: другой конец работает на "
-                "другой скорости (она задаётся у него); компьютер слишком занят; адаптер медлит. "
-                "Исправьте скорость или закройте другие программы и повторите.",
-            ),
+        text = Text(
+            f"{rate.en} instead of {wanted}. Likely, in order: the other end is set to another "
+            "baud rate; the computer is too busy; the adapter is slow. Correct the baud rate, or "
+            "close other programs and try again.",
+            f"{rate.ru} вместо {wanted}. Скорее всего, по порядку: на другой стороне задана другая "
+            "скорость; компьютер слишком занят; адаптер медленный. Исправьте скорость или закройте "
+            "другие программы и повторите.",
         )
-    return Step("baud", True, told)
+        return Step("baud", False, text)
+    return Step("baud", True, rate)
 
 
 def _availability(tester: Tester, byte_time: float) -> Iterator[Step]:
@@ -165,7 +156,7 @@ def _availability(tester: Tester, byte_time: float) -> Iterator[Step]:
             _, reply = tester.exchange(c.Availability(), retries=0)
         except LineError as error:
             failed.append(error)
-            if len(failed) > _MANY:
+            if len(failed) > _MOST_FAILURES:
                 break
             continue
         bytes_passed = len(reply.wire) + 3
@@ -176,42 +167,33 @@ def _availability(tester: Tester, byte_time: float) -> Iterator[Step]:
 
 
 def _latency(delay: float) -> Step:
-    """The time of an answer beyond the wire's: the unit's turn-round, the adapter's delay."""
+    """Rate the time of an answer beyond the wire's: the unit's reaction, the adapter's delay."""
     milliseconds = f"{delay * 1000:.1f}"
-    told = Text(f"{milliseconds} ms a request", f"{milliseconds.replace('.', ',')} мс на запрос")
+    time = Text(f"{milliseconds} ms a request", f"{milliseconds.replace('.', ',')} мс на запрос")
     if delay < _LUMPS:
-        return Step("latency", True, told)
-    return Step(
-        "latency",
-        None,
-        Text(
-            f"{told.en}: the adapter hands bytes over in lumps. It works, but slower; an FT232's "
-            "latency timer can be set to 1 ms (in Windows: Device Manager, the port, Port "
-            "Settings, Advanced)",
-            f"{told.ru}: адаптер отдаёт байты порциями. Работает, но медленнее; таймер задержки "
-            "FT232 можно поставить на 1 мс (в Windows: Диспетчер устройств, порт, Параметры "
-            "порта, Дополнительно)",
-        ),
+        return Step("latency", True, time)
+    text = Text(
+        f"{time.en}: the adapter hands bytes over in lumps. It works, but slower; an FT232's "
+        "latency timer can be set to 1 ms (in Windows: Device Manager, the port, Port Settings, "
+        "Advanced)",
+        f"{time.ru}: адаптер отдаёт байты порциями. Работает, но медленнее; таймер задержки FT232 "
+        "можно поставить на 1 мс (в Windows: Диспетчер устройств, порт, Параметры порта, "
+        "Дополнительно)",
     )
+    return Step("latency", None, text)
 
 
 def _line(tried: int, failed: list[LineError]) -> Step:
-    """The number of failed exchanges, and the last error."""
+    """Rate the number of failed exchanges; show the last error."""
     if not failed:
-        return Step(
-            "line",
-            True,
-            Text(f"{tried} exchanges, none failed", f"обменов {tried}, все чистые"),
-        )
-    last = failed[-1]
-    return Step(
-        "line",
-        False if len(failed) > _MANY else None,
-        Text(
-            f"{len(failed)} of {tried} exchanges failed; the last: {last.text.en}",
-            f"испорчено обменов: {len(failed)} из {tried}; последний: {last.text.ru}",
-        ),
+        text = Text(f"{tried} exchanges, none failed", f"обменов {tried}, все без ошибок")
+        return Step("line", True, text)
+    last = failed[-1].text
+    text = Text(
+        f"{len(failed)} of {tried} exchanges failed; the last: {last.en}",
+        f"обменов с ошибкой: {len(failed)} из {tried}; последний: {last.ru}",
     )
+    return Step("line", False if len(failed) > _MOST_FAILURES else None, text)
 
 
 def _commands(tester: Tester) -> Step:
@@ -219,20 +201,11 @@ def _commands(tester: Tester) -> Step:
     lacking = [support.command for support in tried if not support.known]
     known = len(tried) - len(lacking)
     if not lacking:
-        return Step(
-            "commands",
-            True,
-            Text(f"all {known} that were tried", f"работают все проверенные, {known}"),
-        )
-    lacks = [
-        Text(f"{it.CODES[0]:02X} {it.TITLE.en}", f"{it.CODES[0]:02X} {it.TITLE.ru}")
-        for it in lacking
-    ]
-    return Step(
-        "commands",
-        None,
-        Text(
-            f"{known} known; this unit does not know: {', '.join(it.en for it in lacks)}",
-            f"известно {known}; блок не знает: {', '.join(it.ru for it in lacks)}",
-        ),
+        text = Text(f"all {known} that were tried", f"работают все проверенные, {known}")
+        return Step("commands", True, text)
+    en = ", ".join(f"{command.CODES[0]:02X} {command.TITLE.en}" for command in lacking)
+    ru = ", ".join(f"{command.CODES[0]:02X} {command.TITLE.ru}" for command in lacking)
+    text = Text(
+        f"{known} known; this unit does not know: {en}", f"известно {known}; блок не знает: {ru}"
     )
+    return Step("commands", None, text)

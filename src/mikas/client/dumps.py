@@ -25,11 +25,11 @@ SCHEMA = 1
 
 @dataclass(slots=True)
 class Manifest:
-    """What a dump's file holds. `time`: the link's clock at its last change.
+    """The description of a dump's file. `time`: the link's clock at the last change.
 
-    `verify`: a second pass is wanted; `checked`: its bytes so far; `differences`: what it found in
-    them, None before it has begun; `verified`: whether it agreed, None before its end. A manifest
-    without these three is of an older program.
+    `verify`: a second pass is wanted; `checked`: its bytes so far; `differences`: the number found
+    in them, None before its start; `verified`: whether it agreed, None before its end. Manifests of
+    an older program lack `verify`, `checked`, `differences`.
     """
 
     space: str
@@ -50,33 +50,33 @@ class Manifest:
 
     @property
     def size(self) -> int:
-        """Bytes of the whole."""
+        """The bytes of the complete range."""
         return self.last - self.first + 1
 
     @property
     def finished(self) -> bool:
-        """Whether nothing is left to do: the second pass, if it is wanted, has ended too."""
+        """Whether the dump is complete and a wanted second pass has ended."""
         return self.complete and (not self.verify or self.checked >= self.size)
 
-    def holds(self, count: int) -> None:
-        """The file has so many bytes. What was said of a longer one is true no more."""
+    def set_bytes_read(self, count: int) -> None:
+        """Set the bytes in the file; if some are missing, drop checksum and second pass."""
         self.bytes_read = min(self.size, count)
         if self.bytes_read < self.size:
             self.complete, self.verified, self.sha256 = False, None, None
             self.checked, self.differences = 0, None
 
     def as_json(self) -> dict[str, Any]:
-        """As it stands in the file."""
+        """Return the content of the manifest's file."""
         return asdict(self)
 
 
 def manifest_path(file: Path) -> Path:
-    """`dump.bin` → `dump.bin.json`."""
+    """Return `dump.bin.json` for `dump.bin`."""
     return file.with_name(file.name + ".json")
 
 
 def read_manifest(file: Path) -> Manifest | None:
-    """The manifest of `file`; None if there is none. Raises `UsageError` if it is not one."""
+    """Return the manifest of `file`, None if missing. Raises `UsageError` for an invalid one."""
     path = manifest_path(file)
     if not path.exists():
         return None
@@ -84,15 +84,17 @@ def read_manifest(file: Path) -> Manifest | None:
         stored = json.loads(path.read_text("utf-8"))
         manifest = Manifest(**{**stored, "passport": tuple(stored["passport"])})
         check_range(manifest.space, last_of(manifest.space), manifest.first, manifest.size)
-        _read_second_pass(manifest)
+        _complete_second_pass(manifest)
     except (OSError, ValueError, TypeError, KeyError) as error:
-        raise wrong(path, "it is no manifest of a dump", "это не описание образа") from error
+        raise file_error(path, "it is no manifest of a dump", "это не описание дампа") from error
     return manifest
 
 
-def _read_second_pass(manifest: Manifest) -> None:
-    """Raises `ValueError`, `TypeError`. An older program kept only whether the second pass agreed:
-    if it did not, the number is not known, so it is to be made again.
+def _complete_second_pass(manifest: Manifest) -> None:
+    """Check the second pass's fields, and derive those that an older program did not write.
+
+    An older program kept only whether the pass agreed. If not, the number of differences is unknown
+    and the pass is repeated. Raises `ValueError`, `TypeError`.
     """
     found, checked = manifest.differences, manifest.checked
     if not isinstance(checked, int) or not isinstance(found, int | None):
@@ -108,17 +110,17 @@ def _read_second_pass(manifest: Manifest) -> None:
         manifest.checked = 0
 
 
-def wrong(file: Path, en: str, ru: str) -> UsageError:
-    """What is not right about `file`."""
+def file_error(file: Path, en: str, ru: str) -> UsageError:
+    """Return the error for `file`."""
     return UsageError(problem=Text(f"{file}: {en}", f"{file}: {ru}"))
 
 
-Progress = Callable[[int], None]  # told how many more bytes are done
+Progress = Callable[[int], None]  # gets the number of bytes done since the last call
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Two bytes at one address that differ; None: one side has no byte there."""
+    """Two different bytes at one address; None: one side has no byte at it."""
 
     address: int
     a: int | None
@@ -126,7 +128,7 @@ class Difference:
 
 
 class Dump:
-    """One dump into one file. `advance()` reads on; it can be left at any block."""
+    """One dump into one file. `advance()` reads the missing bytes; any block may be the last."""
 
     def __init__(
         self, ecu: Ecu, space: MemorySpace, file: Path, *, first: int, last: int, resume: bool
@@ -140,46 +142,39 @@ class Dump:
         )
         if file.exists() or manifest_path(file).exists():
             if not resume:
-                raise wrong(
+                raise file_error(
                     file,
                     "it exists already; choose another name, or --resume to go on with it",
                     "такой файл уже есть; выберите другое имя или продолжите его: --resume",
                 )
-            self._go_on()
+            self._resume()
 
-    def _go_on(self) -> None:
+    def _resume(self) -> None:
         stored, wanted = read_manifest(self._file), self.manifest
         if not self._file.exists():
-            raise wrong(
-                self._file,
+            raise self._error(
                 "the file is gone, only its manifest is left; delete that too to begin anew",
                 "самого файла нет, осталось только описание; чтобы начать заново, удалите и его",
             )
         if stored is None:
-            raise wrong(
-                self._file,
+            raise self._error(
                 "it has no manifest beside it, so it can't be resumed",
                 "рядом с ним нет описания, продолжить нельзя",
             )
         if (stored.space, stored.first, stored.last) != (wanted.space, wanted.first, wanted.last):
-            raise wrong(
-                self._file,
-                f"it is a dump of {stored.space} {stored.first:04X}–{stored.last:04X}",
-                f"это образ {stored.space} {stored.first:04X}–{stored.last:04X}",
-            )
+            place = f"{stored.space} {stored.first:04X}–{stored.last:04X}"
+            raise self._error(f"it is a dump of {place}", f"это дамп {place}")
         if (stored.version_code, stored.passport) != (wanted.version_code, wanted.passport):
-            raise wrong(
-                self._file,
+            raise self._error(
                 "it was begun on another unit (its passport differs)",
                 "он начат на другом блоке (паспорт не тот)",
             )
         if self._file.stat().st_size > wanted.size:
-            raise wrong(
-                self._file,
+            raise self._error(
                 "it is longer than its manifest says, so it is another file",
                 "он длиннее, чем сказано в описании, значит это другой файл",
             )
-        stored.holds(self._file.stat().st_size)
+        stored.set_bytes_read(self._file.stat().st_size)
         self.manifest = replace(
             wanted,
             bytes_read=stored.bytes_read,
@@ -190,14 +185,17 @@ class Dump:
             differences=stored.differences,
         )
 
+    def _error(self, en: str, ru: str) -> UsageError:
+        return file_error(self._file, en, ru)
+
     def advance(self, *, block: int | None, progress: Progress) -> None:
-        """Reads what is still missing. What was read before an error stays in the file."""
+        """Read the missing bytes. Bytes read before an error stay in the file."""
         manifest = self.manifest
         try:
             with self._file.open("r+b" if self._file.exists() else "wb") as out:
                 out.truncate(manifest.bytes_read)
                 out.seek(manifest.bytes_read)
-                self._note()
+                self._write_manifest()
                 missing = manifest.size - manifest.bytes_read
                 start = manifest.first + manifest.bytes_read
                 for data in self._space.blocks(start, missing, block) if missing else ():
@@ -211,16 +209,16 @@ class Dump:
                 raise
             raise UsageError(problem=reason_at(self._file, error)) from error
         finally:
-            self._note()
+            self._write_manifest()
 
     def verify(self, *, block: int | None, progress: Progress) -> list[Difference]:
-        """A second pass over all of it; returns where it differs from the first."""
+        """Make a second pass over the whole range; return the differences from the first."""
         manifest = self.manifest
         manifest.verified, manifest.checked, manifest.differences = None, 0, None
         return self.check(manifest.size, block=block, progress=progress)
 
     def check(self, most: int, *, block: int | None, progress: Progress) -> list[Difference]:
-        """The next `most` bytes of the second pass; returns where they differ from the first."""
+        """Check the next `most` bytes in the second pass; return the differences from the first."""
         manifest = self.manifest
         with self._file.open("rb") as file:
             file.seek(manifest.checked)
@@ -232,10 +230,10 @@ class Dump:
         manifest.differences = (manifest.differences or 0) + len(found)
         if manifest.checked >= manifest.size:
             manifest.verified = manifest.differences == 0
-        self._note()
+        self._write_manifest()
         return found
 
-    def _note(self) -> None:
+    def _write_manifest(self) -> None:
         manifest = self.manifest
         manifest.time = round(self._ecu.tester.link.now(), 6)
         if manifest.complete:
@@ -251,7 +249,7 @@ class Dump:
 def compare(
     space: MemorySpace, data: bytes, first: int, block: int | None, progress: Progress
 ) -> Iterator[Difference]:
-    """Where the unit's memory (`a`) differs from `data` (`b`), which begins at `first`."""
+    """Yield the differences of the unit's memory (`a`) from `data` (`b`), from `first` on."""
     address = first
     for part in space.blocks(first, len(data), block):
         stored = data[address - first : address - first + len(part)]
@@ -263,7 +261,7 @@ def compare(
 
 
 def differences(a: bytes, first_a: int, b: bytes, first_b: int) -> Iterator[Difference]:
-    """Where two dumps differ, by address."""
+    """Yield the differences of two dumps by address."""
     for address in range(min(first_a, first_b), max(first_a + len(a), first_b + len(b))):
         in_a, in_b = address - first_a, address - first_b
         left = a[in_a] if 0 <= in_a < len(a) else None

@@ -1,8 +1,5 @@
-"""The four memory spaces, byte by byte or in the largest blocks that the unit takes (§3, rows
-11–32).
-
-Reading never changes anything. Every write goes through the gate, which sees what was there before,
-and is read back.
+"""The four memory spaces, byte by byte or in the largest blocks that the unit accepts (§3, rows
+11–32). Every write passes the gate with the bytes before it, and is read back.
 """
 
 from __future__ import annotations
@@ -32,7 +29,7 @@ from mikas.tester import Tester
 
 
 def writing(count: int, where: str) -> Text:
-    """What writing so many bytes is called."""
+    """Return the text for writing `count` bytes."""
     return Text("write {bytes} to {where}", "записать {bytes}, {where}").filled(
         bytes=byte_count(count), where=where
     )
@@ -58,20 +55,20 @@ _SPACES = {
 
 
 def last_of(space: str) -> int:
-    """The highest address of a space; every unit has the same."""
+    """Return the highest address of a space, equal in every unit."""
     return _SPACES[space].last
 
 
 _SMALL_BLOCK = 2
 _IN_PART = Text(
-    "Some of the bytes were written before it refused; what was there stands in the journal.",
-    "Часть байтов до отказа записана; что там было, записано в журнале.",
+    "Some of the bytes were written before the refusal; the journal has the bytes before it.",
+    "Часть байтов до отказа записана; прежние байты есть в журнале.",
 )
 
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """What a write did: the bytes that were there, and those that were read back."""
+    """The result of a write: the bytes before it, and those read back."""
 
     space: str
     address: int
@@ -80,7 +77,7 @@ class Written:
 
 
 class MemorySpace:
-    """One of the spaces. Addresses are 0 … `last`."""
+    """One of the spaces, with addresses 0 … `last`. `keep` stores changed `limits`."""
 
     def __init__(
         self,
@@ -88,40 +85,35 @@ class MemorySpace:
         tester: Tester,
         gate: Gate,
         limits: Callable[[], Limits],
-        learnt: Callable[[], None],
+        keep: Callable[[], None],
     ) -> None:
         self.name = name
+        self.last = last_of(name)
         self._commands = _SPACES[name]
         self._tester = tester
         self._gate = gate
         self._limits = limits
-        self._learnt = learnt
-        self._proven = 1  # the longest block that this unit has given
-
-    @property
-    def last(self) -> int:
-        """The highest address."""
-        return self._commands.last
+        self._keep = keep
+        self._longest = 1  # block that this unit has returned
 
     def read(self, address: int) -> int:
-        """The byte at `address`. Raises `AddressOutOfRange`, `NotSupported`."""
+        """Read the byte at `address`. Raises `AddressOutOfRange`, `NotSupported`."""
         try:
             return self._tester.request(self._commands.read(address))
         except NotSupported:
-            if self._commands.read_block is not None:  # a unit may have that form only
+            if self._commands.read_block is not None:  # a unit may lack the other form
                 with suppress(EcuRefused, LineError):
                     return self._tester.request(self._commands.read_block(address, 1))[0]
             raise
 
     def read_block(self, address: int, count: int) -> bytes:
-        """`count` bytes from `address` on. Raises `AddressOutOfRange`, `NotSupported`."""
+        """Read `count` bytes from `address`. Raises `AddressOutOfRange`, `NotSupported`."""
         return b"".join(self.blocks(address, count))
 
     def blocks(self, address: int, count: int, largest: int | None = None) -> Iterator[bytes]:
-        """`read_block`, block by block as they come, so that progress shows.
+        """Yield the bytes of `read_block` block by block, each of at most `largest` (1 … 255).
 
-        `largest`: an upper bound for the blocks, 1 … 255. Raises `AddressOutOfRange` and
-        `UsageError` before anything is sent.
+        Raises `AddressOutOfRange` and `UsageError` before the first request.
         """
         check_range(self.name, self.last, address, count)
         if largest is None:
@@ -137,10 +129,10 @@ class MemorySpace:
             address += len(data)
 
     def _some(self, address: int, count: int) -> bytes:
-        """Up to `count` bytes, in one exchange; halves what is too much for the unit (D11).
+        """Read up to `count` bytes in one exchange; halve a block too long for the unit (D11).
 
-        A limit is learnt only when a smaller block was given and the larger one once more was not:
-        a lost response, or a place that can't be read, is none.
+        A limit is learnt only if a smaller block succeeds and the larger one fails again, so not
+        from a lost response or an unreadable address.
         """
         wanted = count = min(count, self._limits().block(self.name))
         refused = 0
@@ -148,7 +140,7 @@ class MemorySpace:
             try:
                 data = self._block(address, count)
             except (NotSupported, NoResponse, WrongLength):
-                if count <= self._proven:
+                if count <= self._longest:
                     raise
                 if not self._has_blocks(address, count):
                     break
@@ -159,40 +151,37 @@ class MemorySpace:
                         data = self._block(address, refused)
                     self._learn(len(data), wanted)
                 return data
-        byte = self.read(address)  # not even single bytes: then this says so
+        byte = self.read(address)  # raises if not even single bytes can be read
         self._learn(1, wanted)
         return bytes([byte])
 
     def _block(self, address: int, count: int) -> bytes:
         assert self._commands.read_block is not None
         command = self._commands.read_block(address, count)
-        # One that may be too long is repeated once: the time is better spent on a smaller one.
-        data, _ = self._tester.exchange(command, retries=1 if count > self._proven else None)
-        self._proven = max(self._proven, count)
+        # A block that may be too long is repeated only once: a smaller one is the better attempt.
+        data, _ = self._tester.exchange(command, retries=1 if count > self._longest else None)
+        self._longest = max(self._longest, count)
         return data
 
     def _has_blocks(self, address: int, count: int) -> bool:
-        """Whether the unit has the block form at all."""
-        if self._proven == 1 and count > _SMALL_BLOCK:
+        """Whether the unit knows the block form."""
+        if self._longest == 1 and count > _SMALL_BLOCK:
             with suppress(EcuRefused, LineError):
                 self._block(address, _SMALL_BLOCK)
-        return self._proven > 1
+        return self._longest > 1
 
     def _learn(self, count: int, wanted: int) -> None:
         if count < wanted and self._commands.read_block:
             self._limits().max_block[self.name] = count
-            self._learnt()
+            self._keep()
 
     def write(self, address: int, value: int) -> Written:
-        """Writes one byte and reads it back.
-
-        Raises as `write_block`.
-        """
+        """Write one byte and read it back. Raises as `write_block`."""
         check_byte(self.name, value)
         return self.write_block(address, bytes([value]))
 
     def write_block(self, address: int, data: bytes) -> Written:
-        """Writes `data` from `address` on, in blocks, and reads them back; one question for all.
+        """Write `data` from `address` in blocks and read it back, with one confirmation.
 
         Raises `AddressOutOfRange`, `NotConfirmed`, `WriteRefused`, `NotSupported`,
         `ReadBackDiffers`.
@@ -245,16 +234,15 @@ class MemorySpace:
         try:
             self._tester.request(block(address, part))
         except (WriteRefused, NotSupported):
-            # It may only lack the block form: its bytes are the same change, already approved.
+            # The unit may only lack the block form; single bytes are the same approved change.
             for offset, value in enumerate(part):
                 self._send_byte(address + offset, value)
 
     def _send_byte(self, address: int, value: int) -> None:
-        answered = self._tester.request(self._commands.write(address, value))
-        if answered != value:
-            raise ReadBackDiffers(
-                name=f"{self.name} {address:04X}", wanted=f"{value:02X}", got=f"{answered:02X}"
-            )
+        got = self._tester.request(self._commands.write(address, value))
+        if got != value:
+            name = f"{self.name} {address:04X}"
+            raise ReadBackDiffers(name=name, wanted=f"{value:02X}", got=f"{got:02X}")
 
 
 class Memory:
@@ -267,10 +255,10 @@ class Memory:
         tester: Tester,
         gate: Gate,
         limits: Callable[[], Limits],
-        learnt: Callable[[], None],
+        keep: Callable[[], None],
     ) -> None:
         self.ram, self.xram, self.code, self.sfr = (
-            MemorySpace(name, tester, gate, limits, learnt) for name in _SPACES
+            MemorySpace(name, tester, gate, limits, keep) for name in _SPACES
         )
 
     def __getitem__(self, name: str) -> MemorySpace:

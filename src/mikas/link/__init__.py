@@ -1,7 +1,6 @@
-"""Links: one interface to the wire, whatever carries it.
+"""Links: one interface to the wire. `open_link` turns a URL into a `Link`.
 
-`open_link` turns a URL into a `Link`; `find_ports` and `choose_port` help to find the URL.
-Importing this package is cheap: what a scheme needs is imported when it is opened.
+`find_ports` and `choose_port` find the URL. A scheme's libraries are imported when it is opened.
 """
 
 from mikas.link.base import Chunk, Link, WallClock

@@ -1,36 +1,29 @@
-"""What a link is: bytes out, bytes in with their arrival times, and the clock (§1).
+"""The link interface: bytes out, bytes in with their arrival times, and the clock (§1).
 
-Everything above talks to the wire through this one interface, in plain blocking code, and takes the
-time from it too: `Link.read` is the only way to wait and `Link.now` the only clock. So the same
-tester runs against an adapter in real time and against a simulated bus as fast as it can.
+Every higher layer waits with `Link.read` and takes the time from `Link.now`, in plain blocking
+code. So the same tester runs on an adapter in real time and on a simulated bus at full speed.
 
-A link refuses to know about frames, echo, requests or retries. It belongs to one thread at a time;
-only `close` may come from another.
-
-A back end passes the contract suite in `tests/link/contract.py`; the sentences below are what that
-suite checks. Whatever else a method raises is a bug.
+A link knows no frames, echo, requests or retries. One thread at a time uses it; only `close` may be
+called from another. The contract suite `tests/link/contract.py` checks the sentences below.
 """
 
 from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, NamedTuple, Self
-
-if TYPE_CHECKING:
-    from types import TracebackType
+from typing import NamedTuple, Self
 
 BITS_PER_BYTE = 10  # §1: start bit, eight data bits, stop bit
 
 
 class Chunk(NamedTuple):
-    """The result of one read. `data` is empty if the deadline came first."""
+    """The bytes of one read; empty if the deadline passed first.
+
+    `time`: the link's clock when the last byte was seen, or when the wait ended.
+    """
 
     data: bytes
-    """The bytes in the order of their arrival."""
-
     time: float
-    """When the last of them was seen here, or when the wait ended; in the link's clock."""
 
 
 class Link(ABC):
@@ -44,12 +37,12 @@ class Link(ABC):
 
     @property
     def can_break(self) -> bool:
-        """Whether `send_break` pulls the wire low. May turn false at the first attempt."""
+        """Whether `send_break` pulls the wire low; may turn false at the first attempt."""
         return True
 
     @property
     def description(self) -> str:
-        """The adapter behind the URL, for a person; never empty."""
+        """The adapter's name for display; never empty."""
         return self.url
 
     @property
@@ -59,79 +52,98 @@ class Link(ABC):
 
     @abstractmethod
     def write(self, data: bytes) -> None:
-        """Hand `data` to the adapter; return once the system has taken all of it.
+        """Hand `data` to the adapter; return once the system has accepted all bytes.
 
-        The bytes are not yet on the wire then: n of them take n times `byte_time`. Empty
-        data are allowed and do nothing.
-
-        Raises `LinkLost` if the adapter is gone, takes nothing for seconds, or the link is closed;
-        how much of `data` got out is then unknown.
+        The wire then still needs `byte_time` for each byte. Raises `LinkLost` if the adapter is
+        gone, accepts nothing for seconds, or the link is closed; how much was sent is unknown.
         """
 
     @abstractmethod
     def read(self, deadline: float) -> Chunk:
-        """Wait for bytes, until `deadline` of this link's clock at the latest.
+        """Wait for bytes until `deadline` of this link's clock; return all that have arrived.
 
-        Returns as soon as anything has arrived, with all that has. At the deadline it returns an
-        empty chunk, never earlier. A deadline in the past looks once and does not wait. Ctrl-C
-        interrupts the wait.
-
-        Raises `LinkLost`, without waiting for the deadline, if the adapter is gone or the link is
-        closed. What arrived before the loss may come first, or be lost with it.
+        An empty chunk is returned at the deadline, never earlier; a deadline in the past does not
+        wait. Ctrl-C interrupts the wait. Raises `LinkLost` at once if the adapter is gone or the
+        link is closed; bytes that arrived before may be returned first, or be lost.
         """
 
     @abstractmethod
     def now(self) -> float:
-        """Seconds on this link's clock, which never runs back.
+        """Return the clock in seconds: UNIX time (`WallClock`) or simulated time.
 
-        UNIX time on a link in real time (see `WallClock`); the simulated time on a simulated one.
-        Works on a closed or lost link too.
+        The clock never runs back, and works on a closed or lost link too.
         """
 
-    def gather(self, until: float) -> None:  # noqa: B027  (a back end may leave it at that)
-        """Sleep until this time of the link's clock, so that bytes accumulate.
+    def gather(self, until: float) -> None:  # noqa: B027  (a back end need not sleep)
+        """Sleep until this time of the link's clock, so that bytes accumulate for the next `read`.
 
-        For a caller that has no use for earlier bytes: the next `read` returns them all at once,
-        and the computer wakes up once and not for every byte. A link whose bytes should be read as
-        they come does not sleep at all, which is the default. Never raises
-        `LinkLost`; the next `read` does.
+        The computer then wakes up once and not for every byte. The default does not sleep. Never
+        raises `LinkLost`; the next `read` does.
         """
 
     @abstractmethod
     def send_break(self, seconds: float) -> None:
-        """Hold the wire low for `seconds`, the way to silence a talker (D12); return after that.
+        """Hold the wire low for `seconds`, to silence a transmitter (D12).
 
-        Where the port has no means for it, `can_break` is then false, and the time just passes.
-        Raises `LinkLost` as `write` does.
+        If the port can't, `can_break` turns false and the time passes. Raises `LinkLost`.
         """
 
     @abstractmethod
     def close(self) -> None:
-        """Close the port. A second call does nothing.
+        """Close the port; a second call does nothing.
 
-        From then on `read`, `write` and `send_break` raise `LinkLost`; a `read` that another thread
-        waits in does so within a second.
+        `read`, `write` and `send_break` then raise `LinkLost`, a `read` that waits in another
+        thread within a second.
         """
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 
-class WallClock:
-    """The clock of every link in real time: UNIX time when made, and steady from there.
+class LinkWrapper(Link):
+    """A link that passes every call on to `link`; a subclass overrides what differs."""
 
-    A change of the system's date, or its slow correction, does not touch it: intervals are exact
-    and it never runs back. The price is that it may drift from UNIX time over hours, and that it
-    may stand still while the computer sleeps. `perf_counter` and not `monotonic`, which on Windows
-    moves in steps of 15.6 ms up to Python 3.12.
+    def __init__(self, link: Link) -> None:
+        self.link = link
+        self.url = link.url
+        self.baud = link.baud
+
+    @property
+    def description(self) -> str:
+        return self.link.description
+
+    @property
+    def can_break(self) -> bool:
+        return self.link.can_break
+
+    def write(self, data: bytes) -> None:
+        self.link.write(data)
+
+    def read(self, deadline: float) -> Chunk:
+        return self.link.read(deadline)
+
+    def gather(self, until: float) -> None:
+        self.link.gather(until)
+
+    def now(self) -> float:
+        return self.link.now()
+
+    def send_break(self, seconds: float) -> None:
+        self.link.send_break(seconds)
+
+    def close(self) -> None:
+        self.link.close()
+
+
+class WallClock:
+    """The clock of links in real time: UNIX time at its creation, steady from there.
+
+    Changes of the system's date do not affect it, so intervals are exact. It may drift from UNIX
+    time over hours and stand still while the computer sleeps. `perf_counter` is used because
+    `monotonic` has steps of 15.6 ms on Windows up to Python 3.12.
     """
 
     __slots__ = ("_offset",)
@@ -140,5 +152,5 @@ class WallClock:
         self._offset = time.time() - time.perf_counter()
 
     def now(self) -> float:
-        """Seconds since 1970; to about a quarter of a microsecond, which is what a float leaves."""
+        """Return the seconds since 1970; a float resolves about 0.25 µs."""
         return self._offset + time.perf_counter()

@@ -1,9 +1,8 @@
 """Errors of pyserial and the system, translated: why a port does not open, or was lost.
 
-pyserial 3.5 has one exception for everything. The reason is its `errno` on POSIX, sometimes only
-the exception underneath it (`termios.error`, a socket's), and on Windows nothing but the text of a
-`WinError` inside its own text, in the language of the system. This module reads them all; it opens
-nothing and touches no port.
+pyserial 3.5 raises one exception for everything. The reason is its `errno` on POSIX, or only the
+wrapped exception (`termios.error`, a socket's), and on Windows the text of a `WinError` inside its
+own text, in the system's language.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ SYSTEM_ERRORS: tuple[type[Exception], ...] = (OSError, ValueError)
 if sys.platform != "win32":
     import termios
 
-    SYSTEM_ERRORS += (termios.error,)  # no OSError, and pyserial wraps only some of them
+    SYSTEM_ERRORS += (termios.error,)  # not an OSError, and pyserial wraps only some of them
 
 _ABSENT = {errno.ENOENT, errno.ENOTDIR, errno.ENODEV, errno.ENXIO}
 _BUSY = {errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK}
@@ -36,13 +35,13 @@ _UNPLUGGED = {errno.EIO, errno.ENODEV, errno.ENXIO, errno.EBADF, errno.EPIPE, er
 # Windows gives "access denied" (5) for a COM port that is open elsewhere, and for nothing else.
 _WINDOWS_ABSENT = {2, 3, 433, 1167}
 _WINDOWS_BUSY = {5, 32, 170}
-_WINDOWS_UNPLUGGED = {5, 6, 22, 31, 433, 995, 1167}  # each driver has its favourite
+_WINDOWS_UNPLUGGED = {5, 6, 22, 31, 433, 995, 1167}  # depends on the driver
 _WIN_ERROR = re.compile(r"\w+Error\(\d+, .*, None, (\d+)\)", re.DOTALL)
 
-
+TAKES_NO_BYTES = Text("it takes no more bytes", "он не принимает байты")
 _CHECK_ADDRESS = Text(
-    "Check the host and the port number, and that what shares the adapter is running there.",
-    "Проверьте имя и порт, и работает ли там то, что раздаёт адаптер.",
+    "Check the host and the port number, and that the program which shares the adapter is running.",
+    "Проверьте имя и порт, и запущена ли там программа, которая раздаёт адаптер.",
 )
 _CHECK_NAME = Text("Serial ports found: {found}.", "Найденные последовательные порты: {found}.")
 
@@ -61,22 +60,21 @@ def opening_failed(url: str, error: Exception) -> NoConnection:
         advice = _CHECK_ADDRESS
     elif code in _NO_TTY:
         advice = _CHECK_NAME.filled(found=listed(find_ports()))
-    problem = _why_not_opened(error, code)
-    return PortFailed(url=url, problem=problem, advice=advice)
+    return PortFailed(url=url, problem=_why_not_opened(error, code), advice=advice)
 
 
 def why_lost(error: Exception) -> Text:
-    """Why a port in use is gone, to follow "the adapter is gone:"."""
+    """Return the reason that follows "the adapter is gone:"."""
     if isinstance(error, SerialTimeoutException):
-        return Text("it takes no more bytes", "он не принимает байты")
+        return TAKES_NO_BYTES
     gone = number_of(error) in _UNPLUGGED or _windows_number(error) in _WINDOWS_UNPLUGGED
     if gone or re.search("disconnected|died", str(error)):
-        return Text("unplugged, or closed by the other end", "вынут, или закрыт с другого конца")
+        return Text("unplugged, or closed by the other end", "отключён или закрыт другой стороной")
     return _own_words(error)
 
 
 def is_unable(error: Exception) -> bool:
-    """Whether `error` means that the port has no such function, rather than that it is gone."""
+    """Whether `error` means that the port lacks the function, not that it is gone."""
     return isinstance(error, ValueError) or number_of(error) in _NO_TTY
 
 
@@ -84,7 +82,7 @@ def number_of(error: Exception) -> int | None:
     """Return the system's error number of `error`, or of the error that it wraps."""
     for each in (error, _wrapped(error)):
         if isinstance(each, socket.gaierror):
-            return None  # its numbers are of another kind
+            return None  # not numbered by errno
         number = each.errno if isinstance(each, OSError) else next(iter(each.args), None)
         if isinstance(number, int):
             return number
@@ -96,13 +94,13 @@ def _why_not_opened(error: Exception, code: int | None) -> Text:
     if isinstance(reason, (socket.gaierror, UnicodeError)):
         return Text("this host is not known", "такой адрес не найден")
     if isinstance(reason, ConnectionRefusedError):
-        return Text("no program listens there", "там никто не слушает")
+        return Text("no program listens there", "на этом порту нет программы-сервера")
     if isinstance(reason, TimeoutError):
-        return Text("no answer from there", "оттуда нет ответа")
+        return Text("no answer from there", "узел не отвечает")
     if "RFC2217" in str(error):
         return Text(
             "it does not speak RFC 2217 (try socket://)",
-            "он не понимает RFC 2217 (попробуйте socket://)",
+            "он не поддерживает RFC 2217 (попробуйте socket://)",
         )
     if code in _NO_TTY:
         return Text("it is not a serial port", "это не последовательный порт")

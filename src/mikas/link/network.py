@@ -1,8 +1,7 @@
-"""pyserial's ports behind a network, with what version 3.5 leaves open closed.
+"""pyserial's network ports, with four defects of version 3.5 corrected.
 
-Both kinds, as 3.5 has them: sleep 0.3 s in `close`; leave their socket open if the other end went
-first; and take a write to an end that is already gone. `socket://` also waits for more bytes to
-send at once (Nagle), which can cost 40 ms a request.
+Both kinds sleep 0.3 s in `close`, leave their socket open if the other end closed first, and accept
+a write to a closed connection. `socket://` also delays small writes (Nagle), up to 40 ms a request.
 """
 
 from __future__ import annotations
@@ -43,8 +42,8 @@ class SocketPort(protocol_socket.Serial):
             raise
 
     def write(self, b: ReadableBuffer, /) -> int | None:
-        """Send, unless the other end has closed: then the first bytes would vanish unnoticed."""
-        if self._closed_there():
+        """Send, or raise if the other end has closed: the first bytes would be lost unnoticed."""
+        if self._closed_remotely():
             raise SerialException("socket disconnected")
         return super().write(b)
 
@@ -57,7 +56,7 @@ class SocketPort(protocol_socket.Serial):
                 sock.shutdown(socket.SHUT_RDWR)
             sock.close()
 
-    def _closed_there(self) -> bool:
+    def _closed_remotely(self) -> bool:
         try:
             return self._socket is None or not self._socket.recv(1, socket.MSG_PEEK)
         except BlockingIOError:
@@ -79,7 +78,7 @@ class Rfc2217Port(rfc2217.Serial):
             super().open()
 
     def write(self, b: ReadableBuffer, /) -> int | None:
-        """Send, unless the reader has met the end of the connection."""
+        """Send, unless the reader thread has met the end of the connection."""
         if self._thread is None or not self._thread.is_alive():
             raise SerialException("socket disconnected")
         try:
@@ -104,12 +103,12 @@ class Rfc2217Port(rfc2217.Serial):
 
 
 def host_and_port(url: str) -> str:
-    """The `host:port` of a network URL, an IPv6 host in brackets. Raises `BadPortUrl`."""
+    """Return the `host:port` of a network URL, an IPv6 host in brackets. Raises `BadPortUrl`."""
     address = parse(url).address
     try:
         parts = urlsplit(f"//{address}")
         host, port = parts.hostname, parts.port
-    except ValueError:  # a port that is no number below 65536, or an unclosed bracket
+    except ValueError:  # the port is not a number below 65536, or a bracket is open
         host, port = None, None
     if not host or not port or parts.path or "@" in address:
         scheme = parse(url).scheme

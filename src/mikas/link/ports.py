@@ -1,10 +1,8 @@
-"""Finding the adapter: which serial ports there are, what chip is behind each, and its quirks.
+"""The serial ports of this computer, the chip of each, and the chip's quirks.
 
-A K-Line adapter is a level shifter behind a USB serial chip and can't be told from any other device
-with that chip. So "likely" means the chip, not the adapter: with exactly one such port in the
-computer it is taken, otherwise the user chooses.
-
-pyserial is imported when ports are listed, and not before.
+A K-Line adapter is a level shifter on a USB serial chip and looks like any other device with that
+chip. "Likely" therefore names the chip: the only such port is used, otherwise the user chooses.
+pyserial is imported when ports are listed.
 """
 
 from __future__ import annotations
@@ -48,8 +46,8 @@ _UNKNOWN = Text(
 
 _FTDI, _CH340, _PROLIFIC = (_LATENCY,), (_LUMPS, _CLONES), (_COUNTERFEIT,)
 
-# By USB vendor and product; product 0 stands for any other of that vendor. The order is that of the
-# guess: K-Line cables are mostly FT232R, then CH340, then the rest.
+# By USB vendor and product; product 0 stands for any other product of the vendor. The most frequent
+# chips of K-Line cables come first: FT232R, then CH340.
 _CHIPS: dict[tuple[int, int], tuple[str, tuple[Text, ...]]] = {
     (0x0403, 0x6001): ("FT232R", _FTDI),
     (0x0403, 0x6015): ("FT231X", _FTDI),
@@ -81,7 +79,7 @@ _RANK = {chip: rank for rank, chip in enumerate(_CHIPS.values())}
 
 
 class Listed(Protocol):
-    """A port as the lister returns it; pyserial's `ListPortInfo` fits."""
+    """A port as pyserial's `ListPortInfo` describes it."""
 
     device: str
     description: str
@@ -96,33 +94,27 @@ Lister = Callable[[], Iterable[Listed]]
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """One serial port of this computer."""
+    """One serial port of this computer: `url` is the value for `--port` (`/dev/ttyUSB0`, `COM3`).
+
+    `description`: the system's name with the maker, `FT232R USB UART (FTDI)`; never empty. `chip`:
+    its USB serial chip, empty if unknown, with its `quirks`. `likely`: it may be an adapter, for it
+    is a USB serial chip, not Bluetooth, not built in. `latency_ms`: the chip's latency timer, where
+    the system shows it (Linux, FTDI).
+    """
 
     url: str
-    """The value for `--port`: `/dev/ttyUSB0`, `COM3`."""
-
     description: str
-    """The system's name of it, with its maker: `FT232R USB UART (FTDI)`; never empty."""
-
     chip: str = ""
-    """Its USB serial chip, by vendor and product number; empty if unknown."""
-
     quirks: tuple[Text, ...] = ()
-    """Properties of that chip that matter here."""
-
     likely: bool = False
-    """Whether an adapter may be behind it: a USB serial chip, not Bluetooth, not built in."""
-
     vid: int | None = None
     pid: int | None = None
     serial_number: str | None = None
-
     latency_ms: int | None = None
-    """The chip's latency timer, where the system has it (Linux, FTDI)."""
 
 
 def system_ports() -> Iterable[Listed]:
-    """List the ports by pyserial, once more if 3.5 fails on an adapter that was just plugged in."""
+    """List the ports; retry if pyserial 3.5 fails on an adapter that was just plugged in."""
     from serial.tools.list_ports import comports
 
     try:
@@ -137,10 +129,7 @@ def find_ports(lister: Lister = system_ports, sysfs: Path = _SYSFS) -> list[Port
 
 
 def choose_port(lister: Lister = system_ports) -> str:
-    """Return the URL of the only likely port.
-
-    Raises `NoPortGiven`, which lists what was found, if there is none or more than one.
-    """
+    """Return the URL of the only likely port; `NoPortGiven` if it is not the only one."""
     ports = find_ports(lister)
     likely = [port.url for port in ports if port.likely]
     if not likely:
@@ -194,7 +183,7 @@ def _latency(device: str, sysfs: Path) -> int | None:
 
 def _order(port: Port) -> tuple[bool, int, list[tuple[int, str]]]:
     rank = _RANK.get((port.chip, port.quirks), len(_RANK)) - (port.vid is not None)
-    pieces = re.findall(r"\d+|\D+", port.url)  # so that COM10 comes behind COM9
+    pieces = re.findall(r"\d+|\D+", port.url)  # COM10 follows COM9
     return not port.likely, rank, [(int(it), "") if it.isdigit() else (0, it) for it in pieces]
 
 
@@ -202,9 +191,5 @@ VIRTUAL = Text("virtual ECU", "виртуальный блок")
 
 
 def described(description: str) -> Text:
-    """Return a link's or a recording's `description` for a person.
-
-    Links and recordings keep it as one string, in English: a product's name is the same in every
-    language, a virtual unit's is not.
-    """
+    """Return a link's or a recording's `description`, an English string, in both languages."""
     return VIRTUAL if description == VIRTUAL.en else Text(description, description)

@@ -1,12 +1,9 @@
-"""A port that comes and goes: an adapter pulled out in a pothole, and put back in another socket.
+"""A port that is opened again after its adapter was unplugged, perhaps under another name.
 
-A `Link` that is lost stays lost; to go on, open a new one here. A USB adapter is
-known by vendor, product and serial number, not by its name: `/dev/ttyUSB0` may come back as
-`/dev/ttyUSB1`. While there is no link there is no link's clock either, so a plug has one, and is
-the only way to wait for the adapter.
-
-Each link begins with the computer's date of that moment. If that was set back meanwhile, the new
-link's clock would run through times that have been: it goes on from the plug's instead.
+A lost `Link` stays lost; this port opens a new one. A USB adapter is identified by vendor, product
+and serial number: `/dev/ttyUSB0` may return as `/dev/ttyUSB1`. The port has a clock of its own for
+the time without a link. A new link whose clock would run back (the computer's date was set back)
+continues the port's clock.
 """
 
 from __future__ import annotations
@@ -14,17 +11,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from mikas.link.base import Chunk, Link, WallClock
+from mikas.link.base import Chunk, Link, LinkWrapper, WallClock
 from mikas.link.ports import Port, find_ports
 from mikas.link.tee import CaptureTee, Sink
 from mikas.link.urls import open_link, parse
 
 
 class ReconnectingPort:
-    """Opens the same port again and again. `sink` gets the bytes of every link (a `CaptureTee`).
-
-    `clock` and `nap` are for tests.
-    """
+    """Opens the same port repeatedly. `sink` records every link; `clock`, `nap` are for tests."""
 
     def __init__(
         self,
@@ -43,22 +37,22 @@ class ReconnectingPort:
         self._nap = nap
         self._sink = sink
         self._link: Link | None = None
-        self._ahead = 0.0  # of the latest link's clock, before this one's
+        self._ahead = 0.0  # the latest link's clock minus `_clock`
         self._identity: tuple[int, int, str | None] | None = None
 
     def open(self) -> Link:
-        """Open the link under the adapter's present name. Raises a `NoConnection` without one."""
+        """Open the link under the adapter's present name. Raises `NoConnection`."""
         self.url = self._where()
         link = self._open_port(self.url)
         self._identity = self._identity or self._identify()
-        if self._link is not None and (behind := self.now() - link.now()) > 0:
-            link = _AheadLink(link, behind)
+        if self._link is not None and (lag := self.now() - link.now()) > 0:
+            link = _AheadLink(link, lag)
         self._link = link
         self._ahead = link.now() - self._clock()
         return link if self._sink is None else CaptureTee(link, self._sink)
 
     def now(self) -> float:
-        """Return the seconds of a clock that goes on without a link, and never runs back."""
+        """Return the seconds of a clock that runs without a link and never runs back."""
         now = self._clock() + self._ahead
         return now if self._link is None else max(now, self._link.now())
 
@@ -83,25 +77,12 @@ class ReconnectingPort:
         return next((_identity(p) for p in self._find() if p.url == address.address), None)
 
 
-class _AheadLink(Link):
+class _AheadLink(LinkWrapper):
     """`link`, with a clock that is `ahead` of its own."""
 
     def __init__(self, link: Link, ahead: float) -> None:
-        self.link = link
-        self.url = link.url
-        self.baud = link.baud
+        super().__init__(link)
         self._ahead = ahead
-
-    @property
-    def can_break(self) -> bool:
-        return self.link.can_break
-
-    @property
-    def description(self) -> str:
-        return self.link.description
-
-    def write(self, data: bytes) -> None:
-        self.link.write(data)
 
     def read(self, deadline: float) -> Chunk:
         chunk = self.link.read(deadline - self._ahead)
@@ -112,12 +93,6 @@ class _AheadLink(Link):
 
     def now(self) -> float:
         return self.link.now() + self._ahead
-
-    def send_break(self, seconds: float) -> None:
-        self.link.send_break(seconds)
-
-    def close(self) -> None:
-        self.link.close()
 
 
 def _identity(port: Port) -> tuple[int, int, str | None] | None:

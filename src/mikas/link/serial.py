@@ -2,16 +2,15 @@
 
 9600 8N1 unless the URL says otherwise, no flow control. Four rules:
 
-- **Nothing waits for ever.** Writing is bounded by a time-out, reading by its deadline, and nothing
-  calls `flush`, which on a dead USB adapter or an unread pty does not return.
-- **Deadlines are exact.** Where the system can wait on the port it waits for just the time left.
-  pyserial's own `timeout` is set once before opening: each change of it reconfigures the port.
-- **No wake-up for a byte that can't be the last.** At 960 bytes a second, a wake-up for each would
-  be most of a recording's load on the computer; see `gather`.
-- **A lost adapter is lost at once and for good.** The port is closed on the first sign, so that an
-  adapter that is plugged in again gets its old name back.
+- **Every wait ends.** Writing has a time-out, reading a deadline; `flush` is never called, because
+  it does not return on a dead USB adapter or an unread pty.
+- **Deadlines are exact.** Where the system can wait on the port, it waits for the time left.
+  pyserial's `timeout` is set once before opening: each change of it reconfigures the port.
+- **No wake-up for a byte that can't be the last.** At 960 bytes a second these would be most of a
+  recording's CPU load; see `gather`.
+- **A lost adapter is closed at once**, so that its old name is free when it is plugged in again.
 
-Imported when a serial link is opened, and not before: it brings pyserial.
+This module imports pyserial, so it is imported when a serial link is opened.
 """
 
 from __future__ import annotations
@@ -28,21 +27,27 @@ import serial
 from mikas.errors import LinkLost
 from mikas.i18n import Text
 from mikas.link.base import BITS_PER_BYTE, Chunk, Link, WallClock
-from mikas.link.failures import SYSTEM_ERRORS, is_unable, opening_failed, why_lost
+from mikas.link.failures import (
+    SYSTEM_ERRORS,
+    TAKES_NO_BYTES,
+    is_unable,
+    opening_failed,
+    why_lost,
+)
 from mikas.link.network import Rfc2217Port, SocketPort, host_and_port
 from mikas.link.ports import find_ports
 from mikas.link.urls import parse
 from mikas.options import OptionParser, check_names
 
 BAUD = 9600  # §1
-PATIENCE = 2.0  # seconds that a write may take beyond its time on the wire
+PATIENCE = 2.0  # s; a write may take so much longer than its time on the wire
 LONGEST_REQUEST = 1024  # bytes; 26 with 255 data bytes, all of them stuffed, has 524 (§2.2, §3)
-TICK = 0.01  # seconds that a port without select is waited for at a time
-GLANCE = 0.001  # seconds between two looks at it when less than two ticks are left
-LONGEST_WAIT = 1.0  # seconds; then a look whether another thread has closed the link
+TICK = 0.01  # s of one wait on a port without select
+GLANCE = 0.001  # s between two polls of such a port when less than two ticks are left
+LONGEST_WAIT = 1.0  # s; then a check whether another thread has closed the link
 MOST_AT_ONCE = 4096  # bytes
 
-# The last is pyserial's, when another thread has closed it.
+# pyserial raises TypeError when another thread has closed the port.
 _READ_ERRORS: tuple[type[Exception], ...] = (*SYSTEM_ERRORS, TypeError)
 _CLOSED = Text("it was closed here", "он закрыт этой программой")
 
@@ -68,14 +73,12 @@ class OpenPort(Protocol):
 
 
 class SerialLink(Link):
-    """A link over `port`, which is open; the link owns it.
+    """A link over the open `port`, which it owns.
 
-    A port with `timeout` 0 has a `fileno` that the system can wait on; it is waited for exactly.
-    Any other has `timeout` `TICK` and is asked again and again: deadlines are kept to about 1 ms.
-
-    `low_latency`: the system has agreed to hand over bytes at once. `paced`: bytes arrive one
-    by one as on the wire; through a network they arrive late and all together, and `gather` would
-    only lose time.
+    The system can wait on the `fileno` of a port with `timeout` 0. Any other port has `timeout`
+    `TICK` and is polled: deadlines are kept to about 1 ms. `low_latency`: the system hands over
+    bytes at once. `paced`: bytes arrive one by one; through a network they arrive late and
+    together, where `gather` would only lose time.
     """
 
     def __init__(
@@ -102,8 +105,8 @@ class SerialLink(Link):
 
     @property
     def description(self) -> str:
-        """`FT232R USB UART (FTDI), low latency`; the port's name where the system knows no more."""
-        if not self._about:  # looked up at the first question: listing the ports costs some time
+        """`FT232R USB UART (FTDI), low latency`, or the port's name if nothing else is known."""
+        if not self._about:  # looked up on first use: listing the ports takes time
             self._about = _described(parse(self.url).address)
         return f"{self._about}, low latency" if self.low_latency else self._about
 
@@ -113,21 +116,18 @@ class SerialLink(Link):
         return self._can_break
 
     def now(self) -> float:
-        """UNIX time when the link was opened, and steady from there."""
         return self._clock.now()
 
     def write(self, data: bytes) -> None:
-        """As `Link.write`; the system takes a request at once, long before it is on the wire."""
         self._must_be_open(data)
         try:
-            taken = self._port.write(data)
+            accepted = self._port.write(data)
         except SYSTEM_ERRORS as error:
             raise self._lose(why_lost(error), data) from error
-        if taken is not None and taken != len(data):
-            raise self._lose(Text("it takes no more bytes", "он не принимает байты"), data)
+        if accepted is not None and accepted != len(data):
+            raise self._lose(TAKES_NO_BYTES, data)
 
     def read(self, deadline: float) -> Chunk:
-        """As `Link.read`; the time is that of the look which found the bytes."""
         while True:
             self._must_be_open()
             left = deadline - self._clock.now()
@@ -140,12 +140,11 @@ class SerialLink(Link):
                 return Chunk(data, now)
 
     def gather(self, until: float) -> None:
-        """As `Link.gather`, at a port of this computer."""
         if self._paced and self._gone is None:
             time.sleep(min(max(until - self._clock.now(), 0.0), LONGEST_WAIT))
 
     def send_break(self, seconds: float) -> None:
-        """As `Link.send_break`; the system first sends the bytes that it still has."""
+        """As `Link.send_break`; the system first sends its buffered bytes."""
         self._must_be_open()
         self._pull_low(True)
         try:
@@ -154,7 +153,6 @@ class SerialLink(Link):
             self._pull_low(False)
 
     def close(self) -> None:
-        """As `Link.close`."""
         if self._gone is None:
             self._gone = _CLOSED
             self._close_port()
@@ -174,8 +172,8 @@ class SerialLink(Link):
             raise self._lost(self._gone, request)
 
     def _lose(self, why: Text, request: bytes | None = None) -> LinkLost:
-        """Remember that the adapter is gone, close it, and return the error to raise."""
-        self._gone = self._gone or why  # closed by another thread: that is why
+        """Close the lost adapter; return the error to raise."""
+        self._gone = self._gone or why  # if another thread closed it, that is the reason
         self._close_port()
         return self._lost(self._gone, request)
 
@@ -188,7 +186,7 @@ class SerialLink(Link):
 
 
 Receive = Callable[[float], bytes]
-"""Takes the seconds to wait; returns bytes as soon as they arrive; or none, perhaps early."""
+"""Takes the seconds to wait; returns bytes as soon as they arrive, or none, perhaps early."""
 
 
 def _by_select(port: OpenPort) -> Receive:
@@ -216,10 +214,10 @@ def _by_asking(port: OpenPort) -> Receive:
 
 
 def open_serial(url: str, options: dict[str, str]) -> SerialLink:
-    """Open a port of this computer, for this program alone: `/dev/ttyUSB0?baud=9600&dtr=1&rts=0`.
+    """Open a port of this computer exclusively: `/dev/ttyUSB0?baud=9600&dtr=1&rts=0`.
 
-    DTR and RTS are set before opening, as far as the system allows: some adapters feed their chip
-    from DTR, and some take RTS for the L line, so that is off.
+    DTR and RTS are set before opening, as far as the system allows: DTR powers some adapters, RTS
+    drives the L line of some and is off.
     """
     check_names(options, ("baud", "dtr", "rts"))
     port = serial.Serial()
@@ -233,7 +231,7 @@ def open_serial(url: str, options: dict[str, str]) -> SerialLink:
 
 
 def open_socket(url: str, options: dict[str, str]) -> SerialLink:
-    """Open a port served as plain TCP: `socket://host:port`. `baud`: of the line behind it."""
+    """Open a port served as plain TCP: `socket://host:port`. `baud`: the K-Line's."""
     check_names(options, ("baud",))
     place = host_and_port(url)
     port = SocketPort()

@@ -1,19 +1,15 @@
-"""A link that also passes every byte to a sink: the capture's tap on the wire.
-
-The tee knows a sink only as an object with `record`; recording implements it. It sits between the
-tester and any link, changes nothing, and is itself a link.
-"""
+"""A link that also passes every byte to a sink, which a recording implements."""
 
 from __future__ import annotations
 
 from enum import Enum
 from typing import Protocol
 
-from mikas.link.base import Chunk, Link
+from mikas.link.base import Chunk, Link, LinkWrapper
 
 
 class Direction(Enum):
-    """Which way the bytes went, seen from the tester."""
+    """The direction of bytes, seen from the tester."""
 
     SENT = "sent"
     RECEIVED = "received"
@@ -26,63 +22,32 @@ class Sink(Protocol):
         """Record `data`; `time` is the link's clock and never runs back."""
 
 
-class CaptureTee(Link):
-    """`link`, with every byte also recorded by `sink`, in the order in which the tester met them.
+class CaptureTee(LinkWrapper):
+    """`link`, with every byte also recorded by `sink`, in the order of the tester's calls.
 
-    - What was received is recorded with its chunk's time; empty chunks are not.
-    - What was sent is recorded once the system has taken it, with the time of that: about when its
-      first bit goes out, and never later than its echo. What the link refused is not recorded.
-    - A sink that fails must not cost the session: `failure` keeps the exception, nothing is
-      recorded after that, and the link goes on. The owner of the sink looks at `failure` and
-      reports it.
-    - Closing the tee closes the link. The owner of the sink closes it after the tee.
+    - Received bytes have their chunk's time.
+    - Sent bytes have the time when the system had accepted them: about when the first bit goes out,
+      and never later than the echo. Bytes that the link refused are not recorded.
+    - A failing sink does not end the session: `failure` keeps the exception for the sink's owner,
+      and recording stops.
+    - Closing the tee closes the link, not the sink.
     """
 
     def __init__(self, link: Link, sink: Sink) -> None:
-        self.link = link
-        self.url = link.url
-        self.baud = link.baud
+        super().__init__(link)
         self.failure: Exception | None = None
         self._sink = sink
 
-    @property
-    def description(self) -> str:
-        """That of the link."""
-        return self.link.description
-
-    @property
-    def can_break(self) -> bool:
-        """That of the link."""
-        return self.link.can_break
-
     def write(self, data: bytes) -> None:
-        """Write, then record."""
         self.link.write(data)
         if data:
             self._record(Direction.SENT, data, self.link.now())
 
     def read(self, deadline: float) -> Chunk:
-        """Read, then record."""
         chunk = self.link.read(deadline)
         if chunk.data:
             self._record(Direction.RECEIVED, chunk.data, chunk.time)
         return chunk
-
-    def gather(self, until: float) -> None:
-        """Gather on the link."""
-        self.link.gather(until)
-
-    def now(self) -> float:
-        """The link's clock."""
-        return self.link.now()
-
-    def send_break(self, seconds: float) -> None:
-        """Send the break on the link; it is no byte, so nothing is recorded."""
-        self.link.send_break(seconds)
-
-    def close(self) -> None:
-        """Close the link, not the sink."""
-        self.link.close()
 
     def _record(self, direction: Direction, data: bytes, time: float) -> None:
         if self.failure is not None:
@@ -90,4 +55,4 @@ class CaptureTee(Link):
         try:
             self._sink.record(direction, data, time)
         except Exception as error:
-            self.failure = error  # foreign code: whatever happened in it, the session goes on
+            self.failure = error  # the sink's code must not end the session

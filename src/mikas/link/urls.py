@@ -1,12 +1,12 @@
-"""Which link a port's URL means: `scheme:address?option=value&…`.
+"""From a port's URL `scheme:address?option=value&…` to its link.
 
 - A scheme is the text before the first colon, in any case, if a link is registered for it.
 - Anything else is a serial port of the system: `/dev/ttyUSB0`, `COM3`, `/dev/ttyUSB0?baud=10400`.
-- Two slashes before the address are allowed and mean nothing: `socket://host:port`.
+- Two slashes before the address are optional: `socket://host:port`.
 
-Links register through the entry-point group `mikas.links`: the name of an entry is the scheme, its
-object the `Opener`. So a higher layer or another distribution brings a scheme without being known
-here. The group is read when the first scheme is looked up, and only the opener in use is imported.
+Links register through the entry-point group `mikas.links`: an entry's name is the scheme, its
+object the `Opener`. So a higher layer or another distribution can add a scheme. The group is read
+at the first lookup, and only the opener in use is imported.
 """
 
 from __future__ import annotations
@@ -27,9 +27,8 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 Opener = Callable[[str, dict[str, str]], Link]
-"""Takes the whole URL and its options, decoded; returns an open link or raises from `mikas.errors`.
-
-It checks its options itself (`mikas.options`). A `UsageError` of its own becomes a `BadPortUrl`.
+"""Takes the whole URL and its decoded options, checks these (`mikas.options`), and returns an open
+link. A plain `UsageError` that it raises becomes a `BadPortUrl`.
 """
 
 GROUP = "mikas.links"
@@ -38,7 +37,7 @@ _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):")  # two letters at least: C: 
 
 @dataclass(frozen=True, slots=True)
 class PortUrl:
-    """A URL taken apart. `scheme` is registered; a bare path or COM name has `serial`."""
+    """The parts of a URL. `scheme` is registered; a bare path or COM name has `serial`."""
 
     scheme: str
     address: str
@@ -46,10 +45,10 @@ class PortUrl:
 
 
 def open_link(url: str, /, **options: str | float) -> Link:
-    """Open what `url` names. `options` count as if they stood in its query, and win over those.
+    """Open the link of `url`; `options` override those of its query.
 
-    Raises `BadPortUrl` for an invalid URL or option, a `NoConnection` if the port does not open,
-    `UsageError` for a link that can't be loaded; an opener may add usage errors of its own.
+    Raises `BadPortUrl` for an invalid URL or option, `NoConnection` if the port does not open,
+    `UsageError` for a link that can't be loaded; an opener may raise other usage errors.
     """
     if options:
         given = {name: _as_text(value) for name, value in options.items()}
@@ -65,7 +64,7 @@ def open_link(url: str, /, **options: str | float) -> Link:
 
 
 def parse(url: str) -> PortUrl:
-    """Take `url` apart, opening nothing. Raises `BadPortUrl`."""
+    """Split `url` into its parts. Raises `BadPortUrl`."""
     place, _, query = url.partition("?")
     match = _SCHEME.match(place)
     scheme = match[1].lower() if match else ""
@@ -82,10 +81,7 @@ def parse(url: str) -> PortUrl:
 
 
 def take_clock(options: dict[str, str]) -> bool:
-    """Take the option `clock` out of `options`; return whether it is `simulated`, not `real`.
-
-    Raises `UsageError` for any other value.
-    """
+    """Remove the option `clock`, `real` or `simulated`; return whether it is `simulated`."""
     clock = OptionParser(options).choice("clock", "real", ("real", "simulated"))
     options.pop("clock", None)
     return clock == "simulated"
@@ -93,7 +89,7 @@ def take_clock(options: dict[str, str]) -> bool:
 
 @cache
 def _registered() -> dict[str, list[EntryPoint]]:
-    """The entries of the group by scheme; more than one is a clash of two distributions."""
+    """Return the entries by scheme; two entries of one scheme are of different distributions."""
     from importlib.metadata import entry_points  # slow to import: some 20 ms
 
     found: dict[str, list[EntryPoint]] = {}
@@ -126,7 +122,7 @@ def _opener(scheme: str) -> Opener:
         )
     try:
         return cast("Opener", entries[0].load())
-    except Exception as error:  # another distribution's code: whatever happens in it
+    except Exception as error:  # another distribution's code may raise anything
         names, why = _distributions(entries), f"{type(error).__name__}: {error}"
         raise UsageError(
             problem=Text(
@@ -156,7 +152,7 @@ def _options(url: str, query: str) -> dict[str, str]:
 
 
 def _refuse_unknown(url: str, scheme: str, *, slashes: bool) -> None:
-    """Refuse what was meant as a scheme and is none; a path with a colon in it passes."""
+    """Raise `BadPortUrl` for an unknown scheme; a path that contains a colon passes."""
     if slashes or (scheme and nearest(scheme, _registered())):
         schemes = [f"{name}:" for name in sorted(_registered())]
         known = ", ".join(schemes)

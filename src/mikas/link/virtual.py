@@ -1,10 +1,8 @@
 """`sim:` — a virtual unit in this process, on simulated time or in real time.
 
-On the simulated clock the tester's waiting is what drives the bus: `read` runs the wire forward
-until something arrives or the deadline has come, and hours pass in seconds. In real time the same
-bus is run forward to the present at each look, and the waits are real.
-
-Not simulated: the time that the tester's own computing takes, on the simulated clock.
+On the simulated clock `read` runs the bus forward until bytes arrive or the deadline passes: hours
+take seconds, and the tester's own computing takes no time. In real time each `read` runs the same
+bus forward to the present, and the waits are real.
 """
 
 from __future__ import annotations
@@ -21,7 +19,7 @@ from mikas.virtual.bus import Bus
 
 
 class _BusLink(Link):
-    """The common part of both clocks' links."""
+    """The common part of the links of both clocks."""
 
     def __init__(self, bus: Bus, url: str) -> None:
         self.bus = bus
@@ -39,7 +37,7 @@ class _BusLink(Link):
 
     def unplug(self) -> None:
         """Pull out the adapter, for tests."""
-        self._problem = Text("it was unplugged", "его вынули")
+        self._problem = Text("it was unplugged", "он отключён")
 
     def close(self) -> None:
         self._problem = self._problem or Text("it is closed", "он закрыт")
@@ -66,7 +64,7 @@ class VirtualLink(_BusLink):
             if following > self._now:
                 if following > deadline or following == inf:
                     if deadline == inf:
-                        raise ValueError("nothing will ever arrive, and the wait has no end")
+                        raise ValueError("no byte will ever arrive, and the wait has no end")
                     self._now = max(self._now, deadline)
                     return Chunk(b"", self._now)
                 self._now = following
@@ -104,7 +102,7 @@ class RealTimeVirtualLink(_BusLink):
                 return Chunk(data, time)
             if now >= deadline:
                 return Chunk(b"", now)
-            # At least a look a second: a wait without end must still see the link closed.
+            # Wake up every second: a wait without end must notice that the link was closed.
             self._gone.wait(max(0.0, min(self.bus.next_event(), deadline, now + 1) - now))
 
     def gather(self, until: float) -> None:
@@ -127,8 +125,8 @@ class RealTimeVirtualLink(_BusLink):
 def open_sim(url: str, options: dict[str, str]) -> Link:
     """Open `sim:?scenario=…&seed=…&clock=real|simulated&…`.
 
-    The other options are those of `mikas.virtual.build`. Raises `BadPortUrl` for an unknown one, or
-    a value that makes no sense; `CatalogError` for a scenario file with a mistake in it.
+    `mikas.virtual.build` has the other options. Raises `BadPortUrl` for an unknown option or an
+    invalid value, `CatalogError` for an invalid scenario file.
     """
     from mikas.virtual.build import build_bus  # the engine and the catalog: only for this scheme
 
@@ -138,7 +136,7 @@ def open_sim(url: str, options: dict[str, str]) -> Link:
         raise UsageError(
             problem=Text(
                 f"sim: has no address, only options; “{place}” may be a ?scenario={place}",
-                f"у sim: нет адреса, только настройки; может быть, ?scenario={place}",
+                f"у sim: нет адреса, только параметры; может быть, ?scenario={place}",
             )
         )
     start = 0.0 if simulated else WallClock().now()

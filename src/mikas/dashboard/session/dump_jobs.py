@@ -117,7 +117,7 @@ class DumpJobs:
             with suppress(MikasError):
                 manifest = read_manifest(file)
             if manifest is not None and file.stem not in self.jobs:
-                manifest.holds(file.stat().st_size)
+                manifest.set_bytes_read(file.stat().st_size)
                 job = DumpJob(file.stem, file, manifest, None)
                 if manifest.finished:
                     job.phase = "done"
