@@ -69,4 +69,4 @@ def test_an_adapter_that_was_pulled_out_is_in_the_report(tmp_path) -> None:
         idle.sampling()
         text = idle.get("/report").text
     assert "<dt>Gaps</dt><dd>1: " in text
-    assert "Not recorded, so it can&#39;t be told: throttle at 5 % or less" in text
+    assert "Can&#39;t be determined, as this was not recorded: throttle at 5 % or less" in text

@@ -1,8 +1,9 @@
 """Gaps: how long no values came, and why. The one rule, for recordings, live data and commands.
 
 A gap begins with a failed cycle, or when the line of a running session breaks. It reaches from the
-last values before it to the first after it. Its reason is the latest broken state's; until there is
-one, that of the first failed cycle. Waiting for the first values of a session is no gap.
+last values before it to the first after it. Its reason is that of the latest broken state, as first
+reported: a pulled adapter is gone, though the next look finds no port. Until there is a broken
+state, it is the reason of the first failed cycle. Waiting for a session's first values is no gap.
 
 A pause that somebody wants (another plan, another connection, a job on the line) is a gap if it
 lasts longer than values usually take.
@@ -77,6 +78,7 @@ class GapTracker:
         self._reason_of = reason_of
         self._arrivals = Arrivals()
         self._sampling = False
+        self._state: LineState | None = None  # of the open gap's reason; None: a failed cycle's
         self._last: float | None = None  # the time of the latest values, or the end of a later gap
         self._pause: Text | None = None  # why somebody wants one
         self._disconnected = False
@@ -94,7 +96,9 @@ class GapTracker:
                     reason = self._reason_of(error) if error else event.text
                     began = self.begin(event.time, reason)
                     assert self.open is not None
-                    self.open = replace(self.open, reason=reason)
+                    if event.state is not self._state:
+                        self.open = replace(self.open, reason=reason)
+                        self._state = event.state
                     return began
         return []
 
@@ -108,7 +112,7 @@ class GapTracker:
         self._pause, self._disconnected = None, False
         self._arrivals.interrupt()
         began = time if self._last is None else min(time, self._last)
-        self.open = Gap(began, began, None, reason)
+        self.open, self._state = Gap(began, began, None, reason), None
         return [*told, self.open]
 
     def pause(self, reason: Text) -> None:

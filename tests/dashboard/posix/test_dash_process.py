@@ -90,7 +90,7 @@ def test_ctrl_c_closes_the_recording_and_lets_everybody_go(demo, tmp_path):
     assert demo.wait(60) == 130
     err = demo.stderr.read().decode()
     assert "Traceback" not in err
-    assert f"is kept: {tmp_path / 'a.pcapng'}" in err
+    assert f"saved: {tmp_path / 'a.pcapng'}" in err
     assert len(mikas.open(tmp_path / "a.pcapng").to_pandas()) > 9
 
 
