@@ -78,7 +78,9 @@ class GapTracker:
         self._reason_of = reason_of
         self._arrivals = Arrivals()
         self._sampling = False
-        self._state: LineState | None = None  # of the open gap's reason; None: a failed cycle's
+        self._state: LineState | str | None = (
+            None  # of the open gap's reason; None: a failed cycle's
+        )
         self._last: float | None = None  # the time of the latest values, or the end of a later gap
         self._pause: Text | None = None  # why somebody wants one
         self._disconnected = False
