@@ -1,10 +1,8 @@
 """The summary of a recording, for a list of many: a fraction of a second even for ten hours.
 
 The file is searched once (`index`); of packets only the first and last ones are read, and some
-pieces of a long file. So all figures are exact but one: `samples` of a long file is an estimate
-(`samples_exact`), and `rate` follows from it.
-
-Any file has a summary; that of an unreadable one has a `problem`.
+pieces of a long file. So all figures are exact but `samples` of a long file (`samples_exact`) and
+the `rate` computed from it. An unreadable file has a summary with a `problem`.
 """
 
 from __future__ import annotations
@@ -13,7 +11,6 @@ import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import BinaryIO, Final
 
@@ -24,7 +21,7 @@ from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording.annotations.events import RecordedUnit, comment_of, events_of, unit_of
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.index import FileIndex, index
+from mikas.recording.capture.index import index
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, reason_of
 from mikas.recording.capture.scan import scan
@@ -36,17 +33,17 @@ _TAIL: Final = 1 << 14
 _COUNTED: Final = 1 << 22  # bytes; of a longer file pieces are counted
 _PIECE: Final = 1 << 17
 _PIECES: Final = 8
-_MOST_PACKETS: Final = 64  # behind a request, in which its response must be
+_MOST_PACKETS: Final = 64  # after a request, in which its response must be
 
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """The facts that a list shows. None: not known.
+    """The facts that a list shows. None: unknown.
 
-    `date`: UNIX time of the beginning; None for a simulated clock, too. `length`: seconds from each
-    session's first packet to its last. `samples`: responses with data. `rate`: of them a second,
-    gaps left out. `faults`: codes of the last response to 02; None: there is none. `note`: a
-    person's words on it all. `problem`: why the file can't be read.
+    `date`: UNIX time of the begin; None for a simulated clock, too. `length`: sum of the seconds
+    from each session's first packet to its last. `samples`: responses with data. `rate`: samples a
+    second without the gaps. `faults`: codes of the last response to 02; None without one. `note`: a
+    person's comment. `problem`: why the file can't be read.
     """
 
     path: Path
@@ -77,7 +74,7 @@ class Summary:
 
 
 def summarise(path: str | os.PathLike[str], catalog: Catalog | None = None) -> Summary:
-    """What there is to say of `path`. Never raises for what is in it."""
+    """Return the summary of `path`. Never raises for the file's contents."""
     path = Path(path)
     catalog = catalog or shipped()
     size = 0
@@ -85,144 +82,132 @@ def summarise(path: str | os.PathLike[str], catalog: Catalog | None = None) -> S
         size = path.stat().st_size
         CaptureReader(path)  # raises, if it is no capture
         with path.open("rb") as file:
-            return _summed_up(path, file, catalog)
+            return _summary(path, _Sections(file), catalog)
     except CaptureError as error:
         return Summary(path, size, problem=error.problem)
     except OSError as error:
         return Summary(path, size, problem=reason_of(error))
 
 
-def _summed_up(path: Path, file: BinaryIO, catalog: Catalog) -> Summary:
-    places = index(file)
-    notes = places.notes
-    spans = list(_spans(file, places))
-    events = events_of(notes, catalog)
-    gaps = [event for event in events if isinstance(event, Gap)]
+class _Sections:
+    """The sections of a file, with its index; `edges` are their begins and the file's end."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self.file = file
+        self.index = index(file)
+        self.edges = [*self.index.sections, self.index.size]
+
+    def head(self, section: int) -> tuple[Blocks, Packet | None]:
+        """Return a section's ports and its first packet."""
+        blocks = Blocks()
+        return blocks, next(self._packets(blocks, section, self.edges[section], None), None)
+
+    def packets(self, section: int, begin: int) -> Iterator[Packet]:
+        """Yield a section's packets from the offset `begin`."""
+        return self._packets(self.head(section)[0], section, begin, self.index.orders[section])
+
+    def _packets(
+        self, blocks: Blocks, section: int, begin: int, order: pcapng.Order | None
+    ) -> Iterator[Packet]:
+        for item in scan(self.file, begin, order):
+            if item.offset >= self.edges[section + 1]:
+                return
+            yield from (each for each in blocks.read(item) if isinstance(each, Packet))
+
+
+def _summary(path: Path, sections: _Sections, catalog: Catalog) -> Summary:
+    notes = sections.index.notes
+    spans = list(_spans(sections))
+    gaps = [event for event in events_of(notes, catalog) if isinstance(event, Gap)]
     first = spans[0][0] if spans else None
     length = sum(last - begin for begin, last in spans) if spans else None
-    samples, exact = _samples(path, file, places, catalog)
+    samples, is_exact = _samples(path, sections, catalog)
     silent = sum(max(0.0, gap.ended - gap.began) for gap in gaps if gap.ended is not None)
-    first_noted = next((note.recording for note in notes if note.kind == Kind.UNIT), 0)
-    lasted = (length or 0.0) - silent
+    recording = next((note.recording for note in notes if note.kind == Kind.UNIT), 0)
+    sampled = (length or 0.0) - silent
     return Summary(
         path=path,
-        bytes=places.size,
+        bytes=sections.index.size,
         date=first if first is not None and first >= PLAINLY_UNIX else None,
         first=first,
         length=length,
-        unit=unit_of((note for note in notes if note.recording == first_noted), catalog),
+        unit=unit_of((note for note in notes if note.recording == recording), catalog),
         samples=samples,
-        samples_exact=exact,
-        rate=samples / lasted if samples and lasted > 0 else None,
+        samples_exact=is_exact,
+        rate=samples / sampled if samples and sampled > 0 else None,
         gaps=len(gaps),
-        faults=_faults(file, places),
+        faults=_faults(sections),
         markers=sum(note.kind == Kind.MARKER for note in notes),
-        note=comment_of(notes) or _first_words(notes),
-        recordings=len(places.sections),
+        note=comment_of(notes) or _first_text(notes),
+        recordings=len(sections.index.sections),
     )
 
 
-def _first_words(notes: Iterable[Note]) -> str:
-    for note in notes:
-        text = note.data.get("text")
-        if note.kind == Kind.NOTE and isinstance(text, str):
-            return text
-    return ""
+def _first_text(notes: Iterable[Note]) -> str:
+    texts = (note.data.get("text") for note in notes if note.kind == Kind.NOTE)
+    return next((text for text in texts if isinstance(text, str)), "")
 
 
-def _head(file: BinaryIO, start: int, stop: int) -> tuple[Blocks, Packet | None]:
-    """Return a section's ports and its first packet."""
-    blocks = Blocks()
-    for item in scan(file, start):
-        if item.offset >= stop:
-            break
-        for told in blocks.read(item):
-            if isinstance(told, Packet):
-                return blocks, told
-    return blocks, None
-
-
-def _spans(file: BinaryIO, places: FileIndex) -> Iterator[tuple[float, float]]:
+def _spans(sections: _Sections) -> Iterator[tuple[float, float]]:
     """Yield each session's first and last time."""
-    for start, stop in pairwise([*places.sections, places.size]):
-        blocks, packet = _head(file, start, stop)
-        if packet is not None:
-            last = packet.time
-            begin = max(packet.offset, stop - _TAIL)
-            for later in _packets(file, blocks, begin, stop, places.order(start)):
-                last = max(last, later.time)
-            yield packet.time, last
+    for number, stop in enumerate(sections.edges[1:]):
+        _, first = sections.head(number)
+        if first is not None:
+            tail = sections.packets(number, max(first.offset, stop - _TAIL))
+            yield first.time, max([first.time, *(packet.time for packet in tail)])
 
 
-def _packets(
-    file: BinaryIO, blocks: Blocks, begin: int, stop: int, order: pcapng.Order
-) -> Iterator[Packet]:
-    for item in scan(file, begin, order):
-        if item.offset >= stop:
-            return
-        for told in blocks.read(item):
-            if isinstance(told, Packet):
-                yield told
-
-
-def _faults(file: BinaryIO, places: FileIndex) -> tuple[int, ...] | None:
+def _faults(sections: _Sections) -> tuple[int, ...] | None:
     """Return the codes of the last response to 02."""
-    edges = [*places.sections, places.size]
-    for offset in reversed(places.fault_requests):
-        section = places.section(offset)
+    for offset in reversed(sections.index.fault_requests):
+        section = sections.index.section(offset)
         if section < 0:
             continue
-        blocks, _ = _head(file, edges[section], edges[section + 1])
-        order = places.orders[section]
         exchange: list[Packet] = []
-        for packet in _packets(file, blocks, offset, edges[section + 1], order):
-            again = exchange and packet.direction is Direction.SENT
-            if again or len(exchange) >= _MOST_PACKETS:
+        for packet in sections.packets(section, offset):
+            is_next = exchange and packet.direction is Direction.SENT
+            if is_next or len(exchange) >= _MOST_PACKETS:
                 break
             exchange.append(packet)
         if not exchange:
             continue
         found = ScalarMatcher(exchange[0].source).feed(exchange)
-        asked = {number for number, body in enumerate(found.bodies) if body == b"\x02"}
-        for _, _, body in found.responses.of(asked):
+        requests = {number for number, body in enumerate(found.bodies) if body == b"\x02"}
+        for _, _, body in found.responses.of(requests):
             with suppress(MikasError):
                 return tuple(c.ReadFaults().read(body))
     return None
 
 
-def _samples(
-    path: Path, file: BinaryIO, places: FileIndex, catalog: Catalog
-) -> tuple[int | None, bool]:
+def _samples(path: Path, sections: _Sections, catalog: Catalog) -> tuple[int | None, bool]:
     """Return the number of responses with data, and whether it was counted."""
-    if places.size <= _COUNTED:
-        from mikas.recording.table.reader import TableReader
+    if sections.index.size > _COUNTED:
+        return _estimated(sections), False
+    from mikas.recording.table.reader import TableReader
 
-        with suppress(MikasError):
-            return sum(len(rows.times) for rows in TableReader(path, catalog).rows()), True
-        return None, True
-    return _estimated(file, places), False
+    with suppress(MikasError):
+        return sum(len(rows.times) for rows in TableReader(path, catalog).rows()), True
+    return None, True
 
 
-def _estimated(file: BinaryIO, places: FileIndex) -> int:
-    """Count responses in pieces of the file, and take the rest to be alike."""
+def _estimated(sections: _Sections) -> int:
+    """Count responses in pieces of the file, and assume the same density elsewhere."""
     from mikas.recording.exchanges.columnar import ColumnarMatcher
     from mikas.recording.exchanges.packets import PacketColumns, Window
 
-    edges = [*places.sections, places.size]
-    heads: dict[int, Blocks] = {}
-    seen = answers = 0
-    step = places.size // _PIECES
-    for offset in range(step // 2, places.size, step):
-        section = max(0, places.section(offset))
-        if section not in heads:
-            heads[section] = _head(file, edges[section], edges[section + 1])[0]
-        item = next(scan(file, offset & -4, places.orders[section]), None)
-        begin = item.end if item is not None else places.size
-        window = Window(file, begin, _PIECE, places.orders[section])
+    size = sections.index.size
+    read = responses = 0
+    step = size // _PIECES
+    for offset in range(step // 2, size, step):
+        section = max(0, sections.index.section(offset))
+        blocks, order = sections.head(section)[0], sections.index.orders[section]
+        item = next(scan(sections.file, offset & -4, order), None)
+        begin = item.end if item is not None else size
+        window = Window(sections.file, begin, _PIECE, order)
         found, end = window.run(begin)
-        if found.size and heads[section].interfaces:
-            seen += end - begin
-            columns = PacketColumns(window, found, heads[section])
+        if found.size and blocks.interfaces:
+            read += end - begin
+            columns = PacketColumns(window, found, blocks)
             for packets in columns.packets(0, found.size):
-                answers += len(ColumnarMatcher(packets.source).feed(packets).responses.times)
-    return round(answers * places.size / seen) if seen else 0
+                responses += len(ColumnarMatcher(packets.source).feed(packets).responses.times)
+    return round(responses * size / read) if read else 0

@@ -1,18 +1,16 @@
 """The blocks of a pcapng file: bytes from values, values from bytes. Pure; opens nothing.
 
-The part of the IETF draft "PCAP Next Generation Capture File Format" that recording a serial line
-needs: section, interface and enhanced packet; when reading, simple packets and custom blocks too.
-A block is `type, length, body, length again`; the second length is what lets a reader tell a whole
-block from a damaged one. Both byte orders are read, the little-endian one is written.
-
-`parse` gives a value for every known kind and `None` for the others; it raises `Malformed` for a
-body that contradicts itself, never anything else.
+The part of the IETF draft "PCAP Next Generation Capture File Format" that a recorded serial line
+needs: section, interface, enhanced packet and custom blocks; simple packets are read, too.
+A block is `type, length, body, length`; the second length distinguishes whole blocks from damaged
+ones. Both byte orders are read, the little-endian one is written.
 """
 
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Final, Literal
 
 if TYPE_CHECKING:
@@ -20,7 +18,7 @@ if TYPE_CHECKING:
 
 Order = Literal["<", ">"]
 
-SECTION: Final = 0x0A0D0D0A  # reads the same in both byte orders
+SECTION: Final = 0x0A0D0D0A  # the same in both byte orders
 INTERFACE: Final = 1
 SIMPLE: Final = 3
 ENHANCED: Final = 6
@@ -32,6 +30,10 @@ INBOUND: Final = 1  # epb_flags, bits 0-1
 OUTBOUND: Final = 2
 
 _ORDER_MAGIC: Final = 0x1A2B3C4D
+_ORDERS: Final[dict[bytes, Order]] = {
+    struct.pack("<I", _ORDER_MAGIC): "<",
+    struct.pack(">I", _ORDER_MAGIC): ">",
+}
 _MICROSECONDS: Final = 6
 _END, _COMMENT = 0, 1
 _SHB_HARDWARE, _SHB_OS, _SHB_APPLICATION = 2, 3, 4
@@ -40,12 +42,12 @@ _EPB_FLAGS = 2
 
 
 class Malformed(ValueError):
-    """A block whose frame is whole but whose body contradicts itself."""
+    """A whole block with a contradictory body."""
 
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """Section Header Block: a new recording begins; interfaces are counted anew."""
+    """Section Header Block: begins a recording; its interfaces are counted from 0."""
 
     hardware: str = ""
     system: str = ""
@@ -56,7 +58,7 @@ class Section:
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """Interface Description Block: one port. `tsresol` and `tsoffset` say what a tick means."""
+    """Interface Description Block: one port. `tsresol` and `tsoffset` define a tick."""
 
     link_type: int = LINKTYPE_USER0
     name: str = ""
@@ -74,13 +76,13 @@ class Interface:
         return 1 << power if self.tsresol & 0x80 else int(10**power)
 
     def time(self, ticks: int) -> float:
-        """Seconds since 1970, or since whatever the link's clock counts from; rounded once."""
+        """Return seconds since the zero of the link's clock (1970 of a real one); rounded once."""
         return (self.tsoffset * self.ticks_per_second + ticks) / self.ticks_per_second
 
 
 @dataclass(frozen=True, slots=True)
 class EnhancedPacket:
-    """Enhanced Packet Block. `cut`: how many bytes of the packet the capturing program left out."""
+    """Enhanced Packet Block. `cut`: number of bytes that the capturing program left out."""
 
     interface: int
     ticks: int
@@ -92,14 +94,14 @@ class EnhancedPacket:
 
 @dataclass(frozen=True, slots=True)
 class SimplePacket:
-    """Simple Packet Block: data of the first interface with neither time nor direction."""
+    """Simple Packet Block: data of the first interface without time or direction."""
 
     data: bytes
 
 
 @dataclass(frozen=True, slots=True)
 class Custom:
-    """Custom Block: `data` belongs to whoever has the Private Enterprise Number `enterprise`."""
+    """Custom Block: `data` of the owner of the Private Enterprise Number `enterprise`."""
 
     enterprise: int
     data: bytes
@@ -110,7 +112,7 @@ Block = Section | Interface | EnhancedPacket | SimplePacket | Custom
 
 
 def encode(block: Block, order: Order = "<") -> bytes:
-    """The whole block, ready to be appended to a file."""
+    """Return the whole block, to be appended to a file."""
     match block:
         case Section():
             kind, body = SECTION, _section_body(block, order)
@@ -128,7 +130,7 @@ def encode(block: Block, order: Order = "<") -> bytes:
 
 
 def parse(kind: int, body: bytes, order: Order) -> Block | None:
-    """The block with this body; `None` for a kind that is not known here. Raises `Malformed`."""
+    """Return the block with this body; None for an unknown kind. Raises `Malformed`."""
     reader = _READERS.get(kind)
     try:
         return reader(body, order) if reader else None
@@ -137,17 +139,13 @@ def parse(kind: int, body: bytes, order: Order) -> Block | None:
 
 
 def byte_order(magic: bytes) -> Order | None:
-    """The byte order of a section, from bytes 8 to 11 of its header; `None` if they are neither."""
-    if magic == struct.pack("<I", _ORDER_MAGIC):
-        return "<"
-    if magic == struct.pack(">I", _ORDER_MAGIC):
-        return ">"
-    return None
+    """Return the byte order of a section by bytes 8 to 11 of its header; None for other bytes."""
+    return _ORDERS.get(magic)
 
 
 def _section_body(section: Section, order: Order) -> bytes:
-    length_not_known = -1
-    head = struct.pack(order + "IHHq", _ORDER_MAGIC, *section.version, length_not_known)
+    unknown_length = -1
+    head = struct.pack(order + "IHHq", _ORDER_MAGIC, *section.version, unknown_length)
     return head + _options(
         order,
         (_COMMENT, _text(section.comment)),
@@ -232,13 +230,9 @@ def _simple(body: bytes, order: Order) -> SimplePacket:
     return SimplePacket(body[4 : 4 + length])
 
 
-def _custom(body: bytes, order: Order) -> Custom:
+def _custom(body: bytes, order: Order, *, private: bool = False) -> Custom:
     (enterprise,) = struct.unpack_from(order + "I", body)
-    return Custom(enterprise, body[4:])
-
-
-def _custom_private(body: bytes, order: Order) -> Custom:
-    return replace(_custom(body, order), private=True)
+    return Custom(enterprise, body[4:], private)
 
 
 def _padded(data: bytes) -> bytes:
@@ -246,7 +240,7 @@ def _padded(data: bytes) -> bytes:
 
 
 def _options(order: Order, *options: tuple[int, bytes]) -> bytes:
-    """The option list; options with no value are left out, and so is a list with no options."""
+    """Return the option list; options without a value, and a list without options, are left out."""
     parts = [
         struct.pack(order + "HH", code, len(value)) + _padded(value)
         for code, value in options
@@ -269,7 +263,7 @@ def _read_options(data: bytes, order: Order) -> Iterator[tuple[int, bytes]]:
 
 
 def _text(text: str) -> bytes:
-    """UTF-8, cut between two characters at the 65,535 bytes that an option can hold."""
+    """Return UTF-8, cut between two characters to the 65,535 bytes of an option."""
     return text.encode("utf-8", "replace")[:0xFFFF].decode("utf-8", "ignore").encode()
 
 
@@ -292,6 +286,6 @@ _READERS: Final[dict[int, Callable[[bytes, Order], Block]]] = {
     SIMPLE: _simple,
     ENHANCED: _enhanced,
     CUSTOM: _custom,
-    CUSTOM_PRIVATE: _custom_private,
+    CUSTOM_PRIVATE: partial(_custom, private=True),
 }
 KNOWN: Final = frozenset(_READERS)

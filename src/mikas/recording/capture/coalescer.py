@@ -1,13 +1,12 @@
-"""Fewer packets, the same bytes: a response that comes byte by byte becomes one packet.
+"""Fewer packets, the same bytes: a response that arrives byte by byte becomes one packet.
 
-A wire hands over 960 bytes a second (§1); a packet each would be 34 million in ten hours, at 48
-bytes of file for every byte. Joined, there is about one a response. What is joined has no gap worth
-the name in it, so that nothing is lost that anybody measures:
+The wire brings 960 bytes a second (§1); a packet each would be 34 million in ten hours, 48 bytes of
+file for every byte. Joined, there is about one packet a response, and no time that matters is lost:
 
-- a reader takes a byte for `(bytes behind it in its packet) · byte time` older than its packet. A
-  joined packet has the time that makes this right for the packet's first byte, hence for the
-  response's begin: to half a byte time for the first response in a packet, to one for another, or
-  better: where later chunks show that the first was seen late, the begin is put right;
+- a reader takes a byte for `(later bytes in its packet) · byte time` older than its packet. The
+  time of a joined packet makes this right for its first byte, hence for the response's begin: to
+  half a byte time for the first response in a packet, to one for another. If later chunks show that
+  the first one was seen late, the begin is corrected;
 - a packet ends with the chunk that brings a terminator, so it waits for nothing but the rest of
   its own frame. Sent chunks are never joined.
 """
@@ -15,15 +14,12 @@ the name in it, so that nothing is lost that anybody measures:
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Final, Protocol, Self
+from typing import Final, Protocol, Self
 
 from mikas.framing import TERMINATOR
 from mikas.link.base import BITS_PER_BYTE
 from mikas.link.tee import Direction, Sink
 from mikas.recording.capture.notes import Note, NoteSink
-
-if TYPE_CHECKING:
-    from types import TracebackType
 
 _MOST_BYTES: Final = 4096
 _LONGEST: Final = 1.0  # s
@@ -31,7 +27,7 @@ _LONGEST: Final = 1.0  # s
 _PAUSE: Final = 3  # inside a packet, between two chunks
 _ALL_PAUSES: Final = 8  # inside a packet, in all: its end may seem earlier by so much
 _CLOSE: Final = 0.5
-_LATE: Final = 1.0  # how late the first chunk may have been seen, as later ones show
+_LATE: Final = 1.0  # of the first chunk at most, as later ones show
 
 
 class NotedSink(Sink, NoteSink, Protocol):
@@ -41,8 +37,8 @@ class NotedSink(Sink, NoteSink, Protocol):
 class Coalescer:
     """Stands between a `CaptureTee` and `sink`; implements `Sink` and takes notes.
 
-    What waits is written when its frame ends, the direction changes, a note comes, a chunk follows
-    too late, or at `flush`, `tick` and `close`. Closing it does not close `sink`. Any thread may
+    Waiting bytes are written when their frame ends, the direction changes, a note arrives, a chunk
+    follows too late, and at `flush`, `tick` and `close`. `close` leaves `sink` open. Any thread may
     add a note.
     """
 
@@ -51,14 +47,14 @@ class Coalescer:
         self._byte_time = BITS_PER_BYTE / baud
         self._lock = threading.RLock()
         self._waiting = bytearray()
-        self._first = 0.0  # when the first waiting chunk came
+        self._first = 0.0  # time of the first waiting chunk
         self._last = 0.0
-        self._begin = 0.0  # when its first byte began on the wire
-        self._seen = 0.0  # what the first chunk by itself said of that
+        self._begin = 0.0  # of its first byte on the wire
+        self._seen_begin = 0.0  # the same by the first chunk alone
         self._joined = False  # whether more than one chunk is waiting
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
-        """Keep one chunk, soon. What `sink` raises comes through, at times for an earlier chunk."""
+        """Write one chunk, perhaps later. Raises what `sink` raises, also for an earlier chunk."""
         with self._lock:
             if direction is Direction.SENT:
                 self.flush()
@@ -66,38 +62,38 @@ class Coalescer:
                 return
             if self._waiting and self._joins(data, time):
                 self._joined = True
-                # The first was seen late: so many bytes can't have begun later than this.
+                # The first chunk was seen late: so many bytes can't have begun later than this.
                 length = len(self._waiting) + len(data)
                 self._begin = min(self._begin, time - length * self._byte_time)
             else:
                 self.flush()
                 self._first = time
-                self._begin = self._seen = time - len(data) * self._byte_time
+                self._begin = self._seen_begin = time - len(data) * self._byte_time
             self._waiting += data
             self._last = time
             if data.endswith(_TERMINATOR) or len(self._waiting) >= _MOST_BYTES:
                 self.flush()
 
     def note(self, note: Note) -> None:
-        """Keep a note, behind what came before it."""
+        """Write a note after the waiting bytes."""
         with self._lock:
             self.flush()
             self._sink.note(note)
 
     def tick(self, now: float) -> None:
-        """Write what has waited for a second by `now`; for whoever watches a silent line."""
+        """Write bytes that have waited for a second by `now`, as on a silent line."""
         with self._lock:
             if now - self._first >= _LONGEST:
                 self.flush()
 
     def flush(self) -> None:
-        """Write what is waiting."""
+        """Write the waiting bytes."""
         with self._lock:
             if not self._waiting:
                 return
             data, time = bytes(self._waiting), self._last
             if self._joined:
-                # Never later than it was: the next packet must not seem to come before this one.
+                # Never later than the last chunk: the next packet must not seem to be older.
                 time = min(time, self._begin + len(data) * self._byte_time)
             self._waiting.clear()
             self._joined = False
@@ -110,12 +106,7 @@ class Coalescer:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _joins(self, data: bytes, time: float) -> bool:
@@ -123,10 +114,13 @@ class Coalescer:
         if length > _MOST_BYTES or time - self._first > _LONGEST:
             return False
         pause = (time - self._last) / self._byte_time - len(data)
-        # How much later the packet would have to begin for this chunk's bytes to be in their place.
-        late = (time - self._seen) / self._byte_time - length
+        # How much later the packet would have to begin for the times of this chunk's bytes.
+        late = (time - self._seen_begin) / self._byte_time - length
         if _TERMINATOR in self._waiting or data.find(_TERMINATOR, 0, len(data) - 1) >= 0:
-            early, most = _CLOSE, _CLOSE  # another begins in here, and has to begin in its place
+            early, most = (
+                _CLOSE,
+                _CLOSE,
+            )  # another frame begins here; its time must be right
         else:
             early, most = _LATE, _ALL_PAUSES
         return pause <= _PAUSE and -early <= late <= most

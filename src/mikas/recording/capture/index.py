@@ -1,8 +1,8 @@
-"""Where in a capture its sections, notes and requests for faults begin, without reading packets.
+"""The places of a capture's sections, notes and requests for faults, without reading packets.
 
-One pass over the file, a fraction of the time that its packets take. Damage elsewhere in the file
-is no hindrance: sections and notes are found wherever they begin, requests for faults only at
-multiples of four, where an undamaged file has its blocks.
+One pass over the file takes a fraction of the time of its packets. Sections and notes are found
+wherever they begin, also after damage; requests for faults only at multiples of four, where an
+undamaged file has its blocks.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import os
 import re
 from bisect import bisect_right
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import BinaryIO, Final
 
@@ -19,7 +20,7 @@ from mikas.recording.capture.notes import TAG, Note, read_block
 from mikas.recording.capture.scan import RawBlock, is_headless, scan
 
 _WINDOW: Final = 1 << 20
-_OVERLAP: Final = 64  # longer than any pattern with what precedes it in its block
+_OVERLAP: Final = 64  # longer than any pattern with the bytes before it in its block
 _SECTION_START: Final = b"\x0a\x0d\x0d\x0a"  # the same in both byte orders
 _BEFORE_TAG: Final = 12  # bytes of a note's block
 _READ_FAULTS: Final = b"\x02\xfe\x0d"  # the frame; padded with a zero in a packet's block
@@ -54,9 +55,9 @@ class FileIndex:
 
 
 def index(file: BinaryIO) -> FileIndex:
-    """Search a capture that is open for reading and seekable.
+    """Search a capture; `file` is seekable.
 
-    Notes of a section of an unknown version are left out, and those that can't be read.
+    Unreadable notes, and those of a section of an unknown version, are left out.
     """
     found = FileIndex(size=file.seek(0, os.SEEK_END))
     if is_headless(file):
@@ -67,11 +68,10 @@ def index(file: BinaryIO) -> FileIndex:
         if kind == _FAULTS:
             found.fault_requests.append(offset)
             continue
-        item = _block_at(file, offset)
-        block = _parsed(item) if item is not None else None
-        if isinstance(block, pcapng.Section) and kind == _SECTION and item is not None:
+        block, order = _block_at(file, offset)
+        if isinstance(block, pcapng.Section) and kind == _SECTION:
             found.sections.append(offset)
-            found.orders.append(item.order)
+            found.orders.append(order)
             is_known = block.version[0] == 1
         elif isinstance(block, pcapng.Custom) and is_known and (note := read_block(block)):
             recording = max(0, found.section(offset))
@@ -83,11 +83,11 @@ _SECTION, _NOTE, _FAULTS = range(3)
 
 
 def _places(file: BinaryIO) -> Iterator[tuple[int, int]]:
-    """Yield where a section, a note or a request for faults may begin, and which of these."""
+    """Yield where a section, a note or a request for faults may begin, with its kind."""
     for start in range(0, 1 << 62, _WINDOW):
         file.seek(start)
         window = file.read(_WINDOW + _OVERLAP)
-        # Plain searches are twenty times as fast as the expression, which decides afterwards.
+        # Plain searches are twenty times as fast as the expression, which decides then.
         begins = {*_all(window, _SECTION_START, 0), *_all(window, TAG, _BEFORE_TAG)}
         places = [
             (start + begin, _SECTION if match[1] else _NOTE)
@@ -104,7 +104,7 @@ def _places(file: BinaryIO) -> Iterator[tuple[int, int]]:
 
 
 def _all(window: bytes, pattern: bytes, before: int) -> Iterator[int]:
-    """Yield where blocks may begin that have `pattern` so many bytes after their beginning."""
+    """Yield where blocks may begin that have `pattern` after `before` bytes."""
     at = window.find(pattern)
     while at >= 0:
         if at >= before:
@@ -112,15 +112,11 @@ def _all(window: bytes, pattern: bytes, before: int) -> Iterator[int]:
         at = window.find(pattern, at + 1)
 
 
-def _block_at(file: BinaryIO, offset: int) -> RawBlock | None:
+def _block_at(file: BinaryIO, offset: int) -> tuple[pcapng.Block | None, pcapng.Order]:
     file.seek(offset)
     order: pcapng.Order = ">" if file.read(1) == b"\0" else "<"
     item = next(scan(file, offset, order), None)
-    return item if isinstance(item, RawBlock) else None
-
-
-def _parsed(item: RawBlock) -> pcapng.Block | None:
-    try:
-        return pcapng.parse(item.kind, item.body, item.order)
-    except pcapng.Malformed:
-        return None
+    if isinstance(item, RawBlock):
+        with suppress(pcapng.Malformed):
+            return pcapng.parse(item.kind, item.body, item.order), item.order
+    return None, order

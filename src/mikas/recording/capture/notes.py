@@ -1,11 +1,11 @@
-"""Notes in a recording: events beside the wire, as blocks between the packets.
+"""Notes in a recording: events, as blocks between the packets.
 
-What a note of each kind holds is in `annotations/events.py`; `index.py` finds them in a file.
+`annotations/events.py` has the contents of each kind; `index.py` finds notes in a file.
 
 A note is a Custom Block of pcapng, of the copyable kind (0x0BAD): other tools skip it (new ones
-list it, without a time and not as a packet), and editcap keeps it. The project has no Private
-Enterprise Number of its own: it uses 32473, which RFC 5612 reserves for documentation. Others may
-do so as well, hence the tag at the start of the payload; one JSON object in ASCII follows,
+list it without a time, not as a packet), and editcap keeps it. The project has no Private
+Enterprise Number: it uses 32473, which RFC 5612 reserves for documentation. Others may use it, too,
+hence the tag at the start of the payload; one JSON object in ASCII follows,
 `{"kind", "time", "data"}`, padded with zeros.
 """
 
@@ -39,12 +39,15 @@ class Kind(StrEnum):
     FAULTS = "faults"
 
 
+_KINDS: Final = frozenset(Kind)
+
+
 @dataclass(frozen=True, slots=True)
 class Note:
     """One note. `time`: the link's clock; `data`: JSON values by name.
 
-    `kind` is a `Kind`, or a word of a later version. Of a note that was read: `recording` counts
-    the recordings of the file as `Source.recording` does, `offset` is the block's place in it.
+    `kind` is a `Kind`, or a word of a later version. Of a note from a file, `recording` counts the
+    file's recordings as `Source.recording` does, `offset` is the block's place.
     """
 
     kind: str
@@ -62,7 +65,7 @@ class NoteSink(Protocol):
 
 
 def block_of(note: Note) -> pcapng.Custom:
-    """Return `note` as a block. Raises `ValueError` for data that JSON can't hold, or too much."""
+    """Return `note` as a block. Raises `ValueError` if it is too long or no JSON."""
     content = {"kind": str(note.kind), "time": note.time, "data": dict(note.data)}
     data = TAG + json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
     if len(data) > LARGEST // 2:
@@ -71,7 +74,7 @@ def block_of(note: Note) -> pcapng.Custom:
 
 
 def read_block(block: pcapng.Custom) -> Note | None:
-    """Return the note in `block`; None if it can't be read. An unknown kind is kept."""
+    """Return the note in `block`; None for an unreadable one. An unknown kind stays."""
     if block.enterprise != ENTERPRISE or not block.data.startswith(TAG):
         return None
     try:
@@ -82,9 +85,6 @@ def read_block(block: pcapng.Custom) -> Note | None:
         return Note(Kind(kind) if kind in _KINDS else kind, time, data)
     except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
         return None
-
-
-_KINDS: Final = frozenset(Kind)
 
 
 def _refuse(constant: str) -> None:

@@ -1,14 +1,14 @@
-"""Reading a capture back: packets in the order of the file, and problems where it is damaged.
+"""Reading a capture: packets in the order of the file, and problems where it is damaged.
 
-A capture is a pcapng file with interfaces of link type 147 whose packets say their direction. What
-else stands in such a file (other interfaces, unknown blocks, other programs' notes) is passed over.
+A capture is a pcapng file with interfaces of link type 147 whose packets have a direction. Other
+interfaces, unknown blocks and other programs' notes are skipped.
 """
 
 from __future__ import annotations
 
 import errno
 import os
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
@@ -20,24 +20,30 @@ from mikas.link.tee import Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.index import index
 from mikas.recording.capture.notes import Note
-from mikas.recording.capture.scan import Gap, RawBlock, goes_on_as_one, is_section_start, scan
+from mikas.recording.capture.scan import (
+    RawBlock,
+    Unreadable,
+    goes_on_as_one,
+    is_section_start,
+    scan,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 FLAGS: Final = {Direction.SENT: pcapng.OUTBOUND, Direction.RECEIVED: pcapng.INBOUND}
 _DIRECTIONS: Final = {flags: direction for direction, flags in FLAGS.items()}
-_HERE: Final = "mikas"  # how the name of the program that wrote a recording begins
-_LATEST: Final = 1 << 52  # µs; in 2112: what is later was written in another unit
+_HERE: Final = "mikas"  # begin of this program's name in a section
+_LATEST: Final = 1 << 52  # µs; in 2112: a later time is in another unit
 _ZIP: Final = b"PK\x03\x04"
 _CLASSIC_PCAP: Final = ("a1b2c3d4", "d4c3b2a1", "a1b23c4d", "4d3cb2a1", "a1b2cd34", "34cdb2a1")
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where packets came from. `recording` counts the recordings in a file, from 0.
+    """The origin of packets. `recording` counts the recordings in a file, from 0.
 
-    A new recording begins where a file was appended to; what came before it is another session.
+    Each is a session of its own: a file may be appended to.
     """
 
     recording: int
@@ -62,7 +68,7 @@ class Packet:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """A part of the file, from `offset`, that could not be read; `text` says what it means."""
+    """An unreadable part of the file, from `offset`, and what it means."""
 
     offset: int
     text: Text
@@ -71,60 +77,45 @@ class Problem:
 class CaptureReader:
     """The packets of a capture, in the order of the file, and the problems between them.
 
-    Making one raises `CaptureError` if the file can't be opened, is empty, is no pcapng, or holds
-    another kind of capture. Iterating raises only for an input error of the system: whatever is
-    damaged or cut short becomes a `Problem`, and what can be read is read. Each iteration starts
-    anew; memory does not grow with the file.
+    Raises `CaptureError` if the file can't be opened, is empty, is no pcapng, or holds another kind
+    of capture. Iterating raises only for an input error of the system: damaged or incomplete parts
+    become a `Problem`. Each iteration reads from the start; memory does not grow with the file.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
-        try:
-            with self.path.open("rb") as file:
-                self._check(file)
-        except OSError as error:
-            raise CaptureError(str(self.path), reason_of(error)) from error
+        with self._opened() as file:
+            if problem := _problem(file):
+                raise CaptureError(str(self.path), problem, None if problem is _NO_FILE else 0)
 
     def __iter__(self) -> Iterator[Packet | Problem]:
-        try:
-            with self.path.open("rb") as file:
-                blocks = Blocks()
-                for item in scan(file):
-                    yield from blocks.read(item)
-        except OSError as error:
-            raise CaptureError(str(self.path), reason_of(error)) from error
+        with self._opened() as file:
+            blocks = Blocks()
+            for item in scan(file):
+                yield from blocks.read(item)
 
     def notes(self) -> Iterator[Note]:
-        """The notes of the file, in its order; those that are damaged, or not ours, are left out.
+        """Yield the notes of the file, in its order; damaged and foreign ones are left out.
 
-        They are found without reading the packets: that takes a fraction of the time.
+        They are found without reading the packets, in a fraction of the time.
         """
+        with self._opened() as file:
+            yield from index(file).notes
+
+    @contextmanager
+    def _opened(self) -> Iterator[BinaryIO]:
         try:
             with self.path.open("rb") as file:
-                yield from index(file).notes
+                yield file
         except OSError as error:
             raise CaptureError(str(self.path), reason_of(error)) from error
-
-    def _check(self, file: BinaryIO) -> None:
-        if not file.seekable():
-            raise CaptureError(str(self.path), _NO_FILE)
-        head = file.read(12)
-        if not head:
-            raise CaptureError(str(self.path), _EMPTY, 0)
-        if not is_section_start(head):
-            what_else = _what_else(head)
-            if what_else or not goes_on_as_one(file):
-                raise CaptureError(str(self.path), what_else or _NOT_PCAPNG, 0)
-        other = _foreign_link_type(file)
-        if other is not None:
-            raise CaptureError(str(self.path), _OTHER_LINK_TYPE.filled(type=other), 0)
 
 
 class Blocks:
-    """What the blocks of one file mean, one after the other.
+    """Interprets the blocks of one file, one after the other.
 
     Blocks before the first section are those of a recording that has lost its beginning. If its
-    first packet looks as if it was written here, its port is known but for its name.
+    first packet has the form that this program writes, its port is known except for the name.
     """
 
     def __init__(self) -> None:
@@ -134,11 +125,12 @@ class Blocks:
 
     @property
     def interfaces(self) -> list[tuple[pcapng.Interface, Source]]:
-        """By number, in the present section; none if that has an unknown version."""
+        """The present section's, by number; none in an unknown version."""
         return self._interfaces if self._section else []
 
-    def read(self, item: RawBlock | Gap) -> Iterator[Packet | Problem]:
-        if isinstance(item, Gap):
+    def read(self, item: RawBlock | Unreadable) -> Iterator[Packet | Problem]:
+        """Yield the block's packet or problems."""
+        if isinstance(item, Unreadable):
             text = _CUT if item.cut else _DAMAGED
             yield Problem(item.offset, text.filled(count=item.end - item.offset))
             return
@@ -146,7 +138,7 @@ class Blocks:
             self._recording = 0
             self._section = pcapng.Section(application=_HERE)
         if self._section is None and item.kind != pcapng.SECTION:
-            return  # of a section in a version that is not known, reported when it began
+            return  # the section's unknown version is reported at its begin
         try:
             block = pcapng.parse(item.kind, item.body, item.order)
         except pcapng.Malformed:
@@ -190,7 +182,7 @@ class Blocks:
         return self._interfaces[number][0].link_type == pcapng.LINKTYPE_USER0
 
     def _is_as_written_here(self, block: pcapng.EnhancedPacket) -> bool:
-        """Whether a packet of a port that is not described is as `CaptureWriter` writes them."""
+        """Return whether a packet without an interface has the form that `CaptureWriter` writes."""
         here = self._section is not None and self._section.application.startswith(_HERE)
         whole = block.interface == 0 and not block.comment and not block.cut
         return here and whole and block.flags in FLAGS.values() and block.ticks < _LATEST
@@ -215,11 +207,29 @@ class Blocks:
         yield Packet(direction, block.data, time, offset, block.comment, source)
 
 
+def _problem(file: BinaryIO) -> Text | None:
+    """Return why the file is no capture; None if it is one."""
+    if not file.seekable():
+        return _NO_FILE
+    head = file.read(12)
+    if not head:
+        return _EMPTY
+    if not is_section_start(head):
+        if head[:4].hex() in _CLASSIC_PCAP:
+            return _CLASSIC
+        if head.startswith(b"\x1f\x8b"):
+            return _COMPRESSED
+        if head.startswith(_ZIP) or not goes_on_as_one(file):
+            return _NOT_PCAPNG
+    other = _foreign_link_type(file)
+    return None if other is None else _OTHER_LINK_TYPE.filled(type=other)
+
+
 def _foreign_link_type(file: BinaryIO) -> int | None:
-    """The link type, if what comes before the first packet describes other interfaces only."""
+    """Return the link type if only other interfaces are described before the first packet."""
     other = None
     for item in scan(file):
-        if isinstance(item, Gap):
+        if isinstance(item, Unreadable):
             continue
         if item.kind in (pcapng.ENHANCED, pcapng.SIMPLE):
             break
@@ -232,25 +242,9 @@ def _foreign_link_type(file: BinaryIO) -> int | None:
     return other
 
 
-def _what_else(head: bytes) -> Text | None:
-    if head[:4].hex() in _CLASSIC_PCAP:
-        return _CLASSIC
-    if head.startswith(b"\x1f\x8b"):
-        return _COMPRESSED
-    return _NOT_PCAPNG if head.startswith(_ZIP) else None
-
-
 def reason_of(error: OSError) -> Text:
-    """Why a file could not be read or written, for a person."""
-    known = {
-        errno.ENOSPC: _FULL,
-        errno.EDQUOT: _FULL,
-        errno.EFBIG: _FULL,
-        errno.EEXIST: _EXISTS,
-        errno.ENOENT: _NOT_THERE,
-        errno.EISDIR: _FOLDER,
-    }
-    return known.get(error.errno or 0, system_reason_of(error))
+    """Return why a file could not be read or written, for a person."""
+    return _REASONS.get(error.errno or 0, system_reason_of(error))
 
 
 _EMPTY = Text("the file is empty", "файл пуст")
@@ -313,9 +307,14 @@ _FULL = Text(
     "there is no room left; what was recorded so far is whole",
     "места больше нет; записанное до сих пор цело",
 )
-_EXISTS = Text(
-    "the file exists already; choose another name",
-    "файл уже есть; выберите другое имя",
-)
-_NOT_THERE = Text("no such file or folder", "нет такого файла или папки")
-_FOLDER = Text("this is a folder; name a file in it", "это папка; укажите файл в ней")
+_REASONS: Final = {
+    errno.ENOSPC: _FULL,
+    errno.EDQUOT: _FULL,
+    errno.EFBIG: _FULL,
+    errno.EEXIST: Text(
+        "the file exists already; choose another name",
+        "файл уже есть; выберите другое имя",
+    ),
+    errno.ENOENT: Text("no such file or folder", "нет такого файла или папки"),
+    errno.EISDIR: Text("this is a folder; name a file in it", "это папка; укажите файл в ней"),
+}

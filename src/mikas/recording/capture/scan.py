@@ -1,12 +1,12 @@
-"""Walks the blocks of a pcapng file, over damage too, in bounded memory.
+"""Scan the blocks of a pcapng file, across damage, in bounded memory.
 
-A block counts as whole if its two lengths agree and it lies inside the file. Where that fails, the
-walk looks for the next place where a block of a known kind is whole, at any byte, and gives what
-lies between as a `Gap`. So a flipped bit costs a block, not the rest of the recording, and two
-files joined end to end read on behind the seam even if the first one was cut short.
+A block is whole if its two lengths agree and it lies inside the file. Where that fails, the scan
+looks for the next whole block of a known kind, at any byte, and yields the bytes between as
+`Unreadable`. So a flipped bit costs one block, and of two files joined end to end the second is
+read even if the first one was cut short.
 
-A file that has lost its first bytes is read on from its first whole block: as little-endian, which
-is what is written here, until a section says something else.
+A file that has lost its first bytes is read from its first whole block, as little-endian (which
+this program writes) until a section has another byte order.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from mikas.recording.capture import blocks as pcapng
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-LARGEST: Final = 1 << 24  # a longer block of a known kind is taken for damage, as other tools do
+LARGEST: Final = 1 << 24  # a longer block of a known kind counts as damage, as in other tools
 _SMALLEST = 12
-_TELLING: Final = 3  # blocks one behind another that no other kind of file has by accident
+_TELLING: Final = 3  # consecutive blocks that no other kind of file has by accident
 _WINDOW: Final = 1 << 16
 _SECTION_BYTES: Final = struct.pack("<I", pcapng.SECTION)
 _STARTS: Final = {
@@ -37,7 +37,7 @@ _OURS: Final[pcapng.Order] = "<"
 
 
 class RawBlock(NamedTuple):
-    """A whole block; `body` is empty for a kind that is not known."""
+    """A whole block; `body` is empty for an unknown kind."""
 
     kind: int
     body: bytes
@@ -46,8 +46,8 @@ class RawBlock(NamedTuple):
     end: int
 
 
-class Gap(NamedTuple):
-    """Bytes that are no block. `cut`: the file simply ends inside one."""
+class Unreadable(NamedTuple):
+    """Bytes that are no block. `cut`: the file ends inside a block."""
 
     offset: int
     end: int
@@ -56,40 +56,41 @@ class Gap(NamedTuple):
 
 def scan(
     file: BinaryIO, offset: int = 0, order: pcapng.Order | None = None
-) -> Iterator[RawBlock | Gap]:
-    """Every block of `file`, which must be seekable, up to where it ends now.
+) -> Iterator[RawBlock | Unreadable]:
+    """Yield every block of `file`, which must be seekable, up to its present end.
 
     `offset`: where to begin, in a section of that byte `order`.
     """
     size = file.seek(0, 2)
-    begun = order is not None  # else nothing but its kind shows that a block begins here
+    is_inside = order is not None  # else only a known kind shows that a block begins here
     order = order or _OURS
     while offset < size:
         block = _block_at(file, offset, size, order)
-        if block is None or not (begun or block.kind in pcapng.KNOWN):
+        if block is None or not (is_inside or block.kind in pcapng.KNOWN):
             start = offset
             block = _next_block(file, start + 1, size, order)
-            yield Gap(
+            yield Unreadable(
                 start,
                 block.offset if block else size,
                 cut=block is None and _runs_over_the_end(file, start, size, order),
             )
             if block is None:
                 return
-        begun, order, offset = True, block.order, block.end
+        is_inside, order, offset = True, block.order, block.end
         yield block
 
 
 def is_section_start(head: bytes) -> bool:
-    """Whether `head`, the first bytes of a file, can begin a pcapng file, be it cut short."""
+    """Return whether `head`, a file's first bytes, can begin a pcapng file, also a cut one."""
     if len(head) < _SMALLEST:
         return _SECTION_BYTES.startswith(head[:4])
     return head.startswith(_SECTION_BYTES) and pcapng.byte_order(head[8:12]) is not None
 
 
 def goes_on_as_one(file: BinaryIO, within: int = LARGEST) -> bool:
-    """Whether a file that does not begin as a pcapng file is one that has lost its first bytes: a
-    section begins further on, or some blocks follow each other. Looks no further than `within`.
+    """Return whether the file is a pcapng file without its first bytes.
+
+    It is if, `within` so many bytes, a section begins or some blocks follow each other.
     """
     size = min(file.seek(0, 2), within)
     block = _next_block(file, 0, size, _OURS)
@@ -104,14 +105,15 @@ def goes_on_as_one(file: BinaryIO, within: int = LARGEST) -> bool:
 
 
 def is_headless(file: BinaryIO) -> bool:
-    """Whether the first whole block of the file is none that begins a section."""
+    """Return whether the first whole block of the file begins no section."""
     first = next((item for item in scan(file) if isinstance(item, RawBlock)), None)
     return first is not None and first.kind != pcapng.SECTION
 
 
-def _block_at(
-    file: BinaryIO, offset: int, size: int, order: pcapng.Order | None
-) -> RawBlock | None:
+def _head(
+    file: BinaryIO, offset: int, order: pcapng.Order | None
+) -> tuple[pcapng.Order, int, int] | None:
+    """Return byte order, kind and length of the block at `offset`; None if there is none."""
     file.seek(offset)
     head = file.read(_SMALLEST)
     if head.startswith(_SECTION_BYTES):
@@ -119,6 +121,16 @@ def _block_at(
     if order is None or len(head) < _SMALLEST:
         return None
     kind, total = struct.unpack_from(order + "II", head)
+    return order, kind, total
+
+
+def _block_at(
+    file: BinaryIO, offset: int, size: int, order: pcapng.Order | None
+) -> RawBlock | None:
+    head = _head(file, offset, order)
+    if head is None:
+        return None
+    order, kind, total = head
     end = offset + total
     if total < _SMALLEST or total % 4 or end > size:
         return None
@@ -126,7 +138,7 @@ def _block_at(
     if known and total > LARGEST:
         return None
     file.seek(end - 4)
-    if file.read(4) != head[4:8]:
+    if file.read(4) != struct.pack(order + "I", total):
         return None
     if not known:
         return RawBlock(kind, b"", order, offset, end)
@@ -155,11 +167,5 @@ def _next_block(
 def _runs_over_the_end(file: BinaryIO, offset: int, size: int, order: pcapng.Order | None) -> bool:
     if size - offset < _SMALLEST:
         return True
-    file.seek(offset)
-    head = file.read(_SMALLEST)
-    if head.startswith(_SECTION_BYTES):
-        order = pcapng.byte_order(head[8:12])
-    if order is None:
-        return False
-    total = int(struct.unpack_from(order + "I", head, 4)[0])
-    return total % 4 == 0 and offset + total > size
+    head = _head(file, offset, order)
+    return head is not None and head[2] % 4 == 0 and offset + head[2] > size

@@ -1,13 +1,11 @@
-"""Recording a capture: everything that passes on the wire, in a pcapng file.
+"""Writing a capture: all bytes on the wire, in a pcapng file.
 
-`CaptureWriter` is the sink behind `mikas.link.tee`: one packet a chunk of one direction, with the
-link's time in microseconds; chunks are never merged here (`capture.coalescer` does that before).
-Notes on the session go in between as custom blocks. `capture.reader` reads them back, and so do
-other tools: `docs/capture.md` has the format field by field.
+`CaptureWriter` is the sink of `mikas.link.tee`: one packet a chunk of one direction, with the
+link's time in microseconds (`capture.coalescer` joins chunks before). Notes on the session are
+custom blocks in between. `docs/capture.md` has the format field by field.
 
 Every packet goes to the operating system at once, unbuffered: the line brings 960 bytes a second
-(§1) and a write costs microseconds. So there is nothing that a `kill -9` could lose, and no timer
-is needed to flush in time.
+(§1) and a write takes microseconds. So a `kill -9` loses nothing, and no timer has to flush.
 """
 
 from __future__ import annotations
@@ -30,8 +28,6 @@ from mikas.recording.capture.reader import FLAGS, CaptureReader, reason_of
 from mikas.recording.capture.scan import RawBlock, scan
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
     from mikas.link.tee import Direction
 
 _LARGEST_CHUNK: Final = 1 << 16  # tools refuse packets over 256 KiB; a longer chunk is split
@@ -39,16 +35,15 @@ _MICROSECOND = 1_000_000
 
 
 class CaptureWriter:
-    """Appends what passes on the wire to `path`. Implements `mikas.link.tee.Sink`.
+    """Appends the bytes on the wire to `path`. Implements `mikas.link.tee.Sink`.
 
     An existing file is refused, unless `overwrite` discards it or `append` adds a new recording at
-    its end; a last block that an interruption cut short is removed then (`removed` counts its
-    bytes), since nothing readable can follow it. A named pipe may be there already: other programs
-    can watch through it.
+    its end, after removing a last block that an interruption cut short (`removed` counts its
+    bytes). An existing named pipe is written to: other programs can read along.
 
-    Every method that touches the file raises `CaptureError` when it can't be written: no room, no
-    right, medium gone, file deleted meanwhile. What was recorded before stays valid: a half-written
-    packet is taken back. Any thread may add a note.
+    Every method that touches the file raises `CaptureError` if it can't be written: no room, no
+    right, medium gone, file deleted meanwhile. The file stays valid: a half-written packet is
+    removed. Any thread may add a note.
     """
 
     def __init__(
@@ -68,13 +63,13 @@ class CaptureWriter:
         self.path = Path(path)
         self.removed = 0
         self.deleted = False
-        """Somebody deleted the file while it was recorded: what was in it is gone."""
+        """The file was deleted while it was recorded; its contents are lost."""
         self._interface = pcapng.Interface(name=url, description=description, speed=baud)
         self._interfaces = 0
         self._end = 0  # of the last whole block
-        self._checked = 0.0  # when, in the link's time, the file was last seen to exist
+        self._checked = 0.0  # link's time of the last check that the file exists
         self._made = False
-        self._broken = False  # a half-written block could not be taken back
+        self._broken = False  # a half-written block could not be removed
         self._lock = threading.RLock()
         try:
             self._file = self._open(overwrite=overwrite, append=append)
@@ -88,11 +83,10 @@ class CaptureWriter:
         except BaseException as error:
             self._file.close()
             if self._made:
-                with suppress(OSError):  # else the same command would find it in its way
+                with suppress(OSError):  # else the same command would be refused
                     self.path.unlink()
-            if isinstance(error.__cause__, OSError):
-                why = _why_not_begun(error.__cause__)
-                raise CaptureError(str(self.path), why) from error.__cause__
+            if isinstance(cause := error.__cause__, OSError):
+                raise CaptureError(str(self.path), _why_not_begun(cause)) from cause
             raise
 
     @property
@@ -101,37 +95,33 @@ class CaptureWriter:
         return self._end
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
-        """Keep one chunk. It is with the operating system when this returns."""
+        """Write one chunk; the operating system has it on return."""
         with self._lock:
-            self._record(direction, data, time)
+            self._check_writable()
+            ticks = round(time * _MICROSECOND) - self._interface.tsoffset * _MICROSECOND
+            if ticks < 0:
+                # Ticks are unsigned: for times before 1970, or before 0 of a simulated clock,
+                # another interface follows that counts from an earlier second.
+                earlier = ticks // _MICROSECOND
+                self._describe_interface(tsoffset=self._interface.tsoffset + earlier)
+                ticks -= earlier * _MICROSECOND
+            if abs(time - self._checked) >= 1:
+                self._checked = time
+                self._check_exists()
+            for start in range(0, len(data), _LARGEST_CHUNK):
+                piece = bytes(data[start : start + _LARGEST_CHUNK])
+                number = self._interfaces - 1
+                self._append(pcapng.EnhancedPacket(number, ticks, piece, FLAGS[direction]))
 
     def note(self, note: Note) -> None:
-        """Keep a note, behind what was recorded so far; it is safe when this returns.
+        """Write a note; the operating system has it on return.
 
         Raises `ValueError` for data that JSON can't hold.
         """
         block = block_of(note)
         with self._lock:
-            self._check_it_goes_on()
+            self._check_writable()
             self._append(block)
-
-    def _record(self, direction: Direction, data: bytes, time: float) -> None:
-        self._check_it_goes_on()
-        ticks = round(time * _MICROSECOND) - self._interface.tsoffset * _MICROSECOND
-        if ticks < 0:
-            # Ticks are unsigned: for times before 1970, or before 0 of a simulated clock, another
-            # interface follows that counts from an earlier second.
-            earlier = ticks // _MICROSECOND
-            self._describe_interface(tsoffset=self._interface.tsoffset + earlier)
-            ticks -= earlier * _MICROSECOND
-        if abs(time - self._checked) >= 1:
-            self._checked = time
-            self._check_it_exists()
-        for start in range(0, len(data), _LARGEST_CHUNK):
-            piece = bytes(data[start : start + _LARGEST_CHUNK])
-            self._append(
-                pcapng.EnhancedPacket(self._interfaces - 1, ticks, piece, FLAGS[direction])
-            )
 
     def close(self) -> None:
         """End the recording. A second call does nothing."""
@@ -144,12 +134,7 @@ class CaptureWriter:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _open(self, *, overwrite: bool, append: bool) -> BinaryIO:
@@ -173,34 +158,30 @@ class CaptureWriter:
     def _describe_interface(self, tsoffset: int) -> None:
         interface = replace(self._interface, tsoffset=tsoffset)
         self._append(interface)
-        self._interface = interface  # only once it is in the file: it says what a tick means
+        self._interface = interface  # not before it is in the file: it defines a tick
         self._interfaces += 1
 
     def _append(self, block: pcapng.Block) -> None:
-        """The whole block, or nothing of it."""
+        """Write the whole block, or nothing of it."""
         data = pcapng.encode(block)
         try:
             _write_all(self._file, data)
             self._end += len(data)
-        except OSError as error:
-            self._take_back()
-            raise self._failure(error) from error
-        except BaseException:  # Ctrl-C in the middle of a block
-            self._take_back()
+        except BaseException as error:  # also Ctrl-C in the middle of a block
+            try:
+                self._file.truncate(self._end)
+                self._file.seek(self._end)
+            except OSError:
+                self._broken = True
+            if isinstance(error, OSError):
+                raise self._failure(error) from error
             raise
 
-    def _take_back(self) -> None:
-        try:
-            self._file.truncate(self._end)
-            self._file.seek(self._end)
-        except OSError:
-            self._broken = True
-
-    def _check_it_goes_on(self) -> None:
+    def _check_writable(self) -> None:
         if self._broken or self._file.closed:
             raise CaptureError(str(self.path), _OVER)
 
-    def _check_it_exists(self) -> None:
+    def _check_exists(self) -> None:
         """Raise if the file was deleted: some systems let a writer write on without any effect."""
         with suppress(OSError):
             if self._links and not os.fstat(self._file.fileno()).st_nlink:
@@ -238,14 +219,14 @@ def _write_all(file: BinaryIO, data: bytes) -> None:
 
 
 def _end_of_last_block(path: Path) -> int:
-    """Where a new recording can follow. Raises `CaptureError` if the file is no capture."""
+    """Return where a new recording can follow. Raises `CaptureError` if the file is no capture."""
     CaptureReader(path)
     with path.open("rb") as file:
         return max((item.end for item in scan(file) if isinstance(item, RawBlock)), default=0)
 
 
 def _why_not_begun(error: OSError) -> Text:
-    """Why there is no file to record to, and what to do."""
+    """Return why there is no file to record to, and what to do."""
     return _NOT_BEGUN.get(error.errno or 0) or reason_of(error)
 
 
