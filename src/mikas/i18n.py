@@ -1,8 +1,4 @@
-"""The two languages that the product speaks.
-
-A `Text` is the same sentence in both; whoever shows it picks one. The lowest layer, because errors,
-commands and definitions all carry texts meant for a person.
-"""
+"""Texts in English and Russian, used by all layers."""
 
 from __future__ import annotations
 
@@ -18,35 +14,31 @@ class Text(NamedTuple):
     ru: str
 
     def to(self, language: Language) -> str:
-        """This text in `language`."""
+        """Return the text in `language`."""
         return self.ru if language == "ru" else self.en
 
     def filled(self, **fields: object) -> Text:
-        """The same text with its fields filled in (a `Text` field in its own language)."""
-        return Text(*(self._filled_in(language, fields) for language in ("en", "ru")))
-
-    def _filled_in(self, language: Language, fields: dict[str, object]) -> str:
-        shown = {
-            name: value.to(language) if isinstance(value, Text) else value
-            for name, value in fields.items()
+        """Return the text with its fields filled in; a `Text` field in the same language."""
+        en = {
+            name: field.en if isinstance(field, Text) else field for name, field in fields.items()
         }
-        return self.to(language).format(**shown)
+        ru = {
+            name: field.ru if isinstance(field, Text) else field for name, field in fields.items()
+        }
+        return Text(self.en.format(**en), self.ru.format(**ru))
 
 
 def counted(count: int, english: tuple[str, str], russian: tuple[str, str, str]) -> Text:
-    """`1 fault`, `3 faults`; `1 ошибка`, `3 ошибки`, `5 ошибок`."""
+    """Return `1 fault`, `3 faults`; `1 ошибка`, `3 ошибки`, `5 ошибок`."""
     en = english[0] if count == 1 else english[1]
     last = count % 10
-    if count % 100 in _TENS or last == 0 or last > 4:
+    if count % 100 in range(11, 15) or last == 0 or last > 4:
         ru = russian[2]
     else:
         ru = russian[0] if last == 1 else russian[1]
     return Text(f"{count} {en}", f"{count} {ru}")
 
 
-_TENS = range(11, 15)
-
-
 def byte_count(count: int) -> Text:
-    """`1 byte`, `2 bytes`; `1 байт`, `2 байта`, `256 байт`."""
+    """Return `1 byte`, `2 bytes`; `1 байт`, `2 байта`, `256 байт`."""
     return counted(count, ("byte", "bytes"), ("байт", "байта", "байт"))

@@ -1,7 +1,6 @@
 """Options given by name as text: `?baud=9600&dtr=1` of a URL, the settings of a virtual ECU.
 
-One parser and one sentence for an invalid value, wherever the option comes from. An error names
-the option, the allowed values and the value that was given.
+An error names the option, the allowed values and the given value; an unknown name, the nearest one.
 """
 
 from __future__ import annotations
@@ -20,12 +19,12 @@ E = TypeVar("E", bound=Enum)
 
 _SWITCH = {"1": True, "on": True, "yes": True, "true": True,
           "0": False, "off": False, "no": False, "false": False}  # fmt: skip
-_SHORT_LIST = 8  # names; a longer list is left out where one of them is near
+_SHORT_LIST = 8  # names; a longer list is left out if one of them is near
 _INTEGER = re.compile("[+-]?[0-9]{1,18}")
 
 
 def invalid_value(name: str, value: object, allowed: Text | str) -> UsageError:
-    """The error for an option whose value is not one of those `allowed`."""
+    """Return the error for an option whose value is not `allowed`."""
     if isinstance(allowed, str):
         allowed = Text(allowed, allowed)
     return UsageError(
@@ -96,10 +95,7 @@ def nearest(word: str, known: Iterable[str], most: int = 1) -> tuple[str, ...]:
 
 
 class OptionParser:
-    """Typed values from `options`. Each method raises `UsageError` for an invalid value.
-
-    An option that is missing has the `default`.
-    """
+    """Typed values from `options`, the `default` for a missing one; `UsageError` if invalid."""
 
     def __init__(self, options: Mapping[str, str]) -> None:
         self._options = options
@@ -107,7 +103,7 @@ class OptionParser:
     def integer(
         self, name: str, default: int, *, lowest: float = -inf, highest: float = inf
     ) -> int:
-        """A whole number in decimal digits."""
+        """Return a whole number of decimal digits."""
         text = self._options.get(name)
         if text is None:
             return default
@@ -116,7 +112,7 @@ class OptionParser:
         raise invalid_value(name, text, _range(lowest, highest, whole=True))
 
     def number(self, name: str, default: float, *, highest: float) -> float:
-        """A number from 0 to `highest`."""
+        """Return a number from 0 to `highest`."""
         text = self._options.get(name)
         if text is None:
             return default
@@ -126,7 +122,7 @@ class OptionParser:
         raise invalid_value(name, text, _range(0, highest))
 
     def switch(self, name: str, *, default: bool) -> bool:
-        """Whether the option is on: `1 on yes true`, or `0 off no false`."""
+        """Return True for `1 on yes true`, False for `0 off no false`."""
         text = self._options.get(name)
         if text is None:
             return default
@@ -135,13 +131,13 @@ class OptionParser:
         return _SWITCH[text.lower()]
 
     def choice(self, name: str, default: str, allowed: Collection[str]) -> str:
-        """One of the words `allowed`."""
+        """Return one of the words `allowed`."""
         text = self._options.get(name, default)
         check_choice(name, text, allowed)
         return text
 
     def member(self, name: str, default: E) -> E:
-        """The member of the enum of `default` that has this value."""
+        """Return the member of the enum of `default` with this value."""
         kind = type(default)
         return kind(self.choice(name, default.value, [member.value for member in kind]))
 

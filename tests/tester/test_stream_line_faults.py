@@ -206,7 +206,9 @@ def test_a_response_that_is_left_out_is_told_to_who_asks_for_it():
         told = []
         for _ in range(8):
             try:
-                assert stream.read(unit.link.now() + 1, tell=True).data == expected(stream.command)
+                assert stream.read(unit.link.now() + 1, raise_errors=True).data == expected(
+                    stream.command
+                )
             except LineError as error:
                 told.append(error)
         assert next(stream).data == expected(stream.command)

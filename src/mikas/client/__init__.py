@@ -1,7 +1,4 @@
-"""The public object `Ecu` and the types that its methods return.
-
-The asyncio interface is imported when it is first used, so that other programs do not load asyncio.
-"""
+"""The public object `Ecu` and its types; `AsyncEcu` and asyncio are imported at first use."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`connect`: from a port's URL to an `Ecu`, and the options that every connection has."""
+"""`connect`: from a port's URL to an `Ecu`, and the options of a connection."""
 
 from __future__ import annotations
 
@@ -21,10 +21,9 @@ _SHORTEST = 0.001  # s; a shorter time-out would end before an adapter hands ove
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConnectionOptions:
-    """How an ECU is talked to, whatever port it is on. Raises `UsageError` for an invalid value.
+    """Options of a connection on any port. Raises `UsageError` for an invalid value.
 
-    `create_ecu` and `create_tester` work on any open link, and as often as a link is lost and
-    opened again.
+    `create_ecu` and `create_tester` may be called for each new link after a lost one.
     """
 
     echo: str = "auto"
@@ -40,7 +39,7 @@ class ConnectionOptions:
     """How often a request that changes nothing is repeated after a failed exchange."""
 
     interpretation: str = "corrected"
-    """corrected, literal or alternative: which reading of the source's errata decodes values."""
+    """corrected, literal or alternative: the interpretation of the source's errata."""
 
     catalog: Catalog = field(default_factory=shipped)
     """The definitions of parameters, faults and models."""
@@ -111,17 +110,9 @@ def connect(
     """Open the port, find the ECU on it and return it, ready for requests.
 
     `url`: `/dev/ttyUSB0`, `COM3`, `socket://host:port`, `rfc2217://host:port`, `sim:`; None: the
-    only likely adapter that is plugged in. `echo`: auto, on or off (D1). `timeout`: seconds to the
-    first byte of a response, `inter_byte_timeout`: to each further one (D14). `retries`: how often
-    a request that changes nothing is sent again after a failed exchange. `interpretation`:
-    corrected, literal or alternative (errata). `catalogs`: the user's own files. `confirm`: asked
-    before every change; without it every change passes but the dangerous ones. `journal`: file of
-    changes, by default in the user's state folder. `state`: folder of learnt limits, likewise.
-    `sink`: gets everything that passes on the wire. `raw_checksum`: send a checksum 0D or 40 as it
-    is (D3). `strict`: a lone escape is damage (D4).
-
-    Raises `NoConnection` or a `LineError` with what to try; before the port is opened, `UsageError`
-    for an invalid option.
+    only likely adapter. `catalogs`: the user's own files. `sink`: records all bytes on the wire.
+    The other options: `ConnectionOptions`. Raises `UsageError` for an invalid option before the
+    port is opened, then `NoConnection` or a `LineError`.
     """
     options = ConnectionOptions(
         echo=echo,

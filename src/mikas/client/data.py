@@ -1,9 +1,8 @@
 """Data by code, in as few requests as the unit takes (§3 rows 61, 63; D10, D11).
 
-A refusal is the single byte `01`, so it can be mistaken for a datum only where one datum of one
-byte was requested. Requested twice in one list, the code shows which it is: two data, or still one
-byte. That is done whenever a lone code answers `01`, and from then on at once, for as long as the
-datum is 01.
+A refusal is the single byte `01`, so it is ambiguous only if one datum of one byte was requested.
+A list with the code twice resolves it: the response has two data, or still one byte. That is done
+when a lone code answers `01`, and directly from then on, as long as the datum is 01.
 """
 
 from __future__ import annotations
@@ -21,18 +20,18 @@ from mikas.i18n import Text
 from mikas.tester import Reply, Tester
 
 COMMON = (Datum(0x29, 1), Datum(0x2C, 1), Datum(0x1A, 1), Datum(0x1E, 1))
-"""What most units have (FREQ, FREQX, TWAT, UACC), though nothing promises any of them."""
+"""Parameters that most units have (FREQ, FREQX, TWAT, UACC); none is guaranteed."""
 
 _ONE = b"\x01"
-_PROBES = 8  # codes that are tried before 61 itself counts as unknown to the unit
-_PAIR_TRIES = 3  # times that a unit has to refuse a pair before it counts as taking no two
+_PROBES = 8  # codes that are tried before 61 counts as unknown to the unit
+_PAIR_TRIES = 3  # refusals of a pair after which the unit counts as accepting one code only
 _TOO_OFTEN = 3  # failures in a row of a list length that worked before
-_AMBIGUOUS = 10  # times that a code answers nothing but 01 before that counts as its refusal
+_AMBIGUOUS = 10  # answers 01 of a code, and no other, that count as its refusal
 
 
 @dataclass(frozen=True, slots=True)
 class RawDatum:
-    """One datum and the time when the response with it began."""
+    """One datum and the time when its response began."""
 
     raw: bytes
     time: float
@@ -41,9 +40,9 @@ class RawDatum:
 class DataReader:
     """Reads any number of data; learns how many fit one request, and which codes are refused.
 
-    Only what showed twice is learnt, so a lost response leaves no trace: a list without a response
-    is tried once more after its halves were answered, and a code that has answered before is not
-    taken for an unknown one. `keep` stores the limits after a change.
+    A single lost response teaches nothing: a list without a response is repeated after its halves
+    were answered, and a code that has answered before does not become unknown. `keep` stores the
+    limits after a change.
     """
 
     def __init__(
@@ -52,15 +51,14 @@ class DataReader:
         self._limits = limits
         self._keep = keep
         self._requests = _Requests(tester, limits, keep)
-        self._ambiguous: Counter[int] = Counter()  # answers 01 of these codes: datum or refusal
-        self._too_long = 0  # failures in a row of a list length that the unit has answered before
+        self._ambiguous: Counter[int] = Counter()  # answers 01 by code: datum or refusal
+        self._too_long = 0  # failures in a row of a list length that has worked before
 
     def batch(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, RawDatum]:
-        """Read `wanted`, of distinct codes, in the largest requests that the unit takes.
+        """Read `wanted`, of distinct codes, in the largest requests that the unit accepts.
 
-        A code that the unit refuses is missing from the result, and is not requested another time
-        unless `again` is set. Raises a `LineError`, a `NoConnection`, or `NotSupported` if the unit
-        does not know 61 at all.
+        The result lacks codes that the unit refuses; these are requested once more only with
+        `again`. Raises a `LineError`, a `NoConnection`, or `NotSupported` if 61 is unknown.
         """
         limits = self._limits()
         return self._read_all(self._not_refused(wanted, limits, again=again), limits)
@@ -74,7 +72,7 @@ class DataReader:
         return found
 
     def refuses(self, codes: Iterable[int]) -> bool:
-        """Whether the unit refuses every one of `codes`, or answers nothing but ambiguous 01."""
+        """Whether the unit refuses all `codes`, or answers them with ambiguous 01 only."""
         refused = {*self._limits().refused}
         for code, times in self._ambiguous.items():
             if times >= _AMBIGUOUS and not self._requests.has_answered(code):
@@ -99,7 +97,7 @@ class DataReader:
 
     def _read_half(self, part: list[Datum], limits: Limits) -> dict[int, RawDatum]:
         if len(part) >= 2 * limits.max_list:
-            return self._read_all(part, limits)  # the first half has shown that this is too long
+            return self._read_all(part, limits)  # the first half showed that this is too long
         return self._read(part, limits, halved=True)
 
     def _read(
@@ -108,14 +106,14 @@ class DataReader:
         try:
             return self._request(part, halved=halved)
         except (NotSupported, NoResponse, WrongLength) as error:
-            # Silent, short or refused (D11): too many at once, or a code that it does not know.
+            # Silent, short or refused (D11): too many codes, or an unknown one.
             if not self._requests.answers_any(part):
-                raise  # no single code is the cause
+                raise  # no code is answered
             if len(part) == 1:
                 return self._refuse(part[0], limits, error)
         middle = (len(part) + 1) // 2
         found = self._read_half(part[:middle], limits) | self._read_half(part[middle:], limits)
-        if len(found) == len(part) > 1:  # both halves came whole: was the length the cause?
+        if len(found) == len(part) > 1:  # both halves were answered: was the length the cause?
             if len(part) <= limits.max_list:
                 try:
                     return self._request(part)
@@ -127,7 +125,7 @@ class DataReader:
         return found
 
     def _shorten(self, length: int, limits: Limits) -> None:
-        """A list of `length` is too long; one that worked before has to fail several times."""
+        """Lower the limit below `length`, after several failures if that length worked before."""
         requests = self._requests
         if length <= requests.longest_list:
             self._too_long += 1
@@ -142,7 +140,7 @@ class DataReader:
         self, datum: Datum, limits: Limits, error: NotSupported | NoResponse | WrongLength
     ) -> dict[int, RawDatum]:
         if isinstance(error, WrongLength) or self._requests.has_answered(datum.code):
-            raise error  # it knows the parameter: another size than requested, or a bad line
+            raise error  # the parameter is known: another size than requested, or a bad line
         if datum.code not in limits.refused:
             limits.refused.append(datum.code)
             self._keep()
@@ -158,26 +156,25 @@ class DataReader:
 
 
 class _Requests:
-    """Sends single requests, and remembers what their responses show of this unit."""
+    """Sends single requests; keeps the facts about the unit that their responses show."""
 
     def __init__(
         self, tester: Tester, limits: Callable[[], Limits], keep: Callable[[], None]
     ) -> None:
-        self.longest_list = 1
-        """The longest list that this unit has answered."""
+        self.longest_list = 1  # that this unit has answered
         self._tester = tester
         self._limits = limits
         self._keep = keep
-        self._answered: dict[int, Datum] = {}  # codes that are known to have answered with a datum
+        self._answered: dict[int, Datum] = {}  # codes that have answered with a datum
         self._ones: set[int] = set()  # those of them whose latest datum was 01
-        self._silent: bool | None = None  # how a unit that takes no two refuses: by silence, or 01
+        self._silent: bool | None = None  # whether the unit refuses a pair by silence, not by 01
 
     def has_answered(self, code: int) -> bool:
-        """Whether this code is known to have answered with a datum."""
+        """Whether this code has answered with a datum."""
         return code in self._answered
 
     def answers_any(self, wanted: Iterable[Datum]) -> bool:
-        """Whether this unit has given any datum, or gives one now, of `COMMON` or `wanted`."""
+        """Whether the unit has sent any datum, or sends one of `COMMON` or `wanted` now."""
         for datum in islice(dict.fromkeys((*COMMON, *wanted)), _PROBES):
             if self._answered:
                 break
@@ -189,9 +186,9 @@ class _Requests:
         return bool(self._answered)
 
     def send(self, part: Sequence[Datum], *, halved: bool = False) -> dict[int, RawDatum]:
-        """Request `part` and return its data by code; empty for an ambiguous 01.
+        """Request `part`; return its data by code, {} for an ambiguous 01.
 
-        `halved`: it is part of a list without a response. Raises what the tester raises.
+        `halved`: `part` is half of a list without a response. Raises the tester's errors.
         """
         lone = part[0] if len(part) == 1 else None
         if lone and lone.code in self._ones and self.longest_list > 1:
@@ -200,9 +197,9 @@ class _Requests:
         if lone and lone.code not in self._answered:
             retries = max(1, self._tester.retries)
         elif halved:
-            retries = 0  # its list was silent often enough; others wait while this one is
+            retries = 0  # the list's retries were enough; other parameters wait
         elif len(part) > self.longest_list:
-            retries = 1  # it may be too long: the time for more is better spent on its halves
+            retries = 1  # it may be too long: halving is the better attempt
         trial = len(part) > self.longest_list or part[0].code not in self._answered
         data, reply = self._tester.exchange(
             ReadParameters(tuple(part)), retries=retries, trial=trial
@@ -228,26 +225,26 @@ class _Requests:
         return found
 
     def _resolve_one(self, datum: Datum, reply: Reply) -> dict[int, RawDatum]:
-        """Find out what 01 to a request for one byte is. Raises `NotSupported` for a refusal."""
+        """Resolve an 01 to a request for one byte. Raises `NotSupported` for a refusal."""
         if self._silent is None:
             try:
                 return self._send_twice(datum)
             except WrongLength:
-                return self._record([datum], [_ONE], reply)  # one, and no 01: it has just changed
+                return self._record([datum], [_ONE], reply)  # one byte, not 01: it just changed
             except (NotSupported, NoResponse) as error:
                 if self._accepts_two(datum):
                     raise
                 self._silent = isinstance(error, NoResponse)
-        # A unit that is silent to what it does not take does not say 01 to that.
+        # A unit that refuses by silence does not refuse by 01.
         return self._record([datum], [_ONE], reply) if self._silent else {}
 
     def _accepts_two(self, wanted: Datum) -> bool:
-        """Whether the unit takes two known codes in a list; learns that it does not."""
+        """Whether the unit accepts two known codes in a list; learn if it does not."""
         limits = self._limits()
         if self.longest_list > 1 or limits.max_list == 1:
             return self.longest_list > 1
         if not self.answers_any([wanted]):
-            return True  # there is nothing that it knows
+            return True  # no code is known
         known = next(iter(self._answered.values()))
         for _ in range(_PAIR_TRIES):
             with suppress(NotSupported, NoResponse, WrongLength):

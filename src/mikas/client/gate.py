@@ -1,8 +1,7 @@
 """The gate that every change of an ECU passes (rule 7 of the architecture), and its journal.
 
-The gate knows how dangerous a change is, asks for confirmation, keeps the journal, and makes one
-change at a time. The function that makes a change also reads back, inside the gate: what was read
-back is part of the outcome in the journal.
+The gate asks for confirmation, keeps the journal, and makes one change at a time. The function that
+makes a change also reads back, so that the journal's outcome has the bytes read back.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change before it is made. `before` and `after` in hex, complete; None: not known."""
+    """A planned change. `before` and `after`: all bytes in hex; None: unknown."""
 
     what: Text
     safety: Safety
@@ -35,12 +34,12 @@ class Change:
 
 Confirm = Callable[[Change], bool]
 
-_NOBODY_ASKED = Text(
+_NO_CONFIRM = Text(
     "This can leave the unit unable to run. Give connect() a confirm function that says yes.",
-    "После этого блок может перестать работать. Передайте connect() функцию confirm, "
-    "которая скажет да.",
+    "После этого блок может перестать работать. Передайте connect() функцию confirm, которая "
+    "возвращает True.",
 )
-_SAID_NO = Text("The answer to the question was no.", "На вопрос ответили «нет».")
+_DECLINED = Text("The answer to the question was no.", "На вопрос ответили «нет».")
 _NO_OUTCOME = Text(
     "The change was made; the journal has its beginning, but not its outcome.",
     "Изменение сделано; в журнале есть его начало, но нет исхода.",
@@ -50,10 +49,9 @@ _NO_OUTCOME = Text(
 class Gate:
     """Confirms, makes and journals changes.
 
-    `confirm` is asked for each one; without it everything but the dangerous passes, for a program
-    that calls `write` has decided already. `ready` raises if this thread can make no change now: it
-    is called before the wait for another thread's change, which may itself wait for this thread to
-    end a stream.
+    Without `confirm` all but dangerous changes pass: a program that calls `write` has decided
+    already. `ready` raises if this thread can't make a change now; it is called before the wait for
+    another thread's change, which may wait for this thread's stream to end.
     """
 
     def __init__(
@@ -73,10 +71,10 @@ class Gate:
         self._one_at_a_time = threading.RLock()
 
     def make(self, change: Change, act: Callable[[], T], read_back: Callable[[T], str | None]) -> T:
-        """Ask, journal, act, and journal the outcome. `read_back` gives what was read, in hex.
+        """Confirm, journal, act, and journal the outcome with the hex bytes of `read_back`.
 
-        Raises `NotConfirmed` or `JournalError` before anything was changed, or what `act` raises; a
-        `JournalError` after it says that the change was made.
+        Raises `NotConfirmed` or `JournalError` before the change, the errors of `act`, or a
+        `JournalError` after the change, which says so.
         """
         self._ready()
         with self._one_at_a_time:
@@ -85,7 +83,7 @@ class Gate:
             try:
                 outcome = act()
             except MikasError as error:
-                with suppress(JournalError):  # the error on the wire is the one to raise
+                with suppress(JournalError):  # the error on the wire matters more
                     self._note(change, "failed", str(error))
                 raise
             except BaseException as error:
@@ -100,17 +98,17 @@ class Gate:
             return outcome
 
     def refuse_unasked(self, what: Text, safety: Safety) -> None:
-        """Raise `NotConfirmed` for a dangerous change if there is no `confirm`.
+        """Raise `NotConfirmed` for a dangerous change without `confirm`, as `make` does.
 
-        `make` does so too; this is for callers that first read for long what is there.
+        For callers that first have to read for a long time.
         """
         if self._confirm is None and safety >= Safety.DANGEROUS:
-            raise NotConfirmed(change=what, how=_NOBODY_ASKED)
+            raise NotConfirmed(change=what, how=_NO_CONFIRM)
 
     def _ask(self, change: Change) -> None:
         self.refuse_unasked(change.what, change.safety)
         if self._confirm is not None and not self._confirm(change):
-            raise NotConfirmed(change=change.what, how=_SAID_NO)
+            raise NotConfirmed(change=change.what, how=_DECLINED)
 
     def _note(self, change: Change, state: str, outcome: str | None) -> None:
         if self._journal is None:
@@ -132,26 +130,26 @@ class Gate:
 
 
 def hex_or_none(data: bytes | None) -> str | None:
-    """All of `data` in hex: a change is undone with what the journal has."""
+    """Return all of `data` in hex, for undoing a change from the journal."""
     return None if data is None else data.hex(" ").upper()
 
 
 class Journal:
-    """A file of changes, a line of JSON each, appended and never rewritten.
+    """A file of changes, one line of JSON each, only appended to.
 
-    Each change is written twice: before it is made, and afterwards with its outcome. So a change
-    without a known outcome (the cable pulled out, the process killed) is in the file too.
+    A change is written before it is made, and again with its outcome. So the file also has changes
+    with an unknown outcome (cable unplugged, process killed).
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
 
     def write(self, entry: dict[str, Any]) -> None:
-        """Append `entry`. Raises `JournalError`; before a change that means: it is not made."""
+        """Append `entry`. Raises `JournalError`; a change without an entry is not made."""
         line = json.dumps(entry, ensure_ascii=False) + "\n"
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            # A port's name may hold what is no Unicode; \udc80 is how JSON writes that.
+            # A port's name may contain bytes that are no Unicode; JSON has \udc80 for them.
             with self.path.open("a", encoding="utf-8", errors="backslashreplace") as file:
                 file.write(line)
         except OSError as error:
@@ -159,7 +157,7 @@ class Journal:
 
 
 def default_journal() -> Path:
-    """The journal in the user's state folder."""
+    """Return the journal's path in the user's state folder."""
     from platformdirs import user_state_path
 
     return user_state_path("mikas", appauthor=False) / "journal.jsonl"

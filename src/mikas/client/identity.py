@@ -1,4 +1,4 @@
-"""Identity and commands of the ECU: passports, and every harmless command tried once (§3, D10)."""
+"""Identity of the ECU: passports, and a trial of every harmless command (§3, D10)."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Passport:
-    """Three pieces of the program's passport and five of the data's; empty: not filled in.
+    """Three pieces of the program's passport and five of the data's.
 
-    None in place of a piece: the unit does not know the command.
+    An empty piece is not filled in; for None the unit does not know the command.
     """
 
     program: tuple[str | None, ...]
@@ -29,21 +29,18 @@ class Passport:
 
     @property
     def pieces(self) -> tuple[str, ...]:
-        """All eight, "" for a missing one: they identify a unit."""
+        """All eight pieces, "" for a missing one; they identify a unit."""
         return tuple(piece or "" for piece in (*self.program, *self.data))
 
     def may_be(self, other: Passport) -> bool:
-        """Whether both may be of one unit: noise can make pieces missing, but not change them."""
+        """Whether both may be of one unit: noise can remove pieces, but not change them."""
         pairs = zip((*self.program, *self.data), (*other.program, *other.data), strict=True)
         both = [(own, others) for own, others in pairs if own is not None and others is not None]
         return all(own == others for own, others in both) and (bool(both) or self == other)
 
     def filled_from(self, other: Passport) -> Passport:
-        """With the pieces of `other` where there is none."""
-        return Passport(
-            _filled(self.program, other.program),
-            _filled(self.data, other.data),
-        )
+        """Return this passport with its missing pieces taken from `other`."""
+        return Passport(_filled(self.program, other.program), _filled(self.data, other.data))
 
 
 def _filled(
@@ -55,7 +52,7 @@ def _filled(
 
 @dataclass(frozen=True, slots=True)
 class Info:
-    """What is known of a unit. `parameter_count`: None if the unit does not answer 60."""
+    """Description of a unit. `parameter_count`: None if the unit does not answer 60."""
 
     model: Model
     version_code: int
@@ -77,11 +74,11 @@ def _pieces(
     for part in range(1, len(kind.CODES) + 1):
         if pieces == [None]:
             break
-        pieces.append(_asked(tester, kind(part)))
+        pieces.append(_request_if_known(tester, kind(part)))
     return tuple(pieces + [None] * (len(kind.CODES) - len(pieces)))
 
 
-def _asked(tester: Tester, command: c.Command[T]) -> T | None:
+def _request_if_known(tester: Tester, command: c.Command[T]) -> T | None:
     try:
         return tester.request(command)
     except NotSupported:
@@ -89,14 +86,14 @@ def _asked(tester: Tester, command: c.Command[T]) -> T | None:
 
 
 def count_parameters(tester: Tester) -> int | None:
-    """Send 60. A count of one can only be D10's `01`: no unit has a single parameter."""
-    count = _asked(tester, c.CountParameters())
+    """Send 60; None if unknown. A count of 1 is D10's `01`: no unit has a single parameter."""
+    count = _request_if_known(tester, c.CountParameters())
     return None if count == 1 else count
 
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """Whether the unit knows a command. `known` None: not tried, or not certain."""
+    """Whether the unit knows a command. `known` None: not tried, or uncertain."""
 
     command: type[c.Command[Any]]
     known: bool | None
@@ -108,16 +105,13 @@ class Support:
 
 
 def try_commands(tester: Tester) -> Iterator[Support]:
-    """Try every command of §3 in turn, except those that would change something.
-
-    Raises a `NoConnection` if the unit goes away meanwhile.
-    """
-    datum = COMMON[0]  # until another one is known to be there: nothing promises any
+    """Try every command of §3 that changes nothing. Raises `NoConnection` if the unit is gone."""
+    datum = COMMON[0]  # replaced by the first that the unit knows
 
     def parameters() -> object:
         nonlocal datum
         for common in COMMON:
-            for wanted in ((common, common), (common,)):  # some take one code at a time
+            for wanted in ((common, common), (common,)):  # some units accept one code only
                 with suppress(EcuRefused, NoResponse):
                     if tester.request(c.ReadParameters(wanted)) != (b"\x01",):
                         datum = common

@@ -4,8 +4,8 @@
     list                 64 once, then 63                                   RequestPoller
     stream, stroke0 … 4  71, 7F … 83: the unit sends on its own             StreamPoller
 
-A `Poller` runs one cycle each time that it is called; what to ask in which cycle, and what follows
-an error, is the caller's decision. `watch` is the simple caller, the sampler is the other one.
+A `Poller` runs one cycle a call. Its callers, `watch` and the sampler, decide which parameters a
+cycle reads and how to continue after an error.
 """
 
 from __future__ import annotations
@@ -44,14 +44,14 @@ FIXED_METHODS: tuple[FixedMethod, ...] = get_args(FixedMethod)
 METHODS: tuple[Method, ...] = get_args(Method)
 STREAMS = frozenset({"stream", *(m for m in FIXED_METHODS if m.startswith("stroke"))})
 
-_SLICE = 0.1  # s that a cycle waits for a silent stream; then the caller may do something else
+_SLICE = 0.1  # s that a cycle waits for a silent stream
 
 Requests = Sequence[Sequence[Parameter]]
 """The parameters of each request of a cycle."""
 
 
 def fixed_method(method: str) -> FixedMethod | None:
-    """`method`; None for auto. Raises `UsageError` for any other text."""
+    """Return `method`, None for auto. Raises `UsageError` for any other text."""
     check_choice("method", method, METHODS)
     return next((known for known in FIXED_METHODS if known == method), None)
 
@@ -65,7 +65,7 @@ def check_rate(rate: float | None) -> None:
 
 
 def next_due(due: float, now: float, period: float) -> float:
-    """When the cycle after the one due at `due` is due; a delay is not caught up."""
+    """Return the time of the cycle after the one due at `due`; lost cycles are not made up for."""
     return max(due, now - period) + period
 
 
@@ -82,10 +82,10 @@ class Poller(ABC):
     def cycle(
         self, requests: Requests = (), listed: Sequence[Parameter] = ()
     ) -> dict[str, Reading]:
-        """Run one cycle and return its readings by name: by 61 for `requests`, by 63 for `listed`.
+        """Run one cycle; return its readings by name: by 61 for `requests`, by 63 for `listed`.
 
-        A stream sends what it was created for; it is empty while it has sent nothing yet. Raises a
-        `LineError`, a `NoConnection`, or an `EcuRefused` if the unit refuses the method.
+        A stream ignores both and returns its next response, or nothing yet. Raises a `LineError`, a
+        `NoConnection`, or an `EcuRefused` if the unit refuses the method.
         """
 
     def refuses(self, parameters: Sequence[Parameter]) -> bool:
@@ -94,14 +94,14 @@ class Poller(ABC):
 
     @abstractmethod
     def is_refusal(self, error: MikasError) -> bool:
-        """Whether `error` of `cycle` may be the unit's answer to the method or to a parameter."""
+        """Whether `error` of `cycle` may be the unit's refusal of the method or of a parameter."""
 
-    def close(self) -> None:  # noqa: B027  (requests leave nothing to end)
+    def close(self) -> None:  # noqa: B027  (only streams have to be ended)
         """Leave the line quiet; `cycle` may be called again. May raise a `LineError`."""
 
 
 class RequestPoller(Poller):
-    """61, 63 and 64. `again`: ask once more for parameters that the unit has refused before."""
+    """61, 63 and 64. `again`: the first cycle also requests parameters refused before."""
 
     def __init__(
         self, parameters: Parameters, *, single: bool = False, again: bool = False
@@ -141,11 +141,11 @@ class StreamPoller(Poller):
 
     def cycle(
         self,
-        requests: Requests = (),  # noqa: ARG002  (every cycle is alike)
+        requests: Requests = (),  # noqa: ARG002  (all cycles are equal)
         listed: Sequence[Parameter] = (),  # noqa: ARG002
     ) -> dict[str, Reading]:
-        came = self._stream.next(_SLICE)
-        return {} if came is None else came[1]
+        response = self._stream.next(_SLICE)
+        return {} if response is None else response[1]
 
     def is_refusal(self, error: MikasError) -> bool:
         return isinstance(error, EcuRefused) or self._stream.silent > 1
@@ -162,7 +162,7 @@ def create_poller(
     *,
     again: bool = False,
 ) -> Poller:
-    """Create the poller of `method`; `streamed`: what a stream sends."""
+    """Create the poller of `method`; `streamed`: the parameters of a stream."""
     if method in STREAMS:
         stroke = int(method[-1]) if method.startswith("stroke") else None
         return StreamPoller(tester, parameters, streamed, stroke)
@@ -193,8 +193,7 @@ class Watcher:
     def samples(self, count: int | None = None) -> Generator[Sample, None, None]:
         """Yield `count` samples, or samples without end; a failed cycle is a sample with a gap.
 
-        To be closed, as every generator. Raises `LinkLost`, `NotSupported` if the unit refuses the
-        method or every parameter.
+        Raises `LinkLost`, `NotSupported` if the unit refuses the method or every parameter.
         """
         if count is not None and count < 0:
             raise UsageError(problem=Text("a count is 0 or more", "число отсчётов — от 0"))
@@ -222,7 +221,7 @@ class Watcher:
                         yield self._gap(refused(self._wanted[0].name, self._wanted[0].code))
 
     def _cycle(self) -> dict[str, Reading]:
-        """Run the next cycle when it is due; empty if it brought nothing, or nothing in time."""
+        """Run the next cycle when it is due; return {} without readings in time."""
         if self._method in STREAMS:
             readings = self._poller.cycle()
             times = [reading.time for reading in readings.values()]
@@ -232,7 +231,7 @@ class Watcher:
             return self._poller.cycle(listed=self._wanted)
         readings = self._poller.cycle([self._wanted])
         if not readings and self._poller.refuses(self._wanted):
-            # Nothing would be asked any more, and a log would stay empty without a word.
+            # Every request would be skipped, and a log would stay empty without an error.
             raise refused(self._wanted[0].name, self._wanted[0].code)
         return readings
 
@@ -244,7 +243,7 @@ class Watcher:
             self._due = next_due(now if self._due is None else self._due, now, self._period)
 
     def _is_due(self, time: float) -> bool:
-        """Whether a stream's response of this time is wanted; if so, sets when the next one is."""
+        """Whether a stream's response of this time is due; if so, set the next due time."""
         if self._due is not None and time < self._due:
             return False
         self._due = next_due(time if self._due is None else self._due, time, self._period)
@@ -252,13 +251,13 @@ class Watcher:
 
     def _gap(self, error: MikasError) -> Sample:
         if self._method == "list":
-            # The supply may have been off, and the unit has forgotten its list.
+            # After a power cycle the unit has lost its list.
             self._parameters.forget_list()
         return Sample(self._tester.link.now(), error=error)
 
 
 def _first(samples: Generator[Sample, None, None], count: int) -> Generator[Sample, None, None]:
-    """The first `count`. The method is ended before the last one is yielded."""
+    """Yield the first `count` samples; end the method before the last one is yielded."""
     with closing(samples):
         for _ in range(count - 1):
             yield next(samples)

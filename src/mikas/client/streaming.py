@@ -31,10 +31,8 @@ class ReadingStream:
         wanted: Sequence[Parameter],
         stroke: int | None = None,
     ) -> None:
-        self.works = False
-        """Whether anything ever came."""
-        self.silent = 0
-        """How often in a row it was silent, though the unit answers and could have sent."""
+        self.works = False  # whether a response has ever been received
+        self.silent = 0  # silences in a row, though the unit answers and could have sent
         self._tester = tester
         self._parameters = parameters
         self._wanted = tuple(wanted)
@@ -43,18 +41,18 @@ class ReadingStream:
         self._heard = 0.0
 
     def next(self, patience: float | None = None) -> tuple[float, dict[str, Reading]] | None:
-        """Return the next response's time and readings; None: none came for `patience` seconds.
+        """Return the next response's time and readings; None after `patience` seconds without one.
 
-        Raises `NotSupported` for a stream that the unit does not begin, `LinkLost`, and any other
-        `NoConnection` or `LineError` after which the next call may succeed: after a damaged
-        response the stream goes on. `NoResponse`: the unit is there, but sends nothing any more;
-        `EngineStopped`: a stream by strokes, and there are none.
+        Raises `NotSupported` if the unit does not start the stream, `LinkLost`, or another
+        `NoConnection` or `LineError` after which the next call may succeed: a damaged response does
+        not end the stream. `NoResponse`: the unit answers, but its stream has stopped;
+        `EngineStopped`: a stream by strokes without strokes.
         """
         while True:
             try:
                 item = self._next(patience)
             except StopIteration:
-                self._stream = None  # ended from outside: it is started again, if there is a link
+                self._stream = None  # closed by another caller: start it again
             except NoResponse as error:
                 reason = self._end() or self._why_silent(error)
                 if self.works or not self.silent or reason is not error:
@@ -74,13 +72,10 @@ class ReadingStream:
                 return item.time, self._parameters.of_item(self._wanted, item)
 
     def close(self) -> None:
-        """End the stream; `next` starts it again.
-
-        Raises `LineNotQuiet` if the unit can't be made to stop.
-        """
+        """End the stream; `next` starts it again. Raises `LineNotQuiet` if that fails."""
         stream, self._stream = self._stream, None
         if stream is not None:
-            with suppress(NoConnection):  # no ECU, so nothing streams
+            with suppress(NoConnection):  # no ECU, so no stream
                 stream.close()
 
     def _next(self, patience: float | None) -> StreamItem | None:
@@ -93,8 +88,8 @@ class ReadingStream:
         else:
             until = self._heard + self._stream.silence
             deadline = min(until, now + patience)
-        # Before anything fitted, what does not fit may be the unit's way to refuse so many.
-        item = self._stream.read(deadline, tell=self.works)
+        # Until a response has fitted, one that does not fit may be a refusal of so many parameters.
+        item = self._stream.read(deadline, raise_errors=self.works)
         if item is None and not self._stream.running:
             raise StopIteration
         if item is None and self._tester.link.now() >= until:
@@ -102,19 +97,19 @@ class ReadingStream:
         return item
 
     def _end(self) -> NoConnection | None:
-        """End the stream after a failure; return the `NoConnection` that this met, or None."""
+        """End the stream after a failure; return a `NoConnection` met by that, or None."""
         stream, self._stream = self._stream, None
         if stream is not None:
             try:
                 stream.close()
             except NoConnection as error:
                 return error
-            except MikasError:  # the same failure once more, or one that comes of it
+            except MikasError:  # the same failure, or a consequence of it
                 pass
         return None
 
     def _why_silent(self, error: NoResponse) -> LineError | NoConnection:
-        """Find out why the stream is silent; count it if the unit could have sent."""
+        """Return the reason of a silence; count the silence if the unit could have sent."""
         try:
             self._tester.request(Availability())
             if self._stroke is None:

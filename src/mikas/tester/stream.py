@@ -75,18 +75,18 @@ class Stream:
         """Send the request and check its echo; the tester calls it."""
         self._request, self._heard = self._line.send(self.command.body())
 
-    def read(self, deadline: float, *, tell: bool = False) -> StreamItem | None:
+    def read(self, deadline: float, *, raise_errors: bool = False) -> StreamItem | None:
         """Return the next response; None if none has come by `deadline` of the link's clock.
 
         Raises `NotSupported` if the unit answers `01`, its way to say that it does not know (D10).
-        With `tell` it raises the `LineError` of a response that is left out; the stream goes on.
+        `raise_errors`: also raises the `LineError` of each response that is left out.
         """
         while self._open:
             while self._items:
                 item = self._items.popleft()
                 if isinstance(item, StreamItem):
                     return item
-                if tell:
+                if raise_errors:
                     raise item
             events = self._line.next_frame(
                 self._decoder, deadline, min_length=self._min_length, heard=self._heard
