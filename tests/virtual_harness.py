@@ -7,13 +7,12 @@ from pathlib import Path
 
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
-from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.bus import Bus
+from mikas.virtual.bus import AdapterKind, Bus
+from mikas.virtual.cars import TableCar
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
-from mikas.virtual.table_car import TableCar
 
 VECTORS = Path(__file__).parent / "vectors"
 EXCHANGES = json.loads((VECTORS / "exchanges.json").read_text("utf-8"))

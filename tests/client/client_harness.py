@@ -20,7 +20,7 @@ from mikas.virtual.ecu import EcuEvent, VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
-from mikas.virtual.table_car import TableCar
+from mikas.virtual.cars import TableCar
 from virtual_harness import DATA, FAULTS, IDENTITY
 
 STROKES = [method for method in METHODS if method.startswith("stroke")]

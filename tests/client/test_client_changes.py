@@ -20,7 +20,7 @@ from mikas.errors import (
     WriteRefused,
 )
 from mikas.virtual.fault_injector import LineFault
-from mikas.virtual.table_car import TableCar
+from mikas.virtual.cars import TableCar
 from virtual_harness import DATA, FAULTS
 
 

@@ -10,7 +10,7 @@ from client_harness import ASKED, STROKES, bench, ecu_on
 from mikas.client import METHODS
 from mikas.errors import EchoOnly, LinkLost, UnknownParameter, UsageError
 from mikas.virtual.fault_injector import LineFault
-from mikas.virtual.table_car import TableCar
+from mikas.virtual.cars import TableCar
 from virtual_harness import DATA
 
 

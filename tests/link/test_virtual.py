@@ -12,7 +12,7 @@ import pytest
 from mikas.errors import LinkLost
 from mikas.framing import encode
 from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
-from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.bus import AdapterKind
 from virtual_harness import make_bus
 
 from .contract import FAR, LinkContract, RealTimeContract, Rig

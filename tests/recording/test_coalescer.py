@@ -15,7 +15,7 @@ from mikas.link.virtual import VirtualLink
 from mikas.recording import CaptureReader, CaptureWriter, Coalescer
 from mikas.recording.annotations.events import note_of
 from mikas.sampling.events import Marker
-from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.bus import AdapterKind
 from virtual_harness import make_bus
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED

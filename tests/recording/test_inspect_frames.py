@@ -18,7 +18,7 @@ from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Sourc
 from mikas.recording.capture.writer import CaptureWriter
 from mikas.recording.exchanges.scalar import UNFINISHED, DecodedDamage, DecodedFrame
 from mikas.recording.inspect.frames import decode, to_json, to_text
-from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.bus import AdapterKind
 from virtual_harness import make_bus
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED

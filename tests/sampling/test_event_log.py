@@ -8,7 +8,7 @@ from sampling_harness import SimulatedPlug, ecu_factory, take
 
 from mikas.catalog import shipped
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.event_log import EventLogger
+from mikas.sampling.gaps import EventLogger
 from mikas.sampling.events import MethodChosen, ParameterDropped, Sampled
 from virtual_harness import make_bus
 

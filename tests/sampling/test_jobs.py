@@ -28,7 +28,7 @@ from mikas.errors import (
 )
 from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
 from mikas.sampling.jobs import JobQueue
-from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.bus import AdapterKind
 from virtual_harness import make_bus
 
 METHODS = ["single", "batch", "list", "stream", "stroke0"]

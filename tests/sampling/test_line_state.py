@@ -22,7 +22,7 @@ from mikas.sampling.line_state import (
     trigger_of,
 )
 from mikas.sampling.sampler import Sampler
-from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.bus import AdapterKind
 from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
 from mikas.virtual.responder import Identity

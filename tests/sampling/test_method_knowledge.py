@@ -36,8 +36,7 @@ from mikas.sampling.method_knowledge import (
 )
 from mikas.sampling.method_trial import run_trial
 from mikas.sampling.plan import Plan, PlannedParameter
-from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.bus import Bus
+from mikas.virtual.bus import AdapterKind, Bus
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
 from virtual_harness import IDENTITY, make_bus

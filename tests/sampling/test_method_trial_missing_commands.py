@@ -17,7 +17,7 @@ from sampling_harness import (
 )
 
 from mikas.sampling.events import CycleFailed, MethodChosen, ParameterDropped, PlanChanged, Sampled
-from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.bus import AdapterKind
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
 from virtual_harness import make_bus
 

@@ -28,7 +28,7 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.bus import AdapterKind
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import GROUPS, EcuQuirks, LongList, Unknown
 from mikas.virtual.responder import Identity

@@ -33,7 +33,7 @@ from mikas.sampling.events import (
     UnitFound,
 )
 from mikas.sampling.sampler import Sampler
-from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.bus import AdapterKind
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity

@@ -23,7 +23,7 @@ from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
-from mikas.virtual.table_car import TableCar
+from mikas.virtual.cars import TableCar
 from virtual_harness import DATA, FAULTS, IDENTITY, PASSPORTS, make_bus
 
 OTHER_DATA = {code: bytes(byte + 1 & 0xFF for byte in raw) for code, raw in DATA.items()}

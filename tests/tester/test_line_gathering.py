@@ -27,7 +27,7 @@ from mikas.framing import encode
 from mikas.link import Chunk, Link
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Timing
-from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.bus import AdapterKind
 from mikas.virtual.fault_injector import LineFault
 
 PLAIN = {code: data for code, data in DATA.items() if not {0x0D, 0x40} & set(data)}

@@ -12,13 +12,12 @@ from mikas.i18n import Text
 from mikas.link import Chunk, Link
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
-from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.bus import Bus
+from mikas.virtual.bus import AdapterKind, Bus
+from mikas.virtual.cars import TableCar
 from mikas.virtual.ecu import EcuEvent, VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault, Sent
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
-from mikas.virtual.table_car import TableCar
 
 VERSION = 0x0A
 

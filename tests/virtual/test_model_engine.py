@@ -221,11 +221,11 @@ def test_a_fault_set_from_the_start_is_there_from_the_start() -> None:
 def test_power_follows_the_key() -> None:
     engine = Engine(SCENARIOS["key-off"])
     assert engine.powered
-    assert engine.next_power_change(0.0) == 20
+    assert engine.scenario.next_ignition_change(0.0) == 20
     off = at(engine, 20)
     assert not engine.powered
     assert (off.ignition_on, off.running, off.rpm, off.injection) == (False, False, 0, 0)
-    assert engine.next_power_change(20.0) == 35
+    assert engine.scenario.next_ignition_change(20.0) == 35
     on = at(engine, 36)
     assert on.ignition_on
     assert not on.running

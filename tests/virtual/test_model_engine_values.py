@@ -12,7 +12,7 @@ import pytest
 from mikas.catalog import shipped
 from mikas.virtual.model import physics as ph
 from mikas.virtual.model.engine import FIELDS, Engine, EngineState
-from mikas.virtual.model.substitutes import TABLE
+from mikas.virtual.model.sensors import TABLE
 from mikas.virtual.scenarios.scenario import SCENARIOS
 
 NAMES = list(SCENARIOS)

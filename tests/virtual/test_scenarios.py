@@ -39,7 +39,12 @@ def test_found_by_name_or_by_file(tmp_path: Path) -> None:
     file = tmp_path / "ride.toml"
     file.write_text("duration = 20\n", encoding="utf-8")
     own = find(str(file))
-    assert (own.name, own.text.en, own.text.ru, own.duration) == ("ride", "ride", "ride", 20)
+    assert (own.name, own.text.en, own.text.ru, own.timeline.duration) == (
+        "ride",
+        "ride",
+        "ride",
+        20,
+    )
     with pytest.raises(UsageError, match=r"no file “cty”; scenarios: warm-idle, city, cold-start"):
         find("cty")
     with pytest.raises(CatalogError, match="can't be read"):
@@ -84,7 +89,7 @@ def test_everything_a_file_can_say() -> None:
     assert own.values == {"TWAT": 85.0, "RXX": True}
     assert own.raw == {"JAIR": b"\xdc\x05"}
     assert own.memory == {"code": {0x8000: b"MI", 0xFF00: b"\xff"}}
-    inputs = own.at(5)
+    inputs = own.timeline.at(5)
     assert inputs.throttle == pytest.approx(25, abs=1e-3)
     assert (inputs.gear, inputs.speed, inputs.load) == (None, None, 12.5)
     assert [own.ignition_on(t) for t in (0, 89.9, 90, 99, 100, 149.9, 150, 160)] == [
@@ -143,13 +148,14 @@ def test_steps_and_lines() -> None:
 
 def test_after_the_end_it_holds_or_begins_again() -> None:
     held = scenario("duration = 10\n[timeline]\nspeed = [[0, 0], [10, 50]]")
-    assert [held.at(t).speed for t in (5, 10, 1e6)] == pytest.approx([25, 50, 50], abs=1e-4)
+    speeds = [held.timeline.at(t).speed for t in (5, 10, 1e6)]
+    assert speeds == pytest.approx([25, 50, 50], abs=1e-4)
     looped = scenario(
         "duration = 10\nafter_end = 'loop'\nloop_from = 6\n[timeline]\nspeed = [[0, 0], [10, 50]]"
     )
-    speeds = [looped.at(t).speed for t in (5, 9, 10, 13, 14, 17)]
+    speeds = [looped.timeline.at(t).speed for t in (5, 9, 10, 13, 14, 17)]
     assert speeds == pytest.approx([25, 45, 30, 45, 30, 45], abs=1e-4)
-    assert looped.at(9).soon == pytest.approx(30, abs=1e-4)
+    assert looped.timeline.at(9).soon == pytest.approx(30, abs=1e-4)
 
 
 @settings(max_examples=300)

@@ -218,7 +218,7 @@ def test_what_was_overdue_comes_behind_what_the_tester_said():
         served.feed(encode(b"\x71\x1a"))
         while not heard.endswith(b"\x0d") or len(heard) < 7:
             now = bus.next_event()
-            served.run_on()
+            served.advance()
         gap_began = now
         now = gap_began + 1.0  # it slept through the next response's begin
         served.feed(b"\x01")

@@ -12,7 +12,7 @@ from mikas.errors import EchoOnly, NoEcho
 from mikas.framing import encode
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester as Client
-from mikas.virtual.adapter import PACKET, Adapter, AdapterKind
+from mikas.virtual.bus import PACKET, Adapter, AdapterKind
 from virtual_harness import make_bus
 
 from .raw_tester import BYTE, RawTester
@@ -68,7 +68,7 @@ def test_a_long_response_comes_in_packets_and_at_ticks():
 def test_a_full_packet_does_not_wait():
     adapter = Adapter(AdapterKind(latency=1.0))
     for count in range(1, 2 * PACKET):
-        adapter.hear(count, 0.001 * count)
+        adapter.receive(count, 0.001 * count)
     assert adapter.take(0.5) == (bytes(range(1, PACKET + 1)), 0.001 * PACKET)
     assert adapter.take(0.999) == (b"", 0.999)
     assert adapter.take(1.0) == (bytes(range(PACKET + 1, 2 * PACKET)), 1.0)
@@ -89,7 +89,7 @@ def test_no_byte_is_lost_reordered_early_or_much_too_late(gaps, latency, looks):
         if (look := looked + next(looks, 1.0)) < time:
             pieces.append((look, *adapter.take(look)))
             looked = look
-        adapter.hear(number & 0xFF, time)
+        adapter.receive(number & 0xFF, time)
         heard.append(time)
     pieces.append((time + 1, *adapter.take(time + 1)))
     assert b"".join(data for _, data, _ in pieces) == bytes(n & 0xFF for n in range(len(gaps)))
@@ -107,7 +107,7 @@ def test_no_byte_is_lost_reordered_early_or_much_too_late(gaps, latency, looks):
 @given(latency=st.sampled_from([0.001, 0.016]), time=st.floats(0, 2e9))
 def test_a_tick_is_not_before_its_byte(latency, time):
     adapter = Adapter(AdapterKind(latency=latency))
-    adapter.hear(1, time)
+    adapter.receive(1, time)
     assert time <= adapter.next_event() <= (ceil(time / latency) + 1) * latency
     assert adapter.take(adapter.next_event())[0] == b"\x01"
 

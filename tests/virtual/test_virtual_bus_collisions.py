@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.framing import encode
-from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.bus import AdapterKind
 from mikas.virtual.quirks import EcuQuirks, StreamEnd
 from virtual_harness import DATA, make_bus
 

@@ -14,7 +14,7 @@ from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import PARTIAL_REQUEST_LIFE, VirtualEcu
 from mikas.virtual.quirks import EcuQuirks, StreamEnd
 from mikas.virtual.responder import Responder
-from mikas.virtual.table_car import TableCar
+from mikas.virtual.cars import TableCar
 from virtual_harness import DATA, IDENTITY, connected, make_bus
 
 from .raw_tester import BYTE, TURN, RawTester

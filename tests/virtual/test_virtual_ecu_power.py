@@ -12,8 +12,8 @@ from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester as Client
 from mikas.virtual.build import build_bus
 from mikas.virtual.bus import Bus
+from mikas.virtual.cars import EngineCar, pinned
 from mikas.virtual.ecu import VirtualEcu
-from mikas.virtual.engine_car import EngineCar, pinned
 from mikas.virtual.memory import SIZES, EcuMemory, pattern
 from mikas.virtual.model.engine import Engine
 from mikas.virtual.quirks import EcuQuirks

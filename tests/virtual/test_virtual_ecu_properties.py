@@ -9,9 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mikas.framing import encode
-from mikas.virtual.adapter import AdapterKind
 from mikas.virtual.build import build_bus
-from mikas.virtual.bus import Bus
+from mikas.virtual.bus import AdapterKind, Bus
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks, LongList, StreamEnd, Unknown
 from virtual_harness import EXCHANGES, make_bus

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mikas.framing import encode
-from mikas.virtual.adapter import AdapterKind
+from mikas.virtual.bus import AdapterKind
 from mikas.virtual.quirks import EcuQuirks
 from virtual_harness import EXCHANGES, make_bus
 

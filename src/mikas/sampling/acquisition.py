@@ -22,7 +22,6 @@ from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.alarms import Alarms, AlarmState, Value
 from mikas.sampling.derived import DerivedChannels, number_of
-from mikas.sampling.event_log import EventLogger
 from mikas.sampling.events import (
     AlarmChanged,
     CycleFailed,
@@ -32,6 +31,7 @@ from mikas.sampling.events import (
     Sampled,
     UnitFound,
 )
+from mikas.sampling.gaps import EventLogger
 from mikas.sampling.plan import Plan, Price, select
 from mikas.sampling.sampler import Sampler
 

@@ -7,10 +7,15 @@ state, it is the reason of the first failed cycle. Waiting for a session's first
 
 A pause that somebody wants (another plan, another connection, a job on the line) is a gap if it
 lasts longer than values usually take.
+
+The logger `mikas.sampling`, at INFO: states, units, methods, refused parameters, gaps.
+
+Values and single failed cycles are not logged; the frames are, by `mikas.tester` at DEBUG.
 """
 
 from __future__ import annotations
 
+import logging
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -19,7 +24,17 @@ from typing import Final
 
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.sampling.events import CycleFailed, Event, Gap, LineState, Sampled, StateChanged
+from mikas.sampling.events import (
+    CycleFailed,
+    Event,
+    Gap,
+    LineState,
+    MethodChosen,
+    ParameterDropped,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
 
 _SHORTEST: Final = 1.0  # s without values that are no silence yet, however fast they came
 _STEPS: Final = 3  # usual steps that are no silence either
@@ -173,3 +188,43 @@ class GapTracker:
         ended = max(self.open.began, time)
         gap, self.open = replace(self.open, time=ended, ended=ended), None
         return [gap]
+
+
+_logger = logging.getLogger("mikas.sampling")
+_logger.addHandler(logging.NullHandler())
+
+
+class EventLogger:
+    """Logs one run of a sampler. With the logger off, an event costs one comparison."""
+
+    def __init__(self) -> None:
+        self._gaps = GapTracker()
+
+    def take(self, event: Event) -> None:
+        """Log `event`, and the gap that begins or ends with it."""
+        if not _logger.isEnabledFor(logging.INFO):
+            return
+        for gap in self._gaps.take(event):
+            reason = gap.reason.en if gap.reason else "unknown"
+            if gap.ended is None:
+                _logger.info("gap began: %s", reason)
+            else:
+                _logger.info("gap ended after %.1f s: %s", gap.ended - gap.began, reason)
+        if not isinstance(event, Sampled):
+            self._log(event)
+
+    def _log(self, event: Event) -> None:
+        match event:
+            case StateChanged(text=text, reason=reason):
+                _logger.info("state: %s%s", text.en, f" ({reason.en})" if reason else "")
+            case UnitFound(version_code=code, passport=passport, another=another):
+                pieces = ", ".join(filter(None, passport.pieces)) if passport else ""
+                new = "another unit" if another else "unit"
+                _logger.info("%s: version %02X, passport: %s", new, code or 0, pieces or "none")
+            case MethodChosen(method=method, rates=rates):
+                measured = ", ".join(f"{name} {rate:.1f}/s" for name, rate in rates.items())
+                _logger.info("method: %s%s", method, f" (measured: {measured})" if measured else "")
+            case ParameterDropped(name=name):
+                _logger.info("the unit refuses %s", name)
+            case _:
+                pass

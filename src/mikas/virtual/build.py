@@ -1,7 +1,6 @@
 """A virtual car from settings, for `sim:` URLs and `mikas sim`.
 
-Every setting is a text, as in a URL or on a command line; each is checked, and an unknown one is
-refused with the list of the known ones.
+Every setting is a text, as in a URL or on a command line, and is checked.
 """
 
 from __future__ import annotations
@@ -10,11 +9,10 @@ from collections.abc import Callable, Mapping
 
 from mikas.catalog import shipped
 from mikas.options import OptionParser, check_names, invalid_value
-from mikas.virtual.adapter import AdapterKind
-from mikas.virtual.bus import Bus
+from mikas.virtual.bus import AdapterKind, Bus
+from mikas.virtual.cars import EngineCar
 from mikas.virtual.ecu import EcuEvent, VirtualEcu
 from mikas.virtual.elm327 import Elm327
-from mikas.virtual.engine_car import EngineCar
 from mikas.virtual.fault_injector import LATE_BY, FaultInjector, LineFault, parse_rates
 from mikas.virtual.memory import EcuMemory
 from mikas.virtual.model.engine import Engine
@@ -25,28 +23,14 @@ from mikas.virtual.scenarios.scenario import DEFAULT, find
 MODELS = {"5.4": 0x09, "7.1": 0x0A}
 ADAPTERS = ("kkl", "elm327")
 _LINE_FAULTS = tuple(fault.value for fault in LineFault)
-_OWN = (
-    "scenario",
-    "seed",
-    "model",
-    "faults",
-    "baud",
-    "adapter",
-    "echo",
-    "latency_ms",
-    "supplied",
-    "late_by",
-)
-SETTINGS = (*_OWN, *QUIRK_NAMES, *_LINE_FAULTS)
-"""Names of all settings; docs/simulator.md tells what each does.
-
-`adapter`: kkl, or elm327, which can't carry the protocol; `latency_ms`: the adapter's latency
-timer; `supplied=0`: it has no 12 V; a line fault's name with its chance, `damaged=0.01`; the
-switches of `EcuQuirks`.
-"""
+SETTINGS = (
+    "scenario", "seed", "model", "faults", "baud", "adapter", "echo", "latency_ms", "supplied",
+    "late_by", *QUIRK_NAMES, *_LINE_FAULTS,
+)  # fmt: skip
+"""Names of all settings; docs/simulator.md describes each."""
 CAR_SETTINGS = ("scenario", "model", "faults")
 WIRE_SETTINGS = tuple(name for name in SETTINGS if name not in CAR_SETTINGS)
-"""Those that hold for any unit, wherever its data come from."""
+"""Settings that apply to any source of data."""
 
 
 def build_bus(
@@ -55,9 +39,9 @@ def build_bus(
     start: float = 0.0,
     watcher: Callable[[EcuEvent], None] | None = None,
 ) -> Bus:
-    """The wire with a unit on it; the engine begins to run at `start` of the owner's clock.
+    """Return the wire with a unit; the engine begins to run at `start` of the caller's clock.
 
-    Raises `UsageError` for a setting that does not exist or makes no sense.
+    Raises `UsageError` for an unknown setting or an invalid value.
     """
     check_names(settings, SETTINGS)
     given = OptionParser(settings)
@@ -77,9 +61,9 @@ def wired(
     *,
     watcher: Callable[[EcuEvent], None] | None = None,
 ) -> Bus:
-    """The unit on a wire and behind an adapter, as the `WIRE_SETTINGS` among `settings` say.
+    """Return a wire with `responder` and an adapter, by the `WIRE_SETTINGS` among `settings`.
 
-    Settings of the unit's quirks replace those of `responder`. Raises `UsageError`.
+    Quirks among `settings` replace those of `responder`. Raises `UsageError`.
     """
     given = OptionParser(settings)
     responder.quirks = responder.quirks.with_options(

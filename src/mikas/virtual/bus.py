@@ -1,21 +1,80 @@
 """One K-Line wire with a virtual unit on it and a tester's adapter at its end (§1, D1, D2).
 
 A byte takes 10 bits. Two bytes sent at the same time damage each other: the line carries the AND of
-the two (low wins). Modelled a byte at a time: two bytes that overlap at all are
-both heard as their AND, which is coarser than bits but never lets a collision pass unseen.
+the two (low wins). Time advances a byte at a time: two bytes that overlap at all are both received
+as their AND, which is coarser than bits but hides no collision.
 
-Time-explicit like the unit: `advance(now)` runs the wire forward; nothing sleeps.
+The adapter echoes or does not; delivers bytes at once or in lumps by a USB latency timer (FT232:
+16 ms by default, 62 bytes a packet); and needs a 12 V supply.
+
+The caller gives the time: `advance(now)` runs the wire forward, and no method sleeps.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from math import inf
+from math import ceil, inf
 
-from mikas.virtual.adapter import Adapter, AdapterKind
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector
+
+PACKET = 62  # bytes that an FT232 delivers without waiting for its timer
+
+
+@dataclass(frozen=True, slots=True)
+class AdapterKind:
+    """The adapter's properties. `latency` in seconds: 0 delivers every byte at once."""
+
+    echo: bool = True
+    latency: float = 0.0
+    supplied: bool = True  # False: no 12 V, so neither the wire nor an echo comes through
+
+
+class Adapter:
+    """The receiving half of an adapter: bytes in from the wire, lumps out."""
+
+    def __init__(self, kind: AdapterKind) -> None:
+        self.kind = kind
+        self._pending = bytearray()
+        self._ready: deque[tuple[float, bytes]] = deque()
+        self._tick_at = inf  # when the latency timer expires, if bytes wait
+
+    def receive(self, value: int, time: float) -> None:
+        """Receive a byte of the wire that ended at `time`."""
+        if not self.kind.latency:
+            self._ready.append((time, bytes([value])))
+            return
+        self.tick(time)
+        self._pending.append(value)
+        if len(self._pending) >= PACKET:
+            self._flush(time)
+        elif len(self._pending) == 1:
+            # The timer runs always, also without bytes.
+            self._tick_at = max(time, ceil(time / self.kind.latency) * self.kind.latency)
+
+    def tick(self, now: float) -> None:
+        """Expire the latency timer if it is due by `now`."""
+        if self._pending and self._tick_at <= now:
+            self._flush(self._tick_at)
+
+    def _flush(self, time: float) -> None:
+        self._ready.append((time, bytes(self._pending)))
+        self._pending.clear()
+        self._tick_at = inf
+
+    def next_event(self) -> float:
+        """Return when the tester gets the next bytes."""
+        return self._ready[0][0] if self._ready else self._tick_at
+
+    def take(self, now: float) -> tuple[bytes, float]:
+        """Return the bytes that the tester got by `now`, and the time of the last."""
+        self.tick(now)
+        data, time = bytearray(), now
+        while self._ready and self._ready[0][0] <= now:
+            time, lump = self._ready.popleft()
+            data += lump
+        return bytes(data), time
 
 
 @dataclass(slots=True)
@@ -25,7 +84,7 @@ class _Byte:
     value: int
 
 
-class _Talker:
+class _Transmitter:
     """The bytes that one end has put on the wire, in order, and the last one that has passed."""
 
     def __init__(self, byte_time: float) -> None:
@@ -45,7 +104,7 @@ class _Talker:
         return self.queue[0].end if self.queue else inf
 
     def overlapping(self, byte: _Byte) -> int:
-        """The AND of all its bytes that overlap `byte`; FF, the idle line, if none does."""
+        """Return the AND of its bytes that overlap `byte`; FF, the idle line, if none does."""
         value = 0xFF
         if self.last and self.last.end > byte.start and self.last.start < byte.end:
             value &= self.last.value
@@ -56,8 +115,8 @@ class _Talker:
                 value &= other.value
         return value
 
-    def silent_from(self, time: float) -> float:
-        """`time` if it sends nothing then, else the end of the bytes that follow each other."""
+    def idle_from(self, time: float) -> float:
+        """Return `time` if idle then, else the end of the bytes that follow each other."""
         if time >= self.free_at:
             return time
         for byte in self.queue:
@@ -66,14 +125,14 @@ class _Talker:
             time = max(time, byte.end)
         return time
 
-    def fall_silent(self, free_at: float) -> None:
-        """Drops what is not through yet; the next byte can begin at `free_at`."""
+    def clear(self, free_at: float) -> None:
+        """Drop pending bytes; the next byte can begin at `free_at`."""
         self.queue.clear()
         self.free_at = free_at
 
 
 class Bus:
-    """The wire. `send` and `take` are the tester's side, everything else its owner's."""
+    """The wire. `send`, `send_break` and `take` are the tester's side."""
 
     def __init__(
         self,
@@ -87,10 +146,10 @@ class Bus:
         self.fault_injector = fault_injector or FaultInjector()
         self.adapter = Adapter(adapter or AdapterKind())
         self.bytes_carried = 0
-        self._tester = _Talker(self.byte_time)
-        self._unit = _Talker(self.byte_time)
-        self._at = -inf  # time of the last event; no later event is before it
-        self._next = self._next_on_wire()  # kept: it is read several times a byte
+        self._tester = _Transmitter(self.byte_time)
+        self._unit = _Transmitter(self.byte_time)
+        self._at = -inf  # time of the latest event
+        self._next = self._next_on_wire()  # cached: read several times a byte
 
     def send(self, data: bytes, now: float) -> None:
         """Put `data` of the tester on the wire, after the bytes that it is still sending."""
@@ -104,25 +163,25 @@ class Bus:
         self.advance(now)
         if not self.adapter.kind.supplied:
             return
-        for talker in (self._tester, self._unit):
-            talker.fall_silent(now + seconds)
+        for transmitter in (self._tester, self._unit):
+            transmitter.clear(now + seconds)
         self.ecu.receive_break(now + seconds)
         self._next = self._next_on_wire()
         if self.adapter.kind.echo:
-            self.adapter.hear(0x00, now + seconds)
+            self.adapter.receive(0x00, now + seconds)
 
     def advance(self, now: float) -> None:
         """Run the wire up to `now`."""
         while (time := self._next) <= now:
             self._at = time
             if self._tester.next_end() <= time:
-                self._through(self._tester, self._unit)
+                self._deliver(self._tester, self._unit)
             elif self._unit.next_end() <= time:
-                self._through(self._unit, self._tester)
+                self._deliver(self._unit, self._tester)
             else:
-                self._let_ecu_talk(time)
+                self._transmit_response(time)
             if not self.ecu.on and self._unit.queue:
-                self._unit.fall_silent(time)
+                self._unit.clear(time)
             self._next = self._next_on_wire()
         self.adapter.tick(now)
 
@@ -132,7 +191,7 @@ class Bus:
         return self.adapter.take(now)
 
     def next_event(self) -> float:
-        """Return when something happens next, on the wire or in the adapter."""
+        """Return the time of the next event on the wire or in the adapter."""
         return min(self._next, self.adapter.next_event())
 
     def _next_on_wire(self) -> float:
@@ -141,25 +200,25 @@ class Bus:
     def _ecu_due(self) -> float:
         due = self.ecu.next_transmission()
         if due < inf:
-            # D2: a unit does not begin while anything is sent, by itself too: a response
-            # that a fault delayed or doubled is on the wire longer than the unit knows.
-            due = self._tester.silent_from(max(due, self._unit.free_at, self._at))
+            # D2: the unit does not begin while either end sends: a response that a fault
+            # delayed or doubled is on the wire longer than the unit knows.
+            due = self._tester.idle_from(max(due, self._unit.free_at, self._at))
         return min(due, self.ecu.next_change())
 
-    def _let_ecu_talk(self, time: float) -> None:
+    def _transmit_response(self, time: float) -> None:
         wire = self.ecu.transmit(time)
         if wire:
             for sent in self.fault_injector.respond(wire):
                 self._unit.transmit(sent.data, time + sent.delay)
 
-    def _through(self, talker: _Talker, other: _Talker) -> None:
-        byte = talker.queue.popleft()
+    def _deliver(self, transmitter: _Transmitter, other: _Transmitter) -> None:
+        byte = transmitter.queue.popleft()
         value = byte.value & other.overlapping(byte)
-        talker.last = byte
+        transmitter.last = byte
         self.bytes_carried += 1
-        if talker is self._tester:
+        if transmitter is self._tester:
             self.ecu.receive(bytes([value]), byte.end)
             if self.adapter.kind.echo:
-                self.adapter.hear(self.fault_injector.echo(value), byte.end)
+                self.adapter.receive(self.fault_injector.echo(value), byte.end)
         elif self.adapter.kind.supplied:
-            self.adapter.hear(value, byte.end)
+            self.adapter.receive(value, byte.end)

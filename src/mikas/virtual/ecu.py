@@ -1,9 +1,9 @@
-"""The virtual Mikas on its wire: bytes in, bytes out, on its owner's clock (§3, D12, D15).
+"""The virtual Mikas on its wire: bytes in, bytes out, on the caller's clock (§3, D12, D15).
 
-It does no I/O, reads no clock and never sleeps; the same times and bytes give the same answers. Its
-owner (the bus) calls `receive` with the bytes on the wire, asks `next_event` when to call
-`transmit`, and puts its bytes on the wire. An owner that delays a transmission while the line is
-busy (D2) asks for both kinds of event: `next_transmission` can wait, `next_change` cannot.
+No I/O, no clock, no sleep: the same times and bytes give the same responses. The bus calls
+`receive` with the bytes on the wire, `next_event` for the time of the next `transmit`, and puts the
+returned bytes on the wire. While the line is busy (D2), `next_transmission` can wait, `next_change`
+cannot.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from mikas.virtual.quirks import StreamEnd
 from mikas.virtual.responder import Responder, Stream
 
 PARTIAL_REQUEST_LIFE = 0.1  # s that a unit waits for the rest of a request
-STANDING_ENGINE_LOOK = 0.05  # s between looks whether a standing engine turns again
+STANDING_ENGINE_CHECK = 0.05  # s between checks whether a standing engine turns again
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +54,8 @@ class VirtualEcu:
         self.baud = baud
         self.watcher = watcher
         self._decoder = Decoder()
-        self._heard_at = -inf
-        self._seen = -inf  # the latest time it was given
+        self._received_at = -inf
+        self._latest = -inf  # time given by the caller
         self._change: float | None = None  # of the supply; computed again once it has passed
         self._answers: deque[tuple[float, bytes]] = deque()
         self._free_at = -inf  # when its own last byte has left
@@ -64,7 +64,7 @@ class VirtualEcu:
 
     @property
     def on(self) -> bool:
-        """Whether it had supply at the latest time that it was given."""
+        """Whether the unit had supply at the latest time."""
         return self._on
 
     def receive(self, data: bytes, now: float) -> None:
@@ -72,18 +72,18 @@ class VirtualEcu:
         self._follow_supply(now)
         if not self._on:
             return
-        if now - self._heard_at > PARTIAL_REQUEST_LIFE:
+        if now - self._received_at > PARTIAL_REQUEST_LIFE:
             self._decoder.reset()
-        self._heard_at = now
+        self._received_at = now
         ends = self.responder.quirks.stream_end
         if self._stream and ends is StreamEnd.BYTE:
             self._end_stream(now)
         if now <= self._free_at:
-            self._decoder.reset()  # it is sending itself: what it hears is a collision
+            self._decoder.reset()  # while transmitting, received bytes are a collision
             return
         for event in self._decoder.feed(data):
             if not isinstance(event, Frame):
-                self._tell("damaged", now, event.data)
+                self._report("damaged", now, event.data)
             elif self._stream is None or ends is not StreamEnd.BREAK:
                 self._end_stream(now)
                 self._take(event.body, now)
@@ -102,10 +102,10 @@ class VirtualEcu:
 
     def next_change(self) -> float:
         """Return when the supply changes next."""
-        if self._change is None or self._change <= self._seen:
-            # A change at the very moment that was seen, a rounding away, must not be met for ever.
-            change = self.responder.car.next_change(self._seen)
-            self._change = max(change, nextafter(self._seen, inf))
+        if self._change is None or self._change <= self._latest:
+            # A change that rounding puts at the latest time itself must not repeat for ever.
+            change = self.responder.car.next_change(self._latest)
+            self._change = max(change, nextafter(self._latest, inf))
         return self._change
 
     def next_transmission(self) -> float:
@@ -117,9 +117,9 @@ class VirtualEcu:
         if self._stream is None:
             return inf
         if self._stream.due == inf:
-            return self._seen + STANDING_ENGINE_LOOK
-        if self._decoder.pending:  # D2: somebody is talking; the stream waits for the end of it
-            return max(self._stream.due, self._heard_at + PARTIAL_REQUEST_LIFE)
+            return self._latest + STANDING_ENGINE_CHECK
+        if self._decoder.pending:  # D2: the line is busy; the stream waits
+            return max(self._stream.due, self._received_at + PARTIAL_REQUEST_LIFE)
         return self._stream.due
 
     def transmit(self, now: float) -> bytes:
@@ -131,9 +131,9 @@ class VirtualEcu:
             return b""
         if self._answers:
             body = self._answers.popleft()[1]
-            self._tell("response", now, body)
+            self._report("response", now, body)
         else:
-            assert self._stream is not None  # what else would be due
+            assert self._stream is not None  # nothing else is due
             body = self.responder.data(self._stream.command.parameters, now) or b""
         wire = encode(body, raw_checksum=self.responder.quirks.raw_checksum)
         self._free_at = now + len(wire) * 10 / self.baud
@@ -143,16 +143,16 @@ class VirtualEcu:
         return wire
 
     def _take(self, body: bytes, now: float) -> None:
-        self._tell("request", now, body)
+        self._report("request", now, body)
         answer = self.responder.answer(body, now)
         turn_round = self.responder.quirks.turn_round
         if isinstance(answer, bytes):
             self._answers.append((now + turn_round, answer))
         elif answer is None:
-            self._tell("silence", now)
+            self._report("silence", now)
         else:
             self._stream = _Running(answer, self._due(answer, now, turn_round))
-            self._tell("stream", now, body)
+            self._report("stream", now, body)
 
     def _due(self, stream: Stream, after: float, pause: float) -> float:
         ready = after + pause
@@ -163,10 +163,10 @@ class VirtualEcu:
     def _end_stream(self, now: float) -> None:
         if self._stream:
             self._stream = None
-            self._tell("stream-end", now)
+            self._report("stream-end", now)
 
     def _follow_supply(self, now: float) -> None:
-        self._seen = max(self._seen, now)
+        self._latest = max(self._latest, now)
         on = self.responder.car.powered(now)
         if on == self._on:
             return
@@ -177,8 +177,8 @@ class VirtualEcu:
         self._decoder.reset()
         if on:
             self.responder.power_cycle()
-        self._tell("power-on" if on else "power-off", now)
+        self._report("power-on" if on else "power-off", now)
 
-    def _tell(self, kind: str, now: float, data: bytes = b"") -> None:
+    def _report(self, kind: str, now: float, data: bytes = b"") -> None:
         if self.watcher:
             self.watcher(EcuEvent(now, kind, data))

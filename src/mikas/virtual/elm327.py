@@ -1,8 +1,8 @@
 """An ELM327 in place of a K-Line adapter: the wrong tool, which the tester has to recognize.
 
-It reads received bytes as lines of text and puts none of them on the wire. It has its factory
-settings: 9600 baud, every character echoed, `?` to an unknown line. Not simulated: its OBD
-requests, which no Mikas understands, and all settings but the echo.
+An ELM327 reads bytes as lines of text and puts none of them on the wire. Factory settings: 9600
+baud, every character echoed, `?` to an unknown line. Not simulated: OBD requests, which no Mikas
+understands, and all settings but the echo.
 """
 
 from __future__ import annotations
@@ -14,8 +14,7 @@ from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import VirtualEcu
 
 VERSION = b"ELM327 v1.5"
-LONGEST_LINE = 64  # bytes that it keeps of one
-
+LONGEST_LINE = 64  # bytes; the rest of a line is dropped
 _RETURN = 0x0D
 _END = b"\r\r>"
 
@@ -28,22 +27,22 @@ class Elm327(Bus):
         self._line = bytearray()
         self._echoes = True
         self._out: deque[tuple[float, int]] = deque()
-        self._heard_at = -inf  # the end of the last byte from the tester
+        self._received_at = -inf  # the end of the last byte from the tester
         self._free_at = -inf  # the end of its own last byte
 
     def send(self, data: bytes, now: float) -> None:
         for value in data:
-            self._heard_at = max(now, self._heard_at) + self.byte_time
-            self._hear(value)
+            self._received_at = max(now, self._received_at) + self.byte_time
+            self._receive(value)
 
     def send_break(self, seconds: float, now: float) -> None:
         """Discard pending bytes: the ELM327 does not know a break."""
         self._out = deque(byte for byte in self._out if byte[0] <= now)
-        self._heard_at = self._free_at = now + seconds
+        self._received_at = self._free_at = now + seconds
         self._line.clear()
 
     def advance(self, now: float) -> None:
-        """Nothing happens by itself."""
+        """Do nothing: the wire is not driven."""
 
     def take(self, now: float) -> tuple[bytes, float]:
         data, time = bytearray(), now
@@ -55,9 +54,9 @@ class Elm327(Bus):
     def next_event(self) -> float:
         return self._out[0][0] if self._out else inf
 
-    def _hear(self, value: int) -> None:
+    def _receive(self, value: int) -> None:
         if value == 0:
-            return  # it takes a zero for noise
+            return  # an ELM327 ignores zeros as noise
         if self._echoes:
             self._transmit(bytes([value]))
         if value == _RETURN:
@@ -80,5 +79,5 @@ class Elm327(Bus):
 
     def _transmit(self, text: bytes) -> None:
         for value in text:
-            self._free_at = max(self._heard_at, self._free_at) + self.byte_time
+            self._free_at = max(self._received_at, self._free_at) + self.byte_time
             self._out.append((self._free_at, value))

@@ -1,7 +1,7 @@
-"""Line faults on purpose: a bad ground, a second talker or a slow unit.
+"""Line faults on purpose: a bad ground, a second transmitter or a slow unit.
 
-Each kind strikes a response by chance (seeded, so a run can be repeated to the byte) or when a test
-queues it. All faults are in the ECU's sending or on the line, none in the tester.
+Each fault applies to a response by chance (seeded, so a run can be repeated to the byte) or when a
+test queues it. The faults concern the ECU's transmissions and the line, never the tester.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from mikas.i18n import Text
 class LineFault(Enum):
     """A fault of one response."""
 
-    LOST = "lost"  # it never comes
-    LATE = "late"  # it comes after the tester has given up
+    LOST = "lost"  # never sent
+    LATE = "late"  # sent after the tester's timeout
     DAMAGED = "damaged"  # one bit of one byte differs
     CUT = "cut"  # the end is missing
     MISSING_BYTE = "missing-byte"  # one byte in the middle is missing
-    DOUBLED = "doubled"  # it comes twice
-    FOREIGN = "foreign"  # another talker's sound frame comes in its place
-    NOISE = "noise"  # stray bytes come before it
+    DOUBLED = "doubled"  # sent twice
+    FOREIGN = "foreign"  # another transmitter's valid frame instead
+    NOISE = "noise"  # stray bytes before the response
     ECHO = "bad-echo"  # one byte of the next request's echo differs
 
 
@@ -36,18 +36,14 @@ LATE_BY = 0.7  # s, more than the 500 ms of D14
 
 @dataclass(frozen=True, slots=True)
 class Sent:
-    """Bytes to put on the wire, `delay` seconds after the response was due."""
+    """Bytes to put on the wire, `delay` seconds after the response is due."""
 
     data: bytes
     delay: float = 0.0
 
 
 class FaultInjector:
-    """Applies faults to responses.
-
-    `rates`: chance of each fault, 0 … 1. `late_by`: seconds. `next(fault)` queues one for the
-    following response, before any chance.
-    """
+    """Applies faults to responses: queued ones first, else by the `rates` of chance, 0 … 1."""
 
     def __init__(
         self,
@@ -116,7 +112,7 @@ def _flipped(wire: bytes, at: int, bit: int) -> bytes:
 
 
 def parse_rates(words: Mapping[str, str]) -> dict[LineFault, float]:
-    """`{"damaged": "0.01"}` → rates. Raises `UsageError` naming what is allowed."""
+    """Return the rates of texts like `{"damaged": "0.01"}`. Raises `UsageError`."""
     rates = {}
     for name, value in words.items():
         try:
@@ -128,9 +124,8 @@ def parse_rates(words: Mapping[str, str]) -> dict[LineFault, float]:
             kinds = ", ".join(t.value for t in LineFault)
             raise UsageError(
                 problem=Text(
-                    f"“{name}={value}” is no line fault; write KIND=RATE, rate 0 … 1, kinds: "
-                    f"{kinds}",
-                    f"«{name}={value}» — не помеха; пишите ВИД=ДОЛЯ, доля 0 … 1, виды: {kinds}",
+                    f"“{name}={value}” is not a line fault: KIND=RATE, rate 0 … 1, kinds: {kinds}",
+                    f"«{name}={value}» — не помеха: ВИД=ДОЛЯ, доля 0 … 1, виды: {kinds}",
                 )
             )
         rates[fault] = rate

@@ -1,9 +1,4 @@
-"""The four memory spaces of the virtual unit: written bytes are read back.
-
-A power cycle restores RAM, XRAM and SFR; CODE keeps what was written. Unwritten cells hold a
-pattern in which every byte value occurs and neighbours differ, so a shifted or swapped block is
-noticed.
-"""
+"""The four memory spaces of the virtual unit."""
 
 from __future__ import annotations
 
@@ -15,7 +10,7 @@ SIZES = {"ram": 0x100, "xram": 0x10000, "code": 0x10000, "sfr": 0x100}
 
 @cache  # computing it at power-on would delay other units on the event loop
 def pattern(space: str) -> bytes:
-    """The contents of an untouched space: `37·low + 11·high + 101·space + 5`, modulo 256."""
+    """Return the contents of an unwritten space: `37·low + 11·high + 101·space + 5`, modulo 256."""
     start = 101 * list(SIZES).index(space) + 5
     return bytes(
         (37 * (address & 0xFF) + 11 * (address >> 8) + start) & 0xFF
@@ -24,16 +19,18 @@ def pattern(space: str) -> bytes:
 
 
 class EcuMemory:
-    """RAM, XRAM, CODE and SFR. Addresses are checked by the commands that carry them.
+    """RAM, XRAM, CODE and SFR; the commands check the addresses.
 
-    `contents`: bytes from the start, by space and address, instead of the pattern.
+    Written bytes are read back. A power cycle restores RAM, XRAM and SFR; CODE keeps what was
+    written. Unwritten cells hold `contents` (by space and address), else a pattern in which every
+    byte value occurs and neighbours differ, so a shifted or swapped block is noticed.
     """
 
     def __init__(self, contents: Mapping[str, Mapping[int, bytes]] | None = None) -> None:
         self._contents = contents or {}
-        self._spaces = {space: self._fresh(space) for space in SIZES}
+        self._spaces = {space: self._initial(space) for space in SIZES}
 
-    def _fresh(self, space: str) -> bytearray:
+    def _initial(self, space: str) -> bytearray:
         cells = bytearray(pattern(space))
         for address, data in self._contents.get(space, {}).items():
             cells[address : address + len(data)] = data
@@ -50,4 +47,4 @@ class EcuMemory:
     def power_cycle(self) -> None:
         """Restore the spaces that do not survive the loss of supply."""
         for space in ("ram", "xram", "sfr"):
-            self._spaces[space] = self._fresh(space)
+            self._spaces[space] = self._initial(space)

@@ -1,6 +1,6 @@
-"""What the source leaves open, as switches of the virtual ECU (D3, D7, D10, D11, D12, D14).
+"""Behaviour that the source does not define, as switches of the virtual ECU (D3, D7, D10–D12, D14).
 
-A tester that works against every combination of these works against whatever a real unit does.
+A tester must work with every combination of these switches.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from mikas.options import OptionParser, check_names, invalid_value
 
 
 class Unknown(Enum):
-    """What a unit says to a command that it does not know (D10), or to a list too long for it."""
+    """The response to an unknown command (D10), or to too long a list."""
 
     SILENT = "silent"
     ERROR = "01"
 
 
 class LongList(Enum):
-    """What a unit does with more parameters than it takes (D11)."""
+    """The response to a list longer than `max_list` (D11)."""
 
     SILENT = "silent"
     SHORT = "short"
 
 
 class StreamEnd(Enum):
-    """What makes a unit end its stream (D12): any byte heard, a whole request, or a line break."""
+    """The end of a stream (D12): any byte received, a whole request, or a line break."""
 
     BYTE = "byte"
     REQUEST = "request"
@@ -56,7 +56,7 @@ class EcuQuirks:
     """The unit's behaviour where the source does not specify it. The defaults follow its letter."""
 
     turn_round: float = 0.002  # s from a request's last byte to the response's first, D14
-    stream_gap: float = 0.0004  # s between two responses of a stream; §5 reckons with none
+    stream_gap: float = 0.0004  # s between two responses of a stream; §5 assumes 0
     max_list: int = 255  # most parameters in one 61, 64, 71, 7F–83; D11
     long_list: LongList = LongList.SILENT
     max_block: int = 255  # most bytes in one 21–26
@@ -67,7 +67,7 @@ class EcuQuirks:
     stream_end: StreamEnd = StreamEnd.BYTE  # D12
 
     def with_options(self, options: Mapping[str, str]) -> EcuQuirks:
-        """These, changed by `name=value` texts as they stand in a URL or on a command line."""
+        """Return these, changed by the texts of a URL or a command line."""
         check_names(options, QUIRK_NAMES)
         given = OptionParser(options)
         return EcuQuirks(
@@ -88,7 +88,7 @@ QUIRK_NAMES = tuple(f.name for f in fields(EcuQuirks))
 
 
 def words(text: str) -> list[str]:
-    """The items of a list on a command line or in a URL: `a,b`, `a+b`; in a URL `+` is a space."""
+    """Return the items of a list in a URL or on a command line: `a,b`, `a+b`, `a b`."""
     return re.findall(r"[^,+\s]+", text)
 
 

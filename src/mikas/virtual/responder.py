@@ -1,7 +1,7 @@
 """The virtual unit's responses to requests: every row of §3, from body to body.
 
-It knows no wire and no time to wait: `ecu` decides when. Not simulated: what a jump
-(41) would do, and that writing CODE can stop a real unit.
+No wire and no delays: `ecu` transmits the responses. Not simulated: the effect of a jump (41), and
+that writing CODE can stop a real unit.
 """
 
 from __future__ import annotations
@@ -26,25 +26,25 @@ class Car(Protocol):
     faults: list[int]
 
     def size_of(self, code: int) -> int | None:
-        """Bytes of the parameter's datum; None: there is no such parameter."""
+        """Return the size of the datum in bytes; None: no such parameter."""
 
     def raw(self, code: int, now: float) -> bytes:
-        """The parameter's datum at `now`."""
+        """Return the datum at `now`."""
 
     def write(self, code: int, data: bytes) -> bool:
         """Write a datum of the right size; False: it is read-only."""
 
     def powered(self, now: float) -> bool:
-        """Whether the unit has supply at `now`."""
+        """Return whether the unit has supply at `now`."""
 
     def next_change(self, after: float) -> float:
-        """When `powered` changes next; infinity if never."""
+        """Return when `powered` changes next; infinity if never."""
 
     def next_stroke(self, stroke: int, after: float) -> float:
-        """When the engine next reaches this stroke (D15); infinity if it stands."""
+        """Return when the engine next reaches this stroke (D15); infinity if it stands."""
 
     def power_cycle(self) -> None:
-        """The supply went off: forgets what does not survive that."""
+        """Forget volatile data: the supply went off."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,14 +68,14 @@ class Responder:
     _erase_armed: bool = False
 
     def power_cycle(self) -> None:
-        """Forgets what does not survive the supply going off."""
+        """Forget volatile data: the supply went off."""
         self._list = ()
         self._erase_armed = False
         self.memory.power_cycle()
         self.car.power_cycle()
 
     def answer(self, body: bytes, now: float) -> Answer:
-        """Return the response to the request `body` that came at `now`."""
+        """Return the response to the request `body` received at `now`."""
         if body != b"\x62\x0e\x00":
             self._erase_armed = False  # only two writes in a row erase
         if body[:1] and body[0] in self.quirks.missing:
@@ -147,42 +147,28 @@ class Responder:
         return data in (b"\x08", b"\x00")
 
     def _access_memory(self, command: c.Command[Any]) -> bytes | None:
-        memory, largest = self.memory, self.quirks.max_block
-        match command:
-            case (
-                c.ReadRamBlock(address, n)
-                | c.ReadXramBlock(address, n)
-                | c.ReadCodeBlock(address, n)
-            ):
-                if n > largest:
-                    return self._unknown()
-                counted = self.quirks.counted_blocks or isinstance(command, c.ReadRamBlock)
-                return command.respond(memory.read(command.SPACE, address, n), counted=counted)
-            case (
-                c.WriteRamBlock(address, data)
-                | c.WriteXramBlock(address, data)
-                | c.WriteCodeBlock(address, data)
-            ):
-                if len(data) > largest:
-                    return b"\x01"
-                memory.write(command.SPACE, address, data)
-                return b"\x00"
-            case (
-                c.WriteRamByte(address, value)
-                | c.WriteXramByte(address, value)
-                | c.WriteCodeByte(address, value)
-                | c.WriteSfr(address, value)
-            ):
-                memory.write(command.SPACE, address, bytes([value]))
-                return command.respond(value)
-            case (
-                c.ReadRamByte(address)
-                | c.ReadXramByte(address)
-                | c.ReadCodeByte(address)
-                | c.ReadSfr(address)
-            ):
-                return command.respond(memory.read(command.SPACE, address)[0])
-        raise AssertionError(f"{command.name} has no answer")  # a bug: a class was added without
+        memory, max_block = self.memory, self.quirks.max_block
+        if isinstance(command, _BLOCK_READS):
+            if command.count > max_block:
+                return self._unknown()
+            counted = self.quirks.counted_blocks or isinstance(command, c.ReadRamBlock)
+            data = memory.read(command.SPACE, command.address, command.count)
+            return command.respond(data, counted=counted)
+        if isinstance(command, _BLOCK_WRITES):
+            if len(command.data) > max_block:
+                return b"\x01"
+            memory.write(command.SPACE, command.address, command.data)
+            return b"\x00"
+        if isinstance(command, _BYTE_WRITES):
+            memory.write(command.SPACE, command.address, bytes([command.value]))
+            return command.respond(command.value)
+        if isinstance(command, _BYTE_READS):
+            return command.respond(memory.read(command.SPACE, command.address)[0])
+        raise AssertionError(f"{command.name} is not implemented")
 
 
 _IDENTITY = (c.Availability, c.ReadProgramPassport, c.ReadDataPassport, c.CountParameters)
+_BLOCK_READS = (c.ReadRamBlock, c.ReadXramBlock, c.ReadCodeBlock)
+_BLOCK_WRITES = (c.WriteRamBlock, c.WriteXramBlock, c.WriteCodeBlock)
+_BYTE_READS = (c.ReadRamByte, c.ReadXramByte, c.ReadCodeByte, c.ReadSfr)
+_BYTE_WRITES = (c.WriteRamByte, c.WriteXramByte, c.WriteCodeByte, c.WriteSfr)

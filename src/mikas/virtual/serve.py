@@ -1,11 +1,9 @@
 """A virtual unit for other programs: its wire on a pty or a TCP port, in real time.
 
-The only place under `virtual` that does I/O and knows the real clock. One event loop serves any
-number of buses. Bytes leave when their last bit would have left the wire, so a tester at the other
-end sees the pace of 9600 baud. The loop wants a selector with microseconds (`run`): epoll's
-milliseconds are as long as a byte.
-
-When nobody reads, bytes are thrown away, as an adapter on a port that nobody has opened does.
+The only module under `virtual` with I/O and the real clock. One event loop serves any number of
+buses. A byte is written when its last bit leaves the wire, so the tester receives at 9600 baud. The
+loop needs a selector with microseconds (`run`): epoll's milliseconds are as long as a byte. Bytes
+that no tester reads are dropped.
 """
 
 from __future__ import annotations
@@ -23,13 +21,13 @@ from mikas.virtual.bus import Bus
 
 T = TypeVar("T")
 _READ = 4096
-_AT_ONCE = 64  # bytes of one wire that are made up for before other wires have their turn
+_MOST_OVERDUE = 64  # overdue bytes of one wire before the next wire's turn
 
 
 class ServedBus:
-    """Runs one bus in real time on an event loop; `write` takes what the tester gets.
+    """Runs one bus in real time on an event loop; `write` takes the bytes for the tester.
 
-    `clock` is the bus's clock. `feed` is for what the tester sends.
+    `clock` is the bus's clock.
     """
 
     def __init__(
@@ -40,29 +38,26 @@ class ServedBus:
         self._write = write
         self._loop = asyncio.get_running_loop()
         self._timer: asyncio.TimerHandle | None = None
-        self._seen = clock()
+        self._latest = clock()
 
     def feed(self, data: bytes) -> None:
-        """The tester wrote `data`, just now.
-
-        If this loop woke late, something on the wire is overdue; the tester's bytes came before it.
-        """
+        """Put `data` of the tester on the wire now, before any overdue event of a late loop."""
         overdue = nextafter(self._bus.next_event(), -inf)
-        self._bus.send(data, min(self._clock(), max(self._seen, overdue)))
-        self.run_on()
+        self._bus.send(data, min(self._clock(), max(self._latest, overdue)))
+        self.advance()
 
     def send_break(self, seconds: float) -> None:
-        """The tester held the line low."""
+        """Hold the line low, as the tester does."""
         self._bus.send_break(seconds, self._clock())
-        self.run_on()
+        self.advance()
 
-    def run_on(self) -> None:
-        """Runs the wire to the present, hands out what arrived, and comes back when due."""
+    def advance(self) -> None:
+        """Run the wire to the present, write received bytes, schedule the next call."""
         bus = self._bus
-        enough = max(self._seen, bus.next_event()) + _AT_ONCE * bus.byte_time
-        now = min(self._clock(), enough)
+        limit = max(self._latest, bus.next_event()) + _MOST_OVERDUE * bus.byte_time
+        now = min(self._clock(), limit)
         data, _ = bus.take(now)
-        self._seen = now
+        self._latest = now
         if data:
             self._write(data)
         if self._timer:
@@ -71,31 +66,31 @@ class ServedBus:
         self._timer = (
             None
             if due == inf
-            else self._loop.call_later(max(0.0, due - self._clock()), self.run_on)
+            else self._loop.call_later(max(0.0, due - self._clock()), self.advance)
         )
 
     def stop(self) -> None:
-        """Nothing more is done."""
+        """Cancel the next call."""
         if self._timer:
             self._timer.cancel()
 
 
 class PtyPort:
-    """A bus on a pseudo-terminal of its own; `url` is the path that a tester opens. POSIX only."""
+    """A bus on a pseudo-terminal; `url` is the path that a tester opens. POSIX only."""
 
     def __init__(self, bus: Bus, clock: Callable[[], float]) -> None:
         import pty
         import tty
 
         self._master, self._slave = pty.openpty()
-        # The slave stays open here, so that a tester that goes does not take the port with it.
+        # The slave stays open here, so that the port remains when a tester closes it.
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
         self.url = os.ttyname(self._slave)
         self._served = ServedBus(bus, clock, self._write)
         self._loop = asyncio.get_running_loop()
         self._loop.add_reader(self._master, self._read)
-        self._served.run_on()
+        self._served.advance()
 
     def _read(self) -> None:
         with suppress(BlockingIOError):
@@ -106,7 +101,7 @@ class PtyPort:
             os.write(self._master, data)
 
     def close(self) -> None:
-        """Takes the port away: whoever has it open sees its adapter unplugged."""
+        """Remove the port: a tester sees an unplugged adapter."""
         self._served.stop()
         self._loop.remove_reader(self._master)
         os.close(self._slave)
@@ -114,7 +109,7 @@ class PtyPort:
 
 
 class TcpPort:
-    """A bus on a TCP port, for one tester at a time; another one is turned away. Made by `open`."""
+    """A bus on a TCP port, from `open`. One tester at a time; another connection is closed."""
 
     def __init__(self, bus: Bus, clock: Callable[[], float]) -> None:
         self.url = ""
@@ -124,7 +119,7 @@ class TcpPort:
 
     @classmethod
     async def open(cls, bus: Bus, clock: Callable[[], float], host: str, port: int) -> TcpPort:
-        """Listens on `host:port`; with port 0 the system chooses one. Raises `PortFailed`."""
+        """Listen on `host:port`; port 0: the system chooses one. Raises `PortFailed`."""
         served = cls(bus, clock)
         await served._listen(host, port)
         return served
@@ -135,24 +130,24 @@ class TcpPort:
             self._server = await loop.create_server(lambda: _Connection(self), host, port)
         except OSError as error:
             raise PortFailed(url=f"{host}:{port}", problem=reason_of(error)) from error
-        shown = f"[{host}]" if ":" in host else host  # an IPv6 address
-        self.url = f"socket://{shown}:{self._server.sockets[0].getsockname()[1]}"
-        self._served.run_on()
+        url_host = f"[{host}]" if ":" in host else host  # IPv6
+        self.url = f"socket://{url_host}:{self._server.sockets[0].getsockname()[1]}"
+        self._served.advance()
 
     def accept(self, tester: asyncio.Transport) -> bool:
-        """Whether `tester` gets the wire; it does not while another one has it."""
+        """Connect `tester` to the wire; False: another tester is connected."""
         if self._tester is not None:
             return False
         self._tester = tester
         return True
 
     def leave(self, tester: asyncio.Transport) -> None:
-        """`tester` hung up."""
+        """Disconnect `tester`."""
         if tester is self._tester:
             self._tester = None
 
     def feed(self, data: bytes) -> None:
-        """The tester wrote `data`."""
+        """Put `data` of the tester on the wire."""
         self._served.feed(data)
 
     def _write(self, data: bytes) -> None:
@@ -160,7 +155,7 @@ class TcpPort:
             self._tester.write(data)
 
     def close(self) -> None:
-        """Hangs up and stops listening."""
+        """Close the connection and stop listening."""
         self._served.stop()
         if self._tester:
             self._tester.abort()
@@ -169,7 +164,7 @@ class TcpPort:
 
 
 class _Connection(asyncio.Protocol):
-    """Somebody on a `TcpPort`."""
+    """A connection to a `TcpPort`."""
 
     def __init__(self, port: TcpPort) -> None:
         self._port = port
@@ -183,12 +178,12 @@ class _Connection(asyncio.Protocol):
     def data_received(self, data: bytes) -> None:
         self._port.feed(data)
 
-    def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002  (why is all the same)
+    def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002  (any reason)
         self._port.leave(self._transport)
 
 
 def run(main: Coroutine[Any, Any, T]) -> T:
-    """`asyncio.run` on a loop whose timers are good to microseconds."""
+    """Run `main` on a loop whose timers have microseconds."""
     with asyncio.Runner(
         loop_factory=lambda: asyncio.SelectorEventLoop(selectors.SelectSelector())
     ) as runner:

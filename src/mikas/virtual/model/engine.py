@@ -1,4 +1,6 @@
-"""The engine model as the virtual unit sees it: advance it to a time, read its state.
+"""One moment of the engine model, in physical units, named by what §4's mnemonics mean.
+
+The engine model as the virtual unit sees it: advance it to a time, read its state.
 
     engine = Engine(SCENARIOS["warm-idle"], seed=1)
     engine.advance(12.5)             # seconds since the start; going back does nothing
@@ -14,17 +16,121 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable
+from dataclasses import dataclass
 from math import floor, inf
 
-from mikas.virtual.model.engine_state import FIELDS, EngineState, state_of
+from mikas.virtual.model import physics as ph
 from mikas.virtual.model.physics import STEP
 from mikas.virtual.model.plant import Plant, plant_at_start
-from mikas.virtual.model.substitutes import Lost
+from mikas.virtual.model.sensors import Lost
 from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS, Scenario
 
-__all__ = ["FIELDS", "HORIZON", "Engine", "EngineState"]
+FIELDS = {
+    "TWAT": "coolant",
+    "FREQ": "rpm",
+    "FREQX": "idle_rpm",
+    "UOZ": "advance",
+    "UACC": "voltage",
+    "INJ": "injection",
+    "JAIR": "air",
+    "JQT": "fuel",
+    "DET": "knock",
+    "RXX": "idle",
+    "BITPOW": "full_power",
+    "RDET": "knock_corrected",
+    "VALF": "mixture",
+    "THR": "throttle",
+    "RCOK": "fuel_correction",
+    "RCOD": "idle_co_correction",
+    "UOZOC": "advance_correction",
+    "SSM": "valve_set",
+    "FSM": "valve",
+    "UGB": "air_set",
+    "TAIR": "intake_air",
+    "TWATI": "coolant_at_start",
+}
+"""The field of `EngineState` by the parameter of §4."""
 
-ROUNDING = 5e-5  # cycles: what is nearer to the last one is the same one, asked for in rounded time
+NEUTRAL = -0.5  # E3: byte 128, no correction, by the letter of the formula
+
+
+@dataclass(frozen=True, slots=True)
+class EngineState:
+    """One moment: the control unit's values, then some true values of the car.
+
+    The field of a failed sensor holds its substitute (`sensors.TABLE`).
+    """
+
+    time: float  # s since the start
+    ignition_on: bool
+    running: bool
+    coolant: float  # °C
+    coolant_at_start: float  # °C
+    intake_air: float  # °C
+    rpm: float
+    idle_rpm: float  # the same, up to the 2550 that its finer byte can hold
+    voltage: float
+    throttle: float  # %
+    air: float  # kg/h
+    air_set: float  # kg/h
+    injection: float  # ms
+    fuel: float  # l/h
+    mixture: float  # λ
+    fuel_correction: float  # NEUTRAL: none; 0.1 above it: a tenth more petrol
+    idle_co_correction: float  # likewise
+    advance: float  # ° before top dead centre
+    advance_correction: float  # °, negative: later because of knock
+    knock: bool
+    knock_corrected: bool
+    idle: bool
+    full_power: bool
+    valve_set: float  # steps of the idle valve, 0 to 255
+    valve: float
+    fan: bool
+    cycles: float  # engine cycles (two turns each) since the start
+    fuel_used: float  # l since the start
+    speed: float  # km/h
+
+
+def state_of(plant: Plant, time: float, *, powered: bool) -> EngineState:
+    """Return the state at `time`, which is in the plant's present step."""
+    program = plant.program
+    sensors, phase, idle = program.sensors, program.phase, program.idle
+    mixture, spark = program.mixture, program.spark
+    return EngineState(
+        time=time,
+        ignition_on=powered,
+        running=powered and phase.running,
+        coolant=sensors.coolant,
+        coolant_at_start=phase.coolant_at_start,
+        intake_air=sensors.intake_air,
+        rpm=sensors.rpm,
+        idle_rpm=min(2550.0, sensors.rpm),
+        voltage=sensors.voltage,
+        throttle=sensors.throttle,
+        air=sensors.air,
+        air_set=idle.air_set,
+        injection=mixture.injection,
+        fuel=ph.fuel_flow(mixture.fuel, sensors.rpm),
+        mixture=mixture.mixture,
+        fuel_correction=NEUTRAL + mixture.trim,
+        idle_co_correction=NEUTRAL + sensors.idle_co,
+        advance=spark.advance,
+        advance_correction=spark.correction,
+        knock=spark.knock,
+        knock_corrected=spark.knock_corrected,
+        idle=idle.idle,
+        full_power=mixture.full_power,
+        valve_set=idle.valve_set,
+        valve=idle.valve,
+        fan=program.fan,
+        cycles=plant.cycles + (time - plant.step_number * STEP) * plant.rpm / 120,
+        fuel_used=plant.fuel_used,
+        speed=plant.vehicle.speed * 3.6,
+    )
+
+
+ROUNDING = 5e-5  # cycles: a rounded time this close to a stroke is the stroke's own
 HORIZON = 4.0  # s that `next_cycle_time` looks ahead
 
 
@@ -43,9 +149,9 @@ class Engine:
         self._applied = frozenset(self.faults)
         lost = Lost.by(self._applied)
         self._plant = plant_at_start(scenario.start, scenario.timeline, seed, lost)
-        self._state: EngineState | None = None  # at `time`, once somebody has asked
-        self._scout: Plant | None = None  # a copy of the plant that has gone ahead
-        self._ahead: deque[tuple[float, float]] = deque()  # (cycles, rpm) of each step from now on
+        self._state: EngineState | None = None  # at `time`, once computed
+        self._future: Plant | None = None  # a copy of the plant, advanced further
+        self._ahead: deque[tuple[float, float]] = deque()  # (cycles, rpm) of each step from now
 
     def advance(self, to: float) -> None:
         """Advance to `to`, seconds since the start."""
@@ -73,24 +179,20 @@ class Engine:
         """Whether the unit has supply now."""
         return self.scenario.ignition_on(self.time)
 
-    def next_power_change(self, after: float) -> float:
-        """Return when `powered` changes next; infinity if never."""
-        return self.scenario.next_ignition_change(after)
-
     def next_cycle_time(self, stroke: int, after: float) -> float:
         """Return the next time later than `after` at which this stroke begins (D15).
 
         Strokes 0 and 1 begin with the engine cycle, 2 to 4 a quarter, a half and three quarters
-        later. Exact as long as nobody changes `faults`. Infinity: no such moment within `HORIZON`
-        seconds, because the engine stands or the unit has no power or no crank signal; ask again
-        later. `after` may lie in the future; of the past only the present step is known.
+        later. Exact until `faults` change. Infinity: none within `HORIZON` seconds, because the
+        engine stands or the unit has no supply or no crank signal. `after` may be in the future;
+        of the past only the present step is known.
         """
         self._apply_faults()
         phase = (stroke - 1) / 4 if stroke else 0.0
         first = self._plant.step_number
         after = max(after, first * STEP)
         index = floor(after / STEP)
-        place, rpm = self._look(index - first)
+        place, rpm = self._predict(index - first)
         place += (after - index * STEP) * rpm / 120
         target = floor(place - phase + ROUNDING) + 1 + phase
         begin = after
@@ -100,20 +202,20 @@ class Engine:
             if time < end:
                 return time
             index, begin = index + 1, end
-            place, rpm = self._look(index - first)
+            place, rpm = self._predict(index - first)
         return inf
 
-    def _look(self, steps: int) -> tuple[float, float]:
-        """Cycles and speed, as the unit sees it, `steps` from the present one on."""
+    def _predict(self, steps: int) -> tuple[float, float]:
+        """Return cycles and the unit's speed, `steps` after the present one."""
         ahead = self._ahead
         if not ahead:
-            self._scout = self._plant.fork()
-            ahead.append((self._plant.cycles, self._plant.seen_rpm))
-        scout = self._scout
-        assert scout is not None  # made with the first entry of `ahead`
+            self._future = self._plant.fork()
+            ahead.append((self._plant.cycles, self._plant.unit_rpm))
+        future = self._future
+        assert future is not None  # made with the first entry of `ahead`
         while len(ahead) <= steps:
-            scout.step()
-            ahead.append((scout.cycles, scout.seen_rpm))
+            future.step()
+            ahead.append((future.cycles, future.unit_rpm))
         return ahead[steps]
 
     def _apply_faults(self) -> None:

@@ -1,10 +1,9 @@
-"""What the ZMZ-4062.10 does with air, petrol and sparks: constants and pure functions, no state.
+"""Air, petrol and spark in the ZMZ-4062.10: constants and pure functions, no state.
 
 A mean-value model: one number for a whole engine cycle, not for a crank angle. The fixed points
 come from the facts about the car (2286 cm³, 106 kW at 5200 rpm, 385 kg/h of air there, 15 kg/h at
 850 rpm, an injector of 2.5 mg/ms with 0.8 ms dead time); the curves between them are the model's
-own and only have to look like an engine. Air is in kg/h, charge and petrol in mg a stroke, torque
-in Nm.
+assumptions. Air is in kg/h, charge and petrol in mg a stroke, torque in Nm.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from __future__ import annotations
 from itertools import pairwise
 from math import pi, sqrt
 
-STEP = 1 / 32  # s: the grid everything is integrated on; a power of two, so n·STEP is exact
+STEP = 1 / 32  # s: the grid of integration; a power of two, so n·STEP is exact
 STROKE_AIR = 686.0  # mg: one cylinder full of air at 20 °C and 1 bar
 STOICHIOMETRIC = 14.7
 INJECTOR = 2.5  # mg/ms
@@ -27,7 +26,7 @@ TO_RADIANS = pi / 30  # rpm -> rad/s
 
 
 class LookupTable:
-    """A piecewise linear function, kept as an even table so that a look-up costs one index."""
+    """A piecewise linear function as an evenly spaced table: a look-up costs one index."""
 
     __slots__ = ("_last", "_low", "_per", "_table")
 
@@ -38,7 +37,7 @@ class LookupTable:
         self._table = [_between(knots, self._low + i * cell) for i in range(self._last + 1)]
 
     def __call__(self, x: float) -> float:
-        """The value at `x`; outside the curve the nearest end's."""
+        """Return the value at `x`; outside the curve that of the nearest end."""
         place = (x - self._low) * self._per
         if place <= 0:
             return self._table[0]
@@ -74,58 +73,58 @@ SPARK = LookupTable({0: 6, 600: 7, 1000: 9, 2000: 16, 3000: 22, 4000: 25, 5200: 
 
 
 def air_per_stroke(air: float, rpm: float) -> float:
-    """Charge in mg of an air flow in kg/h: 15 kg/h at 850 rpm are 147 mg (two strokes a turn)."""
+    """Return the charge in mg of an air flow in kg/h: 147 mg of 15 kg/h at 850 rpm."""
     return air * 1e6 / (120 * rpm) if rpm > 0 else 0.0
 
 
 def air_flow(charge: float, rpm: float) -> float:
-    """Air flow in kg/h of a charge in mg a stroke."""
+    """Return the air flow in kg/h of a charge in mg a stroke."""
     return charge * rpm * 120e-6
 
 
 def fuel_flow(fuel: float, rpm: float) -> float:
-    """Litres an hour of `fuel` mg a stroke."""
+    """Return the litres an hour of `fuel` mg a stroke."""
     return fuel * rpm * 120e-6 / PETROL
 
 
 def dead_time(voltage: float) -> float:
-    """Milliseconds in which an injector does not yet inject: 0.8 at 14 V, more as voltage falls."""
+    """Return the injector's dead time in ms: 0.8 at 14 V, more as voltage falls."""
     lack = 14.0 - voltage
     return max(0.5, 0.8 + 0.15 * lack + (0.012 * lack * lack if lack > 0 else 0.0))
 
 
 def injected(pulse: float, voltage: float) -> float:
-    """What a pulse really brings at this voltage, mg."""
+    """Return the petrol of a pulse at this voltage, mg."""
     return max(0.0, (pulse - dead_time(voltage)) * INJECTOR) if pulse > 0 else 0.0
 
 
 def injection(fuel: float, voltage: float) -> float:
-    """Pulse in ms for `fuel` mg a stroke; no fuel, no pulse."""
+    """Return the pulse in ms for `fuel` mg a stroke; no fuel, no pulse."""
     return dead_time(voltage) + fuel / INJECTOR if fuel > 0 else 0.0
 
 
 def throttle_air(percent: float) -> float:
-    """Choked flow through the throttle, kg/h."""
+    """Return the choked flow through the throttle, kg/h."""
     return THROTTLE_LEAK + THROTTLE_FLOW * (percent / 100) ** 2
 
 
 def throttle_for(flow: float) -> float:
-    """The opening in % whose choked flow is `flow`: the inverse of `throttle_air`."""
+    """Return the opening in % whose choked flow is `flow`: the inverse of `throttle_air`."""
     return min(100.0, 100 * sqrt(max(0.0, flow - THROTTLE_LEAK) / THROTTLE_FLOW))
 
 
 def density(intake_air: float) -> float:
-    """Density of the intake air against 20 °C."""
+    """Return the density of the intake air against 20 °C."""
     return 293.0 / (273.0 + intake_air)
 
 
 def demand(rpm: float) -> float:
-    """Air the cylinders would take with no throttle in the way, kg/h at 20 °C."""
+    """Return the air that the cylinders take with the throttle wide open, kg/h at 20 °C."""
     return air_flow(STROKE_AIR * FILLING(rpm), rpm)
 
 
 def manifold(inlet: float, wanted: float) -> float:
-    """Steady pressure in the manifold against outside, for a choked inlet flow and a demand.
+    """Return the steady manifold pressure against outside, for a choked inlet flow and a demand.
 
     Below `CHOKED` the inlet lets `inlet` through, above it less and less (an ellipse); the
     cylinders take `wanted` times the pressure ratio: where the two meet is a quadratic.
@@ -139,7 +138,7 @@ def manifold(inlet: float, wanted: float) -> float:
 
 
 def inlet_for(ratio: float, wanted: float) -> float:
-    """The choked inlet flow that keeps the manifold at `ratio`: the inverse of `manifold`."""
+    """Return the choked inlet flow for a manifold at `ratio`: the inverse of `manifold`."""
     if ratio <= CHOKED:
         return ratio * wanted
     shape = 1 - ((ratio - CHOKED) / (1 - CHOKED)) ** 2
@@ -147,18 +146,18 @@ def inlet_for(ratio: float, wanted: float) -> float:
 
 
 def base_advance(rpm: float, filling: float) -> float:
-    """Degrees before top dead centre: the full-load line, and earlier as the charge gets thin."""
+    """Return degrees before top dead centre: the full-load line, earlier for a smaller charge."""
     return SPARK(rpm) + 22 * (0.9 - filling)
 
 
 def knock_limit(rpm: float, filling: float, intake_air: float, coolant: float) -> float:
-    """The advance at which this charge begins to knock."""
+    """Return the advance at which this charge begins to knock."""
     cool = 0.12 * (25 - intake_air) + 0.1 * (88 - coolant)
     return SPARK(rpm) + 2.5 + 60 * (0.9 - filling) + cool
 
 
 def indicated_torque(charge: float, rpm: float, mixture: float, advance: float) -> float:
-    """Torque of the burning charge, before friction; slow engines lose more heat to the walls."""
+    """Return the torque of the charge, before friction; at low speed the walls take more heat."""
     best = SPARK(rpm) + 4 + 25 * (0.9 - charge / STROKE_AIR)
     late = best - advance
     spark = max(0.2, 1 - 0.00025 * late * late)
@@ -166,10 +165,10 @@ def indicated_torque(charge: float, rpm: float, mixture: float, advance: float) 
 
 
 def friction(rpm: float) -> float:
-    """Bearings, rings, pumps of a warm engine; a cold one's times `VISCOSITY`."""
+    """Return the friction of a warm engine, Nm; a cold one has `VISCOSITY` times as much."""
     return 12.6 + rpm * (0.0035 + 4.4e-7 * rpm)
 
 
 def pumping(ratio: float) -> float:
-    """What it costs to draw the charge out of a manifold at `ratio` of the outside pressure."""
+    """Return the torque lost by suction from a manifold at `ratio` of the outside pressure."""
     return (1 - ratio) * 1e5 * DISPLACEMENT_TORQUE

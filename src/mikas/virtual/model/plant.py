@@ -1,8 +1,7 @@
 """Engine, car and control unit together, one step of the grid at a time.
 
-All state is here and in the parts; `fork` copies it, so that the future can be looked at without
-going there. Chance comes from a table made from the seed and is addressed by the step's number:
-what happens in a step never depends on who asked for it or how often.
+All state is here and in the parts; `fork` copies it, to compute future steps. Noise comes from a
+table made from the seed, indexed by the step's number, so reads change no result.
 """
 
 from __future__ import annotations
@@ -14,31 +13,26 @@ from functools import lru_cache
 from mikas.virtual.model import physics as ph
 from mikas.virtual.model.physics import STEP, TO_RADIANS
 from mikas.virtual.model.program import Program
-from mikas.virtual.model.sensors import Signals
-from mikas.virtual.model.substitutes import NOTHING, Lost
-from mikas.virtual.model.surroundings import Board, Heat
-from mikas.virtual.model.vehicle import Vehicle
+from mikas.virtual.model.sensors import NOTHING, Lost, Signals
+from mikas.virtual.model.vehicle import Board, Heat, Vehicle
 from mikas.virtual.scenarios.scenario import Start
 from mikas.virtual.scenarios.timeline import Inputs, ScenarioTimeline
 
-NOISE = 16381  # a prime: strides through the table visit all of it, 8.5 minutes long
-SETTLING = 1920  # steps that a running engine has already run at second 0: a minute
+NOISE = 16381  # entries, 8.5 minutes; a prime, so that every stride visits all of them
+SETTLING = 1920  # steps of a running engine before second 0: a minute
 SLOW = 8  # steps between two of the temperatures
 EMPTYING = 4.0e-3 / 2.286e-3  # manifold against displacement
 
 
 @lru_cache(maxsize=8)
 def noise_table(seed: int) -> tuple[float, ...]:
-    """Normally distributed numbers, cut at three."""
+    """Return normally distributed numbers, limited to ±3."""
     source = random.Random(seed)
     return tuple(max(-3.0, min(3.0, source.gauss(0.0, 1.0))) for _ in range(NOISE))
 
 
 def plant_at_start(start: Start, timeline: ScenarioTimeline, seed: int, lost: Lost) -> Plant:
-    """Return a new plant at second 0.
-
-    A running engine needs 2,000 steps (0.1 s) to settle, so settled plants are kept and copied.
-    """
+    """Return a new plant at second 0: a copy, since a running engine takes 0.1 s to settle."""
     return _settled_plant(start, timeline, seed, lost).fork()
 
 
@@ -48,7 +42,7 @@ def _settled_plant(start: Start, timeline: ScenarioTimeline, seed: int, lost: Lo
 
 
 class Plant:
-    """Everything that changes with time; `plant_at_start` makes one."""
+    """The state at one step of the grid; `plant_at_start` returns a new one."""
 
     __slots__ = (
         "_burning", "_burnt", "_fuel", "_noise", "_signals", "_start", "_timeline", "_viscosity",
@@ -67,7 +61,7 @@ class Plant:
         self._signals = Signals(start.coolant, self.heat.intake_air)
         self._viscosity = ph.VISCOSITY(start.coolant)
         self._burning = self.key = start.running
-        self._fuel = 0.0  # mg a stroke that are really injected
+        self._fuel = 0.0  # mg a stroke, really injected
         self._burnt = 1.0  # λ
         self.crank = 850 * TO_RADIANS if start.running else 0.0  # rad/s
         self.manifold = 0.35 if start.running else 1.0  # pressure against outside
@@ -79,7 +73,7 @@ class Plant:
             self._move(0)
 
     def fork(self) -> Plant:
-        """A copy that can go ahead by itself."""
+        """Return an independent copy."""
         other = copy(self)
         other.vehicle, other.heat = copy(self.vehicle), copy(self.heat)
         other.board = copy(self.board)
@@ -93,20 +87,20 @@ class Plant:
         return self.crank / TO_RADIANS
 
     @property
-    def seen_rpm(self) -> float:
-        """The speed by which the unit counts strokes; 0: it has no power or sees nothing turn."""
+    def unit_rpm(self) -> float:
+        """The speed by which the unit counts strokes; 0 without supply or crank signal."""
         return self.rpm if self.key and self.program.sensors.rpm > 0 else 0.0
 
     def step(self) -> None:
-        """From one point of the grid to the next."""
+        """Advance to the next point of the grid."""
         self.cycles += self.crank * (STEP / TO_RADIANS / 120)
         self.step_number += 1
         self._move(self.step_number)
 
     def _settle(self, lost: Lost) -> None:
-        """Runs as at second 0 until idle valve, λ loop and speed have found their places.
+        """Run as at second 0 until idle valve, λ loop and speed are steady.
 
-        With all sensors sound at first: faults come when the car is warm already.
+        All sensors are sound at first: a fault occurs when the car is warm.
         """
         start, program = self._start, self.program
         program.sensors.lost = NOTHING
@@ -121,7 +115,7 @@ class Plant:
         self.cycles = self.fuel_used = 0.0
 
     def _move(self, number: int) -> None:
-        """Everything at the grid's point `number`."""
+        """Compute the grid's point `number`."""
         table, program, signals = self._noise, self.program, self._signals
         inputs = self._timeline.at(number * STEP)
         self._turn_key(inputs.key)
@@ -163,7 +157,7 @@ class Plant:
         return limit - chance
 
     def _breathe(self, rpm: float, wanted: float) -> tuple[float, float]:
-        """The manifold's next pressure; mg into a cylinder, kg/h through the throttle."""
+        """Set the manifold's pressure; return mg into a cylinder, kg/h through the throttle."""
         before = self.manifold
         if wanted <= 0.05:
             self.manifold += (1.0 - before) * 0.2
@@ -177,23 +171,23 @@ class Plant:
         return ph.air_per_stroke(taken, rpm), taken + filled
 
     def _catches(self) -> bool:
-        """A cold engine wants to be turned a while before it fires."""
+        """Return whether the engine fires: a cold one only after some turns."""
         phase = self.program.phase
         if phase.running or self._burning:
             return True
         return phase.turned > 1.2 + max(0.0, 60.0 - self.heat.coolant) * 0.03
 
     def _turn(self, rpm: float, charge: float, chance: float) -> None:
-        """Torques on the crankshaft; what they do to it and to the wheels."""
+        """Apply the torques to crankshaft and wheels."""
         program, car, burning = self.program, self.vehicle, self._burning
         torque = -car.load if rpm > 300 else 0.0
         if burning:
             made = ph.indicated_torque(charge, rpm, self._burnt, program.spark.advance)
             torque += made * (1 + 0.045 * chance)
         elif rpm < 600:
-            torque -= 9.0  # compression that is not given back
+            torque -= 9.0  # lost by compression
         if rpm < 330 and not car.starter:
-            torque -= 40.0  # the flywheel no longer carries it over the compression
+            torque -= 40.0  # too slow for the flywheel to overcome the compression
         if car.starter:
             torque += max(0.0, 75.0 * (self.board.voltage / 9.5) - 0.22 * rpm)
         torque -= self.board.step(
@@ -206,7 +200,7 @@ class Plant:
         self.fuel_used += ph.fuel_flow(self._fuel, rpm) * (STEP / 3600)
 
     def _warm(self, rpm: float, charge: float) -> None:
-        """The slow things."""
+        """Advance the temperatures."""
         burnt = ph.fuel_flow(self._fuel, rpm) if self._burning else 0.0
         air = ph.air_flow(charge, rpm)
         self.heat.step(burnt, air, self.vehicle.speed, SLOW * STEP, fan=self.program.fan)

@@ -1,17 +1,72 @@
-"""What the control program takes for true: the sensors, or what stands in for a failed one."""
+"""The sensors' values as the control program reads them, or the substitutes of failed sensors.
+
+That an air meter, a temperature or a throttle sensor has a substitute, and that an engine without
+crank signal does not run, is reported of these units; the values themselves are this model's
+assumption. The program's outputs (injection, advance, valve) follow from the substitutes, and the
+parameters of the failed sensors show them.
+"""
 
 from __future__ import annotations
 
-from mikas.virtual.model import physics as ph
-from mikas.virtual.model import substitutes
-from mikas.virtual.model.substitutes import Lost
+from collections.abc import Collection
+from dataclasses import dataclass, fields
+from typing import NamedTuple
 
-IDLE_CO = 0.03125  # where somebody left the CO potentiometer
-STANDING = 40.0  # rpm; slower than this the crankshaft sensor gives nothing
+from mikas.virtual.model import physics as ph
+
+IDLE_CO = 0.03125  # position of the CO potentiometer
+STANDING = 40.0  # rpm; below it the crankshaft sensor gives no signal
+SAFE_RETARD = -6.0  # °, at high load without knock sensor
+
+
+class Substitute(NamedTuple):
+    """While one of `faults` is present, `parameters` have substitutes."""
+
+    faults: tuple[int, ...]
+    parameters: tuple[str, ...]
+
+
+TABLE = (
+    Substitute((13, 14), ("JAIR",)),  # computed from throttle and engine speed, for air of 20 °C
+    Substitute((17, 18), ("TAIR",)),  # 20 °C
+    Substitute((21, 22), ("TWAT",)),  # air at start + 0.1 °C a second, up to 80 °C; fan on
+    Substitute((23, 24), ("THR",)),  # computed from air flow and speed; 5 % without air meter
+    Substitute((25,), ("UACC",)),  # 9.5 V; the fault is the value itself: below 10 V
+    Substitute((26,), ("UACC",)),  # 18.2 V; the fault is the value itself: above 18 V
+    Substitute((31, 32), ("RCOD",)),  # 0: the CO potentiometer in its middle
+    Substitute((41,), ("DET", "RDET", "UOZOC")),  # no knock control, `SAFE_RETARD`
+    Substitute((53,), ("FREQ", "FREQX")),  # 0: no injection and no spark
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """The signals that the present faults take away, in the order of `TABLE`."""
+
+    air_meter: bool = False
+    air_temperature: bool = False
+    coolant: bool = False
+    throttle: bool = False
+    low_voltage: bool = False
+    high_voltage: bool = False
+    idle_co: bool = False
+    knock: bool = False
+    crank: bool = False
+    anything: bool = False
+
+    @classmethod
+    def by(cls, faults: Collection[int]) -> Lost:
+        """Return the signals lost by `faults`: any fault of a row loses the row's signal."""
+        present = [any(fault in faults for fault in row.faults) for row in TABLE]
+        names = (field.name for field in fields(cls))
+        return cls(**dict(zip(names, (*present, any(present)), strict=True)))
+
+
+NOTHING = Lost()
 
 
 class Signals:
-    """What the sensors would say if all were sound; the plant keeps it up to date."""
+    """The true values, as sound sensors give them; the plant updates them."""
 
     __slots__ = ("air", "coolant", "demand", "intake_air", "rpm", "throttle", "voltage")
 
@@ -19,7 +74,7 @@ class Signals:
         self.rpm = 0.0
         self.throttle = 0.0  # %
         self.air = 0.0  # kg/h through the air meter
-        self.demand = 0.0  # kg/h that the cylinders would take unthrottled
+        self.demand = 0.0  # kg/h that the cylinders take with the throttle wide open
         self.coolant = coolant
         self.intake_air = intake_air
         self.voltage = 12.6
@@ -41,7 +96,7 @@ class Sensors:
         self.idle_co = IDLE_CO
 
     def read(self, signals: Signals, valve: float, air_at_start: float, run_time: float) -> None:
-        """One step. `valve`, `air_at_start` and `run_time` serve the substitutes."""
+        """Read `signals` for one step. The other parameters serve the substitutes."""
         lost = self.lost
         self.rpm = signals.rpm if signals.rpm >= STANDING else 0.0
         self.voltage = signals.voltage
@@ -52,29 +107,36 @@ class Sensors:
         if not lost.air_meter:
             self.air += (signals.air - self.air) * 0.6
         if lost.anything:
-            self._replace(signals, valve)
+            self._substitute(signals, valve)
             if lost.coolant:
-                self.coolant = substitutes.coolant(air_at_start, run_time)
+                self.coolant = min(80.0, air_at_start + 0.1 * run_time)
 
-    def _replace(self, signals: Signals, valve: float) -> None:
+    def _substitute(self, signals: Signals, valve: float) -> None:
         lost = self.lost
         if lost.crank:
             self.rpm = 0.0
         if lost.low_voltage:
-            self.voltage = substitutes.LOW_VOLTAGE
+            self.voltage = 9.5
         if lost.high_voltage:
-            self.voltage = substitutes.HIGH_VOLTAGE
+            self.voltage = 18.2
         if lost.air_temperature:
-            self.intake_air = substitutes.AIR_TEMPERATURE
+            self.intake_air = 20.0
         if lost.idle_co:
-            self.idle_co = substitutes.IDLE_CO
+            self.idle_co = 0.0
         wanted = signals.demand if self.rpm else 0.0
-        around = valve * ph.VALVE_FLOW
-        if lost.throttle and lost.air_meter:
-            self.throttle = substitutes.THROTTLE_BLIND
-        elif lost.throttle:
-            self.throttle = substitutes.throttle(self.air, wanted, around)
+        bypass = valve * ph.VALVE_FLOW
+        if lost.throttle:
+            self.throttle = 5.0 if lost.air_meter else _throttle(self.air, wanted, bypass)
         if lost.air_meter:
-            inlet = ph.throttle_air(self.throttle) + around
+            inlet = ph.throttle_air(self.throttle) + bypass
             air = ph.manifold(inlet, wanted) * wanted if wanted else 0.0
             self.air += (air - self.air) * 0.15
+
+
+def _throttle(air: float, wanted: float, bypass: float) -> float:
+    """Return the opening in % that gives `air` of the `wanted`, with `bypass` by the idle valve."""
+    if wanted <= 0:
+        return 0.0
+    inlet = ph.inlet_for(min(0.99, air / wanted), wanted) - bypass
+    opening = ph.throttle_for(inlet - 2.0)
+    return opening if opening > 5.0 else 0.0

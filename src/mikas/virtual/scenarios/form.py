@@ -1,7 +1,7 @@
-"""The form of a scenario file: which tables and keys it has, and what each may hold.
+"""The form of a scenario file: its tables, its keys and their allowed values (docs/scenarios.md).
 
-Reads a file's tables into plain checked values; whatever does not fit is a CatalogError with file,
-line and what was expected. docs/scenarios.md describes the form to people.
+Reads a file's tables into checked values. An invalid one is a `CatalogError` with file, line and
+the expected form.
 """
 
 from __future__ import annotations
@@ -14,18 +14,16 @@ from typing import Any, TypeGuard
 
 from mikas.catalog.loading.fields import TEXT, Reader, Schema, Unfit, boolean, choice, string
 from mikas.catalog.loading.source import KeyPath, Source
-from mikas.errors import CatalogError
 from mikas.i18n import Text
 from mikas.options import nearest
 from mikas.virtual.memory import SIZES
 from mikas.virtual.scenarios.timeline import Track
 
 PASSPORTS = 8  # three of the program, five of the data; 16 bytes each (§3)
-TRACKS = ("key", "starter", "load", "throttle", "gear", "speed")
 
 
 def number(low: float, high: float, *, whole: bool = False) -> Callable[[object], float]:
-    """A number from `low` to `high`."""
+    """Return a reader of numbers from `low` to `high`."""
     kind = Text("whole number", "целое число") if whole else Text("number", "число")
 
     def read(value: object) -> float:
@@ -40,7 +38,7 @@ def number(low: float, high: float, *, whole: bool = False) -> Callable[[object]
 
 
 def track(low: float, high: float, *, smooth: bool = True) -> Reader:
-    """One number for the whole time, or points `[second, value]` in the order of time."""
+    """Return a reader of one number, or of points `[second, value]` in the order of time."""
     in_range = number(low, high, whole=not smooth)
 
     def read(value: object) -> Track:
@@ -62,7 +60,7 @@ def track(low: float, high: float, *, smooth: bool = True) -> Reader:
 
 
 def numbers(value: object) -> frozenset[int]:
-    """Fault numbers."""
+    """Return fault numbers."""
     fault = number(0, 255, whole=True)
     if isinstance(value, list):
         with suppress(Unfit):
@@ -74,7 +72,7 @@ def numbers(value: object) -> frozenset[int]:
 
 
 def passports(value: object) -> tuple[str, ...]:
-    """Up to eight texts; those that are missing are empty."""
+    """Return eight texts; missing ones are empty."""
     if isinstance(value, list) and len(value) <= PASSPORTS and all(map(_is_passport, value)):
         return (*value, *[""] * (PASSPORTS - len(value)))
     raise Unfit(
@@ -85,7 +83,7 @@ def passports(value: object) -> tuple[str, ...]:
 
 
 def hex_bytes(value: object) -> bytes:
-    """Bytes, as "7D" or "12 34"."""
+    """Return bytes, as "7D" or "12 34"."""
     try:
         data = bytes.fromhex(value) if isinstance(value, str) else b""
     except ValueError:
@@ -96,7 +94,7 @@ def hex_bytes(value: object) -> bytes:
 
 
 def pinned(value: object) -> float | bool:
-    """A physical value, or a flag."""
+    """Return a physical value or a flag."""
     if isinstance(value, bool):
         return value
     if _is_number(value):
@@ -105,7 +103,6 @@ def pinned(value: object) -> float | bool:
 
 
 def _is_number(value: object) -> TypeGuard[int | Decimal]:
-    """A finite one."""
     if isinstance(value, Decimal):
         return value.is_finite()
     return isinstance(value, int) and not isinstance(value, bool)
@@ -154,7 +151,7 @@ FORM: Schema = {
 
 
 def read_form(source: Source) -> dict[str, Any]:
-    """The file's tables with every value checked. CatalogError: something is wrong in it."""
+    """Return the file's tables, every value checked. Raises `CatalogError`."""
     form = _read_table(source, (), source.tables, FORM)
     form["memory"] = {
         space: {_address(source, space, key, data): data for key, data in cells.items()}
@@ -169,7 +166,7 @@ def _check_times(source: Source, form: dict[str, Any]) -> None:
     if duration is None:
         problem = Text(
             "has no `duration` (seconds that the timeline lasts)",
-            "нет `duration` (сколько секунд длится запись)",
+            "нет `duration` (длительность сценария в секундах)",
         )
         raise source.wrong((), problem)
     for name, points in form.get("timeline", {}).items():
@@ -218,20 +215,13 @@ def _address(source: Source, space: str, key: str, data: bytes) -> int:
         address = -1
     if 0 <= address <= SIZES[space] - len(data):
         return address
-    path = ("memory", space, key)
-    last = SIZES[space] - 1
-    raise _misplaced(source, path, last)
-
-
-def _misplaced(source: Source, path: KeyPath, last: int) -> CatalogError:
-    return source.wrong(
+    path, last = ("memory", space, key), SIZES[space] - 1
+    problem = _about(
         path,
-        _about(
-            path,
-            f"must be an address in hex, and its bytes must end by {last:X}",
-            f"нужен адрес в шестнадцатеричном виде, а байты — не дальше {last:X}",
-        ),
+        f"must be an address in hex, and its bytes must end by {last:X}",
+        f"нужен адрес в шестнадцатеричном виде, а байты — не дальше {last:X}",
     )
+    raise source.wrong(path, problem)
 
 
 def _about(path: KeyPath, en: str, ru: str) -> Text:

@@ -1,9 +1,8 @@
-"""Scenarios: what the virtual car is asked to do, as data.
+"""Scenarios as data: the car at the start, the driver's actions, and pinned values.
 
-The shipped ones are the files in `scenarios/`; a person's own file has the same form
-(docs/scenarios.md). A scenario says how the car stands at the start and what the driver does then;
-it may also pin parameters, faults, passports and memory cells, which is for whoever builds the
-virtual unit to apply: the engine model does not look at them.
+The shipped ones are the files in `scenarios/`; a user's own file has the same form
+(docs/scenarios.md). The engine model does not use the pinned parameters, faults, passports and
+memory cells; the virtual unit does.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from mikas.catalog.loading.source import Source, read_source
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.virtual.scenarios.form import read_form
-from mikas.virtual.scenarios.timeline import Inputs, ScenarioTimeline, Track
+from mikas.virtual.scenarios.timeline import ScenarioTimeline, Track
 
 DEFAULT = "warm-idle"
 ROOM = 20.0  # °C
@@ -25,7 +24,7 @@ ROOM = 20.0  # °C
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """The car at second 0. `coolant_at_start` is what it was when a running engine was started."""
+    """The car at second 0. `coolant_at_start`: °C when a running engine was started."""
 
     ambient: float = ROOM
     coolant: float = ROOM
@@ -36,7 +35,7 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """One scenario. `values`, `raw`, `faults`, `passports` and `memory` are pinned by the file."""
+    """One scenario. `values`, `raw`, `faults`, `passports` and `memory` are pinned."""
 
     name: str
     text: Text
@@ -45,44 +44,33 @@ class Scenario:
     values: Mapping[str, float | bool] = field(default_factory=dict)  # physical, by parameter
     raw: Mapping[str, bytes] = field(default_factory=dict)  # by parameter
     faults: frozenset[int] = frozenset()
-    passports: tuple[str, ...] | None = None  # eight of them
+    passports: tuple[str, ...] | None = None  # eight
     memory: Mapping[str, Mapping[int, bytes]] = field(default_factory=dict)  # space, address
 
-    @property
-    def duration(self) -> float:
-        """Seconds until the timeline holds its end or begins again."""
-        return self.timeline.duration
-
-    def at(self, time: float) -> Inputs:
-        """What the driver does at `time`, seconds since the start."""
-        return self.timeline.at(time)
-
     def ignition_on(self, time: float) -> bool:
-        """Whether the key is on: without it the unit is silent."""
+        """Return whether the key is on: without it the unit is silent."""
         return self.timeline.key_on(time)
 
     def next_ignition_change(self, after: float) -> float:
-        """When that changes next; infinity if never."""
+        """Return when `ignition_on` changes next; infinity if never."""
         return self.timeline.next_key_change(after)
 
 
 def load(path: Path) -> Scenario:
-    """The scenario in a file. CatalogError: it can't be read or is wrong."""
+    """Return the scenario in a file. Raises `CatalogError`."""
     return from_source(read_source(path))
 
 
 def from_source(source: Source) -> Scenario:
-    """The same for a text at hand."""
+    """Return the scenario in `source`. Raises `CatalogError`."""
     form = read_form(source)
     name = form.get("name") or Path(source.name).stem
     text = {"en": name, "ru": name} | form.get("text", {})
     pins: dict[str, Any] = {
-        "values": {key.upper(): value for key, value in form.get("values", {}).items()},
-        "raw": {key.upper(): value for key, value in form.get("raw", {}).items()},
+        key: form[key] for key in ("faults", "passports", "memory") if key in form
     }
-    for key in ("faults", "passports", "memory"):
-        if key in form:
-            pins[key] = form[key]
+    for key in ("values", "raw"):
+        pins[key] = {name.upper(): value for name, value in form.get(key, {}).items()}
     start = form.get("start", {})
     ambient = start.get("ambient", ROOM)
     start = {"ambient": ambient, "coolant": ambient, "coolant_at_start": ambient} | start
@@ -90,9 +78,9 @@ def from_source(source: Source) -> Scenario:
 
 
 def find(name: str) -> Scenario:
-    """A shipped scenario by its name, or else the file of that name.
+    """Return the shipped scenario `name`, or that of the file `name`.
 
-    UsageError: neither exists. CatalogError: the file is wrong.
+    Raises `UsageError` if neither exists, `CatalogError` for an invalid file.
     """
     if name in SCENARIOS:
         return SCENARIOS[name]
@@ -101,7 +89,7 @@ def find(name: str) -> Scenario:
     known = ", ".join(SCENARIOS)
     raise UsageError(
         problem=Text(
-            f"there is no scenario and no file “{name}”; scenarios: {known}",
+            f"no scenario and no file “{name}”; scenarios: {known}",
             f"нет ни сценария, ни файла «{name}»; сценарии: {known}",
         )
     )

@@ -1,7 +1,6 @@
-"""What the driver does over time, as points between which nothing or a straight line happens.
+"""The driver's actions over time: points, with steps or straight lines between them.
 
-A scenario's timeline runs once to its end and then either holds its last values for ever or begins
-again. Everything here is a pure function of the time, so it does not matter who asks how often.
+At its end a timeline holds its last values or begins again. All functions of the time are pure.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ class Track:
     smooth: bool = True
 
     def at(self, time: float) -> float:
-        """The value at `time`; before the first point and after the last one the nearest one's."""
+        """Return the value at `time`; outside the points that of the nearest."""
         index = bisect_right(self.times, time) if len(self.times) > 1 else 1
         if index == 0:
             return self.values[0]
@@ -36,20 +35,20 @@ class Track:
 
 
 class Inputs(NamedTuple):
-    """What the driver does at one moment. None: left to the driver of the model."""
+    """The driver's actions at one moment. None: chosen by the model's driver."""
 
     key: bool
     starter: bool
     throttle: float | None  # %
     gear: int | None  # 0: neutral
-    speed: float | None  # km/h that the driver aims at, or that the rolling road holds
-    soon: float  # the same a second later
-    load: float  # Nm taken off the crankshaft
+    speed: float | None  # km/h: the driver's goal, or that of the rolling road
+    soon: float  # `speed` a second later
+    load: float  # Nm taken from the crankshaft
 
 
 @dataclass(frozen=True, slots=True)
 class ScenarioTimeline:
-    """All inputs over `duration` seconds and, if `loops`, from `loop_from` on again and again."""
+    """All inputs over `duration` seconds; if `loops`, repeated from `loop_from` on."""
 
     duration: float
     loops: bool
@@ -62,7 +61,7 @@ class ScenarioTimeline:
     speed: Track | None = None
 
     def place(self, time: float) -> float:
-        """Where in the timeline `time` is; `SLACK` ahead, so that rounding misses no point."""
+        """Return the timeline's second at `time`, plus `SLACK`: rounding must miss no point."""
         time += SLACK
         if time < self.duration:
             return max(0.0, time)
@@ -71,7 +70,7 @@ class ScenarioTimeline:
         return self.loop_from + (time - self.duration) % self._lap
 
     def at(self, time: float) -> Inputs:
-        """The inputs at `time`, seconds since the start."""
+        """Return the inputs at `time`, seconds since the start."""
         place = self.place(time)
         throttle, gear, speed = self.throttle, self.gear, self.speed
         return Inputs(
@@ -85,11 +84,11 @@ class ScenarioTimeline:
         )
 
     def key_on(self, time: float) -> bool:
-        """Whether the ignition is on."""
+        """Return whether the ignition is on."""
         return self.key.at(self.place(time)) >= 0.5
 
     def next_key_change(self, after: float) -> float:
-        """When the ignition goes on or off next; infinity if never."""
+        """Return when the ignition is switched next; infinity if never."""
         now = self.key_on(after)
         for begin, offset in self._laps(after):
             for point in (begin, *self.key.times):
@@ -99,7 +98,7 @@ class ScenarioTimeline:
         return inf
 
     def _laps(self, after: float) -> Iterator[tuple[float, float]]:
-        """The laps from `after` on: where each begins, and what turns its places into times."""
+        """Yield the laps from `after` on: the second each begins at, and its offset in time."""
         yield 0.0, 0.0
         if self.loops:
             first = max(0, int((after - self.duration) / self._lap) - 1)

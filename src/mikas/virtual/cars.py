@@ -1,27 +1,76 @@
-"""A car with an engine in it: the model's physical values as the unit's raw data (§4).
-
-Values pinned by a scenario and written values (62) replace the engine's. A stored fault is also
-present: its sensor gives the substitute value until the faults are erased.
-"""
+"""Sources of a unit's data: a constant table, or the engine model as raw data (§4)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from math import ceil, inf
 
 from mikas.catalog import Catalog, Conversion, Parameter
 from mikas.errors import ValueDoesNotFit
 from mikas.i18n import Text
 from mikas.virtual.model.engine import FIELDS, Engine, EngineState
 
+
+class TableCar:
+    """Data from a table, raw bytes by parameter code; `rpm` only paces streams by strokes (D15)."""
+
+    def __init__(
+        self, data: Mapping[int, bytes], *, faults: Iterable[int] = (), rpm: float = 0.0
+    ) -> None:
+        self.codes = tuple(data)
+        self.faults = list(faults)
+        self.rpm = rpm
+        self.on = True
+        self._data = dict(data)
+        self._untouched = dict(data)
+
+    def size_of(self, code: int) -> int | None:
+        """Return the size of the datum in bytes, or None."""
+        return len(self._data[code]) if code in self._data else None
+
+    def raw(self, code: int, now: float) -> bytes:  # noqa: ARG002  (constant)
+        """Return the datum."""
+        return self._data[code]
+
+    def write(self, code: int, data: bytes) -> bool:
+        """Write any parameter."""
+        self._data[code] = data
+        return True
+
+    def powered(self, now: float) -> bool:  # noqa: ARG002  (constant)
+        """Return `on`."""
+        return self.on
+
+    def next_change(self, after: float) -> float:  # noqa: ARG002  (constant)
+        """Return infinity: the supply does not change by itself."""
+        return inf
+
+    def next_stroke(self, stroke: int, after: float) -> float:
+        """Return the next stroke of cycles of two turns that began at time 0."""
+        if self.rpm <= 0:
+            return inf
+        cycle = 120 / self.rpm
+        offset = max(0, stroke - 1) * cycle / 4
+        count = ceil((after - offset) / cycle)
+        time = count * cycle + offset
+        # The quotient of two floats may round to the previous stroke.
+        return time if time >= after else (count + 1) * cycle + offset
+
+    def power_cycle(self) -> None:
+        """Forget written data."""
+        self._data = dict(self._untouched)
+
+
 MINERR = "MINERR"
 Encoder = Callable[[EngineState], bytes]
 
 
 class EngineCar:
-    """Data from `engine`, which began to run at `start` of the owner's clock.
+    """Data from `engine`, which began to run at `start` of the caller's clock.
 
-    `codes`: those of the catalog that the model has a value for. `faults` is the list that the unit
-    tells, in its order; changing it is noticed.
+    Values pinned by a scenario and written values (62) replace the engine's. `codes`: those of the
+    catalog that the model computes. `faults`: the stored faults in the unit's order, may be changed
+    at any time. A stored fault is also present: its sensor gives the substitute until it is erased.
     """
 
     def __init__(
@@ -34,13 +83,13 @@ class EngineCar:
     ) -> None:
         self.engine = engine
         self.faults = list(dict.fromkeys([*sorted(engine.scenario.faults), *faults]))
-        self._told: list[int] = []  # the faults that the engine knows of
+        self._applied: list[int] = []  # the faults that the engine has
         self._start = start
         self._pinned = pinned(catalog, engine.scenario.raw, engine.scenario.values)
         self._written: dict[int, bytes] = {}
-        made = {code: self._from_engine(catalog.by_code(code)) for code, _ in catalog.codes}
-        self._made = {code: datum for code, datum in made.items() if datum}
-        self._sizes = {code: size for code, size in catalog.codes if code in self._made}
+        encoders = {code: self._from_engine(catalog.by_code(code)) for code, _ in catalog.codes}
+        self._encoders = {code: encoder for code, encoder in encoders.items() if encoder}
+        self._sizes = {code: size for code, size in catalog.codes if code in self._encoders}
         self._sizes |= {code: len(datum) for code, datum in self._pinned.items()}
         self.codes = tuple(self._sizes)
 
@@ -60,19 +109,19 @@ class EngineCar:
         return _encoder(first.conversion, FIELDS[first.name])
 
     def size_of(self, code: int) -> int | None:
-        """Bytes of the datum; None: this car has no such parameter."""
+        """Return the size of the datum in bytes; None: this car has no such parameter."""
         return self._sizes.get(code)
 
     def raw(self, code: int, now: float) -> bytes:
-        """The datum at `now`."""
+        """Return the datum at `now`."""
         fixed = self._written.get(code) or self._pinned.get(code)
         if fixed is not None:
             return fixed
-        if self._told != self.faults:
-            self._told = list(self.faults)
+        if self._applied != self.faults:
+            self._applied = list(self.faults)
             self.engine.faults = set(self.faults)
         self.engine.advance(now - self._start)
-        return self._made[code](self.engine.state)
+        return self._encoders[code](self.engine.state)
 
     def write(self, code: int, data: bytes) -> bool:
         """Keep `data` until the next power cycle."""
@@ -80,7 +129,7 @@ class EngineCar:
         return True
 
     def powered(self, now: float) -> bool:
-        """Whether the ignition is on."""
+        """Return whether the ignition is on."""
         return self.engine.scenario.ignition_on(now - self._start)
 
     def next_change(self, after: float) -> float:
@@ -89,7 +138,7 @@ class EngineCar:
         return self._start + self.engine.scenario.next_ignition_change(since)
 
     def next_stroke(self, stroke: int, after: float) -> float:
-        """When the engine next reaches this stroke."""
+        """Return when the engine next reaches this stroke."""
         return self._start + self.engine.next_cycle_time(stroke, after - self._start)
 
     def power_cycle(self) -> None:
@@ -114,9 +163,9 @@ def _encoder(conversion: Conversion, name: str) -> Encoder:
 def pinned(
     catalog: Catalog, raw: Mapping[str, bytes], values: Mapping[str, float | bool]
 ) -> dict[int, bytes]:
-    """Return the pinned data of a scenario by code: raw ones as they are, physical ones encoded.
+    """Return the pinned data of a scenario by code: `raw` data, and encoded physical `values`.
 
-    Flags that share a byte are put together. Raises `UnknownParameter`, `ValueDoesNotFit`.
+    Flags that share a byte are combined. Raises `UnknownParameter`, `ValueDoesNotFit`.
     """
     data = {}
     for name, datum in raw.items():
