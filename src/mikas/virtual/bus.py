@@ -148,6 +148,7 @@ class Bus:
         self.bytes_carried = 0
         self._tester = _Transmitter(self.byte_time)
         self._unit = _Transmitter(self.byte_time)
+        self._break_end = -inf
         self._at = -inf  # time of the latest event
         self._next = self._next_on_wire()  # cached: read several times a byte
 
@@ -163,12 +164,14 @@ class Bus:
         self.advance(now)
         if not self.adapter.kind.supplied:
             return
+        # A break within a longer one ends with that.
+        end = self._break_end = max(now + seconds, self._break_end)
         for transmitter in (self._tester, self._unit):
-            transmitter.clear(now + seconds)
-        self.ecu.receive_break(now + seconds)
+            transmitter.clear(end)
+        self.ecu.receive_break(end)
         self._next = self._next_on_wire()
         if self.adapter.kind.echo:
-            self.adapter.receive(0x00, now + seconds)
+            self.adapter.receive(0x00, end)
 
     def advance(self, now: float) -> None:
         """Run the wire up to `now`."""
