@@ -19,8 +19,8 @@ from mikas.errors import (
     ValueDoesNotFit,
     WriteRefused,
 )
-from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.cars import TableCar
+from mikas.virtual.fault_injector import LineFault
 from virtual_harness import DATA, FAULTS
 
 

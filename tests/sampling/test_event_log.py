@@ -8,8 +8,8 @@ from sampling_harness import SimulatedPlug, ecu_factory, take
 
 from mikas.catalog import shipped
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.gaps import EventLogger
 from mikas.sampling.events import MethodChosen, ParameterDropped, Sampled
+from mikas.sampling.gaps import EventLogger
 from virtual_harness import make_bus
 
 

@@ -25,12 +25,11 @@ from mikas.recording.capture.reader import CaptureReader, Problem
 from mikas.recording.capture.writer import CaptureWriter
 from mikas.recording.table.reader import TableReader
 from mikas.tester.exchange import TimedDecoder
-from mikas.virtual.bus import AdapterKind
-from mikas.virtual.bus import Bus
+from mikas.virtual.bus import AdapterKind, Bus
+from mikas.virtual.cars import TableCar
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.responder import Identity, Responder
-from mikas.virtual.cars import TableCar
 
 CATALOG = shipped()
 NAMES = [p.name for p in CATALOG.parameters]
