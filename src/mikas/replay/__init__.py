@@ -1,4 +1,4 @@
-"""A recording as a port: a virtual ECU that answers as the recorded one did."""
+"""A recording as a port: a virtual ECU that answers like the recorded one."""
 
 from mikas.replay.build import load
 from mikas.replay.car import ReplayCar

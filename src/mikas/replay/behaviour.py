@@ -1,8 +1,8 @@
-"""The behaviour of a recorded ECU: which commands it lacks, its longest list, its delays.
+"""The behaviour of a recorded ECU: the commands it lacks, its longest list, its delays.
 
-Takes the outcome of each request; `conclude` makes the settings of a virtual ECU that behaves in
-the same way (D3, D7, D10, D11, D14). Requests during a loss of supply do not count, nor does a
-single lost response to a command that the ECU has answered at other times.
+The outcomes of all requests become the settings of a virtual ECU that behaves in the same way (D3,
+D7, D10, D11, D14). Requests during a loss of supply do not count, nor does a single lost response
+to a command that the ECU answered at other times.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from mikas import commands as c
 from mikas.commands.base import ERROR
 from mikas.virtual.quirks import EcuQuirks, LongList, Unknown
 
-ENOUGH: Final = 2  # a unit that does not take a request fails it each time
+_MIN_FAILURES: Final = 2  # of longer requests; fewer may be lost responses
 _MOST_DELAYS: Final = 1000
-_LONGEST_TURN: Final = 1.0  # s
+_MAX_DELAY: Final = 1.0  # s
 
 _LISTS: Final = frozenset(
     [0x61, 0x64, *c.StreamCyclic.CODES, *c.StreamAtStroke.CODES]
-)  # each with one code behind another
+)  # their size is the number of codes
 _BLOCKS: Final = frozenset([0x21, 0x23, 0x25])  # the count is the last byte
 
 
@@ -38,7 +38,7 @@ class EcuBehaviour:
         self._gaps: list[float] = []
 
     def answered(self, request: bytes, delay: float | None) -> None:
-        """Note that `request` was answered, `delay` seconds after its end, if known."""
+        """Note a response to `request`, `delay` seconds after its end, if known."""
         code = request[0]
         size = _size(request)
         if size >= self._answered.get(code, 0):
@@ -52,22 +52,22 @@ class EcuBehaviour:
         return frozenset(self._answered)
 
     def is_known(self, request: bytes) -> bool:
-        """Return whether one more response to `request` brings no news."""
+        """Return whether one more response to `request` would change nothing."""
         longest = self._answered.get(request[0], -1)
         return _size(request) <= longest and len(self._delays) >= _MOST_DELAYS
 
     @property
     def knows_gaps(self) -> bool:
-        """Whether one more response of a stream brings no news."""
+        """Whether one more response of a stream would change nothing."""
         return len(self._gaps) >= _MOST_DELAYS
 
     def streamed(self, gap: float) -> None:
-        """Note that a stream continued, `gap` seconds after the end of its last response."""
+        """Note one more response of a stream, `gap` seconds after the end of the last one."""
         if len(self._gaps) < _MOST_DELAYS:
             self._gaps.append(gap)
 
     def failed(self, time: float, request: bytes, response: bytes | None) -> None:
-        """Note that `request` got no response, or `response`, a refusal or too short."""
+        """Note that `request` got no response, or a refusal or too short `response`."""
         self._failed.append((time, request, response))
 
     def conclude(
@@ -75,20 +75,20 @@ class EcuBehaviour:
     ) -> tuple[EcuQuirks, dict[int, bytes | None]]:
         """Return the ECU's quirks, and its response to each command code that it lacks.
 
-        `known`: the parameter codes that it has; a list with another one in it is refused for that.
+        `known`: its parameter codes; failed lists with other codes do not count.
         """
         failed = [
             (request, response)
             for time, request, response in self._failed
             if request and has_supply(time) and _asks_known(request, known)
         ]
-        saying: dict[int, Counter[bytes | None]] = {}
+        responses_of: dict[int, Counter[bytes | None]] = {}
         for request, response in failed:
             if request[0] not in self._answered and response in (None, ERROR):
-                saying.setdefault(request[0], Counter())[response] += 1
-        refusals = {code: said.most_common(1)[0][0] for code, said in saying.items()}
-        refusals.pop(c.Availability.CODES[0], None)  # else there is nothing to talk to
-        tried = [(request, said) for request, said in failed if request[0] in self._answered]
+                responses_of.setdefault(request[0], Counter())[response] += 1
+        refusals = {code: each.most_common(1)[0][0] for code, each in responses_of.items()}
+        refusals.pop(c.Availability.CODES[0], None)  # without it, no session is possible
+        tried = [(request, it) for request, it in failed if request[0] in self._answered]
         max_list, short = self._limit(_LISTS, tried)
         quirks = EcuQuirks(
             turn_round=_typical(self._delays, EcuQuirks().turn_round),
@@ -106,8 +106,8 @@ class EcuBehaviour:
     def _limit(
         self, codes: Collection[int], tried: list[tuple[bytes, bytes | None]]
     ) -> tuple[int, bool]:
-        """Return the longest list or block that was answered, if longer ones were not; and whether
-        the responses to those were too short.
+        """Return the longest answered list or block, if longer ones failed, and whether a response
+        to these was too short.
         """
         longest = max((size for code, size in self._answered.items() if code in codes), default=0)
         over = [
@@ -115,17 +115,17 @@ class EcuBehaviour:
             for request, response in tried
             if request[0] in codes and _size(request) > longest
         ]
-        if not longest or len(over) < ENOUGH:
+        if not longest or len(over) < _MIN_FAILURES:
             return 255, False
         return longest, any(response not in (None, ERROR) for response in over)
 
     def _unknown(self) -> Unknown:
-        said = Counter(response == ERROR for _, _, response in self._failed)
-        return Unknown.ERROR if said[True] > said[False] else Unknown.SILENT
+        errors = sum(response == ERROR for _, _, response in self._failed)
+        return Unknown.ERROR if 2 * errors > len(self._failed) else Unknown.SILENT
 
 
 def _typical(seconds: list[float], default: float) -> float:
-    return round(min(max(median(seconds), 0.0), _LONGEST_TURN), 6) if seconds else default
+    return round(min(max(median(seconds), 0.0), _MAX_DELAY), 6) if seconds else default
 
 
 def _size(request: bytes) -> int:

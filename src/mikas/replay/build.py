@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 from mikas import commands as c
 from mikas.catalog import Catalog, shipped
@@ -29,6 +29,7 @@ from mikas.replay.model import ReplayData
 from mikas.replay.outages import AFTER, Outages, Timeline
 
 if TYPE_CHECKING:
+    from mikas.recording.exchanges.columnar import ExchangeColumns
     from mikas.replay.routine import Routine
 
 # An `01` to these can only be a refusal (D10); as a cell or a fault it would be invented.
@@ -169,7 +170,7 @@ class _Stretch:
         if not isinstance(responses.bodies, bytes):  # arrays
             from mikas.replay.routine import Routine
 
-            routine = Routine(self._builder, self._port, self._exchanges)
+            routine = Routine(self._builder, self._port, cast("ExchangeColumns", self._exchanges))
         row = first = 0
         rows: list[_Row] = []
         while row < len(responses.times):

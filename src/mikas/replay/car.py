@@ -1,7 +1,7 @@
-"""The recorded car of a virtual ECU: its data are those that were recorded last.
+"""The recorded car of a virtual ECU.
 
-Between two recorded data the earlier one holds; before the first, the first. The ECU is silent
-where the recording shows a loss of supply or has a hole, and behind its end; it refuses a parameter
+A datum holds until the next recorded one; before the first, the first holds. The ECU is silent
+where the recording shows a loss of supply or has a hole, and after its end; it refuses a parameter
 where the recorded one did. Nothing is invented: a parameter, a passport or a memory space that was
 never read is not answered, and a write is accepted only if the recorded ECU accepted one to the
 same parameter.
@@ -27,7 +27,7 @@ _ROUNDING: Final = 0.0001  # s
 
 @dataclass(frozen=True, slots=True)
 class _Playing:
-    """The recording is at second `position` when the owner's clock is at `now`, at this speed."""
+    """The recording is at second `position` at `now` of the owner's clock, and plays at `speed`."""
 
     now: float
     position: float
@@ -37,9 +37,8 @@ class _Playing:
 class ReplayCar:
     """Data from a recording; implements `mikas.virtual.responder.Car`.
 
-    At `start` of the owner's clock the recording is at second `seek`; None: when the first byte of
-    a request is heard, so that it waits for its tester. `speed`: of the car, never of the wire; 0
-    holds it. `loop`: begin again at the end, instead of silence.
+    At `start` of the owner's clock the recording is at second `seek`; None: it waits for the first
+    byte of a request. `speed`: of the car, not of the wire; 0 holds it. `loop`: restart at the end.
     """
 
     def __init__(
@@ -62,14 +61,14 @@ class ReplayCar:
         self._playing = _Playing(self._now, seek, 0.0 if self._waiting else speed)
         self._written: dict[int, bytes] = {}
         self._faults: list[int] = []
-        self._shown_faults: int | None = None  # which recorded list of faults `_faults` was
+        self._faults_index: int | None = None  # of the recorded list that `_faults` was
         self._stroke_at: dict[int, float] = {}
         edges = {
             edge for quiet in (recorded.silences, recorded.holes) for it in quiet for edge in it
         }
         self._edges = sorted({*edges, recorded.duration} - {0.0})
 
-    # Playing
+    # Position
 
     @property
     def duration(self) -> float:
@@ -77,7 +76,7 @@ class ReplayCar:
         return self.recorded.duration
 
     def position(self, now: float | None = None) -> float:
-        """Return the second of the recording at `now`; by default at the latest time known here."""
+        """Return the second of the recording at `now`; by default at the latest known time."""
         return self._in_lap(self._unrolled(self._now if now is None else now))
 
     def seek(self, seconds: float, now: float | None = None) -> None:
@@ -87,7 +86,7 @@ class ReplayCar:
         self._stroke_at.clear()
 
     def set_speed(self, speed: float, now: float | None = None) -> None:
-        """Continue from here at this speed; 0 holds the car as it is."""
+        """Continue at this speed; 0 holds the car."""
         if not 0 <= speed < inf:
             raise ValueError("the speed is 0 or more")
         now = self._now if now is None else now
@@ -96,7 +95,7 @@ class ReplayCar:
             self._playing = _Playing(now, self._unrolled(now), speed)
 
     def _unrolled(self, now: float) -> float:
-        """Return the position, counted through all laps."""
+        """Return the position, all laps included."""
         playing = self._playing
         return playing.position + (now - playing.now) * playing.speed
 
@@ -116,15 +115,15 @@ class ReplayCar:
         """Set the time of the owner's clock."""
         self._now = now
 
-    # What the unit asks
+    # For the responder
 
     @property
     def faults(self) -> list[int]:
-        """The faults as read last; an erasure holds until they were read again."""
+        """The last recorded faults; an erasure holds until the next recorded list."""
         faults = self.recorded.faults
         index = faults.index(self.position())
-        if faults.values and index != self._shown_faults:
-            self._shown_faults = index
+        if faults.values and index != self._faults_index:
+            self._faults_index = index
             self._faults = list(faults.values[index])
         return self._faults
 
@@ -144,7 +143,7 @@ class ReplayCar:
         )
 
     def size_of(self, code: int) -> int | None:
-        """Return the bytes of the datum; None: it was never recorded, or is refused now."""
+        """Return the bytes of the datum; None: never recorded, or refused at this position."""
         return self.recorded.size_of(code, self.position())
 
     def raw(self, code: int, now: float) -> bytes:
@@ -173,7 +172,7 @@ class ReplayCar:
         return True
 
     def powered(self, now: float) -> bool:
-        """Return whether the recorded ECU had its supply and was listened to."""
+        """Return whether the recorded ECU had its supply, and the line was recorded."""
         if self._waiting:
             self._waiting = False
             byte_time = BITS_PER_BYTE / self.recorded.baud
@@ -181,7 +180,7 @@ class ReplayCar:
         self._now = now
         if self.is_over(now):
             return False
-        return self.recorded.was_heard(self._in_lap(self._unrolled(now)))
+        return self.recorded.is_audible(self._in_lap(self._unrolled(now)))
 
     def is_over(self, now: float) -> bool:
         """Return whether the recording has been played to its end at `now`."""

@@ -1,7 +1,7 @@
 """The content of a recording that can be replayed, by time: a datum is found by bisection.
 
-Bodies are kept as they came, those with the same parameters in one series: ten hours at the full
-rate of a stream are 1.3 million responses, here 35 bytes each.
+Bodies are kept unconverted, those with the same parameters in one series: ten hours at the full
+rate of a stream are 1.3 million responses of 35 bytes each.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ T = TypeVar("T")
 
 
 class Latest(Generic[T]):
-    """A value that changes now and then."""
+    """A value that changes seldom, with the times of its changes."""
 
     def __init__(self) -> None:
         self.times = array("d")
         self.values: list[T] = []
 
     def add(self, time: float, value: T) -> None:
-        """Add the value at `time`; an unchanged one is not kept."""
+        """Add the value at `time` if it is another than the last."""
         if not self.values or self.values[-1] != value:
             self.times.append(time)
             self.values.append(value)
 
     def index(self, time: float) -> int:
-        """Return which of `values` held at `time`; before the first one, that one."""
+        """Return the index of the value at `time`; before the first, of the first."""
         return max(0, bisect_right(self.times, time) - 1)
 
     def at(self, time: float) -> T | None:
@@ -74,7 +74,7 @@ class Series:
 
 @dataclass(frozen=True, slots=True)
 class Cells:
-    """Memory cells, read or written at a time."""
+    """Memory cells that were read or written at `time`."""
 
     time: float
     space: str
@@ -86,11 +86,11 @@ class Cells:
 class ReplayData:
     """The content of a recording.
 
-    `places`: by parameter code, where its data are: series, place in the body, size. `silences`:
-    when the ECU had no supply, in order. `refusals`: its responses to commands that it lacks, or
-    that were not recorded. `others`: responses to commands that §3 does not have. `answered`:
-    commands that were answered at least once. `holes`: when the line was not recorded, in order.
-    `refused`: by parameter code, from when to when the ECU refused it.
+    `places`: by parameter code, its data: series, place in the body, size. `others`: responses to
+    commands not in §3. `silences`: when the ECU had no supply, in order; `holes`: when the line was
+    not recorded, in order. `refused`: by parameter code, whether the ECU refused it. `refusals`:
+    responses to commands that the ECU lacks, or that were not recorded. `answered`: commands that
+    were answered at least once.
     """
 
     begin: float = 0.0
@@ -121,7 +121,7 @@ class ReplayData:
         """Return whether the ECU had its supply at `time`."""
         return not _within(self.silences, time)
 
-    def was_heard(self, time: float) -> bool:
+    def is_audible(self, time: float) -> bool:
         """Return whether the ECU had its supply at `time`, and the line was recorded."""
         return not (_within(self.silences, time) or _within(self.holes, time))
 
@@ -134,9 +134,7 @@ class ReplayData:
 
     def knows(self, command: type[c.Command[Any]]) -> bool | None:
         """Return whether the recorded ECU knew a command; None: it was not asked."""
-        codes = c.ReadProgramPassport.CODES + c.ReadDataPassport.CODES
-        passports = dict(zip(codes, self.passports, strict=True))
-        noted = (code for code, passport in passports.items() if passport.values)
+        noted = (code for code, passport in self._passports() if passport.values)
         if self.answered.union(noted).intersection(command.CODES):
             return True
         return False if self.quirks.missing.intersection(command.CODES) else None
@@ -152,10 +150,11 @@ class ReplayData:
             space = getattr(command, "SPACE", None)
             if not recorded.get(command, True) or (space is not None and space not in spaces):
                 yield from command.CODES
+        yield from (code for code, passport in self._passports() if not passport.values)
+
+    def _passports(self) -> Iterator[tuple[int, Latest[str]]]:
         codes = c.ReadProgramPassport.CODES + c.ReadDataPassport.CODES
-        for code, passport in zip(codes, self.passports, strict=True):
-            if not passport.values:
-                yield code
+        return zip(codes, self.passports, strict=True)
 
 
 def _within(stretches: list[tuple[float, float]], time: float) -> bool:

@@ -1,9 +1,9 @@
-"""`replay:`: a recording as a port, on which a virtual ECU answers as the recorded one did.
+"""`replay:`: a recording as a port, on which a virtual ECU answers like the recorded one.
 
-The ECU is on the usual virtual wire: 9600 baud, an echo if the recorded adapter gave one, line
-faults on request. Only the car has a time of its own: it can be scaled, and moved while it runs. A
-client waits for an ECU that falls silent, but not for a recording that has ended: at the end the
-port raises `RecordingOver`. After a `seek` it continues.
+The ECU is on the usual virtual wire: 9600 baud, an echo if the recorded adapter had one, line
+faults on request. Only the car has its own time, which can be scaled and moved while it runs. A
+client waits for a silent ECU, but not for an ended recording: at the end the port raises
+`RecordingOver`. After a `seek` it continues.
 """
 
 from __future__ import annotations
@@ -99,14 +99,14 @@ def open_replay(url: str, options: dict[str, str]) -> Link:
 
 
 def playing(link: Link) -> ReplayCar | None:
-    """Return the recording that is played on `link`, to seek in it; None: another kind of link."""
+    """Return the recording on `link`, to seek in it; None: another kind of link."""
     while isinstance(link, CaptureTee):
         link = link.link
     return car_on(getattr(link, "bus", None))
 
 
 def car_on(bus: object) -> ReplayCar | None:
-    """Return the recording that is played on `bus`; None: another kind of bus."""
+    """Return the recording on `bus`; None: another kind of bus."""
     responder = getattr(getattr(bus, "ecu", None), "responder", None)
     car = getattr(responder, "car", None)
     return car if isinstance(car, ReplayCar) else None

@@ -9,14 +9,14 @@ from mikas.virtual.responder import Answer, Responder
 
 
 class ReplayMemory(EcuMemory):
-    """Cells as read or written last; unrecorded ones hold the usual pattern."""
+    """The last recorded or written cells; unrecorded ones hold the default pattern."""
 
     def __init__(self, car: ReplayCar) -> None:
         self._car = car
         self._applied = 0
         self._until = 0.0
         contents: dict[str, dict[int, bytes]] = {}
-        for cells in reversed(car.recorded.cells):  # the first one that was recorded stays
+        for cells in reversed(car.recorded.cells):  # the first recorded one wins
             space = contents.setdefault(cells.space, {})
             for address, value in enumerate(cells.data, cells.address):
                 space[address] = bytes([value])
@@ -28,7 +28,7 @@ class ReplayMemory(EcuMemory):
         return super().read(space, address, count)
 
     def write(self, space: str, address: int, data: bytes) -> None:
-        """Write cells; a value stays until another one was recorded."""
+        """Write cells; a value holds until the next recorded one."""
         self._follow()
         super().write(space, address, data)
 
@@ -41,8 +41,7 @@ class ReplayMemory(EcuMemory):
         position = self._car.position()
         recorded = self._car.recorded.cells
         if position < self._until:
-            super().power_cycle()
-            self._applied = 0
+            self.power_cycle()
         self._until = position
         while self._applied < len(recorded) and recorded[self._applied].time <= position:
             cells = recorded[self._applied]
@@ -51,7 +50,7 @@ class ReplayMemory(EcuMemory):
 
 
 class ReplayResponder(Responder):
-    """Answers as the recorded ECU did, refusals included."""
+    """Answers like the recorded ECU, refusals included."""
 
     def __init__(self, car: ReplayCar) -> None:
         recorded = car.recorded
@@ -60,7 +59,7 @@ class ReplayResponder(Responder):
         self._silences_past = 0
 
     def power_cycle(self) -> None:
-        """Forget written data, but only after a loss of supply, not after a hole."""
+        """Drop written data, but only after a loss of supply, not after a hole."""
         past = self._replayed.silences_past()
         if past != self._silences_past:
             self._silences_past = past
@@ -70,7 +69,7 @@ class ReplayResponder(Responder):
         """Return the recorded response, else that of a virtual ECU."""
         car = self._replayed
         car.look(now)
-        # The ECU may have lost its supply since the last request, or a seek went past such a loss.
+        # The ECU may have lost its supply since the last request, also by a seek.
         self.power_cycle()
         recorded = car.recorded
         if body and body[0] in recorded.refusals:

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from mikas import commands as c
-from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, joined
+from mikas.recording.exchanges.arrays import Floats, Index, Mask, joined
 from mikas.recording.exchanges.layouts import STREAMS
 from mikas.recording.exchanges.refusals import is_lone, is_twice
-from mikas.recording.exchanges.result import Exchanges
 from mikas.replay.contents import ROUNDING, RecordedPort, Request
 from mikas.replay.model import Series
 
 if TYPE_CHECKING:
+    from mikas.recording.exchanges.columnar import ExchangeColumns
     from mikas.replay.build import ReplayBuilder
 
 _MIN_RUN: Final = 16  # exchanges
@@ -29,18 +29,15 @@ _RETRY_AFTER: Final = 64  # rows after an attempt that found no run
 class Routine:
     """The routine exchanges of one stretch."""
 
-    def __init__(self, builder: ReplayBuilder, port: RecordedPort, exchanges: Exchanges) -> None:
+    def __init__(
+        self, builder: ReplayBuilder, port: RecordedPort, exchanges: ExchangeColumns
+    ) -> None:
         self._builder = builder
         self._port = port
         self._exchanges = exchanges
-        responses = exchanges.responses
-        self._numbers: Index = np.asarray(responses.numbers)
-        self._serials: Index = np.asarray(responses.requests)
-        self._starts: Index = np.asarray(responses.starts)
-        self._lengths: Index = np.asarray(responses.lengths)
-        self._bodies: Bytes = np.asarray(responses.bodies)
-        self._usual: Mask = self._serials == np.asarray(responses.after)
-        self._usual &= ~np.isin(self._serials, np.asarray(exchanges.damaged))
+        self._responses = responses = exchanges.responses
+        self._usual: Mask = responses.requests == responses.after
+        self._usual &= ~np.isin(responses.requests, np.asarray(exchanges.damaged))
         self._next_attempt = 0
 
     def take(self, row: int) -> int:
@@ -56,10 +53,10 @@ class Routine:
             return 0
         rows = np.arange(row, row + count)
         if request.body[0] in STREAMS:
-            times = np.asarray(self._exchanges.responses.times)[rows] - ROUNDING
+            times = self._responses.times[rows] - ROUNDING
         else:
-            sent = self._serials[rows] - self._exchanges.requests.first
-            times = np.asarray(self._exchanges.requests.times)[sent]
+            requests = self._exchanges.requests
+            times = requests.times[self._responses.requests[rows] - requests.first]
         times = times + self._builder.timeline.shift
         self._keep(rows, times, series)
         self._builder.data.frames += count
@@ -67,7 +64,8 @@ class Routine:
 
     def _fitting(self, row: int, request: Request) -> tuple[Mask, dict[int, Series]]:
         """Return which rows from `row` on are routine, and the series by the request's number."""
-        numbers, serials = self._numbers[row:], self._serials[row:]
+        responses = self._responses
+        numbers, serials = responses.numbers[row:], responses.requests[row:]
         streamed = request.body[0] in STREAMS
         expected = request.serial + (0 if streamed else 1 + np.arange(serials.size))
         fits: Mask = self._usual[row:] & (serials == expected)
@@ -77,12 +75,12 @@ class Routine:
             body = self._exchanges.bodies[number] if number >= 0 else b""
             if body and (body[0] in STREAMS) == streamed and (series := self._series_of(body)):
                 found[number], sizes[number] = series, series.layout.length
-        fits &= sizes[numbers] == self._lengths[row:]
+        fits &= sizes[numbers] == responses.lengths[row:]
         for number, series in found.items():
             for begin, size in self._port.resolver.followed(series.layout):
                 if size == 1:
                     mine = (fits & (numbers == number)).nonzero()[0]
-                    fits[mine] = self._bodies[self._starts[row:][mine] + begin] != 1
+                    fits[mine] = responses.bodies[responses.starts[row:][mine] + begin] != 1
         return fits, found
 
     def _series_of(self, body: bytes) -> Series | None:
@@ -99,19 +97,20 @@ class Routine:
         return series if known and builder.contents.is_routine(series, self._port) else None
 
     def _keep(self, rows: Index, times: Floats, series: dict[int, Series]) -> None:
-        chosen_by: dict[int, tuple[Series, list[int]]] = {}
+        responses = self._responses
+        numbers_of: dict[Series, list[int]] = {}
         for number, each in series.items():
-            chosen_by.setdefault(id(each), (each, []))[1].append(number)
+            numbers_of.setdefault(each, []).append(number)
         latest: list[tuple[int, Series]] = []
-        for each, numbers in chosen_by.values():
-            chosen = np.isin(self._numbers[rows], numbers).nonzero()[0]
+        for each, numbers in numbers_of.items():
+            chosen = np.isin(responses.numbers[rows], numbers).nonzero()[0]
             if chosen.size:
                 mine = rows[chosen]
-                bodies = joined(self._bodies, self._starts[mine], self._lengths[mine])
+                bodies = joined(responses.bodies, responses.starts[mine], responses.lengths[mine])
                 rising = np.maximum.accumulate(np.maximum(times[chosen], each.latest))
                 each.extend(rising.tobytes(), bodies.tobytes())
                 latest.append((int(mine[-1]), each))
         for row, each in sorted(latest, key=lambda it: it[0]):
-            start = int(self._starts[row])
-            body = self._bodies[start : start + each.layout.length].tobytes()
+            start = int(responses.starts[row])
+            body = responses.bodies[start : start + each.layout.length].tobytes()
             self._port.resolver.pass_over(each.layout, body)

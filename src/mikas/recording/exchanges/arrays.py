@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 
 def joined(buffer: Bytes, starts: Index, lengths: Index) -> Bytes:
-    """Return the pieces one behind another."""
+    """Return the joined pieces."""
     total = int(lengths.sum())
     shift = starts - (lengths.cumsum() - lengths)
     taken: Bytes = buffer[np.repeat(shift, lengths) + np.arange(total)]
@@ -29,7 +29,7 @@ def side_by_side(buffer: Bytes, starts: Index, length: int) -> Bytes:
 
 
 def equal(one: Bytes, one_starts: Index, other: Bytes, other_starts: Index, lengths: Index) -> Mask:
-    """Return which pieces of `one` are the same as those of `other`."""
+    """Return which pieces of `one` equal those of `other`."""
     same = np.zeros(lengths.size, np.bool_)
     for length in np.unique(lengths).tolist():
         chosen = (lengths == length).nonzero()[0]

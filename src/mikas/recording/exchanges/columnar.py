@@ -1,11 +1,11 @@
 """Recorded exchanges as arrays: the result of `exchanges.scalar`, many times faster (D1, D13).
 
-The packets of one port fall into turns: something is sent, then something is received. Only the
-last request and the knowledge about the echo pass from one turn to the next, so a run of regular
-turns (one sound request each) is matched in one step: the first frame that repeats the request is
-its echo, a frame before that echo answers the request before. Irregular turns, the first ones,
-which decide whether the line echoes, and the last one, which may continue (a stream does so for
-hours), go frame by frame through `Matching`.
+The packets of one port fall into turns: first sent ones, then received ones. Only the last request
+and whether the line echoes pass from one turn to the next, so a run of regular turns (one sound
+request each) is matched in one step: the first frame that repeats the request is its echo, a frame
+before that echo answers the previous request. Irregular turns, the first ones, which decide whether
+the line echoes, and the last one, which may continue (a stream does so for hours), go frame by
+frame through `Matching`.
 """
 
 from __future__ import annotations
@@ -92,9 +92,7 @@ class ColumnarMatcher:
 
     def feed(self, packets: Packets) -> ExchangeColumns:
         """Return the exchanges that these packets complete."""
-        after_sent = np.empty(packets.sent.size, np.bool_)
-        after_sent[0] = self._sent_last
-        after_sent[1:] = packets.sent[:-1]
+        after_sent = np.concatenate(([self._sent_last], packets.sent[:-1]))
         self._sent_last = bool(packets.sent[-1])
         turns = (packets.sent & ~after_sent).cumsum()
         sent, at = self._sent.feed(packets, packets.sent, np.zeros_like(after_sent))
@@ -140,7 +138,7 @@ class ColumnarMatcher:
     ) -> ResponseColumns:
         block, events = responses.block, responses.index[chosen]
         serials = answers[chosen]
-        # A response answers one of the last two requests before this stretch, or one in it.
+        # A response answers one of the last two earlier requests, or one of this stretch.
         first = self.matching.count - requests.index.size
         known = np.concatenate((self._latest, requests.numbers))
         numbers = known[np.maximum(serials - first + 2, 0)]

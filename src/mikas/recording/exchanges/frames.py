@@ -1,13 +1,11 @@
 """A direction's bytes to arrays of frames: `mikas.framing.Decoder` for many at once (§2).
 
-The rules are those of `mikas.framing`, the reference: same events, same order, after the same
-byte, however the bytes are cut into pieces. What makes it fast: the sum modulo 256 is the same
-before and after stuffing, so one pass of `add.reduceat` over 8-bit sums checks every frame as it
-came (D3); only then the escapes go, all in one step. A sound frame with an irregular escape (D4),
-or with a raw checksum 40, is rare: it is handed to the incremental decoder alone.
-
-A piece of 128 to 256 KiB stays in the processor's cache, and memory is bounded by the piece and
-`limit`. Nothing here raises on any bytes.
+The rules are those of `mikas.framing`, the reference: same events, same order, after the same byte,
+however the bytes are cut into pieces, and no error for any bytes. The sum modulo 256 is the same
+before and after stuffing, so one pass of `add.reduceat` over 8-bit sums checks all frames (D3);
+then one step removes all escapes. A sound frame with an irregular escape (D4), or with a raw
+checksum 40, is rare and goes through the incremental decoder. Pieces of 128 to 256 KiB stay in the
+processor's cache; memory is bounded by the piece and `limit`.
 """
 
 from __future__ import annotations
@@ -44,9 +42,9 @@ _NOTHING: Final = np.empty(0, np.uint8)
 class FrameBlock:
     """Events in order. Positions count from `wire[0]`, which is byte `origin` of the stream.
 
-    `reasons`: SOUND, or why it is none. `starts`, `ends`: a frame with its terminators, damage
-    without. `needed`: how many bytes of `wire` had to be there to know. `body_starts`, `body_ends`:
-    in `bodies`, which is unstuffed; both 0 for what is no frame.
+    `reasons`: SOUND, or why not. `starts`, `ends`: a frame with its terminators, damage without.
+    `needed`: bytes of `wire` that decided the event. `body_starts`, `body_ends`: in `bodies`, which
+    is unstuffed; both 0 for damage.
     """
 
     wire: Bytes
@@ -66,12 +64,12 @@ class FrameBlock:
 
     @property
     def counted(self) -> Index:
-        """All events but abandoned frames."""
+        """The events except abandoned frames."""
         counted: Index = (self.reasons != GIVEN_UP).nonzero()[0]
         return counted
 
     def wire_of(self, index: int) -> bytes:
-        """Return a frame as it came, or the bytes of damage."""
+        """Return the received bytes of a frame or of damage."""
         return self.wire[self.starts[index] : self.ends[index]].tobytes()
 
     def body_of(self, index: int) -> bytes:
@@ -92,7 +90,7 @@ class FrameBlock:
 
 
 class BulkDecoder:
-    """`mikas.framing.Decoder` for large pieces: `limit`, `strict`, `noise`, `discarded` are its."""
+    """`mikas.framing.Decoder` for large pieces, with the same attributes. `offset`: bytes fed."""
 
     def __init__(self, *, limit: int = 4096, strict: bool = False) -> None:
         if limit < 1:
@@ -102,7 +100,6 @@ class BulkDecoder:
         self.noise = 0
         self.discarded = 0
         self.offset = 0
-        """The number of bytes fed."""
         self._carry: Bytes = _NOTHING
         self._overflowed = False
 
@@ -112,15 +109,14 @@ class BulkDecoder:
         return self._carry.tobytes()
 
     def reset(self) -> bytes:
-        """Forget the unfinished frame and return its bytes."""
+        """Drop the unfinished frame and return its bytes."""
         left, self._carry, self._overflowed = self.pending, _NOTHING, False
         return left
 
     def feed(self, data: bytes | Bytes, cuts: Index = _NOWHERE) -> FrameBlock:
         """Return the events that `data` completes.
 
-        `cuts`: rising positions in `data` before which the decoder is reset, as if it had been fed
-        up to there.
+        `cuts`: rising positions in `data` at which the decoder is reset.
         """
         fresh = np.frombuffer(data, np.uint8) if isinstance(data, bytes) else data
         carried = self._carry.size
@@ -150,8 +146,7 @@ class BulkDecoder:
             if owners is None:
                 owners = starts.searchsorted(escapes, "right")
             before = np.bincount(owners, minlength=count + 1).cumsum()
-            keep = np.empty(region.size, np.bool_)
-            keep.fill(True)
+            keep = np.ones(region.size, np.bool_)
             keep[escapes] = False
             bodies = region[keep]
             # An escape's follower has moved down by all escapes up to its own.

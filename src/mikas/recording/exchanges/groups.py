@@ -41,8 +41,8 @@ _DOUBTFUL: Final = 3  # beside the kinds of `refusals`
 
 @dataclass(frozen=True, slots=True)
 class ResponseGroup:
-    """Rows that have the same layout. `fitting`: those of `rows` that have values, all of the right
-    length. `request`: the number of the request that they answer.
+    """Rows with the same layout. `request`: the number of the request that they answer.
+    `fitting`: the rows with values, all of the right length.
     """
 
     request: int
@@ -51,12 +51,12 @@ class ResponseGroup:
     fitting: Index
 
     def only(self, fitting: Index) -> ResponseGroup:
-        """Return the same rows, of which these have values."""
+        """Return the same rows with only these as rows with values."""
         return replace(self, fitting=fitting)
 
 
 class ResponseClassifier:
-    """The responses of one port by layout. Remembers the list that a 64 has set."""
+    """The responses of one port by layout. Keeps the list that the last 64 has set."""
 
     def __init__(self, layouts: Layouts) -> None:
         self._layouts = layouts
@@ -65,7 +65,7 @@ class ResponseClassifier:
         self._list: Layout | None = None
 
     def groups(self, exchanges: ExchangeColumns) -> Iterator[ResponseGroup]:
-        """Yield the groups; every response that has a layout is in one of them."""
+        """Yield the groups; every response with a layout is in one of them."""
         responses, bodies = exchanges.responses, exchanges.bodies
         lists = self._lists(exchanges)
         for number in np.unique(responses.numbers).tolist():
@@ -84,7 +84,7 @@ class ResponseClassifier:
                 yield _group(number, layout, rows, responses)
 
     def _lists(self, exchanges: ExchangeColumns) -> list[tuple[int, Layout | None]]:
-        """Return from which response on which list holds."""
+        """Return the lists with the response from which each holds."""
         requests, responses, bodies = exchanges.requests, exchanges.responses, exchanges.bodies
         lists = [(0, self._list)]
         sets_list = [n for n, body in enumerate(bodies) if body.startswith(WRITE_LIST)]
@@ -116,8 +116,8 @@ def _group(number: int, layout: Layout, rows: Index, responses: ResponseColumns)
 
 @dataclass(slots=True)
 class Verdicts:
-    """The doubtful responses of one port that do not count. `streams`: serials of their requests;
-    `lone`: by code, where such begin and end among all doubtful ones to a 61 with that code.
+    """The doubtful responses of one port that do not count. `streams`: serials of their requests.
+    `lone`: by code, ranges of their numbers among the doubtful responses to a 61 with that code.
     """
 
     streams: set[int] = field(default_factory=set)
@@ -125,7 +125,7 @@ class Verdicts:
 
 
 class RefusalColumns:
-    """One port's responses with data: the first time without `verdicts`, then with them."""
+    """One port's responses with data: first without `verdicts`, then with them."""
 
     def __init__(self, bodies: list[bytes], verdicts: Verdicts | None = None) -> None:
         self._bodies = bodies  # of requests, by number; grows
@@ -140,7 +140,7 @@ class RefusalColumns:
     def resolve(
         self, groups: list[ResponseGroup], responses: ResponseColumns
     ) -> Iterator[ResponseGroup]:
-        """Yield the groups without values that do not count; the first time, without doubtful."""
+        """Yield the groups with the values that count; in the first pass, without doubtful ones."""
         certain: list[ResponseGroup] = []
         lone: dict[int, ResponseGroup] = {}
         for group in groups:
@@ -168,7 +168,7 @@ class RefusalColumns:
                 yield lone[code].only(np.union1d(certainly, counting))
 
     def conclude(self) -> tuple[Verdicts, set[int]]:
-        """Return, after the first time, the verdicts, and codes whose last doubtful ones count."""
+        """Return, after the first pass, the verdicts, and codes whose last doubtful ones count."""
         believed = set()
         for code, lone in self._codes.items():
             waits = lone.waiting < lone.count
@@ -221,7 +221,7 @@ class RefusalColumns:
     # A 61 with one code
 
     def _lone(self, code: int, rows: Index, kinds: Index) -> Index:
-        """Return which of the doubtful rows count; the first time, none."""
+        """Return which of the doubtful rows count; in the first pass, none."""
         doubtful = rows[kinds == _DOUBTFUL]
         if self._verdicts is not None:
             numbers = self._counted[code] + np.arange(doubtful.size)

@@ -1,13 +1,13 @@
-"""What a response with data is made of: the parameters of its request, and where each one stands.
+"""Layouts of responses with data: the parameters of the request, and where each datum stands.
 
-Requests that return data are 61, 71 and 7F … 83, whose codes name the data, and 63, whose codes
-came with the last 64. A list holds from the `00` that answered its 64 until the next 64 is sent:
-in between it is not known which one the unit has.
+Requests for data are 61, 71 and 7F … 83, which name their codes, and 63, whose codes were in the
+last 64. A list holds from the `00` that answered its 64 until the next 64 is sent: after that, the
+unit may have either list.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -36,16 +36,6 @@ class Layout:
         return None
 
 
-def layout_of(parameters: Iterable[c.Datum]) -> Layout:
-    """Return the layout of these data."""
-    places: list[tuple[int, int, int]] = []
-    length = 0
-    for datum in parameters:
-        places.append((datum.code, length, datum.size))
-        length += datum.size
-    return Layout(length, tuple(places))
-
-
 class Layouts:
     """The layouts of all requests. `size_of`: bytes of a code's datum; None: not known."""
 
@@ -59,14 +49,19 @@ class Layouts:
         None: no data, or a code whose size is not known.
         """
         if request not in self._known:
-            self._known[request] = self._made(request)
+            self._known[request] = self._parsed(request)
         return self._known[request]
 
-    def _made(self, request: bytes) -> Layout | None:
+    def _parsed(self, request: bytes) -> Layout | None:
         try:
             command: c.Command[Any] = c.parse(request, self._size_of)
         except c.MalformedRequest:
             return None
         if not isinstance(command, (*DATA, c.WriteList)):
             return None
-        return layout_of(command.parameters)
+        places: list[tuple[int, int, int]] = []
+        length = 0
+        for datum in command.parameters:
+            places.append((datum.code, length, datum.size))
+            length += datum.size
+        return Layout(length, tuple(places))

@@ -1,13 +1,13 @@
 """The rules of matching: which received frame is an echo, which request a response answers.
 
-On a line that echoes, the received bytes contain the sent ones: the first frame that repeats a sent
-frame byte for byte is its echo (D1). A response can look like an echo too (`11 11` may be answered
-`11 11`), so the availability request, whose response never repeats it, decides whether the line
-echoes at all. A response carries neither its command nor an identifier: a frame that is no echo
-counts as the response to the last request before it (D13).
+On a line with echo, the first received frame that repeats a sent frame byte for byte is its echo
+(D1). A response can look like an echo too (`11 11` may be answered `11 11`), so the availability
+request, whose response never repeats it, decides whether the line echoes at all. A response carries
+neither its command nor an identifier: a frame that is no echo counts as the response to the last
+request before it (D13).
 
-`exchanges.scalar` applies these rules to every frame. `exchanges.columnar` applies them where the
-traffic is irregular and computes their outcome in one step where it is regular.
+`exchanges.scalar` applies these rules to every frame, `exchanges.columnar` only to irregular
+traffic: for regular traffic it computes their outcome in one step.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ E_co = TypeVar("E_co", covariant=True)
 P = TypeVar("P")
 E = TypeVar("E")
 
-# An unfinished frame is abandoned after such a silence. Adapters deliver bytes in lumps and
-# networks delay them, so D14's 20 ms apply only if something was sent in between: then the tester
-# has given up too.
+# s; an unfinished frame is abandoned after such a silence. Adapters deliver bytes in lumps and
+# networks delay them, so D14's 20 ms apply only if a request was sent in between: then the tester
+# has abandoned the frame too.
 SILENCE: Final = 0.25
 SILENCE_AFTER_SENDING: Final = 0.02
 
@@ -35,8 +35,8 @@ _MOST_UNECHOED: Final = 64
 
 
 class SentRequest(NamedTuple):
-    """A request frame. `serial`: its place among all that was sent on the port, from 0; -1: not
-    known. `body`: None if not known, or damaged.
+    """A request frame. `serial`: counts all frames sent on the port from 0; -1: not known.
+    `body`: None if not known, or damaged.
     """
 
     serial: int
@@ -80,18 +80,18 @@ class Matching:
 
     @property
     def answered(self) -> SentRequest:
-        """The request that a response answers if it comes now."""
+        """The request that a response at this point answers."""
         # Before its echo, a frame can't be the response to the request that was just sent.
         return self._before if self.echoes and self._unechoed else self.request
 
     def turn(self) -> None:
-        """Begin to send again: an echo that has not come by now never will."""
+        """Begin to send after receiving: missing echoes will not follow any more."""
         self._unechoed.clear()
 
     def interrupt(self) -> None:
-        """Forget the requests: a part of the record is missing, perhaps with a request in it.
+        """Drop the requests: a part of the file is missing, perhaps with a request in it.
 
-        A stream stays known: its next response is one of many.
+        A stream continues: its next response is one of many.
         """
         body = self.request.body
         command = COMMANDS_BY_CODE.get(body[0]) if body else None

@@ -41,9 +41,8 @@ _FLAGS_OPTION: Final = {"<": 0x0004_0002, ">": 0x0002_0004}  # code 2, length 4,
 
 @dataclass(frozen=True, slots=True)
 class Packets:
-    """Packets of one port in the order of the file. `offsets`: of their blocks in the file.
-
-    `at` and `lengths`: where each one's bytes stand in `buffer`.
+    """Packets of one port in the order of the file. `offsets`: of their blocks in the file; `at`,
+    `lengths`: of their bytes in `buffer`.
     """
 
     source: Source
@@ -55,12 +54,12 @@ class Packets:
     lengths: Index
 
     def data(self, chosen: Index) -> Bytes:
-        """Return the bytes of these packets, one behind another."""
+        """Return the joined bytes of these packets."""
         return joined(self.buffer, self.at[chosen], self.lengths[chosen])
 
 
 class Window:
-    """A stretch of the file, and every place in it that looks like an Enhanced Packet."""
+    """A piece of the file, and the places that look like an Enhanced Packet."""
 
     def __init__(self, file: BinaryIO, offset: int, size: int, order: pcapng.Order) -> None:
         file.seek(offset)
@@ -84,7 +83,7 @@ class Window:
         self._ends = (self._behind[:-1] != self.found[1:]).nonzero()[0] + 1
 
     def run(self, offset: int) -> tuple[Index, int]:
-        """Return the consecutive blocks from `offset` on, and the offset behind the last one."""
+        """Return the consecutive blocks from `offset` on, and where they end in the file."""
         word, odd = divmod(offset - self.offset, 4)
         first = int(self.found.searchsorted(word))
         if odd or first == self.found.size or self.found[first] != word:
@@ -105,7 +104,7 @@ class Window:
 
 
 class PacketColumns:
-    """The fields of a run of Enhanced Packets. `unusual`: those that are not read here."""
+    """The fields of a run of Enhanced Packets. `unusual`: those that need `Blocks.read`."""
 
     def __init__(self, window: Window, found: Index, blocks: Blocks) -> None:
         self._window = window
@@ -128,7 +127,7 @@ class PacketColumns:
         self._times: Floats = np.zeros(found.size)
         self._sources: list[Source] = []
         self._source: Index = np.full(found.size, -1)
-        alike = bool((interface == interface[0]).all())  # nearly always, and quickly seen
+        alike = bool((interface == interface[0]).all())  # nearly always, and quick to check
         for number in np.unique(interface[:1] if alike else interface).tolist():
             chosen = (plain & (interface == number)).nonzero()[0]
             if not chosen.size:
@@ -161,9 +160,8 @@ class PacketColumns:
         self._source[index] = self._number(packet.source)
 
     def packets(self, start: int, stop: int) -> Iterator[Packets]:
-        """Yield the packets from block `start` to before `stop`, in order.
-
-        Another begins where the port changes, and where the clock was set back.
+        """Yield the packets of the blocks from `start` to before `stop`; a new piece where the port
+        changes, or the clock was set back.
         """
         known = (self._source[start:stop] >= 0).nonzero()[0] + start
         edges = np.diff(self._source[known]) != 0
@@ -182,7 +180,7 @@ class PacketColumns:
 
 
 def seconds(interface: pcapng.Interface, high: Index, low: Index) -> Floats:
-    """Return `Interface.time` of many ticks, each rounded as there."""
+    """Return `Interface.time` of many ticks, with the same rounding."""
     per_second = interface.ticks_per_second
     zero = interface.tsoffset * per_second
     small = bool((high < _EXACT >> 33).all()) and abs(zero) < _EXACT >> 1

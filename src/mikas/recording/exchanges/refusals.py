@@ -1,15 +1,15 @@
-"""Which `01`s are data, and which are the refusal of D10: the rule, and responses in order.
+"""Which `01`s are data, and which are the refusal of D10: the rule, applied response by response.
 
 An `01` is doubtful as the first response of a stream of one byte, and as the response to a 61 with
-one code of one byte. Later responses decide (on a live line the client decides before it shows a
+one code of one byte. Later responses decide (on a live line, the client decides before it returns a
 value):
 
 - a stream's `01` counts if another response of that stream follows: a refusal comes only once;
 - a 61's counts if the code's next datum, in whatever response, follows, and does not if the next
   response about the code is an `01` to a request for it twice (`61 P P`). After such an `01`, only
   a datum 01 that can't be a refusal makes the next ones count again;
-- after a datum 01 that can't be a refusal it counts anyhow; and at the end, where no response
-  follows, if two or more came although `61 P P` was asked: the tester was satisfied with that.
+- at the end of a recording a 61's counts after a datum 01 that can't be a refusal, or if two or
+  more follow each other and `61 P P` was requested too: the tester accepted them.
 """
 
 from __future__ import annotations
@@ -25,21 +25,21 @@ from mikas.recording.exchanges.layouts import STREAMS, Layout
 T = TypeVar("T")
 
 OTHER, DATUM, REFUSAL = 0, 1, 2
-"""Responses that decide: a value that is not 01, an 01 beyond doubt, an `01` to `61 P P`."""
+"""Responses that decide: a value other than 01, a certain datum 01, an `01` to `61 P P`."""
 _READ: Final = c.ReadParameters.CODES[0]
 _BELIEVED: Final = 2  # `01`s at the end
 
 
 @dataclass(slots=True)
 class LoneResponses:
-    """The rule for one code: its doubtful `01`s, numbered from 0. `count`: how many came.
+    """The rule for one code: its doubtful `01`s, numbered from 0. `count`: how many there were.
 
-    `waiting`: the number of the first that is undecided. `refused`: numbers of those that do not
-    count, as (first, behind the last).
+    `waiting`: the number of the first undecided one. `refused`: ranges (start, stop) of numbers
+    that do not count.
     """
 
-    is_sure: bool = False  # the latest datum is an 01 beyond doubt
-    is_wary: bool = False  # after an `01` to `61 P P`, and no 01 beyond doubt since
+    is_sure: bool = False  # the latest datum is a certain 01
+    is_wary: bool = False  # after an `01` to `61 P P`, without a certain 01 since
     count: int = 0
     waiting: int = 0
     refused: list[tuple[int, int]] = field(default_factory=list)
@@ -79,8 +79,8 @@ def is_lone(request: bytes, layout: Layout) -> bool:
 class RefusalResolver(Generic[T]):
     """The responses with data of one port in one recording, in order.
 
-    `decide(item, counts)` is called for each doubtful response once it is decided; `item` is the
-    one that was passed to `take` with it.
+    `decide(item, counts)` is called once a doubtful response is decided, with the item that `take`
+    got with it.
     """
 
     def __init__(self, decide: Callable[[T, bool], None]) -> None:
@@ -98,7 +98,7 @@ class RefusalResolver(Generic[T]):
             self._twice.add(request[1])
 
     def follows(self, code: int) -> bool:
-        """Return whether the code was asked for alone, or twice at once."""
+        """Return whether the code was requested alone, or as `61 P P`."""
         return code in self._codes
 
     def followed(self, layout: Layout) -> list[tuple[int, int]]:
@@ -111,7 +111,7 @@ class RefusalResolver(Generic[T]):
         return not any(it.is_sure or it.waiting < it.count for it in lone)
 
     def take(self, item: T, request: bytes, serial: int, layout: Layout, body: bytes) -> bool:
-        """Return whether `body` is data for certain; if not, it is doubtful, or has no data."""
+        """Return whether `body` is certainly data; otherwise it is doubtful, or has no data."""
         if is_lone(request, layout) and request[0] in STREAMS:
             known, first = self._streams.get(request, (None, []))
             if serial != known:
@@ -139,14 +139,14 @@ class RefusalResolver(Generic[T]):
         return True
 
     def pass_over(self, layout: Layout, body: bytes) -> None:
-        """Take data beyond doubt."""
+        """Take certain data."""
         self._taken += 1
         self._latest[layout] = self._taken, body
         for code, begin, size in self._followed(layout):
             self._settle(code, DATUM if body[begin : begin + size] == ERROR else OTHER)
 
     def conclude(self) -> None:
-        """Decide all that waits, at the end of the recording."""
+        """Decide the waiting responses, at the end of the recording."""
         for _, first in self._streams.values():
             for each in first:
                 self._decide(each, False)

@@ -1,7 +1,7 @@
 """The interpretation of recorded traffic: requests, and which of them each response answers.
 
-`exchanges.scalar` (the reference, without numpy) and `exchanges.columnar` (arrays) produce the same
-result, a stretch of packets at a time. Tables, exports, replay, summary and report read it.
+`exchanges.scalar` (the reference, without numpy) and `exchanges.columnar` (arrays) yield the same
+result, a stretch of packets at a time, for tables, exports, replay, summary and report.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from mikas.recording.capture.reader import Source
 
 GAP: Final = 0.5
-"""s without a packet that `Exchanges.gaps` lists."""
+"""s; `Exchanges.gaps` lists longer times without a packet."""
 
 JUMP: Final = 1.0
-"""s by which times run back where a clock was set; less is jitter. A stretch ends there."""
+"""s; where times run back by more, a clock was set, and a stretch ends. Less is jitter."""
 
 T = TypeVar("T")
 
@@ -43,10 +43,9 @@ class Column(Protocol[T]):
 
 @dataclass(frozen=True, slots=True)
 class Requests:
-    """Sent frames in order. Their serials count from `first` on, through all stretches of a port.
-
-    `numbers`: of their bodies, see `Exchanges.bodies`; -1: damaged. `times`: of the packets with
-    their first bytes; `lengths`: bytes on the wire.
+    """Sent frames in order. `first`: the serial of the first one; serials count through all
+    stretches of a port. `numbers`: of their bodies in `Exchanges.bodies`; -1: damaged. `times`: of
+    the packets with their first bytes. `lengths`: bytes on the wire.
     """
 
     first: int
@@ -59,10 +58,9 @@ class Requests:
 class Responses:
     """Sound received frames that are no echo, in order.
 
-    `times`: when their first bytes began on the wire. `requests`: serials of the requests that they
-    answer, `numbers`: of the bodies of these; -1: not known. `after`: serials of the last requests
-    sent before they came. `starts`, `lengths`: of their bodies in `bodies`; `wire_lengths`: bytes
-    on the wire.
+    `starts`, `lengths`: of their bodies in `bodies`. `times`: when their first bytes began on the
+    wire. `requests`, `numbers`: serials and bodies of the requests that they answer; -1: not known.
+    `after`: serials of the last requests before them. `wire_lengths`: bytes on the wire.
     """
 
     bodies: bytes | NDArray[np.uint8]
@@ -75,7 +73,7 @@ class Responses:
     wire_lengths: Column[int]
 
     def of(self, numbers: Collection[int]) -> Iterator[tuple[float, int, bytes]]:
-        """Yield (time, number, body) of those that answer one of these requests."""
+        """Yield (time, number, body) of the responses to these requests."""
         for row, number in enumerate(self.numbers.tolist()):
             if number in numbers:
                 start = self.starts[row]
@@ -87,9 +85,9 @@ class Exchanges:
     """A stretch of one port's traffic.
 
     `bodies`: all request bodies of the port so far, by number; grows. `damaged`: for every damaged
-    frame that was received and is no echo, the serial of the last request before it. `echoes`: how
-    many frames were echoes. `raw_checksum`: whether a response had one (D3). `gaps`: stretches of
-    more than `GAP` seconds without a packet. `begin`, `end`: times of the first and last packet.
+    received frame that is no echo, the serial of the last request before it. `echoes`: number of
+    echoes. `raw_checksum`: whether a response had one (D3). `gaps`: (begin, end) of times longer
+    than `GAP` without a packet. `begin`, `end`: times of the first and last packet.
     """
 
     source: Source

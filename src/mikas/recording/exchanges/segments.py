@@ -1,9 +1,9 @@
 """Where events begin and end in a stretch of the wire, and which are sound (§2, D3, D5).
 
 The rules of `mikas.framing` as array operations. Every terminator ends a segment. A segment's sum,
-terminator included, is 0D for a sound frame. It is 00 where a checksum 0D may have come raw; then
-the segment behind it, if that is nothing but a terminator, belongs to it. Such a segment is empty,
-so its own sum is 0D, and what it decides never reaches further: no rule looks past one neighbour.
+terminator included, is 0D for a sound frame, and 00 where a checksum 0D may be raw; then the next
+segment, if it is only a terminator, belongs to the frame. Such an empty segment has the sum 0D
+itself, so no rule looks further than one neighbour.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ _ESCAPE: Final = np.uint8(ESCAPE)
 
 @dataclass(slots=True)
 class Segments:
-    """Events as positions. `ends`: frames with terminators, damage without. `tail`: where what is
-    not finished begins; `stop`: behind the last event. `torn`: cuts in the middle of a frame.
+    """Events as positions. `ends`: frames with terminators, damage without. `tail`: where the
+    unfinished frame begins; `stop`: end of the last event. `torn`: cuts in the middle of a frame.
     `escapes`: every 40 before `stop`; `owners`: how many events begin at or before each, if known.
     """
 
@@ -52,7 +52,7 @@ class Segments:
 
 
 def cut_up(wire: Bytes, cuts: Index, limit: int, overflowed: bool) -> Segments:
-    """Return the events in `wire`, which begins with an unfinished or inside an over-long frame."""
+    """Return the events in `wire`. It begins with an unfinished or inside an over-long frame."""
     # One search for both special bytes; their order tells which escape is in which segment.
     special = ((wire == _END) | (wire == _ESCAPE)).nonzero()[0]
     is_end = wire.take(special) == _END
@@ -76,7 +76,7 @@ def cut_up(wire: Bytes, cuts: Index, limit: int, overflowed: bool) -> Segments:
     if ends.size:
         found = _judged(wire, (start, ends), limit, (cuts, torn))
         if not (found.damaged or start):
-            # What stands before an escape and is none is a terminator.
+            # Special bytes before an escape are escapes or terminators.
             found.owners = ranks - np.arange(ranks.size) + 1
             inside = int(found.owners.searchsorted(ends.size, "right"))
             found.owners = found.owners[:inside]
@@ -93,7 +93,7 @@ def cut_up(wire: Bytes, cuts: Index, limit: int, overflowed: bool) -> Segments:
 def _judged(
     wire: Bytes, edges: tuple[int, Index], limit: int, broken: tuple[Index, Index]
 ) -> Segments:
-    """Judge the segments between `edges`. `broken`: the cuts, and those within a frame."""
+    """Judge the segments between `edges`. `broken`: all cuts, and those within a frame."""
     (start, ends), (cuts, torn) = edges, broken
     starts = np.empty_like(ends)
     starts[0] = start
@@ -146,7 +146,7 @@ def _is_held(wire: Bytes, tail: int, limit: int) -> bool:
 
 
 def _add_overflow(found: Segments, size: int, limit: int) -> None:
-    """Add an unfinished frame that is too long already as damage; its rest will be skipped."""
+    """Add an unfinished frame beyond the limit as damage; its rest will be skipped."""
     start = found.tail
     found.starts = np.append(found.starts, start)
     found.ends = np.append(found.ends, start + limit)

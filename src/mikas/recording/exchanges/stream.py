@@ -1,4 +1,4 @@
-"""One direction of a port: its frames, and which packet brought which byte and when (§1, §2)."""
+"""One direction of a port as arrays: its frames, and which packet brought which byte (§1, §2)."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from mikas.recording.exchanges.segments import SOUND
 
 
 class PacketStream:
-    """Decodes frames; abandons an unfinished frame after a silence, as `exchanges.scalar` does."""
+    """Decodes frames; abandons an unfinished one after a silence, as `exchanges.scalar` does."""
 
     def __init__(self, byte_time: float) -> None:
         self._byte_time = byte_time
         self._decoder = BulkDecoder()
-        self._last = np.nan  # when the latest packet came
-        # The packets that have brought what is not finished: up to where in the stream, and when.
+        self._last = np.nan  # time of the latest packet
+        # The packets of the unfinished frame: where they end in the stream, and their times.
         self._ends: Index = np.empty(0, np.int64)
         self._times: Floats = np.empty(0)
 
@@ -79,7 +79,7 @@ class PacketStream:
 
 
 class Events:
-    """The events of one direction but for abandoned frames, with turns. `index`: in `block`."""
+    """The events of one direction except abandoned frames, with turns. `index`: in `block`."""
 
     def __init__(self, block: FrameBlock, turns: Index) -> None:
         self.block = block

@@ -7,7 +7,7 @@ import sys
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_matchers import plain
+from test_columnar import plain
 from test_refusals import exchange, write
 from test_table_sessions import adapters, record, steps
 
