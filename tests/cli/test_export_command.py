@@ -279,11 +279,7 @@ def test_a_recording_that_lost_its_beginning(mikas, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("suffix", "library", "extra"),
-    [
-        ("mf4", "asammdf", "mdf"),
-        ("parquet", "duckdb", "parquet"),
-    ],
+    ("suffix", "library", "extra"), [("mf4", "asammdf", "mdf"), ("parquet", "duckdb", "parquet")]
 )
 def test_a_missing_library(mikas, tmp_path, monkeypatch, drive, suffix, library, extra):
     for name in [n for n in sys.modules if n.startswith("duckdb.")]:

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from mikas.cli.log_lines import log_to_stderr
+from mikas.cli.render.output import log_to_stderr
 
 
 class Terminal(io.StringIO):

@@ -7,7 +7,7 @@ import socket
 import pytest
 
 from dashboard.rig import rig
-from mikas.cli.commands.dash import DashboardOptions, dashboard_options_of, show_dashboard
+from mikas.cli.commands.dash import DashboardOptions, show_dashboard
 from mikas.cli.context import CommandContext
 from mikas.dashboard.docs import shape
 from mikas.dashboard.server import FIRST_PORT, listen, own_addresses
@@ -145,14 +145,14 @@ def test_the_address_comes_first_and_the_browser_is_opened(served, monkeypatch, 
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr("threading.Thread.start", lambda thread: thread.run())
-    show_dashboard(CommandContext(), DashboardOptions(folder=tmp_path))
+    show_dashboard(CommandContext(), DashboardOptions(record=tmp_path))
     url = capsys.readouterr().out.splitlines()[0]
     assert opened == [url]
     assert url == f"http://127.0.0.1:{served[0][1][1]}/"
 
 
 def test_the_link_for_others_comes_with_a_picture(served, capsys, tmp_path):
-    show_dashboard(CommandContext(), DashboardOptions(lan=True, browser=False, folder=tmp_path))
+    show_dashboard(CommandContext(), DashboardOptions(lan=True, no_browser=True, record=tmp_path))
     told = capsys.readouterr()
     assert "?token=" in told.out.splitlines()[1]
     assert "█" in told.err or "▄" in told.err
@@ -171,8 +171,8 @@ def test_what_makes_no_sense_is_refused_before_anything_is_opened(served, tmp_pa
     (tmp_path / "file").touch()
     options = {"host_port": None, "lan": False, "no_browser": True}
     with pytest.raises(UsageError):
-        dashboard_options_of(**options, lan_control=False, record=str(tmp_path / "file"))
-    assert dashboard_options_of(**options, lan_control=True, record=None).lan
+        DashboardOptions(**options, lan_control=False, record=tmp_path / "file")
+    assert DashboardOptions(**options, lan_control=True, record=None).lan
     assert not served
 
 

@@ -9,7 +9,7 @@ from hashlib import sha256
 import pytest
 
 from dashboard.rig import rig
-from mikas.cli.commands.dash import dashboard_options_of
+from mikas.cli.commands.dash import DashboardOptions
 from mikas.cli.language import detect_language, requested_language, set_language
 from mikas.errors import UsageError
 
@@ -51,8 +51,8 @@ def test_a_folder_where_nothing_can_be_kept_is_told_at_the_start(tmp_path):
     (tmp_path / "file").touch()
     options = {"host_port": None, "lan": False, "lan_control": False, "no_browser": True}
     with pytest.raises(UsageError, match="--record"):
-        dashboard_options_of(**options, record=str(tmp_path / "file" / "x" / "y"))
-    assert dashboard_options_of(**options, record=str(tmp_path / "new" / "x")).folder
+        DashboardOptions(**options, record=tmp_path / "file" / "x" / "y")
+    assert DashboardOptions(**options, record=tmp_path / "new" / "x").record
     assert not (tmp_path / "new").exists()
 
 

@@ -6,16 +6,7 @@ import pytest
 
 from mikas.catalog import Confidence, shipped
 from mikas.i18n import Text, counted
-from mikas.report.formatting import (
-    SURE,
-    band,
-    clock,
-    duration,
-    number,
-    percent,
-    with_unit,
-    within,
-)
+from mikas.report.formatting import SURE, band, clock, duration, number, percent, with_unit, within
 from mikas.report.labels import NAMES, Labels
 
 
@@ -50,8 +41,7 @@ def test_units_and_bands() -> None:
 
 
 @pytest.mark.parametrize(
-    ("share", "said"),
-    [(0, "0"), (0.0001, "1"), (0.5, "50"), (0.999, "99"), (1, "100")],
+    ("share", "said"), [(0, "0"), (0.0001, "1"), (0.5, "50"), (0.999, "99"), (1, "100")]
 )
 def test_all_and_nothing_are_said_only_of_all_and_nothing(share, said) -> None:
     assert percent(share) == f"{said}\N{NO-BREAK SPACE}%"

@@ -20,8 +20,7 @@ from mikas.errors import (
 from mikas.i18n import Text
 
 _DOCTOR = Text(
-    "`mikas doctor` checks the connection step by step.",
-    "`mikas doctor` проверит связь по шагам.",
+    "`mikas doctor` checks the connection step by step.", "`mikas doctor` проверит связь по шагам."
 )
 _HINTS = {
     PortNotFound: Text(

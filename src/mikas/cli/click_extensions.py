@@ -1,7 +1,7 @@
 """click with texts in two languages, common options on every command, and late imports of commands.
 
-The common options stand before or after the command's name (docs/cli.md): the group and every
-command have them, and what is given nearer to the end wins.
+The common options may stand before or after the command's name (docs/cli.md): the group and every
+command have them; the last one on the line wins.
 """
 
 from __future__ import annotations
@@ -31,11 +31,7 @@ class LocalizedCommand(click.Command):
     """A command whose help is a `Text`, followed by examples."""
 
     def __init__(
-        self,
-        *args: Any,
-        text: Text,
-        examples: tuple[str, ...] = (),
-        **kwargs: Any,
+        self, *args: Any, text: Text, examples: tuple[str, ...] = (), **kwargs: Any
     ) -> None:
         super().__init__(*args, **kwargs)
         self.text = text
@@ -45,17 +41,17 @@ class LocalizedCommand(click.Command):
         return localized(self.text).split(". ")[0].rstrip(".")
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        takes_more = ctx.allow_extra_args
+        allow_more = ctx.allow_extra_args
         ctx.allow_extra_args = True  # surplus words are reported below
         try:
             rest = super().parse_args(ctx, args)
         except click.UsageError as error:
             error.ctx = error.ctx or ctx
             raise
-        if rest and not takes_more and not ctx.resilient_parsing:
-            said = " ".join(rest)
+        if rest and not allow_more and not ctx.resilient_parsing:
+            surplus = " ".join(rest)
             raise click.UsageError(
-                tr(f"Unexpected argument: “{said}”.", f"Лишний аргумент: «{said}»."), ctx
+                tr(f"Unexpected argument: “{surplus}”.", f"Лишний аргумент: «{surplus}»."), ctx
             )
         return rest
 
@@ -105,16 +101,11 @@ class LocalizedCommand(click.Command):
 class LocalizedGroup(LocalizedCommand, click.Group):
     """A group whose commands are import paths until they are called.
 
-    `homes`: name → (module:attribute, text). With the text here, the list of commands is shown
-    without importing any.
+    `homes`: name → (module, text); the module has an attribute of the same name. The list of
+    commands is shown without importing any.
     """
 
-    def __init__(
-        self,
-        *args: Any,
-        homes: Mapping[str, tuple[str, Text]],
-        **kwargs: Any,
-    ) -> None:
+    def __init__(self, *args: Any, homes: Mapping[str, tuple[str, Text]], **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self.homes = homes
 
@@ -124,8 +115,7 @@ class LocalizedGroup(LocalizedCommand, click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in self.homes:
             return None
-        module, _, attribute = self.homes[cmd_name][0].partition(":")
-        command: click.Command = getattr(import_module(module), attribute)
+        command: click.Command = getattr(import_module(self.homes[cmd_name][0]), cmd_name)
         return command
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -146,20 +136,17 @@ class LocalizedGroup(LocalizedCommand, click.Group):
         from difflib import get_close_matches
 
         nearest = get_close_matches(name.lower(), self.homes, n=2)
-        known = ", ".join(nearest or self.homes)
-        said = tr(f"There is no command “{name}”.", f"Команды «{name}» нет.")
+        listed = ", ".join(nearest or self.homes)
+        problem = tr(f"There is no command “{name}”.", f"Команды «{name}» нет.")
         if nearest:
-            return f"{said} {tr(f'Did you mean {known}?', f'Может быть, {known}?')}"
-        return f"{said} {tr(f'There are {known}.', f'Есть {known}.')}"
+            return f"{problem} {tr(f'Did you mean {listed}?', f'Может быть, {listed}?')}"
+        return f"{problem} {tr(f'There are {listed}.', f'Есть {listed}.')}"
 
     def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401  (as the command)
-        # click changed the attribute's name in 8.2, and warns of the old one.
+        # click 8.2 renamed the attribute and warns about the old name.
         first = "_protected_args" if hasattr(ctx, "_protected_args") else "protected_args"
         if not getattr(ctx, first) and not ctx.args:
-            raise click.UsageError(
-                tr("A command is missing.", "Не указана команда."),
-                ctx,
-            )
+            raise click.UsageError(tr("A command is missing.", "Не указана команда."), ctx)
         return super().invoke(ctx)
 
     def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
@@ -175,11 +162,7 @@ class LocalizedGroup(LocalizedCommand, click.Group):
 
 
 def command(
-    name: str,
-    text: Text,
-    *,
-    examples: tuple[str, ...] = (),
-    **settings: Any,
+    name: str, text: Text, *, examples: tuple[str, ...] = (), **settings: Any
 ) -> Callable[[Callable[..., Any]], LocalizedCommand]:
     """Make a function a command with the common options.
 
@@ -187,11 +170,11 @@ def command(
     """
 
     def decorate(function: Callable[..., Any]) -> LocalizedCommand:
-        made = click.command(name, cls=LocalizedCommand, text=text, examples=examples, **settings)(
+        new = click.command(name, cls=LocalizedCommand, text=text, examples=examples, **settings)(
             click.pass_context(_with_run(function))
         )
-        made.params.extend(common_options())
-        return made
+        new.params.extend(common_options())
+        return new
 
     return decorate
 
@@ -206,7 +189,7 @@ def _with_run(function: Callable[..., Any]) -> Callable[..., Any]:
         context = CommandContext.of(ctx.find_root().ensure_object(dict))
         if not context.logs:
             return function(context, *args, **kwargs)
-        from mikas.cli.log_lines import log_to_stderr
+        from mikas.cli.render.output import log_to_stderr
 
         with log_to_stderr():
             return function(context, *args, **kwargs)

@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from mikas.cli.language import usage_error
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Text
 
@@ -23,11 +24,7 @@ LANGUAGES = ("en", "ru")
 LONGEST_TIMEOUT = 60
 MOST_RETRIES = 100
 
-_WORDS = {
-    "echo": ECHO,
-    "interpretation": INTERPRETATIONS,
-    "lang": LANGUAGES,
-}
+_WORDS = {"echo": ECHO, "interpretation": INTERPRETATIONS, "lang": LANGUAGES}
 _KNOWN = ("port", "echo", "timeout", "retries", "interpretation", "lang", "catalog")
 
 
@@ -123,4 +120,4 @@ def _parsed(file: Path) -> dict[str, Any]:
 
 
 def _wrong(file: Path, en: str, ru: str) -> UsageError:
-    return UsageError(problem=Text(f"The config file {file}: {en}", f"Файл настроек {file}: {ru}"))
+    return usage_error(f"The config file {file}: {en}", f"Файл настроек {file}: {ru}")

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from mikas.cli import config
 from mikas.cli.advice import ADVICE
-from mikas.cli.language import localized, tr
+from mikas.cli.language import capital, localized, tr
 from mikas.cli.render.output import Output
 from mikas.errors import MikasError, NotConfirmed, NotSupported
 from mikas.i18n import Text
@@ -88,6 +88,10 @@ class CommandContext:
         """Which interpretation of the errata decodes values."""
         return self.options.interpretation
 
+    def say(self, en: str, ru: str) -> None:
+        """Print a sentence on stderr, in the current language."""
+        self.output.note(tr(en, ru))
+
     @contextmanager
     def ecu(self, confirm: Confirm | None = None) -> Iterator[Ecu]:
         """Connect to the ECU; with `--capture` everything on the wire is recorded."""
@@ -130,7 +134,7 @@ class CommandContext:
             why = (
                 localized(ADVICE.text(failure)) if isinstance(failure, MikasError) else str(failure)
             )
-            self.output.note(tr(f"Recording stopped early: {why}", f"Запись прервалась: {why}"))
+            self.say(f"Recording stopped early: {why}", f"Запись прервалась: {why}")
 
     def confirm(
         self, *, yes: bool, meaning: Callable[[str], str] | None = None
@@ -164,7 +168,7 @@ def _says_yes() -> bool:
 
 
 def _described(change: Change, meaning: Callable[[str], str] | None) -> str:
-    lines = [_capital(localized(change.what))]
+    lines = [capital(localized(change.what))]
     if change.before is not None:
         before = (meaning(change.before) if meaning else change.before) or "–"
         lines.append(tr(f"  before: {before}", f"  было:  {before}"))
@@ -181,10 +185,6 @@ def _described(change: Change, meaning: Callable[[str], str] | None) -> str:
             )
         )
     return "\n".join(lines)
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def _environment() -> dict[str, Any]:

@@ -16,7 +16,7 @@ import click
 
 from mikas.cli.click_extensions import LocalizedGroup, LocalizedOption, common_options
 from mikas.cli.commands import COMMANDS
-from mikas.cli.language import detect_language, localized, set_language, tr
+from mikas.cli.language import capital, detect_language, localized, set_language, tr
 from mikas.i18n import Text
 
 DONE, BUG, USAGE, NO_CONNECTION, LINE, REFUSED, NOT_CONFIRMED = range(7)
@@ -187,7 +187,7 @@ def _failed(error: Exception, *, verbose: bool) -> int:
     said = localized(ADVICE.text(error))
     ours = error.what.en.startswith("{problem}") or not error.what.en.startswith("{")
     if ours and re.match(r"[^\W\d_]+[ ,]", said):  # a word, not a file's name or a value
-        said = said[:1].upper() + said[1:]
+        said = capital(said)
     _print_error(said)
     if verbose and error.__cause__:
         _print_error(

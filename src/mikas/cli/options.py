@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from dataclasses import fields
+from functools import wraps
 from typing import Any, TypeVar
 
 import click
@@ -44,103 +45,109 @@ def _keep(ctx: click.Context, option: click.Parameter, value: object) -> object:
     return value
 
 
-_COMMON = (
-    partial(
-        CommonOption,
-        ["--port"],
-        metavar="URL",
-        text=Text(
-            "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (a virtual "
-            "ECU), replay:FILE (a recorded one)",
-            "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (виртуальный "
-            "блок), replay:FILE (записанный)",
-        ),
-    ),
-    partial(
-        CommonOption,
-        ["--echo"],
-        type=OneOf(ECHO),
-        text=Text(
-            "whether the adapter echoes what it sends (auto: detect)",
-            "возвращает ли адаптер эхо (auto: определить)",
-        ),
-    ),
-    partial(
-        CommonOption,
-        ["--timeout"],
-        type=Number(above=0, most=LONGEST_TIMEOUT),
-        metavar="SECONDS",
-        text=Text(
-            "how long to wait for the first byte of a response (0.5)",
-            "сколько ждать первого байта ответа, секунд (0.5)",
-        ),
-    ),
-    partial(
-        CommonOption,
-        ["--retries"],
-        type=Whole(0, MOST_RETRIES),
-        metavar="N",
-        text=Text(
-            "how often to repeat a failed request, if that is safe (2)",
-            "сколько раз повторять неудачный запрос, если это безопасно (2)",
-        ),
-    ),
-    partial(
-        CommonOption,
-        ["--capture"],
-        type=File(),
-        metavar="FILE",
-        text=Text(
-            "record everything on the line (.pcapng)",
-            "записать весь обмен на линии (.pcapng)",
-        ),
-    ),
-    partial(
-        CommonOption,
-        ["--interpretation"],
-        type=OneOf(INTERPRETATIONS),
-        text=Text(
-            "how the doubtful places of the protocol's source are interpreted (corrected)",
-            "как толковать сомнительные места описания протокола (corrected)",
-        ),
-    ),
-    partial(
-        CommonOption,
-        ["--catalog"],
-        type=File(),
-        multiple=True,
-        metavar="FILE",
-        text=Text(
-            "your own parameters and faults, added to the shipped ones",
-            "свои параметры и ошибки в дополнение к встроенным",
-        ),
-    ),
-    partial(
-        CommonOption, ["--lang"], type=OneOf(LANGUAGES), text=Text("language", "язык: en или ru")
-    ),
-    partial(
-        CommonOption, ["--json"], is_flag=True, text=Text("JSON on stdout", "вывод в виде JSON")
-    ),
-    partial(
-        CommonOption,
-        ["-v", "--verbose"],
-        count=True,
-        text=Text(
-            "more details (on stderr); -vv: the log too, with every frame",
-            "больше подробностей (в stderr); -vv — ещё и журнал с каждым кадром",
-        ),
-    ),
-)
-
-
 def common_options() -> list[click.Parameter]:
     """Return new instances of the common options, for one command."""
-    return [make() for make in _COMMON]
+    return [
+        CommonOption(
+            ["--port"],
+            metavar="URL",
+            text=Text(
+                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (a virtual "
+                "ECU), replay:FILE (a recorded one)",
+                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (виртуальный "
+                "блок), replay:FILE (записанный)",
+            ),
+        ),
+        CommonOption(
+            ["--echo"],
+            type=OneOf(ECHO),
+            text=Text(
+                "whether the adapter echoes what it sends (auto: detect)",
+                "возвращает ли адаптер эхо (auto: определить)",
+            ),
+        ),
+        CommonOption(
+            ["--timeout"],
+            type=Number(above=0, most=LONGEST_TIMEOUT),
+            metavar="SECONDS",
+            text=Text(
+                "how long to wait for the first byte of a response (0.5)",
+                "сколько ждать первого байта ответа, секунд (0.5)",
+            ),
+        ),
+        CommonOption(
+            ["--retries"],
+            type=Whole(0, MOST_RETRIES),
+            metavar="N",
+            text=Text(
+                "how often to repeat a failed request, if that is safe (2)",
+                "сколько раз повторять неудачный запрос, если это безопасно (2)",
+            ),
+        ),
+        CommonOption(
+            ["--capture"],
+            type=File(),
+            metavar="FILE",
+            text=Text(
+                "record everything on the line (.pcapng)", "записать весь обмен на линии (.pcapng)"
+            ),
+        ),
+        CommonOption(
+            ["--interpretation"],
+            type=OneOf(INTERPRETATIONS),
+            text=Text(
+                "how the doubtful places of the protocol's source are interpreted (corrected)",
+                "как толковать сомнительные места описания протокола (corrected)",
+            ),
+        ),
+        CommonOption(
+            ["--catalog"],
+            type=File(),
+            multiple=True,
+            metavar="FILE",
+            text=Text(
+                "your own parameters and faults, added to the shipped ones",
+                "свои параметры и ошибки в дополнение к встроенным",
+            ),
+        ),
+        CommonOption(["--lang"], type=OneOf(LANGUAGES), text=Text("language", "язык: en или ru")),
+        CommonOption(["--json"], is_flag=True, text=Text("JSON on stdout", "вывод в виде JSON")),
+        CommonOption(
+            ["-v", "--verbose"],
+            count=True,
+            text=Text(
+                "more details (on stderr); -vv: the log too, with every frame",
+                "больше подробностей (в stderr); -vv — ещё и журнал с каждым кадром",
+            ),
+        ),
+    ]
 
 
 def option(*names: str, text: Text, **settings: Any) -> Callable[[F], F]:
     """`click.option` with a `Text`."""
     return click.option(*names, cls=LocalizedOption, text=text, **settings)
+
+
+def grouped(
+    kind: type[Any], *options: Callable[[Callable[..., Any]], Callable[..., Any]]
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return a decorator that adds `options`; the command gets them as one dataclass `kind`.
+
+    `kind` has a field for each option; it is the argument after the context.
+    """
+
+    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(function)
+        def call(context: object, **values: Any) -> Any:  # noqa: ANN401  (as the command)
+            group = kind(**{field.name: values.pop(field.name) for field in fields(kind)})
+            return function(context, group, **values)
+
+        command: Callable[..., Any] = call
+        for add in reversed(options):
+            command = add(command)
+        return command
+
+    return decorate
 
 
 YES = option("--yes", is_flag=True, text=Text("do not ask", "не спрашивать"))

@@ -24,13 +24,11 @@ def _of_the_unit(found: Findings) -> Iterator[Text]:
     unit = found.subject.unit
     if unit is None:
         yield Text(
-            "The model of the unit: it was not identified.",
-            "Модель блока: она не запрашивалась.",
+            "The model of the unit: it was not identified.", "Модель блока: она не запрашивалась."
         )
     elif not any((*unit.program, *unit.data)):
         yield Text(
-            "The unit's passports: it does not report them.",
-            "Паспорта блока: он их не сообщает.",
+            "The unit's passports: it does not report them.", "Паспорта блока: он их не сообщает."
         )
     if found.faults is None:
         yield Text(

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from urllib.parse import urlencode
 
 from mikas.cli.advice import ADVICE
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.language import localized, requested_language, tr
+from mikas.cli.language import localized, requested_language, tr, usage_error
+from mikas.cli.options import grouped
 from mikas.cli.parameter_types import Whole
 from mikas.errors import UsageError
 from mikas.i18n import Text
@@ -28,66 +27,36 @@ if TYPE_CHECKING:
 _FAULTS = "17"  # air temperature: a fault to find and to erase, with the engine running well
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class DashboardOptions:
-    """Options of the server. `port` None: the first free one."""
+    """Options of the server. `host_port` None: the first free one. `record`: the folder.
 
-    port: int | None = None
+    Raises `UsageError` for a folder that can't be used.
+    """
+
+    host_port: int | None = None
     lan: bool = False
     lan_control: bool = False
-    browser: bool = True
-    folder: Path | None = None
+    no_browser: bool = False
+    record: Path | None = None
+
+    def __post_init__(self) -> None:
+        self.lan = self.lan or self.lan_control
+        if self.record is not None:
+            from mikas.dashboard.settings import check_folder
+
+            check_folder(self.record)
 
 
-def dashboard_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that `dash` and `demo` share; the command gets one `DashboardOptions`."""
-
-    @wraps(function)
-    def gathered(
-        context: CommandContext,
-        *,
-        host_port: int | None,
-        lan: bool,
-        lan_control: bool,
-        no_browser: bool,
-        record: str | None,
-        **rest: Any,
-    ) -> Any:  # noqa: ANN401  (as the command)
-        options = dashboard_options_of(
-            host_port=host_port,
-            lan=lan,
-            lan_control=lan_control,
-            no_browser=no_browser,
-            record=record,
-        )
-        return function(context, options, **rest)
-
-    gathered_with: Callable[..., Any] = gathered
-    for add in _OPTIONS:
-        gathered_with = add(gathered_with)
-    return gathered_with
-
-
-_OPTIONS = (
+dashboard_options = grouped(
+    DashboardOptions,
     option(
-        "--record",
-        metavar="DIR",
+        "--host-port",
+        type=Whole(1, 65535),
+        metavar="N",
         text=Text(
-            "folder for recordings and dumps (mikas in your documents)",
-            "папка для записей и дампов (mikas в «Документах»)",
-        ),
-    ),
-    option(
-        "--no-browser",
-        is_flag=True,
-        text=Text("only print the address", "только напечатать адрес"),
-    ),
-    option(
-        "--lan-control",
-        is_flag=True,
-        text=Text(
-            "allow control from the network, not only viewing",
-            "разрешить из сети и управление, не только просмотр",
+            "TCP port of the page (8071, or the next free one)",
+            "порт TCP для страницы (8071 или следующий свободный)",
         ),
     ),
     option(
@@ -99,27 +68,27 @@ _OPTIONS = (
         ),
     ),
     option(
-        "--host-port",
-        type=Whole(1, 65535),
-        metavar="N",
+        "--lan-control",
+        is_flag=True,
         text=Text(
-            "TCP port of the page (8071, or the next free one)",
-            "порт TCP для страницы (8071 или следующий свободный)",
+            "allow control from the network, not only viewing",
+            "разрешить из сети и управление, не только просмотр",
+        ),
+    ),
+    option(
+        "--no-browser", is_flag=True, text=Text("only print the address", "только напечатать адрес")
+    ),
+    option(
+        "--record",
+        type=Path,
+        metavar="DIR",
+        text=Text(
+            "folder for recordings and dumps (mikas in your documents)",
+            "папка для записей и дампов (mikas в «Документах»)",
         ),
     ),
 )
-
-
-def dashboard_options_of(
-    *, host_port: int | None, lan: bool, lan_control: bool, no_browser: bool, record: str | None
-) -> DashboardOptions:
-    """Combine these options. Raises `UsageError` for a folder that can't be used."""
-    folder = Path(record) if record else None
-    if folder is not None:
-        from mikas.dashboard.settings import check_folder
-
-        check_folder(folder)
-    return DashboardOptions(host_port, lan or lan_control, lan_control, not no_browser, folder)
+"""The options that `dash` and `demo` share."""
 
 
 @command(
@@ -186,23 +155,21 @@ def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
     from mikas.dashboard.settings import Settings, VirtualCars, default_recordings, ensure_folder
 
     if context.capture is not None:
-        raise UsageError(
-            problem=Text(
-                "The dashboard records itself (--record DIR); omit --capture",
-                "Панель записывает сама (--record DIR); уберите --capture",
-            )
+        raise usage_error(
+            "The dashboard records itself (--record DIR); omit --capture",
+            "Панель записывает сама (--record DIR); уберите --capture",
         )
     if context.port is not None:
         _check(context.port)
-    if options.folder is not None:
-        ensure_folder(options.folder)
+    if options.record is not None:
+        ensure_folder(options.record)
     settings = Settings(
-        options.folder or default_recordings(),
+        options.record or default_recordings(),
         connection=context.options,
         open_port=VirtualCars().open,
         language=requested_language(),
     )
-    own = listen(options.port, lan=options.lan)
+    own = listen(options.host_port, lan=options.lan)
     with own:
         access = Access(
             own.getsockname()[1],
@@ -239,7 +206,7 @@ def _show_address(
         context.output.line(access.url)
         if access.lan_url:
             context.output.line(access.lan_url)
-    context.output.note(tr("Ctrl-C ends it.", "Выход: Ctrl-C."))
+    context.say("Ctrl-C ends it.", "Выход: Ctrl-C.")
     _note_unusable_folder(context, settings)
     if context.port is not None:
         _note_missing_port(context, context.port)
@@ -247,7 +214,7 @@ def _show_address(
         import segno
 
         segno.make(access.lan_url, error="m").terminal(sys.stderr, compact=True)
-    if options.browser:
+    if not options.no_browser:
         # On some systems opening a browser blocks.
         threading.Thread(target=_open, args=(access.url,), daemon=True).start()
 
@@ -264,11 +231,9 @@ def _note_recording(context: CommandContext, dashboard: Dashboard) -> None:
     if kept is None:
         return
     if kept.failure is None:
-        context.output.note(
-            tr(
-                f"Recording stopped and saved: {kept.path}",
-                f"Запись остановлена и сохранена: {kept.path}",
-            )
+        context.say(
+            f"Recording stopped and saved: {kept.path}",
+            f"Запись остановлена и сохранена: {kept.path}",
         )
     else:
         context.output.note(localized(ADVICE.text(kept.failure)))
@@ -297,11 +262,9 @@ def _note_missing_port(context: CommandContext, url: str) -> None:
     if named.address in (port.url for port in ports):
         return  # on Windows a port is no path
     found = listed(ports)
-    context.output.note(
-        tr(
-            f"There is no port {named.address} yet; the page connects as soon as it appears. "
-            f"Found: {found.en}.",
-            f"Порта {named.address} пока нет; страница соединится, как только он появится. "
-            f"Найдены: {found.ru}.",
-        )
+    context.say(
+        f"There is no port {named.address} yet; the page connects as soon as it appears. "
+        f"Found: {found.en}.",
+        f"Порта {named.address} пока нет; страница соединится, как только он появится. "
+        f"Найдены: {found.ru}.",
     )

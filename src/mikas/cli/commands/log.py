@@ -10,15 +10,15 @@ from pathlib import Path
 from mikas.cli.click_extensions import command, option
 from mikas.cli.commands.watch import sampling_options
 from mikas.cli.context import CommandContext
-from mikas.cli.language import decimal, localized, tr
+from mikas.cli.language import capital, decimal, localized, tr, usage_error
 from mikas.cli.main import USAGE
 from mikas.cli.markers import Marking
 from mikas.cli.parameter_types import File, Portion, PortionType
-from mikas.cli.render.lines import JsonLines
-from mikas.cli.render.notices import Notices, capital
+from mikas.cli.render.notices import Notices
+from mikas.cli.render.values import JsonLines
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
 from mikas.client import Ecu
-from mikas.errors import MikasError, UsageError
+from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.recording.export import SUFFIXES
 from mikas.recording.recorder import RecordingStatus, ask_in_full
@@ -65,11 +65,9 @@ def log(
     context: CommandContext, asked: SamplingOptions, *, out: Path, rotate: Portion | None
 ) -> int:
     if context.capture is not None:
-        raise UsageError(
-            problem=Text(
-                "log already records to the file after -o; omit --capture",
-                "Команда log и так записывает, в файл после -o; уберите --capture",
-            )
+        raise usage_error(
+            "log already records to the file after -o; omit --capture",
+            "Команда log и так записывает, в файл после -o; уберите --capture",
         )
     _check_name(out)
     with session(context, asked, out) as current:
@@ -84,22 +82,18 @@ def log(
 def _check_name(out: Path) -> None:
     """Raise for a name that `log` can't record to."""
     if str(out) == "-":
-        raise UsageError(
-            problem=Text(
-                "A recording needs a file: -o drive.pcapng; to pipe values, use --json",
-                "Для записи нужен файл: -o drive.pcapng; чтобы передать значения другой программе, "
-                "есть --json",
-            )
+        raise usage_error(
+            "A recording needs a file: -o drive.pcapng; to pipe values, use --json",
+            "Для записи нужен файл: -o drive.pcapng; чтобы передать значения другой программе, "
+            "есть --json",
         )
     if out.suffix.lower() in SUFFIXES:
         name = out.with_suffix(".pcapng").name
-        raise UsageError(
-            problem=Text(
-                f"The command log records the line, not {out.suffix}: record with "
-                f"-o {name}, then `mikas export {name} -o {out.name}`",
-                f"Команда log записывает обмен на линии, а не {out.suffix}: запишите с "
-                f"-o {name}, затем `mikas export {name} -o {out.name}`",
-            )
+        raise usage_error(
+            f"The command log records the line, not {out.suffix}: record with "
+            f"-o {name}, then `mikas export {name} -o {out.name}`",
+            f"Команда log записывает обмен на линии, а не {out.suffix}: запишите с "
+            f"-o {name}, затем `mikas export {name} -o {out.name}`",
         )
 
 

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.language import tr
+from mikas.cli.language import usage_error
 from mikas.cli.parameter_types import File, OneOf
-from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.link import WallClock
 from mikas.virtual import serve
@@ -86,10 +85,7 @@ _TROUBLES = ", ".join(it.value for it in LineFault if it is not LineFault.DAMAGE
     "line_faults",
     multiple=True,
     metavar="KIND=RATE",
-    text=Text(
-        f"damaged=0.01; also {_TROUBLES}",
-        f"damaged=0.01; ещё {_TROUBLES}",
-    ),
+    text=Text(f"damaged=0.01; also {_TROUBLES}", f"damaged=0.01; ещё {_TROUBLES}"),
 )
 @option(
     "--set",
@@ -129,22 +125,18 @@ def _recorded(context: CommandContext, path: Path, wanted: Mapping[str, str]) ->
 
     for name in CAR_SETTINGS:
         if name in wanted:
-            raise UsageError(
-                problem=Text(
-                    f"--{name} can't be used with --replay: the car is the recorded one",
-                    f"--{name} нельзя указать вместе с --replay: машина взята из записи",
-                )
+            raise usage_error(
+                f"--{name} can't be used with --replay: the car is the recorded one",
+                f"--{name} нельзя указать вместе с --replay: машина взята из записи",
             )
     bus = replay_bus(path, wanted, catalog=context.catalog())
     car = car_on(bus)
     bus.ecu.watcher = _reporting_the_end(context, path, car)
     if car is not None and car.recorded.problems:
         count = car.recorded.problems
-        context.output.note(
-            tr(
-                f"{path}: damaged places skipped: {count}; mikas decode shows them",
-                f"{path}: пропущено повреждённых мест: {count}; их покажет mikas decode",
-            )
+        context.say(
+            f"{path}: damaged places skipped: {count}; mikas decode shows them",
+            f"{path}: пропущено повреждённых мест: {count}; их покажет mikas decode",
         )
     return bus
 
@@ -164,13 +156,11 @@ def _reporting_the_end(
         told = True
         if context.output.json and watcher is not None:
             watcher(EcuEvent(event.time, "recording-over"))
-        context.output.note(
-            tr(
-                f"The recording {path} is over: the unit is now silent, as with the ignition off. "
-                "Run the same command to play it again; --set loop=1 repeats it.",
-                f"Запись {path} закончилась: теперь блок молчит, как при выключенном зажигании. "
-                "Повторить — той же командой; --set loop=1 повторяет запись по кругу.",
-            )
+        context.say(
+            f"The recording {path} is over: the unit is now silent, as with the ignition off. "
+            "Run the same command to play it again; --set loop=1 repeats it.",
+            f"Запись {path} закончилась: теперь блок молчит, как при выключенном зажигании. "
+            "Повторить — той же командой; --set loop=1 повторяет запись по кругу.",
         )
 
     return tell
@@ -181,11 +171,9 @@ async def _serve(
 ) -> None:
     if tcp is None:
         if os.name != "posix":
-            raise UsageError(
-                problem=Text(
-                    "This system has no pseudo-terminals; use --tcp 127.0.0.1:2000",
-                    "В этой системе нет псевдотерминалов; используйте --tcp 127.0.0.1:2000",
-                )
+            raise usage_error(
+                "This system has no pseudo-terminals; use --tcp 127.0.0.1:2000",
+                "В этой системе нет псевдотерминалов; используйте --tcp 127.0.0.1:2000",
             )
         port: serve.PtyPort | serve.TcpPort = serve.PtyPort(bus, clock.now)
     else:
@@ -195,7 +183,7 @@ async def _serve(
             context.output.data({"url": port.url})
         else:
             context.output.line(port.url)
-        context.output.note(tr("Ctrl-C ends it.", "Выход: Ctrl-C."))
+        context.say("Ctrl-C ends it.", "Выход: Ctrl-C.")
         await asyncio.Event().wait()
     finally:
         port.close()
@@ -217,11 +205,9 @@ def _watcher(context: CommandContext) -> Callable[[EcuEvent], None] | None:
 def _pair(word: str) -> tuple[str, str]:
     name, equals, value = word.partition("=")
     if not equals:
-        raise UsageError(
-            problem=Text(
-                f"Write NAME=VALUE, not “{word}”; names: {', '.join(SETTINGS)}",
-                f"Пишите NAME=VALUE, а не «{word}»; имена: {', '.join(SETTINGS)}",
-            )
+        raise usage_error(
+            f"Write NAME=VALUE, not “{word}”; names: {', '.join(SETTINGS)}",
+            f"Пишите NAME=VALUE, а не «{word}»; имена: {', '.join(SETTINGS)}",
         )
     return name.strip(), value.strip()
 
@@ -229,10 +215,8 @@ def _pair(word: str) -> tuple[str, str]:
 def _host_and_port(text: str) -> tuple[str, int]:
     host, _, port = text.rpartition(":")
     if not port.isascii() or not port.isdigit() or int(port) > 0xFFFF:
-        raise UsageError(
-            problem=Text(
-                f"“{text}” is not HOST:PORT; write 127.0.0.1:2000",
-                f"«{text}» — не HOST:PORT; пишите 127.0.0.1:2000",
-            )
+        raise usage_error(
+            f"“{text}” is not HOST:PORT; write 127.0.0.1:2000",
+            f"«{text}» — не HOST:PORT; пишите 127.0.0.1:2000",
         )
     return host.strip("[]") or "127.0.0.1", int(port)

@@ -4,74 +4,33 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
-from functools import wraps
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
+from mikas.cli.language import decimal, tr
+from mikas.cli.options import grouped
 from mikas.cli.parameter_types import Number, OneOf, Whole
-from mikas.cli.render.lines import Display, JsonLines, PlainLines
 from mikas.cli.render.live_table import LiveTable
 from mikas.cli.render.notices import Notices
+from mikas.cli.render.values import JsonLines, PlainLines
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
 from mikas.client import METHODS
 from mikas.i18n import Text
+from mikas.sampling.plan import Plan, PlannedParameter, select
+
+if TYPE_CHECKING:
+    from mikas.catalog import Catalog, Parameter
+    from mikas.client.polling import FixedMethod
+
+_FIXED_METHODS: tuple[FixedMethod, ...] = ("single", "batch", "list", "stream")
 
 
-def sampling_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that `watch` and `log` share; the command gets one `SamplingOptions`."""
-
-    @wraps(function)
-    def gathered(
-        context: CommandContext,
-        *args: Any,
-        names: tuple[str, ...],
-        method: str,
-        rate: float | None,
-        count: int | None,
-        duration: float | None,
-        relearn: bool,
-        **rest: Any,
-    ) -> Any:  # noqa: ANN401  (as the command)
-        asked = SamplingOptions(names, method, rate, count, duration, relearn)
-        return function(context, asked, *args, **rest)
-
-    gathered_with: Callable[..., Any] = gathered
-    for add in _OPTIONS:
-        gathered_with = add(gathered_with)
-    return click.argument("names", metavar="[NAME[/N]]...", nargs=-1)(gathered_with)
-
-
-_OPTIONS = (
-    option(
-        "--relearn",
-        is_flag=True,
-        text=Text(
-            "forget the fastest method of this unit and measure again",
-            "забыть самый быстрый способ для этого блока и измерить заново",
-        ),
-    ),
-    option(
-        "--duration",
-        type=Number(above=0),
-        metavar="S",
-        text=Text("stop after this many seconds", "остановиться через столько секунд"),
-    ),
-    option(
-        "--count",
-        type=Whole(1),
-        metavar="N",
-        text=Text("stop after this many samples", "остановиться после стольких отсчётов"),
-    ),
-    option(
-        "--rate",
-        type=Number(above=0),
-        metavar="HZ",
-        text=Text("at most this many readings/s", "опросов в секунду, не больше"),
-    ),
+sampling_options = grouped(
+    SamplingOptions,
+    click.argument("names", metavar="[NAME[/N]]...", nargs=-1),
     option(
         "--method",
         type=OneOf(METHODS),
@@ -84,7 +43,34 @@ _OPTIONS = (
             "stroke0 … stroke4",
         ),
     ),
+    option(
+        "--rate",
+        type=Number(above=0),
+        metavar="HZ",
+        text=Text("at most this many readings/s", "опросов в секунду, не больше"),
+    ),
+    option(
+        "--count",
+        type=Whole(1),
+        metavar="N",
+        text=Text("stop after this many samples", "остановиться после стольких отсчётов"),
+    ),
+    option(
+        "--duration",
+        type=Number(above=0),
+        metavar="S",
+        text=Text("stop after this many seconds", "остановиться через столько секунд"),
+    ),
+    option(
+        "--relearn",
+        is_flag=True,
+        text=Text(
+            "forget the fastest method of this unit and measure again",
+            "забыть самый быстрый способ для этого блока и измерить заново",
+        ),
+    ),
 )
+"""The options that `watch` and `log` share."""
 
 
 @command(
@@ -116,9 +102,7 @@ _OPTIONS = (
 @sampling_options
 def watch(context: CommandContext, asked: SamplingOptions, *, price: bool) -> None:
     if price:
-        from mikas.cli.render.prices import show_prices
-
-        show_prices(context, asked)
+        _show_line_load(context, asked)
         return
     with session(context, asked, context.capture, joined=False) as current:
         show(context, current, asked)
@@ -134,7 +118,9 @@ def show(context: CommandContext, current: SamplingRun, asked: SamplingOptions) 
         notices.end()
 
 
-def display_for(context: CommandContext, current: SamplingRun) -> Display:
+def display_for(
+    context: CommandContext, current: SamplingRun
+) -> LiveTable | JsonLines | PlainLines:
     """Return the display that suits the output."""
     if context.output.json:
         return JsonLines(current, context.output)
@@ -143,3 +129,62 @@ def display_for(context: CommandContext, current: SamplingRun) -> Display:
     if drawable and not log_on_screen:
         return LiveTable(current, context.output)
     return PlainLines(current, context.output)
+
+
+def _show_line_load(context: CommandContext, asked: SamplingOptions) -> None:
+    """Print the line load of each method, and of one more parameter of one byte.
+
+    Computed from §5's figures: 960 bytes a second, 2 ms from a request to its response. The rates
+    of the unit and the adapter in use are measured when `auto` chooses, and shown with `-v`.
+    """
+    catalog = context.catalog()
+    plan = Plan(select(catalog, asked.names).parameters)
+    more = _another(catalog, plan)
+    prices = [_price(plan.with_method(method), more) for method in _FIXED_METHODS]
+    if context.output.json:
+        context.output.data(
+            {"names": [it.parameter.name for it in plan.parameters], "prices": prices}
+        )
+        return
+    headers = [
+        tr("method", "способ"), tr("bytes/cycle", "байт/цикл"),
+        tr("requests/cycle", "запросов/цикл"), tr("ms/cycle", "мс/цикл"),
+        tr("readings/s at most", "опр/с, не больше"), tr("one more: ms", "ещё один: мс"),
+        tr("one more: readings/s", "ещё один: опр/с"),
+    ]  # fmt: skip
+    context.output.table(headers, [_row(price) for price in prices], right="123456")
+
+
+def _price(plan: Plan, more: Parameter | None) -> dict[str, Any]:
+    price = plan.price()
+    price_json: dict[str, Any] = {
+        "method": plan.method,
+        "bytes": round(price.bytes, 1),
+        "requests": round(price.requests, 2),
+        "ms": round(price.seconds * 1000, 1),
+        "sets_per_second": round(price.rate, 1),
+        "one_more": None,
+    }
+    if more is not None:
+        then = plan.with_parameter(PlannedParameter(more)).price()
+        price_json["one_more"] = {
+            "ms": round((then.seconds - price.seconds) * 1000, 1),
+            "sets_per_second": round(then.rate, 1),
+        }
+    return price_json
+
+
+def _row(price: dict[str, Any]) -> list[str]:
+    more = price["one_more"] or {"ms": "–", "sets_per_second": "–"}
+    cells = [price["bytes"], price["requests"], price["ms"], price["sets_per_second"]]
+    return [
+        price["method"],
+        *(decimal(str(cell)) for cell in [*cells, more["ms"], more["sets_per_second"]]),
+    ]
+
+
+def _another(catalog: Catalog, plan: Plan) -> Parameter | None:
+    """Return a parameter of one byte that is not in the plan."""
+    asked = {wanted.parameter.code for wanted in plan.parameters}
+    left = (p for p in catalog.parameters if p.code not in asked and p.size == 1)
+    return next(left, None)

@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Protocol, Self
 from mikas.catalog import Level
 from mikas.cli.language import current_language, decimal, localized, tr
 from mikas.cli.render import table_layout
-from mikas.cli.render.lines import fresh_in
 from mikas.cli.render.output import Output, stdout_console
-from mikas.cli.render.readings import reference, shown_unit, shown_value
+from mikas.cli.render.values import fresh_in, reference, shown_unit, shown_value
 from mikas.i18n import Text
 from mikas.link import WallClock
 from mikas.sampling.alarms import Side

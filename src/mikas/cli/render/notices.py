@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mikas.cli.advice import ADVICE
-from mikas.cli.language import decimal, localized, tr
+from mikas.cli.language import capital, decimal, localized, tr
 from mikas.errors import EngineStopped, MikasError, NoConnection, SyncLost
 from mikas.sampling.events import (
     AlarmChanged,
@@ -204,8 +204,3 @@ def chosen(event: MethodChosen, enough: float | None = None) -> str:
         f"Method: {event.method} (readings/s: {rates}){why}",
         f"Способ: {event.method} (опр/с: {decimal(rates)}){ru_why}",
     )
-
-
-def capital(text: str) -> str:
-    """Return `text` with a capital first letter."""
-    return text[:1].upper() + text[1:]

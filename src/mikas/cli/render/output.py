@@ -6,8 +6,10 @@
 from __future__ import annotations
 
 import json
+import logging
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 SCHEMA = 1
+CLEAR_LINE = "\r\x1b[K"
 
 
 @dataclass(slots=True)
@@ -92,3 +95,36 @@ def _plain(value: object) -> object:
     if isinstance(value, bytes | bytearray):
         return value.hex().upper()
     raise TypeError(f"{type(value).__name__} has no JSON form")
+
+
+class StderrHandler(logging.Handler):
+    """Writes to whatever stderr is at the time: rich and tests replace it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFormatter(
+            logging.Formatter("%(asctime)s.%(msecs)03d %(name)s: %(message)s", "%H:%M:%S")
+        )
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write one record; a broken stderr ends no command."""
+        try:
+            clear = CLEAR_LINE if sys.stderr.isatty() else ""
+            sys.stderr.write(f"{clear}{self.format(record)}\n")
+            sys.stderr.flush()
+        except (OSError, ValueError):
+            self.handleError(record)
+
+
+@contextmanager
+def log_to_stderr() -> Iterator[None]:
+    """Show the log of `mikas` while in the `with`."""
+    logger, handler = logging.getLogger("mikas"), StderrHandler()
+    level = logger.level
+    logger.setLevel(logging.DEBUG)
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(level)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import click
 
 from mikas.cli.click_extensions import YES, command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.language import tr
 from mikas.cli.parameter_types import Address, Count, HexBytes, OneOf
-from mikas.cli.render.memory import hexdump
 from mikas.errors import NotConfirmed
 from mikas.i18n import Text
 
@@ -33,7 +33,7 @@ def read(context: CommandContext, space: str, address: int, count: int) -> None:
     if context.output.json:
         context.output.data({"space": space, "address": address, "data": data})
     else:
-        for line in hexdump(data, address):
+        for line in _hexdump(data, address):
             context.output.line(line)
 
 
@@ -97,9 +97,21 @@ def goto(context: CommandContext, address: int, *, yes: bool, sure: bool) -> Non
     elif response:
         context.output.line(response.hex(" ").upper())
     else:
-        context.output.note(
-            tr(
-                "Sent. No response, as expected (D9).",
-                "Отправлено. Ответа нет, как и ожидалось (D9).",
-            )
+        context.say(
+            "Sent. No response, as expected (D9).", "Отправлено. Ответа нет, как и ожидалось (D9)."
         )
+
+
+def _hexdump(data: bytes, address: int) -> Iterator[str]:
+    """Yield lines like `0040  45 6A 8F …  Ej…`, each from a multiple of 16, in code page 866."""
+    end = address + len(data)
+    for line in range(address - address % 16, end, 16):
+        row = [data[at - address] if address <= at < end else None for at in range(line, line + 16)]
+        cells = ["  " if byte is None else f"{byte:02X}" for byte in row]
+        characters = "".join(" " if byte is None else _character(byte) for byte in row)
+        yield f"{line:04X}  {' '.join(cells[:8])}  {' '.join(cells[8:])}  {characters.rstrip()}"
+
+
+def _character(value: int) -> str:
+    character = bytes([value]).decode("cp866")
+    return character if character.isprintable() else "."

@@ -12,14 +12,13 @@ import click
 from mikas.cli.click_extensions import command, option
 from mikas.cli.commands.memory.cells import SPACE
 from mikas.cli.context import CommandContext
-from mikas.cli.language import tr
+from mikas.cli.language import tr, usage_error
 from mikas.cli.parameter_types import Address, Count, File
 from mikas.cli.render.output import stderr_console
 from mikas.client.dumps import Difference, Dump, compare, differences, read_manifest
-from mikas.errors import UsageError
 from mikas.i18n import Text
 
-FILE = File(there=True)
+FILE = File(exists=True)
 BLOCK = option(
     "--block",
     type=Count(),
@@ -127,7 +126,7 @@ def _show_differences(context: CommandContext, found: Sequence[Difference], what
     for difference in found[:20]:
         context.output.note(f"{what}: {_line(difference)}")
     if len(found) > 20:
-        context.output.note(tr(f"… {len(found)} in all", f"… всего {len(found)}"))
+        context.say(f"… {len(found)} in all", f"… всего {len(found)}")
 
 
 @command(
@@ -150,13 +149,11 @@ def verify(
 ) -> None:
     data, manifest = file.read_bytes(), read_manifest(file)
     if not data:
-        raise UsageError(problem=Text(f"{file}: the file is empty", f"{file}: файл пуст"))
+        raise usage_error(f"{file}: the file is empty", f"{file}: файл пуст")
     if manifest and manifest.space != space:
-        raise UsageError(
-            problem=Text(
-                f"{file} is a dump of {manifest.space}, not of {space}",
-                f"{file} — дамп {manifest.space}, а не {space}",
-            )
+        raise usage_error(
+            f"{file} is a dump of {manifest.space}, not of {space}",
+            f"{file} — дамп {manifest.space}, а не {space}",
         )
     start = first if first is not None else manifest.first if manifest else 0
     with context.ecu() as ecu, _progress(tr("comparing", "сравнение"), len(data)) as done:

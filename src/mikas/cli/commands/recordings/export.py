@@ -1,4 +1,4 @@
-"""`mikas export`: a recording in the format of another program. Needs no port."""
+"""`mikas export`: a table for other programs; `mikas decode`: the frames. Neither needs a port."""
 
 from __future__ import annotations
 
@@ -11,16 +11,21 @@ import click
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.language import current_language, localized, tr
+from mikas.cli.language import current_language, localized, usage_error
 from mikas.cli.options import OUT, OVERWRITE
 from mikas.cli.parameter_types import File, OneOf
-from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.recording.export import DIALECTS
 
 if TYPE_CHECKING:
     from mikas.recording.recording import Recording
     from mikas.recording.table.channels import Rows
+
+
+from mikas.recording import CaptureReader
+from mikas.recording.inspect.describe import Describer
+from mikas.recording.inspect.frames import decode as decode_frames
+from mikas.recording.inspect.frames import to_json, to_text
 
 MOST_PROBLEMS = 20
 
@@ -41,7 +46,7 @@ MOST_PROBLEMS = 20
         "mikas export drive.pcapng -o drive.csv --dialect excel --lang ru",
     ),
 )
-@click.argument("file", metavar="FILE", type=File(there=True))
+@click.argument("file", metavar="FILE", type=File(exists=True))
 @click.argument("names", metavar="[NAME]...", nargs=-1)
 @OUT
 @option(
@@ -70,9 +75,7 @@ def export(
     _tell_problems(context, recording)
     if recording.absent:
         absent = ", ".join(recording.absent)
-        context.output.note(
-            tr(f"Not in this recording: {absent}.", f"В этой записи нет: {absent}.")
-        )
+        context.say(f"Not in this recording: {absent}.", f"В этой записи нет: {absent}.")
     result = write(
         out,
         recording.channels,
@@ -87,11 +90,9 @@ def export(
     if context.output.json:
         context.output.data({"rows": result.rows, "channels": count, "out": str(result.out)})
     else:
-        context.output.note(
-            tr(
-                f"{out}: {result.rows} rows, {count} channels",
-                f"{out}: строк: {result.rows}, каналов: {count}",
-            )
+        context.say(
+            f"{out}: {result.rows} rows, {count} channels",
+            f"{out}: строк: {result.rows}, каналов: {count}",
         )
 
 
@@ -101,18 +102,14 @@ def _check(file: Path, out: Path, dialect: str | None) -> None:
     with suppress(OSError):  # OUT is absent or not readable: reported when it is written
         same = out.samefile(file)
     if same:
-        raise UsageError(
-            problem=Text(
-                f"“{out}” is the recording itself; give the table another name",
-                f"«{out}» — это сама запись; дайте таблице другое имя",
-            )
+        raise usage_error(
+            f"“{out}” is the recording itself; give the table another name",
+            f"«{out}» — это сама запись; дайте таблице другое имя",
         )
     if dialect and out.suffix.lower() != ".csv":
-        raise UsageError(
-            problem=Text(
-                f"--dialect is for .csv files only; {out} is not one",
-                f"Ключ --dialect действует только для .csv, а {out} — другой файл",
-            )
+        raise usage_error(
+            f"--dialect is for .csv files only; {out} is not one",
+            f"Ключ --dialect действует только для .csv, а {out} — другой файл",
         )
 
 
@@ -121,18 +118,14 @@ def _tell_problems(context: CommandContext, recording: Recording) -> None:
     if not recording.problem_count:
         return
     for problem in recording.problems[:MOST_PROBLEMS]:
-        context.output.note(
-            tr(
-                f"{recording.path}, offset {problem.offset}: {localized(problem.text)}",
-                f"{recording.path}, смещение {problem.offset}: {localized(problem.text)}",
-            )
+        context.say(
+            f"{recording.path}, offset {problem.offset}: {localized(problem.text)}",
+            f"{recording.path}, смещение {problem.offset}: {localized(problem.text)}",
         )
     count = recording.problem_count
-    context.output.note(
-        tr(
-            f"{recording.path}: {count} damaged place(s); the readable rest is exported.",
-            f"{recording.path}: повреждённых мест: {count}; всё остальное экспортируется.",
-        )
+    context.say(
+        f"{recording.path}: {count} damaged place(s); the readable rest is exported.",
+        f"{recording.path}: повреждённых мест: {count}; всё остальное экспортируется.",
     )
 
 
@@ -145,11 +138,34 @@ def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Row
             last = float(rows.times[-1])
         yield rows
     if count:
-        context.output.note(
-            tr(
-                f"Times run back in this table (times: {count}): the recording has several "
-                "sessions or ports, one after another.",
-                f"Время в этой таблице идёт назад (раз: {count}): в записи несколько сеансов или "
-                "портов, они следуют друг за другом.",
-            )
+        context.say(
+            f"Times run back in this table (times: {count}): the recording has several "
+            "sessions or ports, one after another.",
+            f"Время в этой таблице идёт назад (раз: {count}): в записи несколько сеансов или "
+            "портов, они следуют друг за другом.",
         )
+
+
+@command(
+    "decode",
+    Text(
+        "Shows a capture (.pcapng) frame by frame: time, direction, bytes, meaning; damage with "
+        "its reason and offset. Of a truncated file the readable part is shown.",
+        "Показывает запись (.pcapng) по кадрам: время, направление, байты, значение; повреждения "
+        "с причиной и смещением. Обрезанный файл показывается до места обрыва.",
+    ),
+    examples=("mikas decode drive.pcapng", "mikas decode drive.pcapng --json"),
+)
+@click.argument("file", metavar="FILE", type=File(exists=True))
+def decode(context: CommandContext, file: Path) -> None:
+    describe = Describer(context.catalog(), context.interpretation)
+    zero: float | None = None
+    for item in decode_frames(CaptureReader(file), describe):
+        if context.output.json:
+            line = to_json(item)
+            line.pop("schema", None)
+            context.output.data(line)
+            continue
+        if zero is None:
+            zero = getattr(item, "begin", None)
+        context.output.line(to_text(item, current_language(), zero=zero or 0.0))

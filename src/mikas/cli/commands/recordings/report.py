@@ -12,12 +12,11 @@ import click
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.language import current_language, decimal, localized, tr
+from mikas.cli.language import current_language, decimal, localized, tr, usage_error
 from mikas.cli.options import OUT, OVERWRITE
 from mikas.cli.parameter_types import File, Number
 from mikas.cli.render.notices import Notices
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
-from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.sampling.events import UnitFound
 
@@ -44,7 +43,7 @@ _SECONDS = 30.0
         "mikas report -o car.html --duration 60 --lang ru",
     ),
 )
-@click.argument("file", metavar="[FILE]", required=False, type=File(there=True))
+@click.argument("file", metavar="[FILE]", required=False, type=File(exists=True))
 @OUT
 @option(
     "--duration",
@@ -65,11 +64,9 @@ def report(
     overwrite: bool,
 ) -> None:
     if file is not None and (duration is not None or context.capture is not None):
-        raise UsageError(
-            problem=Text(
-                "--duration and --capture apply to measuring now; with FILE nothing is measured",
-                "--duration и --capture действуют при измерении; с FILE ничего не измеряется",
-            )
+        raise usage_error(
+            "--duration and --capture apply to measuring now; with FILE nothing is measured",
+            "--duration и --capture действуют при измерении; с FILE ничего не измеряется",
         )
     from mikas.report.from_recording import of_recording
     from mikas.report.page import check_output, render, write_page
@@ -97,11 +94,9 @@ def _measured_now(context: CommandContext, seconds: float) -> Findings:
             except KeyboardInterrupt:
                 if not current.samples:
                     raise
-                context.output.note(
-                    tr(
-                        "Stopped early: the report covers the time measured.",
-                        "Прервано: отчёт составлен по измеренной части.",
-                    )
+                context.say(
+                    "Stopped early: the report covers the time measured.",
+                    "Прервано: отчёт составлен по измеренной части.",
                 )
             failure = current.recorder.failure
         if failure is not None:

@@ -50,11 +50,9 @@ def _erase(context: CommandContext, *, yes: bool) -> None:
         )
         return
     if erased.after:
-        context.output.note(
-            tr(
-                "These faults came back at once: their cause remains:",
-                "Эти ошибки сразу появились снова: причина не устранена:",
-            )
+        context.say(
+            "These faults came back at once: their cause remains:",
+            "Эти ошибки сразу появились снова: причина не устранена:",
         )
         _show(context, erased.after)
     else:

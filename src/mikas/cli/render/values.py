@@ -1,39 +1,58 @@
-"""Samples as lines: JSON, or cells separated by tabs. A value that is not new is null or a dash."""
+"""Readings as JSON and as text, with the reference range at warm idle; samples as lines."""
 
 from __future__ import annotations
 
-from types import TracebackType
-from typing import TYPE_CHECKING, Protocol, Self
+from typing import TYPE_CHECKING, Any, Self
 
-from mikas.cli.language import decimal, tr
+from mikas.catalog import Derived, Parameter
+from mikas.cli.language import current_language, decimal, tr
 from mikas.cli.render.output import Output
-from mikas.cli.render.readings import shown_value
+from mikas.client import Reading
+from mikas.sampling.derived import DerivedValue
 from mikas.sampling.events import CycleFailed, Sampled
 
 if TYPE_CHECKING:
     from mikas.cli.sampling_run import SamplingRun
-    from mikas.client import Reading
-    from mikas.sampling.derived import DerivedValue
     from mikas.sampling.events import Event
 
 
-class Display(Protocol):
-    """Where a sampling run is shown."""
+def as_json(reading: Reading) -> dict[str, Any]:
+    """Return `{"value", "unit", "raw", "time"}`: numbers are numbers, flags true or false."""
+    return {
+        "value": reading.value,
+        "unit": reading.unit,
+        "raw": reading.raw.hex().upper(),
+        "time": round(reading.time, 6),
+    }
 
-    def take(self, event: Event) -> None:
-        """Show `event` now."""
 
-    def tell(self, sentence: str) -> None:
-        """Show a notice."""
+def shown_value(reading: Reading | DerivedValue) -> str:
+    """Return the value with its channel's decimals; a flag as yes or no."""
+    if isinstance(reading, DerivedValue):
+        return decimal(f"{reading.value:.{reading.channel.decimals}f}")
+    if isinstance(reading.value, bool):
+        return tr("yes", "да") if reading.value else tr("no", "нет")
+    return decimal(f"{reading.value:.{reading.parameter.decimals}f}")
 
-    def __enter__(self) -> Self: ...
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None: ...
+def shown_unit(reading: Reading | DerivedValue) -> str:
+    """Return the unit in the current language."""
+    if isinstance(reading, DerivedValue):
+        return reading.channel.unit_text.to(current_language())
+    return reading.parameter.interpretation(reading.interpretation).unit_text.to(current_language())
+
+
+def reference(parameter: Parameter | Derived) -> str:
+    """Return `13 … 16`, the reference range at warm idle; empty without one."""
+    if isinstance(parameter, Derived) or parameter.reference is None:
+        return ""
+    low, high = parameter.reference
+    return decimal(f"{low:g} … {high:g}" if high > low else f"{low:g}")
+
+
+def verdict(reading: Reading) -> str:
+    """The reference range; nothing under a reading in which it would not hold."""
+    return reference(reading.parameter) if reading.interpretation == "corrected" else ""
 
 
 class _Lines:

@@ -1,0 +1,223 @@
+"""`mikas params`, `read`, `write`: parameters of the catalog and of the connected unit."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import click
+
+from mikas.catalog import Catalog, Derived, Parameter
+from mikas.cli.click_extensions import YES, command, option
+from mikas.cli.context import CommandContext
+from mikas.cli.language import localized, tr, usage_error
+from mikas.cli.parameter_types import HexBytes
+from mikas.cli.render.values import as_json, reference, shown_unit, shown_value, verdict
+from mikas.client import Reading
+from mikas.client.parameters import decode
+from mikas.i18n import Text
+
+
+@command(
+    "params",
+    Text(
+        "Lists every known parameter with its code, unit, formula, limits and errata, then the "
+        "derived channels. Needs no port.",
+        "Показывает все известные параметры: код, единицу, формулу, пределы, сомнительные места; "
+        "затем расчётные каналы. Порт не нужен.",
+    ),
+    examples=("mikas params", "mikas params --interpretation literal", "mikas params --json"),
+)
+def params(context: CommandContext) -> None:
+    catalog = context.catalog()
+    if context.output.json:
+        context.output.data(
+            {
+                "catalog": catalog.version,
+                "parameters": [
+                    _parameter_json(catalog, p, context.interpretation) for p in catalog.parameters
+                ],
+                "derived": [_derived_json(channel) for channel in catalog.derived.values()],
+            }
+        )
+        return
+    headers = [
+        tr("name", "имя"), tr("code", "код"), tr("bytes", "байт"), tr("formula", "формула"),
+        tr("unit", "ед."), tr("warm idle", "на ХХ"), tr("meaning", "параметр"), tr("notes", "см."),
+    ]  # fmt: skip
+    rows = [_parameter_row(p, context.interpretation) for p in catalog.parameters]
+    rows += [_derived_row(channel) for channel in catalog.derived.values()]
+    context.output.table(headers, rows, right="2")
+    used = sorted({name for p in catalog.parameters for name in p.errata})
+    for name in used:
+        erratum = catalog.errata[name]
+        context.output.note(f"{name}: {localized(erratum.title)}. {localized(erratum.reason)}")
+
+
+def _parameter_row(parameter: Parameter, interpretation: str) -> list[str]:
+    return [
+        parameter.name,
+        f"{parameter.code:02X}",
+        str(parameter.size),
+        parameter.formula(interpretation),
+        localized(parameter.interpretation(interpretation).unit_text),
+        reference(parameter),
+        localized(parameter.text),
+        " ".join(parameter.errata),
+    ]
+
+
+def _derived_row(channel: Derived) -> list[str]:
+    """Return a row; a computed channel has no code and no bytes."""
+    formula = f"∫ {channel.formula}" if channel.accumulates else channel.formula
+    unit, text = localized(channel.unit_text), localized(channel.text)
+    return [channel.name, "", "", formula, unit, "", text, ""]
+
+
+def _derived_json(channel: Derived) -> dict[str, Any]:
+    return {
+        "name": channel.name,
+        "unit": channel.unit,
+        "formula": channel.formula,
+        "constants": dict(channel.constants),
+        "inputs": channel.inputs,
+        "accumulates": channel.accumulates,
+        "text": {"en": channel.text.en, "ru": channel.text.ru},
+        "source": channel.source,
+        "confidence": channel.confidence,
+    }
+
+
+def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str) -> dict[str, Any]:
+    errata = [catalog.errata[name] for name in parameter.errata]
+    return {
+        "name": parameter.name,
+        "code": f"{parameter.code:02X}",
+        "size": parameter.size,
+        "unit": parameter.interpretation(interpretation).unit,
+        "formula": parameter.formula(interpretation),
+        "limits": parameter.limits(interpretation),
+        "plausible": parameter.plausible,
+        "reference": parameter.reference,
+        "text": {"en": parameter.text.en, "ru": parameter.text.ru},
+        "source": parameter.source,
+        "confidence": parameter.confidence,
+        "errata": [
+            {"name": e.name, "title": {"en": e.title.en, "ru": e.title.ru},
+             "reason": {"en": e.reason.en, "ru": e.reason.ru}}
+            for e in errata
+        ],
+    }  # fmt: skip
+
+
+@command(
+    "read",
+    Text(
+        "Reads each NAME once; with no name, every parameter that the unit knows. A raw code is "
+        "written 0x1A, or 0x3F:2 for two bytes.",
+        "Читает каждый параметр NAME один раз; без имён — все, которые знает блок. Код без имени "
+        "пишется 0x1A, двухбайтовый 0x3F:2.",
+    ),
+    examples=("mikas read", "mikas read TWAT FREQ UACC", "mikas read 0x3F:2 --json"),
+)
+@click.argument("names", metavar="[NAME]...", nargs=-1)
+def read(context: CommandContext, names: tuple[str, ...]) -> None:
+    with context.ecu() as ecu:
+        readings = ecu.read(*names)
+        missing = [p.name for p in ecu.catalog.parameters if p.name not in readings]
+    if context.output.json:
+        context.output.data({"readings": {name: as_json(r) for name, r in readings.items()}})
+    else:
+        headers = [
+            tr("name", "имя"), tr("value", "значение"), tr("unit", "ед."),
+            tr("raw", "байты"), tr("warm idle", "на ХХ"), tr("meaning", "параметр"),
+            tr("notes", "см."),
+        ]  # fmt: skip
+        context.output.table(
+            headers, [_reading_row(name, r) for name, r in readings.items()], right="1"
+        )
+        if any(r.parameter.errata for r in readings.values()):
+            context.say(
+                "Notes E1 … are explained by: mikas params", "Пояснения к E1 …: mikas params"
+            )
+    if missing and not names:
+        context.output.note(
+            tr("This unit does not know: ", "Этот блок не знает: ") + ", ".join(missing)
+        )
+
+
+def _reading_row(name: str, reading: Reading) -> list[str]:
+    return [
+        name,
+        shown_value(reading),
+        shown_unit(reading),
+        reading.raw.hex(" ").upper(),
+        verdict(reading),
+        localized(reading.parameter.text),
+        " ".join(reading.parameter.errata),
+    ]
+
+
+@command(
+    "write",
+    Text(
+        "Writes parameter NAME by its physical VALUE or by raw bytes (low byte first): asks "
+        "first, then reads it back.",
+        "Записывает в параметр NAME физическое значение VALUE или байты (младший первым): "
+        "спрашивает подтверждение, затем проверяет чтением.",
+    ),
+    examples=("mikas write UOZ 12.5", "mikas write INJ --raw 5802", "mikas write UOZ 12.5 --yes"),
+    context_settings={"ignore_unknown_options": True},
+)
+@click.argument("name", metavar="NAME")
+@click.argument("value", metavar="[VALUE]", required=False)
+@option(
+    "--raw",
+    type=HexBytes(),
+    metavar="HEX",
+    text=Text("raw bytes instead of VALUE", "байты вместо VALUE"),
+)
+@YES
+def write(
+    context: CommandContext, name: str, value: str | None, raw: bytes | None, *, yes: bool
+) -> None:
+    number = None if value is None else _number(value)
+    if (number is None) == (raw is None):
+        raise usage_error(
+            "Give either a VALUE or --raw HEX", "Нужно либо значение VALUE, либо --raw HEX"
+        )
+    meaning = partial(_meaning, context.catalog().parameter(name), context.interpretation)
+    with context.ecu(context.confirm(yes=yes, meaning=meaning)) as ecu:
+        written = ecu.write_parameter(name, number, raw=raw)
+    if context.output.json:
+        context.output.data(
+            {
+                "name": written.name,
+                "before": written.before and written.before.value,
+                "after": written.after and written.after.value,
+                "raw_before": written.before and written.before.raw,
+                "raw_after": written.after and written.after.raw,
+            }
+        )
+        return
+    context.output.line(f"{written.name}: {_shown(written.before)} → {_shown(written.after)}")
+
+
+def _number(text: str) -> float:
+    try:
+        number = float(text.replace(",", "."))
+    except ValueError:
+        raise usage_error(f"“{text}” is not a number", f"«{text}» — не число") from None
+    return int(number) if number.is_integer() else number
+
+
+def _meaning(parameter: Parameter, interpretation: str, hexed: str) -> str:
+    """`13.5 ° crank (1B)`."""
+    shown = _shown(decode(parameter, bytes.fromhex(hexed), 0.0, interpretation))
+    return f"{shown} ({hexed})"
+
+
+def _shown(reading: Reading | None) -> str:
+    if reading is None:
+        return tr("can't be read", "не читается")
+    return f"{shown_value(reading)} {shown_unit(reading)}".rstrip()
