@@ -82,7 +82,7 @@ def deliberate(monkeypatch):
             if step.name == "baud":
                 opened[0].gather(opened[0].now() + 3600)
 
-    monkeypatch.setattr("mikas.dashboard.session.diagnosis.examine", examined)
+    monkeypatch.setattr("mikas.dashboard.session.port_threads.examine", examined)
 
 
 def test_the_examination_is_drawn_step_by_step(deliberate, off, visitor):

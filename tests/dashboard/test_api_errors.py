@@ -7,10 +7,10 @@ import re
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
+from mikas.dashboard.api.catalog import Preset
 from mikas.dashboard.api.changes import WriteParameterRequest
 from mikas.dashboard.api.dumps import DumpRequest
 from mikas.dashboard.api.errors import validation_text
-from mikas.dashboard.api.presets import Preset
 
 
 def errors_of(kind, value):

@@ -187,7 +187,7 @@ def patient(monkeypatch):
             except LinkLost as error:
                 yield Step("ecu", False, error.text)
 
-    monkeypatch.setattr("mikas.dashboard.session.diagnosis.examine", examine)
+    monkeypatch.setattr("mikas.dashboard.session.port_threads.examine", examine)
 
 
 def test_a_doctor_that_is_stopped_lets_go_of_the_port_at_once(patient, idle):

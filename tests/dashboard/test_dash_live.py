@@ -11,8 +11,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from dashboard.rig import rig
-from mikas.dashboard.api.broadcaster import QUEUE, Listener, handle_request
-from mikas.dashboard.api.live import Broadcaster, _send
+from mikas.dashboard.api.live import QUEUE, Broadcaster, Listener, _send, handle_request
 from mikas.dashboard.api.state import state_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.security.control import Client

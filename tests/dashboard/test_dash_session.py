@@ -6,9 +6,8 @@ import pytest
 
 from mikas.dashboard.api.state import state_of
 from mikas.dashboard.dashboard import Dashboard
-from mikas.dashboard.session.diagnosis import Diagnosis
 from mikas.dashboard.session.fault_history import StoredFaults
-from mikas.dashboard.session.sampling_thread import SamplingThread
+from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
 from mikas.errors import LinkLost
 from mikas.link import open_link

@@ -10,11 +10,10 @@ import pytest
 
 from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import Busy
-from mikas.dashboard.session.connection import Connection
+from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.session.history import History
 from mikas.dashboard.session.manager import ConnectionManager
 from mikas.dashboard.session.monitor import ConnectionMonitor
-from mikas.dashboard.session.plan import SamplingPlanner
 from mikas.dashboard.settings import PlanSettings, Settings
 
 

@@ -77,7 +77,7 @@ def test_a_recording_is_summed_up_once(desk, folder, monkeypatch) -> None:
         seen.append(path.name)
         return summarise(path, catalog)
 
-    monkeypatch.setattr("mikas.dashboard.library.cache.summarise", counted)
+    monkeypatch.setattr("mikas.dashboard.library.service.summarise", counted)
     for _ in range(3):
         assert len(ids(desk)) == 2
     assert sorted(seen) == ["cold.pcapng", "drive.pcapng"]
@@ -212,16 +212,16 @@ def test_rows_that_make_no_sense(desk) -> None:
 
 
 def test_a_recording_is_opened_once_and_two_are_kept(desk, folder, monkeypatch) -> None:
-    from mikas.dashboard.library import cache
+    from mikas.dashboard.library import service
 
     opened = []
 
-    class Counted(cache.Recording):
+    class Counted(service.Recording):
         def __init__(self, path, *rest) -> None:
             opened.append(path.name)
             super().__init__(path, *rest)
 
-    monkeypatch.setattr(cache, "Recording", Counted)
+    monkeypatch.setattr(service, "Recording", Counted)
     shutil.copy(folder / "cold.pcapng", folder / "third.pcapng")
     for name in ("drive", "cold", "drive", "cold", "third", "cold", "third", "drive"):
         desk.get(f"/recordings/{name}.pcapng/rows", points=2)

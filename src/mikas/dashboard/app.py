@@ -61,10 +61,11 @@ def _routers() -> list[APIRouter]:
         connection,
         diagnosis,
         dumps,
+        exports,
         live,
         memory,
-        recording,
         recordings,
+        report,
         unit,
     )
 
@@ -77,8 +78,9 @@ def _routers() -> list[APIRouter]:
         memory.router,
         dumps.router,
         changes.router,
-        recording.router,
         recordings.router,
+        exports.router,
+        report.router,
         docs.router,
     ]
 

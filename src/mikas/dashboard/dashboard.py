@@ -19,20 +19,17 @@ from mikas.client import Info, Support
 from mikas.client.polling import FixedMethod
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.library.service import RecordingService
-from mikas.dashboard.security.confirmations import ConfirmationStore
+from mikas.dashboard.security.confirmations import ConfirmationStore, WriteApproval, WriteLock
 from mikas.dashboard.security.control import ControlLease
-from mikas.dashboard.security.write_lock import WriteApproval, WriteLock
 from mikas.dashboard.session.changes import UnitChanges
-from mikas.dashboard.session.connection import Connection
-from mikas.dashboard.session.diagnosis import Diagnosis
+from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.session.dump_jobs import DumpJobs
 from mikas.dashboard.session.fault_history import FaultHistory
 from mikas.dashboard.session.history import History
 from mikas.dashboard.session.manager import ConnectionManager
 from mikas.dashboard.session.monitor import DIAGNOSIS, RECONNECTED, ConnectionMonitor
-from mikas.dashboard.session.plan import SamplingPlanner
+from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread
 from mikas.dashboard.session.recorder import SessionRecorder
-from mikas.dashboard.session.sampling_thread import SamplingThread
 from mikas.dashboard.settings import PortSettings, Settings
 from mikas.errors import MikasError
 from mikas.i18n import Text

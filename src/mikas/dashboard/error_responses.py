@@ -13,6 +13,7 @@ from hashlib import sha256
 from html import escape
 from typing import Any
 
+from pydantic import BaseModel, Field
 from starlette.responses import HTMLResponse, JSONResponse, Response
 
 from mikas.dashboard.advice import ADVICE
@@ -50,6 +51,22 @@ _HEAD = (
 )
 
 
+class ErrorBody(BaseModel):
+    """The error, the bytes on the wire, and advice."""
+
+    code: str = Field(examples=["EchoOnly"])
+    en: str
+    ru: str
+    sent: str | None = None
+    received: str | None = None
+
+
+class ErrorResponse(BaseModel):
+    """Every response of 400 and above."""
+
+    error: ErrorBody
+
+
 def status_of(error: MikasError) -> int:
     """Return the HTTP status for `error`."""
     if isinstance(error, ApiRefusal):
@@ -57,16 +74,16 @@ def status_of(error: MikasError) -> int:
     return next((status for branch, status in _STATUSES if isinstance(error, branch)), 500)
 
 
-def body_of(error: MikasError) -> dict[str, Any]:
-    """Return `error` as the value of "error" in a response, or in an event."""
+def body_of(error: MikasError) -> ErrorBody:
+    """Return the model of `error`."""
     text = ADVICE.text(error)
-    return {
-        "code": type(error).__name__,
-        "en": text.en,
-        "ru": text.ru,
-        "sent": hex_or_none(error.request),
-        "received": hex_or_none(error.received),
-    }
+    return ErrorBody(
+        code=type(error).__name__,
+        en=text.en,
+        ru=text.ru,
+        sent=hex_or_none(error.request),
+        received=hex_or_none(error.received),
+    )
 
 
 def hex_or_none(data: bytes | None) -> str | None:
@@ -76,7 +93,7 @@ def hex_or_none(data: bytes | None) -> str | None:
 
 def json_response(error: MikasError) -> JSONResponse:
     """Return the whole JSON response for `error`."""
-    return JSONResponse({"error": body_of(error)}, status_of(error))
+    return JSONResponse(ErrorResponse(error=body_of(error)).model_dump(), status_of(error))
 
 
 def refusal_response(error: ApiRefusal, scope: Mapping[str, Any]) -> Response:

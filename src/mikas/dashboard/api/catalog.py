@@ -1,35 +1,48 @@
-"""What a client asks first: who this is, the channels with all that is known of them, presets,
-the past of the running connection.
+"""Routes of the data that a client requests first: the server, the channels, presets, history.
+
+Presets are pages of tiles: those that come with the program, and the user's own.
 """
 
 from __future__ import annotations
 
 import io
+import json
+import tomllib
+from functools import cache
 from importlib.metadata import version
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import Annotated, Final, Literal
 
 from fastapi import APIRouter, Query, Request
-from fastapi.responses import Response
-from pydantic import BaseModel, Field
+from fastapi.responses import JSONResponse, Response
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter
-from mikas.dashboard.api import presets as stored
-from mikas.dashboard.api.broadcaster import dumps
-from mikas.dashboard.api.dependencies import KnownClient, TheDashboard, Viewer
-from mikas.dashboard.api.errors import TwoTexts, errors, two
+from mikas.dashboard.api.dependencies import (
+    KnownClient,
+    Names,
+    TheDashboard,
+    Viewer,
+    split_names,
+)
+from mikas.dashboard.api.errors import TwoTexts, content, errors, two
 from mikas.dashboard.api.messages import LiveEvent
-from mikas.dashboard.api.presets import Preset
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.session.event_log import page_json
 from mikas.dashboard.session.history import json_columns
+from mikas.errors import UsageError, reason_at
 from mikas.recording.table.decimation import decimated
 
 router = APIRouter(tags=["about"])
 
+_SHIPPED: Final = Path(__file__).with_name("presets.toml")
+_SVG: Final = content("image/svg+xml", "the image")
+_ChannelName = Annotated[str, Field(min_length=1, max_length=40)]
+
 
 class AboutResponse(BaseModel):
-    """Who this is. `lan_url` has the token in it, and is told to those with full rights only."""
+    """The server. `lan_url` contains the token; null for clients without control rights."""
 
     version: str
     rights: Literal["control", "view"]
@@ -41,7 +54,9 @@ class AboutResponse(BaseModel):
 
 
 class ChannelLimits(BaseModel):
-    """Beyond them is an alarm."""
+    """The limits of a channel; a value beyond one is an alarm."""
+
+    model_config = ConfigDict(from_attributes=True)
 
     danger_low: float | None
     warning_low: float | None
@@ -50,14 +65,15 @@ class ChannelLimits(BaseModel):
 
 
 class LampTexts(BaseModel):
-    """What stands on a flag's lamp."""
+    """The texts of a flag's lamp."""
 
+    model_config = ConfigDict(from_attributes=True)
     on: TwoTexts
     off: TwoTexts
 
 
 class ChannelErratum(BaseModel):
-    """A doubtful place of the source that bears on this channel."""
+    """An erratum of the source that concerns this channel."""
 
     id: str
     text: TwoTexts
@@ -86,8 +102,28 @@ class ChannelInfo(BaseModel):
     writable: bool
 
 
+class Tile(BaseModel):
+    """One tile. `names`: its channels; none: a table of all channels."""
+
+    kind: Literal["gauge", "number", "lamp", "strip", "table"]
+    names: list[_ChannelName] = Field(max_length=100)
+    span: int = Field(1, ge=1, le=3)
+
+
+class Preset(BaseModel):
+    """One page of tiles."""
+
+    id: str = Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")
+    name: TwoTexts
+    shipped: bool = False
+    tiles: list[Tile] = Field(max_length=200)
+
+
+_Presets: Final = TypeAdapter(list[Preset])
+
+
 class CatalogResponse(BaseModel):
-    """Everything that can be shown, and the presets that come with the program."""
+    """All channels, and the presets that come with the program."""
 
     version: str
     parameters: list[ChannelInfo]
@@ -96,13 +132,13 @@ class CatalogResponse(BaseModel):
 
 
 class PresetList(BaseModel):
-    """The user's own."""
+    """The user's own presets."""
 
     presets: list[Preset] = Field(max_length=100)
 
 
 class HistoryResponse(BaseModel):
-    """Columns over time as in live data, and what happened. null: not fresh in that row."""
+    """Columns over time and events, as in live data; null: no new value in that row."""
 
     names: list[str]
     times: list[float]
@@ -112,7 +148,7 @@ class HistoryResponse(BaseModel):
 
 @router.get("/about", responses=errors())
 def about(request: Request, dashboard: TheDashboard, client: Viewer) -> AboutResponse:
-    """Who this is."""
+    """Return the server's version, addresses and folder, and the client's rights."""
     access: Access = request.app.state.access
     return AboutResponse(
         version=version("mikas"),
@@ -125,13 +161,9 @@ def about(request: Request, dashboard: TheDashboard, client: Viewer) -> AboutRes
     )
 
 
-@router.get(
-    "/about/qr.svg",
-    response_class=Response,
-    responses={**errors(404), 200: {"content": {"image/svg+xml": {}}}},
-)
+@router.get("/about/qr.svg", response_class=Response, responses=errors(404) | _SVG)
 def qr(request: Request, client: Viewer) -> Response:
-    """The link for others in the network as a QR code."""
+    """Return the link for other computers in the network as a QR code."""
     import segno
 
     access: Access = request.app.state.access
@@ -144,26 +176,38 @@ def qr(request: Request, client: Viewer) -> Response:
 
 @router.get("/catalog", responses=errors())
 def catalog(dashboard: TheDashboard) -> CatalogResponse:
-    """Every channel."""
+    """Return every channel."""
     known = dashboard.catalog
     return CatalogResponse(
         version=known.version,
-        parameters=[_channel(known, it) for it in known.parameters],
-        derived=[_channel(known, it) for it in known.derived.values()],
-        presets=list(stored.shipped()),
+        parameters=[_channel(known, parameter) for parameter in known.parameters],
+        derived=[_channel(known, derived) for derived in known.derived.values()],
+        presets=list(_shipped_presets()),
     )
 
 
 @router.get("/presets", responses=errors())
 def presets(dashboard: TheDashboard) -> PresetList:
-    """The user's own presets."""
-    return PresetList(presets=stored.own(dashboard.settings.presets))
+    """Return the user's own presets; none if their file can't be read."""
+    try:
+        stored = _Presets.validate_json(dashboard.settings.presets.read_bytes())
+    except (OSError, ValidationError):
+        stored = []
+    return PresetList(presets=stored)
 
 
 @router.put("/presets", responses=errors())
-def keep_presets(dashboard: TheDashboard, _: KnownClient, body: PresetList) -> PresetList:
-    """Keeps the user's presets, instead of those that were there."""
-    stored.keep(dashboard.settings.presets, body.presets)
+def write_presets(dashboard: TheDashboard, _: KnownClient, body: PresetList) -> PresetList:
+    """Replace the user's presets, all or none."""
+    file = dashboard.settings.presets
+    content = [{**preset.model_dump(), "shipped": False} for preset in body.presets]
+    fresh = file.with_suffix(".new")
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        fresh.write_text(json.dumps(content, ensure_ascii=False, indent=1), "utf-8")
+        fresh.replace(file)
+    except OSError as error:
+        raise UsageError(problem=reason_at(file, error)) from error
     return presets(dashboard)
 
 
@@ -172,47 +216,45 @@ def history(
     dashboard: TheDashboard,
     seconds: Annotated[float, Query(gt=0, le=86400)] = 900,
     points: Annotated[int, Query(ge=2, le=20000)] = 2000,
-    names: Annotated[str | None, Query(max_length=4000, description="A,B; all")] = None,
+    names: Names = None,
 ) -> Response:
-    """The last `seconds`, decimated by each column's minimum and maximum so that spikes stay."""
-    wanted = [name for name in names.split(",") if name] if names is not None else None
-    rows = dashboard.history.rows(seconds, wanted)
+    """Return the last `seconds`, decimated by each column's minimum and maximum to keep spikes."""
+    rows = dashboard.history.rows(seconds, split_names(names))
     since = (rows.times[-1] if len(rows.times) else dashboard.connection.now()) - seconds
     events = [page_json(event) for event in dashboard.monitor.events if event.time >= since]
-    shown = json_columns(decimated(rows, points))
-    return Response(dumps({**shown, "events": events}), media_type="application/json")
+    return JSONResponse(json_columns(decimated(rows, points)) | {"events": events})
 
 
-def _channel(known: Catalog, it: Parameter | Derived) -> ChannelInfo:
-    limits, parameter = it.alarm_limits, it if isinstance(it, Parameter) else None
-    lamp = parameter.lamp if parameter else None
+@cache
+def _shipped_presets() -> tuple[Preset, ...]:
+    """Return the presets that come with the program."""
+    stored = tomllib.loads(_SHIPPED.read_text("utf-8"))["preset"]
+    return tuple(Preset(**{**preset, "shipped": True}) for preset in stored)
+
+
+def _channel(known: Catalog, channel: Parameter | Derived) -> ChannelInfo:
+    parameter = channel if isinstance(channel, Parameter) else None
+    limits, lamp = channel.alarm_limits, parameter.lamp if parameter else None
     return ChannelInfo(
-        name=it.name,
+        name=channel.name,
         derived=parameter is None,
-        flag=it.is_flag,
+        flag=channel.is_flag,
         code=parameter.code if parameter else None,
         size=parameter.size if parameter else None,
-        unit=two(it.unit_text),
-        text=two(it.text),
-        decimals=it.decimals,
-        formula=it.formula() if isinstance(it, Parameter) else it.formula,
+        unit=two(channel.unit_text),
+        text=two(channel.text),
+        decimals=channel.decimals,
+        formula=channel.formula() if isinstance(channel, Parameter) else channel.formula,
         range=parameter.range if parameter else None,
         reference=parameter.reference if parameter else None,
-        limits=ChannelLimits(
-            danger_low=limits.danger_low,
-            warning_low=limits.warning_low,
-            warning_high=limits.warning_high,
-            danger_high=limits.danger_high,
-        )
-        if limits is not None and limits.for_number
-        else None,
-        lamp=LampTexts(on=two(lamp.on), off=two(lamp.off)) if lamp else None,
+        limits=ChannelLimits.model_validate(limits) if limits and limits.for_number else None,
+        lamp=LampTexts.model_validate(lamp) if lamp else None,
         alarm_when_true=limits.when_true if limits else Level.NONE,
-        inputs=None if isinstance(it, Parameter) else list(it.inputs),
+        inputs=None if isinstance(channel, Parameter) else list(channel.inputs),
         errata=[
             ChannelErratum(id=name, text=two(known.errata[name].reason))
             for name in (parameter.errata if parameter else ())
         ],
-        confidence=it.confidence,
+        confidence=channel.confidence,
         writable=parameter is not None and not parameter.is_flag,
     )

@@ -1,4 +1,4 @@
-"""What routes get: the dashboard, the client and its rights, the ports it may name.
+"""Dependencies of routes: the dashboard, the client and its rights, the ports it may name.
 
     @router.post("/connect")
     async def connect(dashboard: TheDashboard, _: Controller) -> State: ...
@@ -14,15 +14,15 @@ from collections.abc import AsyncIterator
 from typing import Annotated
 from urllib.parse import unquote
 
-from fastapi import Depends, Header, Request
+from fastapi import Depends, Header, Query, Request
 from fastapi.exceptions import RequestValidationError
 
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import status_of
 from mikas.dashboard.errors import BadRequest, NotAllowed
 from mikas.dashboard.library.service import RecordingService
+from mikas.dashboard.security.access import PortPolicy
 from mikas.dashboard.security.control import Client
-from mikas.dashboard.security.ports import PortPolicy
 from mikas.errors import MikasError
 from mikas.i18n import Text
 
@@ -42,6 +42,13 @@ ClientName = Annotated[
     str | None,
     Header(alias="X-Mikas-Name", description="the client's name for people, URI-encoded"),
 ]
+
+Names = Annotated[str | None, Query(max_length=4000, description="A,B; all")]
+
+
+def split_names(names: str | None) -> list[str] | None:
+    """Return the names in `A,B`; None: all."""
+    return None if names is None else [name for name in names.split(",") if name]
 
 
 def client_of(identity: str | None, name: str | None, *, may_control: bool) -> Client:

@@ -20,8 +20,8 @@ from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import Busy
-from mikas.dashboard.session.diagnosis import Diagnosis
 from mikas.dashboard.session.manager import CHANGING
+from mikas.dashboard.session.port_threads import Diagnosis
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.link.urls import parse

@@ -19,9 +19,9 @@ from mikas.client.dumps import Difference, Manifest, differences
 from mikas.client.memory import last_of
 from mikas.commands.base import check_range
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
-from mikas.dashboard.api.errors import ErrorBody, errors
+from mikas.dashboard.api.errors import content, errors
 from mikas.dashboard.api.memory import Space
-from mikas.dashboard.error_responses import body_of
+from mikas.dashboard.error_responses import ErrorBody, body_of
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.session.dump_jobs import DumpJob
 
@@ -137,7 +137,7 @@ async def resume(dashboard: TheDashboard, _: Controller, id: DumpId) -> DumpResp
 @router.get(
     "/dumps/{id}/file",
     response_class=Response,
-    responses={**errors(404), 200: {"content": {"application/octet-stream": {}}}},
+    responses=errors(404) | content("application/octet-stream", "the bytes read so far"),
 )
 def file(dashboard: TheDashboard, id: DumpId) -> Response:  # noqa: A002  (the API's name)
     """Return the bytes read so far."""
@@ -197,7 +197,7 @@ def _response(job: DumpJob) -> DumpResponse:
         speed=round(speed, 1),
         left=None if left is None else round(left, 1),
         blocks=_map(job),
-        error=ErrorBody(**body_of(job.error)) if job.error else None,
+        error=body_of(job.error) if job.error else None,
         file=job.file.name,
         differences=manifest.differences,
     )

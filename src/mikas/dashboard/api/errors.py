@@ -1,4 +1,4 @@
-"""Error responses of the routes: their models, descriptions and handlers.
+"""Error responses of the routes: their descriptions, and the handlers of exceptions.
 
 The texts of validation errors are in both languages; pydantic's own are English only.
 """
@@ -12,10 +12,10 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, ConfigDict
 from starlette.exceptions import HTTPException
 
-from mikas.dashboard.error_responses import json_response
+from mikas.dashboard.error_responses import ErrorResponse, json_response
 from mikas.dashboard.errors import BadRequest, InternalError, NotFound
 from mikas.errors import MikasError
 from mikas.i18n import Text
@@ -26,24 +26,9 @@ _log = logging.getLogger("mikas.dashboard")
 class TwoTexts(BaseModel):
     """The same sentence in both languages."""
 
+    model_config = ConfigDict(from_attributes=True)
     en: str
     ru: str
-
-
-class ErrorBody(BaseModel):
-    """The error, the bytes on the wire, and advice."""
-
-    code: str = Field(examples=["EchoOnly"])
-    en: str
-    ru: str
-    sent: str | None = None
-    received: str | None = None
-
-
-class ErrorResponse(BaseModel):
-    """Every response of 400 and above."""
-
-    error: ErrorBody
 
 
 _DESCRIPTIONS = {
@@ -66,6 +51,11 @@ def errors(*statuses: int) -> dict[int | str, dict[str, Any]]:
         status: {"model": ErrorResponse, "description": _DESCRIPTIONS[status]}
         for status in sorted({*every, *statuses})
     }
+
+
+def content(media_type: str, description: str) -> dict[int | str, dict[str, Any]]:
+    """Return the part of a route's `responses` for a file."""
+    return {200: {"content": {media_type: {}}, "description": description}}
 
 
 def two(text: Text) -> TwoTexts:

@@ -1,7 +1,7 @@
-"""Routes of recordings as files: the capture itself, other programs' formats, a report.
+"""Routes of recordings as files: the capture itself, and the formats of other programs.
 
-Exports and reports run in a thread, one at a time, so that sampling keeps its share of the
-computer. The result is a temporary file, deleted once it is sent or the client is gone.
+Exports run in a thread, one at a time, so that sampling keeps its share of the computer. The result
+is a temporary file, deleted once it is sent or the client has disconnected.
 """
 
 from __future__ import annotations
@@ -9,23 +9,20 @@ from __future__ import annotations
 import asyncio
 import shutil
 import tempfile
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from typing import Annotated, Final, Literal
 from urllib.parse import quote
 
 from fastapi import APIRouter, Query
 from fastapi.responses import FileResponse, Response, StreamingResponse
 from starlette.types import Receive, Scope, Send
 
-from mikas.dashboard.api.dependencies import TheLibrary
-from mikas.dashboard.api.errors import errors
+from mikas.dashboard.api.dependencies import Names, TheLibrary, split_names
+from mikas.dashboard.api.errors import content, errors
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
 from mikas.i18n import Language
-
-if TYPE_CHECKING:
-    from mikas.report.findings import Findings
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
 
@@ -39,15 +36,11 @@ _TYPES: Final = {
 }
 _CAPTURE: Final = "application/x-pcapng"
 _CHUNK: Final = 1 << 16
-_Described = dict[int | str, dict[str, Any]]
-_FILE: Final[_Described] = {
-    200: {"content": {"application/octet-stream": {}}, "description": "the file"}
-}
-HTML: Final[_Described] = {200: {"content": {"text/html": {}}, "description": "the page"}}
+_FILE: Final = content("application/octet-stream", "the file")
 
 
 class _Temporary(FileResponse):
-    """A file whose folder goes away with the answer, however that ends."""
+    """A file whose folder is deleted after the response, also a failed one."""
 
     def __init__(self, path: Path, **settings: str) -> None:
         super().__init__(path, **settings)  # type: ignore[arg-type]  # as FileResponse takes them
@@ -60,35 +53,35 @@ class _Temporary(FileResponse):
             await asyncio.shield(asyncio.to_thread(_remove, self._folder))
 
 
-@router.get("/{identity}/file", response_class=Response, responses={**errors(404), **_FILE})
+@router.get("/{identity}/file", response_class=Response, responses=errors(404) | _FILE)
 def file(library: TheLibrary, identity: str) -> Response:
-    """The recording itself (.pcapng); of one that is being made, what there is of it."""
-    it = library.folder.one(identity)
-    if not library.is_growing(it):
-        return FileResponse(it.path, media_type=_CAPTURE, filename=it.id)
-    headers = {"Content-Length": str(it.bytes), "Content-Disposition": attachment(it.id)}
-    return StreamingResponse(_beginning(it), media_type=_CAPTURE, headers=headers)
+    """Return the recording itself (.pcapng); of one in progress, the part written so far."""
+    found = library.folder.one(identity)
+    if not library.is_growing(found):
+        return FileResponse(found.path, media_type=_CAPTURE, filename=found.id)
+    headers = {"Content-Length": str(found.bytes), "Content-Disposition": attachment(found.id)}
+    return StreamingResponse(_written_part(found), media_type=_CAPTURE, headers=headers)
 
 
-@router.get("/{identity}/export", response_class=Response, responses={**errors(404, 409), **_FILE})
+@router.get("/{identity}/export", response_class=Response, responses=errors(404, 409) | _FILE)
 async def export(
     library: TheLibrary,
     identity: str,
     *,
     format: Annotated[Format, Query()] = "csv",  # noqa: A002  (the contract's word)
-    names: Annotated[str | None, Query(max_length=4000, description="A,B; all")] = None,
+    names: Names = None,
     dialect: Annotated[Literal["plain", "excel"], Query(description="of a CSV")] = "plain",
     lang: Language = "en",
 ) -> Response:
-    """The recording as a table for other programs."""
-    it = await asyncio.to_thread(library.folder.one, identity)
-    wanted = tuple(name for name in (names or "").split(",") if name)
+    """Return the recording as a table for other programs."""
+    source = await asyncio.to_thread(library.folder.one, identity)
+    wanted = tuple(split_names(names) or ())
     folder = Path(await asyncio.to_thread(tempfile.mkdtemp, prefix="mikas-export-"))
     kind = "-excel" if (format, dialect) == ("csv", "excel") else ""
-    out = folder / f"{it.path.stem}{kind}.{format}"
+    out = folder / f"{source.path.stem}{kind}.{format}"
     try:
         await library.run_alone(
-            lambda: _export(library, it, out, names=wanted, dialect=dialect, language=lang)
+            lambda: _export(library, source, out, names=wanted, dialect=dialect, language=lang)
         )
     except BaseException:
         await asyncio.shield(asyncio.to_thread(_remove, folder))
@@ -96,54 +89,14 @@ async def export(
     return _Temporary(out, media_type=_TYPES[format], filename=out.name)
 
 
-@router.get("/{identity}/report", response_class=Response, responses={**errors(404, 409), **HTML})
-async def report(
-    library: TheLibrary, identity: str, lang: Language = "en", inline: bool = False
-) -> Response:
-    """A page on the car, made of the recording; to be kept, or `inline` to be looked at."""
-    it = await asyncio.to_thread(library.folder.one, identity)
-    page = await library.run_alone(lambda: _report(lambda: _of_recording(library, it), lang))
-    return page_answer(page, f"{it.path.stem}.html", inline=inline)
-
-
-def page_answer(page: str, name: str, *, inline: bool) -> Response:
-    """A report as an answer: with the policy that it needs, and no more rights than paper has.
-
-    `inline`: our own page may show it in a frame, and print it from there. Scripts run in neither.
-    """
-    from mikas.report.page import policy
-
-    framing = "frame-ancestors 'none'; sandbox"
-    headers = {}
-    if inline:
-        framing = "frame-ancestors 'self'; sandbox allow-same-origin allow-modals"
-        headers["X-Frame-Options"] = "SAMEORIGIN"
-    else:
-        headers["Content-Disposition"] = attachment(name)
-    headers["Content-Security-Policy"] = f"{policy()}; {framing}"
-    return Response(page, media_type="text/html", headers=headers)
-
-
 def attachment(name: str) -> str:
-    """The header that makes a browser keep the answer under `name`."""
+    """Return the header that makes a browser save the response as `name`."""
     return f"attachment; filename*=UTF-8''{quote(name, safe='')}"
-
-
-def _of_recording(library: RecordingService, it: RecordingFile) -> Findings:
-    from mikas.report.from_recording import of_recording
-
-    return of_recording(it.path, library.catalog)
-
-
-def _report(make: Callable[[], Findings], language: Language) -> str:
-    from mikas.report.page import render
-
-    return render(make(), language)
 
 
 def _export(
     library: RecordingService,
-    it: RecordingFile,
+    source: RecordingFile,
     out: Path,
     *,
     names: tuple[str, ...],
@@ -154,7 +107,7 @@ def _export(
     from mikas.recording.export import export as write
     from mikas.recording.recording import Recording
 
-    recording = Recording(it.path, library.catalog, library.interpretation, names)
+    recording = Recording(source.path, library.catalog, library.interpretation, names)
     write(
         out,
         recording.channels,
@@ -166,10 +119,10 @@ def _export(
     )
 
 
-async def _beginning(it: RecordingFile) -> AsyncIterator[bytes]:
-    """As many bytes as the file had when it was found; it grows meanwhile."""
-    left = it.bytes
-    with await asyncio.to_thread(it.path.open, "rb") as opened:
+async def _written_part(file: RecordingFile) -> AsyncIterator[bytes]:
+    """Yield as many bytes as the file had when it was found; it grows meanwhile."""
+    left = file.bytes
+    with await asyncio.to_thread(file.path.open, "rb") as opened:
         while left:
             data = await asyncio.to_thread(opened.read, min(left, _CHUNK))
             if not data:

@@ -1,14 +1,14 @@
-"""Live data: a WebSocket a client, one message for all that came since the last, 19 a second at
-most: one goes out as soon as something comes, if the last is long enough ago.
+"""Live data: a WebSocket for each client, at most 19 messages a second with all that is new.
 
-The text of what all clients share is made once. Each has a queue of half a second; one that is too
-slow loses whole messages, the oldest first, and is told how many. Nothing here reaches back to the
-sampling: it never waits for anybody who looks.
+A message is sent at once if the one before is old enough. The text that all clients share is made
+once. Each client has a queue of half a second; a slow one loses whole messages, the oldest first,
+and the next message counts them. Sampling never waits for a client.
 """
 
 from __future__ import annotations
 
 import asyncio
+import json
 import logging
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -17,12 +17,12 @@ from typing import Any
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
-from mikas.dashboard.api.broadcaster import Fields, Listener, dumps, handle_request
 from mikas.dashboard.api.dependencies import client_of
 from mikas.dashboard.api.state import OWN, holder_of, state_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import json_response
 from mikas.dashboard.errors import ApiRefusal
+from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.event_log import page_json
 from mikas.dashboard.session.monitor import Row
 
@@ -30,18 +30,88 @@ _log = logging.getLogger("mikas.dashboard")
 
 PERIOD = 0.0525  # s between messages at least
 SPACING = 0.05  # for each client, so that a backlog shrinks
-STATE_EVERY = 0.5  # s, if only numbers in it move
-_MOST_CLIENTS = 32
-_MOST_A_SECOND = 30
-_PATIENCE = 30.0  # s that one message may take
+STATE_EVERY = 0.5  # s, if only numbers in it change
+QUEUE = 10
+_MAX_MESSAGE = 4096
+_MAX_FIELDS = 200
+_MAX_CLIENTS = 32
+_MAX_PER_SECOND = 30
+_SEND_TIMEOUT = 30.0  # s that one message may take
 _POLICY_VIOLATION, _TRY_LATER = 1008, 1013
 
+Fields = frozenset[str] | None
 
 router = APIRouter()
 
 
+def dumps(value: object) -> str:
+    """Return compact JSON."""
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+
+
+class Listener:
+    """One WebSocket: its columns (None: all), its queue, and the count of messages it lost."""
+
+    def __init__(self, client: Client) -> None:
+        self.client = client
+        self.fields: Fields = None
+        self.waiting: deque[str] = deque()
+        self.wake = asyncio.Event()
+        self.dropped = 0
+        self.pong: str | None = None
+        self.state_sent = 0
+        self._sequence = 0
+
+    def offer(self, tail: str) -> None:
+        """Queue a message; a full queue loses its oldest one."""
+        if len(self.waiting) >= QUEUE:
+            self.waiting.popleft()
+            self.dropped += 1
+        self.waiting.append(tail)
+        self.wake.set()
+
+    def next(self, now: float, own: str, shared: tuple[int, str]) -> str:
+        """Return the next message, with the state if this client has not received it."""
+        self._sequence += 1
+        text = f'{{"seq":{self._sequence},"now":{now:.3f},"dropped":{self.dropped}'
+        self.dropped = 0
+        number, state = shared
+        if number != self.state_sent:
+            self.state_sent = number
+            text += f',"state":{{{state},{own}}}'
+        if self.pong is not None:
+            text += f',"pong":{self.pong}'
+            self.pong = None
+        return f"{text}{self.waiting.popleft()}}}"
+
+
+def handle_request(listener: Listener, text: str | None) -> bool:
+    """Handle a message of the client; return False for an invalid one."""
+    if text is None or len(text) > _MAX_MESSAGE:
+        return False
+    try:
+        body = json.loads(text)
+    except (ValueError, RecursionError):
+        return False
+    match body:
+        case {"ping": int() | float() | str() as ping, **rest} if not rest:
+            try:
+                listener.pong = dumps(ping)
+            except ValueError:
+                return False
+        case {"fields": None, **rest} if not rest:
+            listener.fields = None
+        case {"fields": list() as fields, **rest} if not rest:
+            if len(fields) > _MAX_FIELDS or not all(isinstance(name, str) for name in fields):
+                return False
+            listener.fields = frozenset(fields)
+        case _:
+            return False
+    return True
+
+
 class Broadcaster:
-    """Drains the connection monitor for all listeners, as long as there is one."""
+    """Drains the connection monitor for all listeners, while there are any."""
 
     def __init__(self, dashboard: Dashboard) -> None:
         self._dashboard = dashboard
@@ -52,11 +122,11 @@ class Broadcaster:
 
     @property
     def full(self) -> bool:
-        """Whether there is no place for another."""
-        return len(self._listeners) >= _MOST_CLIENTS
+        """Whether the number of clients is at its maximum."""
+        return len(self._listeners) >= _MAX_CLIENTS
 
     def join(self, listener: Listener) -> None:
-        """From now on it gets what comes."""
+        """Add a listener."""
         self._new_state()
         self._listeners.add(listener)
         self._dashboard.control.socket_opened(listener.client)
@@ -66,7 +136,7 @@ class Broadcaster:
             self._task = asyncio.create_task(self._run())
 
     def leave(self, listener: Listener) -> None:
-        """No more; with the last one the work ends."""
+        """Remove a listener; the task ends with the last one."""
         self._listeners.discard(listener)
         self._dashboard.control.socket_closed(listener.client)
         if not self._listeners and self._task is not None:
@@ -76,7 +146,7 @@ class Broadcaster:
             self._dashboard.monitor.drain()
 
     def message(self, listener: Listener) -> str:
-        """What waits for `listener`, with what is its own of the state."""
+        """Return the next message of `listener`, with its own part of the state."""
         client = listener.client
         holder = holder_of(self._dashboard, client)
         own = dumps(
@@ -90,28 +160,27 @@ class Broadcaster:
         return listener.next(self._dashboard.connection.now(), own[1:-1], self._state)
 
     def poke(self) -> None:
-        """Somebody waits for an answer."""
+        """Wake the task: a client waits for a response."""
         self._dashboard.monitor.wake()
 
     async def _run(self) -> None:
-        loop, something = asyncio.get_running_loop(), asyncio.Event()
-        monitor, good = self._dashboard.monitor, True
+        loop, news, failed = asyncio.get_running_loop(), asyncio.Event(), False
+        monitor = self._dashboard.monitor
         while True:
             await asyncio.sleep(PERIOD)
-            something.clear()
-            if monitor.wait(lambda: loop.call_soon_threadsafe(something.set)):
+            news.clear()
+            if monitor.wait(lambda: loop.call_soon_threadsafe(news.set)):
                 with suppress(TimeoutError):
                     # Not wait_for: before Python 3.12 it may swallow a cancellation.
                     async with asyncio.timeout(STATE_EVERY):
-                        await something.wait()
-            before = good
+                        await news.wait()
             try:
                 self._tick()
-                good = True
-            except Exception as bug:  # whatever it is: what comes next is told to all
-                good = False
-                if before:  # not each time, if it is there to stay
+                failed = False
+            except Exception as bug:  # any: the next messages are sent all the same
+                if not failed:  # once, if it repeats
                     _log.error("a bug in the live data", exc_info=bug)
+                failed = True
 
     def _tick(self) -> None:
         dashboard = self._dashboard
@@ -160,7 +229,7 @@ def _plain(value: float | None) -> float | int | None:
 
 @router.websocket("/live")
 async def live(socket: WebSocket, client: str = "", name: str = "") -> None:
-    """Live data; docs/api.md has the messages."""
+    """Send live data; docs/api.md describes the messages."""
     broadcaster: Broadcaster = socket.app.state.broadcaster
     try:
         may_control = socket.scope["state"]["rights"] == "control"
@@ -190,25 +259,25 @@ async def _send(socket: WebSocket, listener: Listener, broadcaster: Broadcaster)
             listener.wake.clear()
             while listener.waiting:
                 text = broadcaster.message(listener)
-                async with asyncio.timeout(_PATIENCE):
+                async with asyncio.timeout(_SEND_TIMEOUT):
                     await socket.send_text(text)
                 await asyncio.sleep(SPACING)
     except TimeoutError:
         await socket.close(_TRY_LATER)
     except (WebSocketDisconnect, RuntimeError):
-        return  # it is gone; whoever receives finds out too
+        return  # disconnected; `_receive` ends, too
 
 
 async def _receive(socket: WebSocket, listener: Listener, broadcaster: Broadcaster) -> None:
     loop = asyncio.get_running_loop()
-    came: deque[float] = deque(maxlen=_MOST_A_SECOND)
+    times: deque[float] = deque(maxlen=_MAX_PER_SECOND)
     while True:
         message = await socket.receive()
         if message["type"] == "websocket.disconnect":
             return
         now = loop.time()
-        flood = len(came) == _MOST_A_SECOND and now - came[0] < 1
-        came.append(now)
+        flood = len(times) == _MAX_PER_SECOND and now - times[0] < 1
+        times.append(now)
         if flood or not handle_request(listener, message.get("text")):
             await socket.close(_POLICY_VIOLATION)
             return

@@ -1,7 +1,7 @@
-"""Routes of recordings: the list, one recording, any window of its rows, its note.
+"""Routes of recordings: start and stop one, the list, one recording, its rows, its comment.
 
-A recording is named by its file's name in the folder; nothing else can be reached. Reading takes
-threads, never the event loop's time.
+The id of a recording is the name of its file in the folder; no other file is accessible. Files are
+read in threads, not in the event loop.
 """
 
 from __future__ import annotations
@@ -9,15 +9,21 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
-from fastapi.responses import Response
+from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
 
 from mikas.dashboard.advice import ADVICE
-from mikas.dashboard.api import exports, report
-from mikas.dashboard.api.broadcaster import dumps
-from mikas.dashboard.api.dependencies import KnownClient, TheDashboard, TheLibrary
+from mikas.dashboard.api.dependencies import (
+    Controller,
+    KnownClient,
+    Names,
+    TheDashboard,
+    TheLibrary,
+    split_names,
+)
 from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
 from mikas.dashboard.api.messages import RecordedEvent
+from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.session.history import json_columns
@@ -32,12 +38,42 @@ from mikas.sampling.events import MethodChosen
 router = APIRouter(tags=["recordings"])
 
 
+class StartRecordingRequest(BaseModel):
+    """`name` null: the date and time."""
+
+    name: str | None = Field(None, max_length=200)
+
+
+class MarkerRequest(BaseModel):
+    """A marker's label."""
+
+    label: str = Field("", max_length=1000)
+
+
+class MarkerResponse(BaseModel):
+    """The marker's time."""
+
+    time: float
+
+
+class NoteRequest(BaseModel):
+    """A note for the recording in progress."""
+
+    text: str = Field(max_length=100_000)
+
+
+class NoteResponse(BaseModel):
+    """The note was written."""
+
+    kept: bool
+
+
 class RecordingInfo(BaseModel):
-    """One recording; null: not known. `problem`: why it can't be read."""
+    """One recording; null: not known. `problem`: why the file can't be read."""
 
     id: str = Field(description="the file's name")
     bytes: int
-    date: float | None = Field(description="when it began; null: the clock was a simulated one")
+    date: float | None = Field(description="the start; null: of a simulated clock")
     length: float | None
     model: TwoTexts | None
     passport: list[str | None] | None
@@ -48,20 +84,18 @@ class RecordingInfo(BaseModel):
     faults: list[int] | None = Field(description="as last read in it; null: they were not read")
     markers: int | None
     note: str
-    open: bool = Field(description="it is being made")
+    open: bool = Field(description="the recording is in progress")
     problem: TwoTexts | None
 
 
-class RecordingProblem(BaseModel):
+class RecordingProblem(TwoTexts):
     """A place that can't be read."""
 
-    en: str
-    ru: str
     offset: int
 
 
 class RecordingDetail(RecordingInfo):
-    """One recording with all that happened in it. `first`, `last`: its rows lie between them."""
+    """One recording with its channels and events. `first`, `last`: the times of its rows."""
 
     channels: list[str]
     first: float | None
@@ -72,15 +106,15 @@ class RecordingDetail(RecordingInfo):
 
 
 class RecordingsResponse(BaseModel):
-    """The latest first. `problem`: why none can be kept in the folder, if so."""
+    """The latest first. `problem`: why the folder is not writable, if so."""
 
     recordings: list[RecordingInfo]
     problem: TwoTexts | None
 
 
 class RowsResponse(BaseModel):
-    """Columns over time. null: nothing came in that row. `decimated`: of each piece of time the
-    least and the greatest value of each column.
+    """Columns over time; null: no value in that row. `decimated`: only the minimum and maximum of
+    each column in each interval.
     """
 
     names: list[str]
@@ -90,32 +124,56 @@ class RowsResponse(BaseModel):
 
 
 class RecordingNoteRequest(BaseModel):
-    """A person's words about the whole recording; they take the place of those before."""
+    """A comment on the whole recording; replaces the one before."""
 
     text: str = Field(max_length=LONGEST_COMMENT)
 
 
+@router.post("/recording/start", responses=errors(409, 503))
+async def start(dashboard: TheDashboard, client: Controller, body: StartRecordingRequest) -> State:
+    """Record everything on the wire to a new file from now on."""
+    await dashboard.recorder.start(body.name)
+    return state_of(dashboard, client)
+
+
+@router.post("/recording/stop", responses=errors(409))
+def stop(dashboard: TheDashboard, client: Controller) -> State:
+    """End the recording."""
+    dashboard.recorder.stop()
+    return state_of(dashboard, client)
+
+
+@router.post("/recording/marker", responses=errors(409))
+def marker(dashboard: TheDashboard, _: Controller, body: MarkerRequest) -> MarkerResponse:
+    """Mark this moment."""
+    return MarkerResponse(time=dashboard.recorder.marker(body.label))
+
+
+@router.post("/recording/note", responses=errors(409))
+def note(dashboard: TheDashboard, _: Controller, body: NoteRequest) -> NoteResponse:
+    """Write a note into the recording in progress."""
+    dashboard.recorder.note(body.text)
+    return NoteResponse(kept=True)
+
+
 @router.get("/recordings", responses=errors())
 def recordings(library: TheLibrary) -> RecordingsResponse:
-    """All recordings in the folder, the latest first."""
-    there = library.folder.all()
-    library.summaries.keep_only(there)
+    """Return all recordings in the folder, the latest first."""
+    files = library.folder.all()
+    library.summaries.keep_only(files)
     return RecordingsResponse(
-        recordings=[_listed(library, it) for it in there],
-        problem=_problem(library),
+        recordings=[_info(library, file) for file in files], problem=_problem(library)
     )
 
 
 @router.get("/recordings/{identity}", responses=errors(404), response_model=RecordingDetail)
 def recording(library: TheLibrary, identity: str) -> Response:
-    """One recording, with its channels and its events."""
-    it = library.folder.one(identity)
-    summary, growing = library.summaries.of(it), library.is_growing(it)
-    if summary.problem is not None:
-        return _json(detailed(it, summary, None, growing=growing))
-    with library.open.using:
-        opened = library.open.one(it, growing=growing)
-        return _json(detailed(it, summary, opened, growing=growing))
+    """Return one recording, with its channels and its events."""
+    file = library.folder.one(identity)
+    if library.summaries.of(file).problem is not None:
+        return JSONResponse(_detail(library, file, None))
+    with library.opened(file) as recording:
+        return JSONResponse(_detail(library, file, recording))
 
 
 @router.get("/recordings/{identity}/rows", responses=errors(404), response_model=RowsResponse)
@@ -126,33 +184,30 @@ def rows(
     begin: Annotated[float, Query(alias="from", allow_inf_nan=False)] = -1e300,
     end: Annotated[float, Query(alias="to", allow_inf_nan=False)] = 1e300,
     points: Annotated[int, Query(ge=2, le=20_000)] = 2000,
-    names: Annotated[str | None, Query(max_length=4000, description="A,B; all")] = None,
+    names: Names = None,
 ) -> Response:
-    """What was recorded from `from` to `to`, with spikes kept where there are too many rows."""
-    it = library.folder.one(identity)
-    wanted = [name for name in names.split(",") if name] if names is not None else None
-    with library.open.using:
-        opened = library.open.one(it, growing=library.is_growing(it))
-        found, decimated = opened.window(begin, end, points, wanted)
-    return _json(json_columns(found) | {"decimated": decimated})
+    """Return the rows between `from` and `to`, decimated with spikes kept if they are too many."""
+    with library.opened(library.folder.one(identity)) as recording:
+        window, decimated = recording.window(begin, end, points, split_names(names))
+    return JSONResponse(json_columns(window) | {"decimated": decimated})
 
 
 @router.put("/recordings/{identity}/note", responses=errors(404))
-def note(
+def comment(
     dashboard: TheDashboard,
     library: TheLibrary,
     _: KnownClient,
     identity: str,
     body: RecordingNoteRequest,
 ) -> RecordingInfo:
-    """Keeps words about the recording, in its own file."""
-    it = library.folder.one(identity)
-    comment = comment_note(dashboard.connection.now(), body.text)
-    if library.is_growing(it):
-        dashboard.recorder.recorder.note(comment)
+    """Write a comment on the recording into its file."""
+    file = library.folder.one(identity)
+    note = comment_note(dashboard.connection.now(), body.text)
+    if library.is_growing(file):
+        dashboard.recorder.recorder.note(note)
     else:
-        append_note(it.path, comment)
-    return _listed(library, library.folder.one(identity))
+        append_note(file.path, note)
+    return _info(library, library.folder.one(identity))
 
 
 def _problem(library: RecordingService) -> TwoTexts | None:
@@ -163,19 +218,11 @@ def _problem(library: RecordingService) -> TwoTexts | None:
     return None
 
 
-def _json(content: object) -> Response:
-    return Response(dumps(content), media_type="application/json")
-
-
-def _listed(library: RecordingService, it: RecordingFile) -> RecordingInfo:
-    return listed(it, library.summaries.of(it), growing=library.is_growing(it))
-
-
-def listed(it: RecordingFile, summary: Summary, *, growing: bool) -> RecordingInfo:
-    """As the list shows it."""
+def _info(library: RecordingService, file: RecordingFile) -> RecordingInfo:
+    summary = library.summaries.of(file)
     return RecordingInfo(
-        id=it.id,
-        bytes=it.bytes,
+        id=file.id,
+        bytes=file.bytes,
         date=summary.date,
         length=summary.length,
         model=two_or_none(summary.model),
@@ -187,27 +234,28 @@ def listed(it: RecordingFile, summary: Summary, *, growing: bool) -> RecordingIn
         faults=None if summary.faults is None else list(summary.faults),
         markers=None if summary.problem else summary.markers,
         note=summary.note,
-        open=growing,
+        open=library.is_growing(file),
         problem=two_or_none(summary.problem),
     )
 
 
-def detailed(
-    it: RecordingFile, summary: Summary, recording: Recording | None, *, growing: bool
+def _detail(
+    library: RecordingService, file: RecordingFile, recording: Recording | None
 ) -> dict[str, Any]:
-    """Return a `RecordingDetail` as JSON, not validated: its events are what the file holds.
+    """Return a `RecordingDetail` as JSON, not validated: its events are those in the file.
 
-    `recording` None: it can't be read.
+    `recording` None: the file can't be read.
     """
-    detail: dict[str, Any] = listed(it, summary, growing=growing).model_dump(mode="json")
+    detail: dict[str, Any] = _info(library, file).model_dump(mode="json")
     detail |= {"channels": [], "events": [], "problems": [], "method": None}
     if recording is None:
         return detail | {"first": None, "last": None}
+    summary = library.summaries.of(file)
     detail["first"], detail["last"] = _span(summary, recording)
     detail["channels"] = [channel.name for channel in recording.channels]
     detail["events"] = [event.as_json() for event in recording.events]
     detail["problems"] = [
-        {"en": it.text.en, "ru": it.text.ru, "offset": it.offset} for it in recording.problems
+        {**problem.text._asdict(), "offset": problem.offset} for problem in recording.problems
     ]
     methods = [event.method for event in recording.events if isinstance(event, MethodChosen)]
     unit = summary.unit
@@ -216,11 +264,7 @@ def detailed(
 
 
 def _span(summary: Summary, recording: Recording) -> tuple[float | None, float | None]:
-    """From the summary if that tells: the recording itself would have to be read for it."""
+    """Return the times of the first and last row; from the summary, if known, without reading."""
     if summary.recordings == 1 and summary.first is not None and summary.length is not None:
         return summary.first, summary.first + summary.length
     return recording.span or (None, None)
-
-
-router.include_router(exports.router)
-router.include_router(report.router)

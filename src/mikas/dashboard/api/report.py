@@ -1,17 +1,22 @@
-"""The report on the running connection: its last minutes, the passport, the last read faults."""
+"""Routes of the report: on a recording, and on the running connection.
+
+The latter covers the last minutes, the passport and the faults as last read. Reports are made in a
+thread, one at a time.
+"""
 
 from __future__ import annotations
 
+import asyncio
 from bisect import bisect_left
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Final
 
 from fastapi import APIRouter
 from fastapi.responses import Response
 
 from mikas.dashboard.api.dependencies import TheDashboard, TheLibrary
-from mikas.dashboard.api.errors import errors
-from mikas.dashboard.api.exports import HTML, page_answer
+from mikas.dashboard.api.errors import content, errors
+from mikas.dashboard.api.exports import attachment
 from mikas.dashboard.errors import NotConnected
 from mikas.i18n import Language
 from mikas.recording.table.channels import Rows
@@ -20,26 +25,67 @@ from mikas.sampling.events import Event, Gap, UnitFound
 if TYPE_CHECKING:
     from mikas.catalog import Catalog
     from mikas.dashboard.dashboard import Dashboard
+    from mikas.dashboard.library.service import RecordingService
     from mikas.report.findings import Findings
     from mikas.report.subject import Interruption, UnitIdentity
 
 router = APIRouter(tags=["recordings"])
 
 MINUTES: Final = 15
+_PAGE: Final = content("text/html", "the page")
 
 
-@router.get("/report", response_class=Response, responses={**errors(409, 503), **HTML})
+@router.get("/report", response_class=Response, responses=errors(409, 503) | _PAGE)
 async def report(
     dashboard: TheDashboard, library: TheLibrary, lang: Language = "en", inline: bool = False
 ) -> Response:
     """Return a page on the connected car, made of the last quarter of an hour."""
-    from mikas.report.page import render
-
-    page = await library.run_alone(lambda: render(_found(dashboard), lang))
-    return page_answer(page, "mikas.html", inline=inline)
+    return await _page(library, lambda: _of_connection(dashboard), "mikas.html", lang, inline)
 
 
-def _found(dashboard: Dashboard) -> Findings:
+@router.get(
+    "/recordings/{identity}/report", response_class=Response, responses=errors(404, 409) | _PAGE
+)
+async def recording_report(
+    library: TheLibrary, identity: str, lang: Language = "en", inline: bool = False
+) -> Response:
+    """Return a page on the car, made of the recording; to be saved, or `inline` to be viewed."""
+    file = await asyncio.to_thread(library.folder.one, identity)
+
+    def findings() -> Findings:
+        from mikas.report.from_recording import of_recording
+
+        return of_recording(file.path, library.catalog)
+
+    return await _page(library, findings, f"{file.path.stem}.html", lang, inline)
+
+
+async def _page(
+    library: RecordingService,
+    findings: Callable[[], Findings],
+    name: str,
+    language: Language,
+    inline: bool,
+) -> Response:
+    """Return a report with the content policy that it needs; scripts never run in it.
+
+    `inline`: the dashboard's page may show it in a frame, and print it from there.
+    """
+    from mikas.report.page import policy, render
+
+    page = await library.run_alone(lambda: render(findings(), language))
+    framing = "frame-ancestors 'none'; sandbox"
+    headers = {}
+    if inline:
+        framing = "frame-ancestors 'self'; sandbox allow-same-origin allow-modals"
+        headers["X-Frame-Options"] = "SAMEORIGIN"
+    else:
+        headers["Content-Disposition"] = attachment(name)
+    headers["Content-Security-Policy"] = f"{policy()}; {framing}"
+    return Response(page, media_type="text/html", headers=headers)
+
+
+def _of_connection(dashboard: Dashboard) -> Findings:
     from mikas.report.fault_history import cleared_faults
     from mikas.report.findings import find
     from mikas.report.formatting import date_of
@@ -103,11 +149,10 @@ def _unit(found: UnitFound | None, catalog: Catalog) -> UnitIdentity | None:
 
 
 def _since(rows: Rows, events: list[Event]) -> Rows:
-    """Return the rows since the present unit was found first; before it, it was another car."""
-    came = (each.time for each in events if isinstance(each, UnitFound) and each.another)
-    since = max(came, default=float("-inf"))
-    first = bisect_left(rows.times, since)
-    return Rows(rows.times[first:], {name: it[first:] for name, it in rows.values.items()})
+    """Return the rows since the present unit was first found, without those of another car."""
+    found = (each.time for each in events if isinstance(each, UnitFound) and each.another)
+    first = bisect_left(rows.times, max(found, default=float("-inf")))
+    return Rows(rows.times[first:], {name: column[first:] for name, column in rows.values.items()})
 
 
 def _pauses(events: list[Event], began: float | None) -> Iterator[Interruption]:

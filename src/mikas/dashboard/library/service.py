@@ -1,27 +1,97 @@
-"""The library of recordings as the routes use it: the folder, summaries, open recordings.
+"""The library of recordings: the folder, summaries and open recordings, kept until files change.
 
-Heavy work (an export, a report) runs in a thread, one piece at a time; a queue that grows too long
-is refused.
+Recordings stay open so that scrolling does not read them each time; two at most, as ten hours take
+some 130 MB. The recording in progress grows all the time: it is read again when it is requested
+some seconds later. Heavy work (an export, a report) runs in a thread, one piece at a time; a queue
+that grows too long is refused.
 """
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Final, TypeVar
 
 from mikas.catalog import Catalog
 from mikas.dashboard.errors import Busy
-from mikas.dashboard.library.cache import RecordingCache, SummaryCache
 from mikas.dashboard.library.folder import RecordingFile, RecordingFolder
 from mikas.i18n import Text
+from mikas.recording.recording import Recording
+from mikas.recording.summary import Summary, summarise
 
 T = TypeVar("T")
 
+_MAX_OPEN: Final = 2
+_GROWING: Final = 10.0  # s until the recording in progress is read again
 _MAX_QUEUE: Final = 8
 _MANY: Final = Text(
     "several exports and reports are being made already", "уже готовятся другие таблицы и отчёты"
 )
+
+
+@dataclass(frozen=True, slots=True)
+class _Open:
+    stamp: tuple[int, int, int]
+    at: float
+    recording: Recording
+
+
+class RecordingCache:
+    """Open recordings; any thread may call. `clock`: seconds that never run back."""
+
+    def __init__(self, catalog: Catalog, interpretation: str, clock: Callable[[], float]) -> None:
+        self._catalog, self._interpretation, self._clock = catalog, interpretation, clock
+        self._open: OrderedDict[str, _Open] = OrderedDict()
+        self.using = threading.Lock()
+        """To be held while a recording of this cache is used: one thread at a time."""
+
+    def one(self, file: RecordingFile, *, growing: bool) -> Recording:
+        """Return the recording, opened now or before. `growing`: it is in progress."""
+        kept = self._open.get(file.id)
+        if kept is None or not self._is_current(kept, file, growing=growing):
+            recording = Recording(file.path, self._catalog, self._interpretation)
+            kept = _Open(file.stamp, self._clock(), recording)
+        self._open[file.id] = kept
+        self._open.move_to_end(file.id)
+        while len(self._open) > _MAX_OPEN:
+            self._open.popitem(last=False)
+        return kept.recording
+
+    def _is_current(self, kept: _Open, file: RecordingFile, *, growing: bool) -> bool:
+        if kept.stamp == file.stamp:
+            return True
+        same_file = kept.stamp[2] == file.stamp[2]
+        return growing and same_file and self._clock() - kept.at < _GROWING
+
+
+class SummaryCache:
+    """Summaries; any thread may call, one at a time makes a summary."""
+
+    def __init__(self, catalog: Catalog) -> None:
+        self._catalog = catalog
+        self._kept: dict[str, tuple[tuple[int, int, int], Summary]] = {}
+        self._making = threading.Lock()
+
+    def of(self, file: RecordingFile) -> Summary:
+        """Return the summary of `file`, made now or before."""
+        kept = self._kept.get(file.id)
+        if kept is None or kept[0] != file.stamp:
+            with self._making:
+                kept = self._kept.get(file.id)
+                if kept is None or kept[0] != file.stamp:
+                    kept = (file.stamp, summarise(file.path, self._catalog))
+                    self._kept[file.id] = kept
+        return kept[1]
+
+    def keep_only(self, present: Iterable[RecordingFile]) -> None:
+        """Drop the summaries of all other files."""
+        names = {file.id for file in present}
+        for name in [name for name in self._kept if name not in names]:
+            self._kept.pop(name, None)
 
 
 class RecordingService:
@@ -47,6 +117,12 @@ class RecordingService:
     def is_growing(self, file: RecordingFile) -> bool:
         """Whether the recording is in progress."""
         return self._in_progress() == file.id
+
+    @contextmanager
+    def opened(self, file: RecordingFile) -> Iterator[Recording]:
+        """Return the opened recording, for one thread at a time."""
+        with self.open.using:
+            yield self.open.one(file, growing=self.is_growing(file))
 
     async def run_alone(self, work: Callable[[], T]) -> T:
         """Return the result of `work`, run in a thread after the work before it. Raises `Busy`."""

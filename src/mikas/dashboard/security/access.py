@@ -1,4 +1,4 @@
-"""Rights of a request by its host and token; checked before anything else reads the request.
+"""Rights of a request by its host and token, and the ports that it may name.
 
     on this computer   Host and Origin must be this server's    control
     --lan              a token in addition                      view; with lan_control: control
@@ -7,6 +7,10 @@ Host is checked against DNS rebinding (a foreign name that leads to 127.0.0.1), 
 Sec-Fetch-Site against pages of other sites, for HTTP and WebSocket alike. The token comes as
 `Authorization: Bearer`, as a cookie, or once in the link; then the server sets it as a cookie, so
 that it does not stay in the address bar.
+
+A port's URL can name a recording to replay, a scenario's file, any address that this computer can
+reach. From the network (`--lan-control`) only a serial port that was found, the port in use, or a
+virtual car that comes with mikas may be named.
 """
 
 from __future__ import annotations
@@ -14,16 +18,20 @@ from __future__ import annotations
 import hmac
 import ipaddress
 import secrets
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from http.cookies import CookieError, SimpleCookie
 from typing import Any, Literal
 from urllib.parse import parse_qs
 
-from mikas.dashboard.errors import Forbidden, TokenRequired
+from mikas.dashboard.errors import Forbidden, NotFromNetwork, TokenRequired
 from mikas.i18n import Text
+from mikas.link import Port
+from mikas.link.urls import parse
+from mikas.virtual.scenarios.scenario import SCENARIOS
 
 Rights = Literal["control", "view"]
+_CAR_OPTIONS = {"scenario", "seed", "model", "faults"}
 _LOCAL = ("127.0.0.1", "localhost", "[::1]")
 
 
@@ -120,6 +128,22 @@ class Access:
         return hmac.compare_digest(given.encode(), self.token.encode())
 
 
+@dataclass(frozen=True, slots=True)
+class PortPolicy:
+    """`local`: the client is on this computer. `find`: lists the ports; `in_use`: a URL."""
+
+    local: bool
+    find: Callable[[], list[Port]]
+    in_use: str | None
+
+    def check(self, url: str | None) -> None:
+        """Raise `NotFromNetwork`, `BadPortUrl`; None, the one likely adapter, is always allowed."""
+        if url is None or self.local or url == self.in_use:
+            return
+        if not (_is_shipped_car(url) or url in [port.url for port in self.find()]):
+            raise NotFromNetwork(url=url)
+
+
 def _headers(scope: Mapping[str, Any]) -> dict[str, str]:
     return {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
 
@@ -142,3 +166,13 @@ def _is_loopback(scope: Mapping[str, Any]) -> bool:
         return ipaddress.ip_address((scope.get("client") or ("",))[0]).is_loopback
     except ValueError:
         return False
+
+
+def _is_shipped_car(url: str) -> bool:
+    parsed = parse(url)
+    return (
+        parsed.scheme == "sim"
+        and not parsed.address
+        and set(parsed.options) <= _CAR_OPTIONS
+        and parsed.options.get("scenario", next(iter(SCENARIOS))) in SCENARIOS
+    )

@@ -1,18 +1,24 @@
-"""Confirmations: changes that were shown to a person, kept until that person confirms them, once.
+"""Safeguards of changes: confirmations, the lock on writing, the approval of one change.
 
-A nonce is bound to its client, to the content shown and to the unit of that moment; it lasts two
-minutes. The attempt uses it up, whatever its result.
+A change that was shown to a person is kept until that person confirms it by its nonce, once. A
+nonce is bound to its client, to the content shown and to the present unit; it lasts two minutes,
+and the attempt uses it up, whatever its result. The lock on memory and parameters is open for some
+minutes, on one connection, for the client that opened it. The approval lets the client library's
+gate pass exactly the confirmed change, and the sampler's own reversible ones.
 """
 
 from __future__ import annotations
 
 import secrets
 import threading
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from mikas.dashboard.errors import ConfirmationExpired
+from mikas.client import Change
+from mikas.commands import Safety
+from mikas.dashboard.errors import ConfirmationExpired, ConfirmationOutdated
 from mikas.dashboard.security.control import Client
 from mikas.i18n import Text
 
@@ -25,7 +31,7 @@ class PendingChange:
     """A change, ready to be confirmed. `make` makes it, and returns the content before and after.
 
     `make` checks once more whether `before` still holds, and raises `ConfirmationOutdated` if not.
-    `lost`: what the change destroys, as JSON; `needs_unlock`: only while writing is unlocked.
+    `lost`: the destroyed content, as JSON; `needs_unlock`: only while writing is unlocked.
     """
 
     what: Text
@@ -76,6 +82,58 @@ class ConfirmationStore:
         return kept.change
 
     def clear(self) -> None:
-        """Drop all: there is another unit, or none."""
+        """Drop all; called when the unit is another one, or disconnected."""
         with self._lock:
             self._kept.clear()
+
+
+@dataclass(slots=True)
+class WriteLock:
+    """`clock`: seconds that never run back."""
+
+    clock: Callable[[], float]
+    _until: float | None = None
+
+    def open(self, seconds: float) -> None:
+        """Unlock writing for `seconds`."""
+        self._until = self.clock() + seconds
+
+    def close(self) -> None:
+        """Lock writing."""
+        self._until = None
+
+    @property
+    def left(self) -> float | None:
+        """Seconds until the lock closes automatically; None: it is closed."""
+        until = self._until
+        left = 0.0 if until is None else until - self.clock()
+        return left if left > 0 else None
+
+
+class WriteApproval:
+    """Belongs to the sampling thread, where changes are made as jobs inside `given`.
+
+    The gate asks last, with the content that it has just read. If that content differs from the
+    one shown, nothing is sent.
+    """
+
+    def __init__(self) -> None:
+        self._before: str | None = None
+        self._in_force = False
+
+    @contextmanager
+    def given(self, before: str | None) -> Iterator[None]:
+        """Approve the one change made inside; `before`: the content shown, in spaced hex."""
+        self._before, self._in_force = before, True
+        try:
+            yield
+        finally:
+            self._in_force = False
+
+    def confirm(self, change: Change) -> bool:
+        """Answer the gate's question. Raises `ConfirmationOutdated`."""
+        if not self._in_force:
+            return change.safety <= Safety.REVERSIBLE
+        if change.before != self._before:
+            raise ConfirmationOutdated
+        return True

@@ -16,8 +16,7 @@ from mikas.client.parameters import decode
 from mikas.commands.base import check_range
 from mikas.dashboard.error_responses import hex_or_none
 from mikas.dashboard.errors import BadRequest
-from mikas.dashboard.security.confirmations import PendingChange
-from mikas.dashboard.security.write_lock import WriteApproval
+from mikas.dashboard.security.confirmations import PendingChange, WriteApproval
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.fault_history import FaultHistory
 from mikas.errors import NotSupported, ValueDoesNotFit

@@ -8,12 +8,13 @@ from heapq import merge
 from typing import Any, Final, Self
 
 from mikas.dashboard.advice import ADVICE
+from mikas.dashboard.error_responses import hex_or_none
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.sampling.events import Event, MethodChosen, StateChanged
 from mikas.tester import Failure
 
-_MOST: Final = 5000  # kept for clients that come later; as many errors besides
+_MAX_EVENTS: Final = 5000  # of errors, and of all others
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,14 +30,14 @@ class ExchangeFailed(Event):
     @classmethod
     def of_error(cls, time: float, error: MikasError) -> Self:
         """Return the event of `error`, which ended a cycle."""
-        sent, received = _hex(error.request), _hex(error.received)
+        sent, received = hex_or_none(error.request), hex_or_none(error.received)
         return cls(time, type(error).__name__, ADVICE.text(error), sent, received)
 
     @classmethod
     def of_failure(cls, failure: Failure, now: float) -> Self:
         """Return the event of a failure that the tester counted."""
         time = now if failure.time is None else failure.time
-        sent, received = _hex(failure.request), _hex(failure.received)
+        sent, received = hex_or_none(failure.request), hex_or_none(failure.received)
         return cls(time, failure.code, failure.reason, sent, received)
 
 
@@ -51,14 +52,14 @@ class RecordingChanged(Event):
 
 
 class EventLog:
-    """The latest events. Errors have a place of their own: a bad line has thousands, which must not
-    push out markers, gaps and units.
+    """The latest events. Errors have a queue of their own: a bad line has thousands, which must not
+    displace markers, gaps and units.
     """
 
     def __init__(self) -> None:
         self._count = 0
-        self._errors: deque[tuple[int, Event]] = deque(maxlen=_MOST)
-        self._others: deque[tuple[int, Event]] = deque(maxlen=_MOST)
+        self._errors: deque[tuple[int, Event]] = deque(maxlen=_MAX_EVENTS)
+        self._others: deque[tuple[int, Event]] = deque(maxlen=_MAX_EVENTS)
 
     def add(self, event: Event) -> None:
         """Keep `event`."""
@@ -68,12 +69,8 @@ class EventLog:
 
     @property
     def all(self) -> list[Event]:
-        """All that are kept, in the order in which they came."""
+        """All kept events, in their order."""
         return [event for _, event in merge(self._errors, self._others, key=lambda it: it[0])]
-
-
-def _hex(data: bytes | None) -> str | None:
-    return None if data is None else data.hex().upper()
 
 
 def page_json(event: Event) -> dict[str, Any]:

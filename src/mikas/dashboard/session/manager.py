@@ -13,7 +13,7 @@ from contextlib import asynccontextmanager
 from mikas.dashboard.errors import Busy
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.monitor import DIAGNOSIS, DISCONNECTED, OTHER_PORT, RECONNECTED
-from mikas.dashboard.session.sampling_thread import SamplingThread
+from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import PortSettings, Settings
 from mikas.errors import NoPortGiven, UsageError
 from mikas.i18n import Text

@@ -1,7 +1,7 @@
-"""The state of the running connection: followed by the sampling thread, read by the event loop.
+"""The state of the running connection: set by the sampling thread, read by the event loop.
 
-Each event changes what is so now (state, unit, method, alarms, counts) and is gathered, with the
-rows of values, until the clients' messages are made of both (`drain`).
+Each event updates the state (unit, method, alarms, counts) and is gathered, with the rows of
+values, for the clients' messages (`drain`).
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from mikas.catalog import Level
 from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.session.event_log import EventLog, ExchangeFailed
 from mikas.dashboard.session.history import History, row_of
-from mikas.dashboard.session.meters import Meters
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.i18n import Text
 from mikas.sampling.events import (
@@ -42,20 +41,23 @@ RECONNECTED: Final = Text("The connection was restarted.", "Соединение
 OTHER_PORT: Final = Text("Another connection was chosen.", "Выбрано другое соединение.")
 DIAGNOSIS: Final = Text("Paused for the connection check.", "Пауза на время проверки связи.")
 OTHER_PLAN: Final = Text(
-    "The plan was changed: the unit was asked for something else.",
-    "План опроса изменён: блок спрашивали о другом.",
+    "The sampling plan was changed.",
+    "План опроса изменён.",
 )
 OTHER_REQUEST: Final = Text(
     "The line was used for another request.",
     "Линия была занята другим запросом.",
 )
 SILENT: Final = Text(
-    "Nothing has come for two seconds. If the unit does not answer soon: is the ignition on, is "
-    "the adapter plugged in?",
-    "Уже две секунды ничего не приходит. Если блок скоро не ответит: включено ли зажигание, "
-    "воткнут ли адаптер?",
+    "No values for two seconds. If the unit does not answer soon: is the ignition on, is the "
+    "adapter plugged in?",
+    "Уже две секунды нет данных. Если блок скоро не ответит: включено ли зажигание, подключён ли "
+    "адаптер?",
 )
 
+_RATE_SPAN = _LOAD_SPAN = 3.0  # s
+_MINUTE: Final = 60.0
+_BITS_PER_BYTE: Final = 10  # §1
 _ERRORS: Final = 1000  # remembered, so that each is logged once; more than a tester remembers
 _ROWS: Final = 20_000  # gathered at most; more come only from a simulated clock
 
@@ -69,6 +71,61 @@ class Batch:
     names: tuple[str, ...] = ()
     rows: list[Row] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
+
+
+class Meters:
+    """Rates of the line by the link's clock; the caller holds the monitor's lock."""
+
+    def __init__(self) -> None:
+        self.samples = 0
+        self.errors = 0
+        self._times: deque[float] = deque()
+        self._wire: deque[tuple[float, int]] = deque()
+        self._errors: deque[float] = deque(maxlen=10_000)
+
+    def sample(self, time: float) -> None:
+        """Count one sample."""
+        self.samples += 1
+        self._times.append(time)
+        while self._times[0] < time - _RATE_SPAN:
+            self._times.popleft()
+
+    def error(self, time: float) -> None:
+        """Count one failed exchange."""
+        self.errors += 1
+        self._errors.append(time)
+
+    def wire(self, time: float, total: int) -> None:
+        """Note that `total` bytes have passed on the wire so far."""
+        if not self._wire or time - self._wire[-1][0] >= 0.2:
+            self._wire.append((time, total))
+        while len(self._wire) > 2 and self._wire[1][0] < time - _LOAD_SPAN:
+            self._wire.popleft()
+
+    def rate(self, now: float) -> float:
+        """Return samples a second; 0 without any in the last seconds."""
+        times = self._times
+        while times and times[0] < now - _RATE_SPAN:
+            times.popleft()
+        if len(times) < 2:
+            return 0.0
+        seconds = max(times[-1] - times[0], now - times[0] - 1.0)
+        return (len(times) - 1) / seconds if seconds > 0 else 0.0
+
+    def load(self, baud: int) -> float:
+        """Return the share of time in which the wire carries bytes."""
+        if len(self._wire) < 2:
+            return 0.0
+        (began, before), (ended, after) = self._wire[0], self._wire[-1]
+        if ended <= began:
+            return 0.0
+        return min(1.0, (after - before) * _BITS_PER_BYTE / baud / (ended - began))
+
+    def errors_minute(self, now: float) -> int:
+        """Return the failed exchanges of the last minute."""
+        while self._errors and self._errors[0] < now - _MINUTE:
+            self._errors.popleft()
+        return len(self._errors)
 
 
 class ConnectionMonitor:
@@ -86,7 +143,7 @@ class ConnectionMonitor:
         self.begin((), 0.0)
 
     def begin(self, names: Iterable[str], time: float) -> None:
-        """Begin a new connection, of which nothing is known."""
+        """Begin a new connection with an empty state."""
         with self.lock:
             self.line: LineState | None = None
             self.reason: Text | None = None
@@ -112,19 +169,19 @@ class ConnectionMonitor:
 
     @property
     def shown_alarms(self) -> list[AlarmChanged]:
-        """The alarms of the wanted channels. The others' are kept: if these channels are wanted
-        again while nothing has changed, no event would report them.
+        """The alarms of the wanted channels. The others stay in `alarms`: no event repeats an
+        unchanged alarm when its channel is wanted again.
         """
         return [alarm for name, alarm in self.alarms.items() if name in self._names]
 
     def silent(self, now: float) -> Text | None:
-        """Return why no values have come for some seconds, though they should; None: they come."""
+        """Return why expected values are missing for some seconds; None: they are not."""
         if self.line is not LineState.SAMPLING or not self._gaps.silent(now):
             return None
         return self._gaps.reason or SILENT
 
     def wait(self, wake: Callable[[], object]) -> bool:
-        """Return whether nothing is gathered yet; then call `wake` once when that changes."""
+        """Return whether nothing is gathered; if so, `wake` is called once when that changes."""
         with self.lock:
             nothing = not (self._batch.rows or self._batch.events)
             self._waiting = wake if nothing else None
@@ -203,7 +260,7 @@ class ConnectionMonitor:
                 self.log(gap)
 
     def count_failures(self, failures: Sequence[Failure], now: float) -> None:
-        """Log the new ones of the tester's latest `failures`, those that a repetition cured too."""
+        """Log the new ones of the tester's latest `failures`, also those cured by a repetition."""
         if failures and failures[-1] is not self._newest:
             with self.lock:
                 self._newest = failures[-1]

@@ -16,7 +16,7 @@ from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.event_log import RecordingChanged
 from mikas.dashboard.session.fault_history import FaultHistory
 from mikas.dashboard.session.monitor import ConnectionMonitor
-from mikas.dashboard.session.sampling_thread import SamplingThread
+from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import MikasError
 from mikas.i18n import Text

@@ -1,12 +1,12 @@
-"""The sampling thread: an acquisition in a thread of its own, which other threads can stop.
+"""The two users of the port, each in its thread: the sampling thread and the diagnosis.
 
-The event loop never waits for the wire: it queues jobs (`call`), which run between cycles, and
-`on_event` is called with each event, in this thread. Stopping closes the link under the sampler,
-whose next attempt to open it is refused.
+The event loop never waits for the wire. Other threads stop either user by closing the link under
+it (`StoppablePort`): its wait ends at once, and the next attempt to open the port is refused.
 """
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import threading
 from collections.abc import Callable
@@ -16,6 +16,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from mikas.client import Ecu
+from mikas.client.doctor import Step, examine
 from mikas.client.gate import Confirm
 from mikas.dashboard.errors import InternalError
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
@@ -32,8 +33,49 @@ _log = logging.getLogger("mikas.dashboard")
 _JOIN = 10.0  # s; opening an address in the network may take so long
 
 
-class _Stopped(Exception):
-    """The thread was stopped."""
+class Stopped(Exception):
+    """The port was not opened: its user was stopped."""
+
+
+class StoppablePort:
+    """Opens links until `stop`, which closes the latest one; any thread may call."""
+
+    def __init__(self, open_port: Callable[[str], Link]) -> None:
+        self._open_port = open_port
+        self._lock = threading.Lock()
+        self._link: Link | None = None
+        self.stopping = threading.Event()
+
+    @property
+    def link(self) -> Link | None:
+        """The latest link; None: none was opened."""
+        with self._lock:
+            return self._link
+
+    def open(self, url: str) -> Link:
+        """Open the port. Raises `Stopped`."""
+        if self.stopping.is_set():
+            raise Stopped
+        link = self._open_port(url)
+        with self._lock:
+            self._link = link
+        if self.stopping.is_set():
+            link.close()
+        return link
+
+    def wait(self, seconds: float) -> None:
+        """Wait for `seconds`, or until stopped."""
+        self.stopping.wait(seconds)
+
+    def close(self) -> None:
+        """Close the latest link."""
+        if (link := self.link) is not None:
+            link.close()
+
+    def stop(self) -> None:
+        """Close the latest link, and refuse to open another."""
+        self.stopping.set()
+        self.close()
 
 
 class SamplingThread:
@@ -54,10 +96,7 @@ class SamplingThread:
         on_end: Callable[[SamplingThread, MikasError | None], None],
     ) -> None:
         self.url = port.url
-        self._settings = settings
-        self._stopping = threading.Event()
-        self._link: Link | None = None
-        self._lock = threading.Lock()
+        self._stoppable = StoppablePort(settings.open_port)
         self.ended = False
         """Sampling has ended by itself, with `failure` if it was an error."""
         self.failure: MikasError | None = None
@@ -65,9 +104,9 @@ class SamplingThread:
         self.port = ReconnectingPort(
             port.url,
             find=settings.find,
-            open_port=self._open,
+            open_port=self._stoppable.open,
             clock=settings.link_clock,
-            nap=self._wait,
+            nap=self._stoppable.wait,
             sink=sink,
         )
         options = replace(
@@ -93,12 +132,9 @@ class SamplingThread:
 
     def stop(self) -> None:
         """Stop sampling and close the port; may take seconds. A second call does nothing."""
-        self._stopping.set()
+        self._stoppable.stopping.set()
         self.acquisition.stop()
-        with self._lock:
-            link = self._link
-        if link is not None:
-            link.close()
+        self._stoppable.close()
         if self._thread.is_alive():
             self._thread.join(_JOIN)
 
@@ -109,48 +145,31 @@ class SamplingThread:
 
     @property
     def adapter(self) -> str:
-        """The adapter's description, once the port was open."""
-        with self._lock:
-            return self._link.description if self._link else ""
+        """The adapter's description; empty until the port was open."""
+        return link.description if (link := self._stoppable.link) else ""
 
     @property
     def baud(self) -> int:
         """Bits per second on the line."""
-        with self._lock:
-            return self._link.baud if self._link else 9600
+        return link.baud if (link := self._stoppable.link) else 9600
 
     def now(self) -> float:
         """Return the time of the link's clock, also while no link is open."""
-        with self._lock:
-            link = self._link
-        return self.port.now() if link is None else link.now()
+        return self.port.now() if (link := self._stoppable.link) is None else link.now()
 
     def call(self, job: Callable[[Ecu], T]) -> Future[T]:
         """Run `job(ecu)` between two cycles, as `Acquisition.call`."""
         return self.acquisition.call(job)
-
-    def _wait(self, seconds: float) -> None:
-        self._stopping.wait(seconds)
-
-    def _open(self, url: str) -> Link:
-        if self._stopping.is_set():
-            raise _Stopped
-        link = self._settings.open_port(url)
-        with self._lock:
-            self._link = link
-        if self._stopping.is_set():
-            link.close()
-        return link
 
     def _run(self) -> None:
         error: MikasError | None = None
         try:
             with closing(self.acquisition.run()) as events:
                 for event in events:
-                    if self._stopping.is_set():
+                    if self._stoppable.stopping.is_set():
                         return
                     self._on_event(self, event)
-        except _Stopped:
+        except Stopped:
             return
         except MikasError as why:
             error = why
@@ -158,10 +177,40 @@ class SamplingThread:
             _log.error("a bug in the sampling thread", exc_info=bug)
             error = InternalError(kind=f"{type(bug).__name__}: {bug}")
         finally:
-            with self._lock:
-                link = self._link
-            if link is not None:
-                link.close()
-            if not self._stopping.is_set():
+            self._stoppable.close()
+            if not self._stoppable.stopping.is_set():
                 self.ended, self.failure = True, error
                 self._on_end(self, error)
+
+
+class Diagnosis:
+    """Examines the port `url` once."""
+
+    def __init__(self, url: str, settings: Settings) -> None:
+        self._url, self._options = url, settings.connection
+        self._stoppable = StoppablePort(settings.open_port)
+        self.task: asyncio.Task[None] | None = None
+        """The task that calls `run` and gives the port back; set by its creator."""
+
+    def run(self, report: Callable[[Step], None]) -> None:
+        """Run the steps, calling `report` as each ends. The port is free when this returns."""
+        options = self._options
+        steps = examine(
+            lambda: self._stoppable.open(self._url), options.create_tester, options.catalog
+        )
+        try:
+            for step in steps:
+                if not self._stoppable.stopping.is_set():  # else the step failed by the closed link
+                    report(step)
+        except Stopped:
+            return
+
+    def stop(self) -> None:
+        """Stop the diagnosis, from any thread, also before it has started."""
+        self._stoppable.stop()
+
+    async def end(self) -> None:
+        """Stop the diagnosis, and wait until the port is given back."""
+        await asyncio.to_thread(self.stop)
+        if self.task is not None:
+            await asyncio.wait({self.task})
