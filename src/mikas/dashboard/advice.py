@@ -28,8 +28,7 @@ ADVICE: Final = AdviceTable(
             "Выберите адаптер или виртуальный автомобиль на экране «Связь».",
         ),
         LinkLost: Text(
-            "The connection is restored automatically.",
-            "Соединение восстановится автоматически.",
+            "The connection is restored automatically.", "Соединение восстановится автоматически."
         ),
         NoEcho: Text(
             "The Connection screen lists the ports.", "Порты перечислены на экране «Связь»."

@@ -19,12 +19,7 @@ from mikas.dashboard import page
 from mikas.dashboard.api import errors
 from mikas.dashboard.api.diagnosis import DiagnosisStep
 from mikas.dashboard.api.live import Broadcaster
-from mikas.dashboard.api.messages import (
-    FieldsMessage,
-    LiveMessage,
-    PingMessage,
-    component_schemas,
-)
+from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.security.middleware import AccessMiddleware

@@ -18,14 +18,7 @@ from starlette.responses import HTMLResponse, JSONResponse, Response
 
 from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.errors import ApiRefusal
-from mikas.errors import (
-    EcuRefused,
-    LineError,
-    MikasError,
-    NoConnection,
-    NotConfirmed,
-    UsageError,
-)
+from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, NotConfirmed, UsageError
 
 _STATUSES: tuple[tuple[type[MikasError], int], ...] = (
     (NotConfirmed, 403),

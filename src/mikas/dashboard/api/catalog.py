@@ -18,13 +18,7 @@ from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter
-from mikas.dashboard.api.dependencies import (
-    KnownClient,
-    Names,
-    TheDashboard,
-    Viewer,
-    split_names,
-)
+from mikas.dashboard.api.dependencies import KnownClient, Names, TheDashboard, Viewer, split_names
 from mikas.dashboard.api.errors import TwoTexts, content, errors, two
 from mikas.dashboard.api.messages import LiveEvent
 from mikas.dashboard.errors import NotFound

@@ -151,11 +151,7 @@ def price(dashboard: TheDashboard, body: PriceRequest) -> PriceResponse:
             with_it = dashboard.plan.price([*names.names, channel], body.method)
             more[channel] = ChannelPrice(seconds=with_it.seconds - base.seconds, rate=with_it.rate)
     return PriceResponse(
-        bytes=base.bytes,
-        requests=base.requests,
-        seconds=base.seconds,
-        rate=base.rate,
-        more=more,
+        bytes=base.bytes, requests=base.requests, seconds=base.seconds, rate=base.rate, more=more
     )
 
 

@@ -93,11 +93,7 @@ class AccessMiddleware:
         """
         response = RedirectResponse("/", 303)
         response.set_cookie(
-            self.access.cookie,
-            self.access.token,
-            max_age=_YEAR,
-            httponly=True,
-            samesite="lax",
+            self.access.cookie, self.access.token, max_age=_YEAR, httponly=True, samesite="lax"
         )
         return response
 
