@@ -1,4 +1,4 @@
-"""What is wrong with a request, told in our own words and in both languages."""
+"""Texts of validation errors: in both languages, with the name of the field."""
 
 from __future__ import annotations
 

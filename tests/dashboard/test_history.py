@@ -1,4 +1,4 @@
-"""The past, kept and decimated: spikes stay, gaps stay, memory is bounded."""
+"""The history: bounded and decimated, with spikes and gaps kept."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_two_hours_stay_however_often_the_plan_changes():
 
 def test_the_oldest_goes_when_there_are_too_many_values(monkeypatch):
     monkeypatch.setattr("mikas.dashboard.session.history._ROWS", 10)
-    monkeypatch.setattr("mikas.dashboard.session.history._MOST_VALUES", 100)
+    monkeypatch.setattr("mikas.dashboard.session.history._MAX_VALUES", 100)
     history = History()
     for number in range(200):
         history.add(float(number), ("A", "B"), [number, number])

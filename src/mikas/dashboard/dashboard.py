@@ -1,7 +1,7 @@
 """The dashboard: its parts composed around one connection.
 
     SamplingThread ── events ──► ConnectionMonitor ──► drained 20 times a second by the broadcaster
-                   ◄── jobs ───  Connection.ask        awaited by the event loop, never waited for
+                   ◄── jobs ───  Connection.ask        awaited by the event loop, which never blocks
                    ── bytes ───► SessionRecorder
 
 The routes decide which client may change anything (`security`).
@@ -176,7 +176,7 @@ class Dashboard:
             self.manager.state_known()
 
     def _clear_unit(self) -> None:
-        """Drop the content read from one unit, and the confirmations for it."""
+        """Drop the data read from the unit, and the confirmations for it."""
         self.fault_history.disconnect()
         self.confirmations.clear()
         self.info = self.supported = None

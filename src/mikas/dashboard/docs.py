@@ -1,4 +1,4 @@
-"""/api/docs: the OpenAPI description as one readable page, with no script and nothing from afar."""
+"""/api/docs: the OpenAPI description as one page, without scripts and external resources."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _METHODS = ("get", "post", "put", "delete")
 
 @router.get("/docs")
 def docs(request: Request) -> HTMLResponse:
-    """The page."""
+    """Return the page."""
     described: dict[str, Any] = request.app.openapi()
     page = _templates().get_template("docs.html")
     return HTMLResponse(page.render(api=described, routes=_routes(described)))
@@ -25,7 +25,7 @@ def docs(request: Request) -> HTMLResponse:
 
 @router.get("/docs/style.css")
 def style() -> Response:
-    """Its style."""
+    """Return the style of the page."""
     text = _templates().get_template("docs.css").render()
     return Response(text, media_type="text/css", headers={"Cache-Control": "no-cache"})
 
@@ -44,18 +44,18 @@ def _templates() -> Environment:
 
 
 def _routes(described: dict[str, Any]) -> dict[str, list[dict[str, Any]]]:
-    """By theme, in the order of the description."""
-    themes: dict[str, list[dict[str, Any]]] = {}
+    """Return the routes by tag, in the order of the description."""
+    tags: dict[str, list[dict[str, Any]]] = {}
     for path, methods in described["paths"].items():
         for method in _METHODS:
             if method in methods:
                 route = {"method": method.upper(), "path": path, **methods[method]}
-                themes.setdefault(route.get("tags", ["other"])[0], []).append(route)
-    return themes
+                tags.setdefault(route.get("tags", ["other"])[0], []).append(route)
+    return tags
 
 
 def _body(described: dict[str, Any]) -> str:
-    """The shape of a request's or an answer's content; empty if there is none."""
+    """Return the shape of the content of a request or response; empty without content."""
     for kind, content in described.get("content", {}).items():
         schema = content.get("schema")
         return shape(schema) if kind == "application/json" and schema else str(kind)
@@ -63,7 +63,7 @@ def _body(described: dict[str, Any]) -> str:
 
 
 def shape(schema: dict[str, Any]) -> str:
-    """A schema in a word or two: `Plan`, `list of number`, `"a" | "b"`, `string or null`."""
+    """Return a schema in short: `Plan`, `list of number`, `"a" | "b"`, `string or null`."""
     if "$ref" in schema:
         return str(schema["$ref"]).rpartition("/")[2]
     if "const" in schema:

@@ -1,7 +1,7 @@
-"""The page itself: static files that the build of `web/` has put beside this module.
+"""The dashboard's page: static files, put into the folder `page` by the build of `web/`.
 
-What has a hash in its name never changes and is kept by the browser; everything else is asked for
-again each time. If nothing was built, a page in plain words says so; the API is there all the same.
+Browsers keep files with a hash in their name, and request all others again each time. If nothing
+was built, `/` explains that; the API works all the same.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from mikas.i18n import Language
 
 FOLDER = Path(__file__).parent / "page"
 _FOREVER = "public, max-age=31536000, immutable"
-_ASK_AGAIN = "no-cache"
+_REVALIDATE = "no-cache"
 _NOT_BUILT = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>mikas</title></head><body>
 <h1>mikas</h1>
@@ -33,7 +33,7 @@ The API works: <a href="/api/docs">/api/docs</a>.</p>
 </body></html>
 """
 
-# Windows' registry may know other types, and a module script of a wrong type is not run.
+# Windows' registry may have other types; browsers refuse module scripts of a wrong type.
 _TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
           ".html": "text/html", ".json": "application/json", ".woff2": "font/woff2",
           ".webmanifest": "application/manifest+json"}  # fmt: skip
@@ -51,26 +51,26 @@ def router(folder: Path, language: Language | None = None) -> APIRouter:
         if language is not None:
             page = file.read_text("utf-8")
             page = page.replace("<html", f'<html data-language="{language}"', 1)
-            return HTMLResponse(page, headers={"Cache-Control": _ASK_AGAIN})
-        return FileResponse(file, headers={"Cache-Control": _ASK_AGAIN}, media_type="text/html")
+            return HTMLResponse(page, headers={"Cache-Control": _REVALIDATE})
+        return FileResponse(file, headers={"Cache-Control": _REVALIDATE}, media_type="text/html")
 
     @routes.get("/{path:path}")
     def file(request: Request, path: str) -> Response:
-        wanted = _inside(folder, path)
-        if path.startswith("api/") or wanted is None:
+        found = _file_in(folder, path)
+        if path.startswith("api/") or found is None:
             return refusal_response(NotFound.at(f"/{path}"), request.scope)
-        kept = _FOREVER if path.startswith("assets/") else _ASK_AGAIN
-        kind = _TYPES.get(wanted.suffix) or mimetypes.guess_type(wanted.name)[0]
-        return FileResponse(wanted, headers={"Cache-Control": kept}, media_type=kind)
+        caching = _FOREVER if path.startswith("assets/") else _REVALIDATE
+        kind = _TYPES.get(found.suffix) or mimetypes.guess_type(found.name)[0]
+        return FileResponse(found, headers={"Cache-Control": caching}, media_type=kind)
 
     return routes
 
 
-def _inside(folder: Path, path: str) -> Path | None:
-    """The file of that path, if there is one and it is in `folder`."""
+def _file_in(folder: Path, path: str) -> Path | None:
+    """Return the file at `path`; None if it is missing or outside of `folder`."""
     try:
         file = (folder / path).resolve()
         found = file.is_relative_to(folder.resolve()) and file.is_file()
-    except (OSError, ValueError):  # a name that no system takes
+    except (OSError, ValueError):  # not a valid file name
         return None
     return file if found else None

@@ -6,7 +6,7 @@ import asyncio
 from typing import Literal
 
 from fastapi import APIRouter
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, ConfigDict, Field
 
 from mikas.catalog import Catalog
 from mikas.client.polling import Method
@@ -17,7 +17,7 @@ from mikas.dashboard.api.dependencies import (
     TheDashboard,
     Viewer,
 )
-from mikas.dashboard.api.errors import TwoTexts, errors, two
+from mikas.dashboard.api.errors import TwoTexts, errors
 from mikas.dashboard.api.state import PlannedChannel, State, state_of
 from mikas.dashboard.settings import PlanSettings
 
@@ -29,6 +29,7 @@ _MAX_URL = 500
 class PortInfo(BaseModel):
     """A serial port of this computer. `likely`: probably an adapter."""
 
+    model_config = ConfigDict(from_attributes=True)
     url: str
     description: str
     chip: str
@@ -51,19 +52,17 @@ class ConnectRequest(BaseModel):
     rate: float | None = Field(None, gt=0, le=1000)
 
 
-class PlanRequest(BaseModel):
-    """The channels to sample, also derived ones."""
-
-    wanted: list[PlannedChannel] = Field(min_length=1, max_length=200)
-    method: Method = "auto"
-    rate: float | None = Field(None, gt=0, le=1000)
-
-
 class PriceRequest(BaseModel):
     """The channels of the cost; `method` auto: the method in use."""
 
     wanted: list[PlannedChannel] = Field(min_length=1, max_length=200)
     method: Method = "auto"
+
+
+class PlanRequest(PriceRequest):
+    """The channels to sample, also derived ones."""
+
+    rate: float | None = Field(None, gt=0, le=1000)
 
 
 class ChannelPrice(BaseModel):
@@ -99,18 +98,7 @@ def state(dashboard: TheDashboard, client: Viewer) -> State:
 @router.get("/ports", responses=errors())
 def ports(dashboard: TheDashboard) -> PortsResponse:
     """Return the serial ports of this computer."""
-    return PortsResponse(
-        ports=[
-            PortInfo(
-                url=port.url,
-                description=port.description,
-                chip=port.chip,
-                likely=port.likely,
-                quirks=[two(quirk) for quirk in port.quirks],
-            )
-            for port in dashboard.settings.find()
-        ]
-    )
+    return PortsResponse(ports=[PortInfo.model_validate(it) for it in dashboard.settings.find()])
 
 
 @router.post("/connect", responses=errors(409, 503))
@@ -134,16 +122,14 @@ async def disconnect(dashboard: TheDashboard, client: Controller) -> State:
 @router.put("/plan", responses=errors(409))
 async def plan(dashboard: TheDashboard, client: Controller, body: PlanRequest) -> State:
     """Sample these channels from now on."""
-    await asyncio.to_thread(
-        dashboard.plan.sample, _request(dashboard.catalog, body.wanted, body.method, body.rate)
-    )
+    await asyncio.to_thread(dashboard.plan.sample, _settings(dashboard.catalog, body, body.rate))
     return state_of(dashboard, client)
 
 
 @router.post("/plan/price", responses=errors())
 def price(dashboard: TheDashboard, body: PriceRequest) -> PriceResponse:
     """Return the cost of a cycle of these channels, and of each further channel."""
-    names = _request(dashboard.catalog, body.wanted, body.method, None)
+    names = _settings(dashboard.catalog, body)
     base = dashboard.plan.price(names.names, body.method)
     more = {}
     for channel in dashboard.plan.channels:
@@ -176,10 +162,8 @@ def release(dashboard: TheDashboard, client: KnownClient) -> State:
     return state_of(dashboard, client)
 
 
-def _request(
-    catalog: Catalog, wanted: list[PlannedChannel], method: Method, rate: float | None
-) -> PlanSettings:
+def _settings(catalog: Catalog, body: PriceRequest, rate: float | None = None) -> PlanSettings:
     every: dict[str, int] = {}
-    for one in wanted:
-        every.setdefault(catalog.channel(one.name).name, one.every)
-    return PlanSettings(every, None if method == "auto" else method, rate)
+    for channel in body.wanted:
+        every.setdefault(catalog.channel(channel.name).name, channel.every)
+    return PlanSettings(every, None if body.method == "auto" else body.method, rate)

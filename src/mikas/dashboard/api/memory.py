@@ -1,4 +1,4 @@
-"""The four memory spaces, read between two samples; the unlock that writing needs; the journal."""
+"""Routes of memory: reading the four spaces between two samples, the write lock, the journal."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ router = APIRouter(tags=["memory"])
 Space = Literal["ram", "xram", "code", "sfr"]
 NUMBER = r"^(0[xX][0-9A-Fa-f]{1,4}|[0-9]{1,5})$"
 Address = Annotated[str, Query(pattern=NUMBER, description="0x1234 or 4660")]
-_TAIL = 1 << 20  # bytes of the journal that are looked at
+_TAIL = 1 << 20  # bytes of the journal that are read
 _ENTRIES = 200
 
 
 class MemoryResponse(BaseModel):
-    """What was there at `time`."""
+    """The content at `time`."""
 
     space: Space
     address: int
@@ -37,7 +37,7 @@ class MemoryResponse(BaseModel):
 
 
 class UnlockRequest(BaseModel):
-    """For how long."""
+    """The time until writing is locked again."""
 
     minutes: float = Field(5, gt=0, le=30)
 
@@ -45,7 +45,7 @@ class UnlockRequest(BaseModel):
 class JournalEntry(BaseModel):
     """A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure.
 
-    Described, not validated: the file may hold lines of older programs.
+    Not validated: the file may hold lines of older programs.
     """
 
     time: float
@@ -74,7 +74,7 @@ async def memory(
     address: Address,
     count: Annotated[int, Query(ge=1, le=1024)] = 256,
 ) -> MemoryResponse:
-    """Reads `count` bytes; of sfr one by one."""
+    """Read `count` bytes; of sfr one by one."""
     first = int(address, 0) if address.lower().startswith("0x") else int(address)
 
     def read(ecu: Ecu) -> tuple[bytes, float]:
@@ -86,7 +86,7 @@ async def memory(
 
 @router.post("/unlock", responses=errors(409, 503))
 def unlock(dashboard: TheDashboard, client: Controller, body: UnlockRequest) -> State:
-    """Lets memory and parameters be written for some minutes, on this connection."""
+    """Unlock writing of memory and parameters for some minutes, on this connection."""
     if dashboard.connection.thread is None:
         raise NotConnected
     dashboard.write_lock.open(body.minutes * 60)
@@ -95,17 +95,14 @@ def unlock(dashboard: TheDashboard, client: Controller, body: UnlockRequest) -> 
 
 @router.post("/lock", responses=errors(409))
 def lock(dashboard: TheDashboard, client: Controller) -> State:
-    """No more writing."""
+    """Lock writing."""
     dashboard.write_lock.close()
     return state_of(dashboard, client)
 
 
 @router.get("/journal", responses=errors(), response_model=JournalResponse)
 def journal(dashboard: TheDashboard) -> Response:
-    """What was changed in which unit, from this computer: the last 200 lines.
-
-    That a unit was told what to send (64) is in the file, and no change of a car: not here.
-    """
+    """Return the last 200 changes of units by this computer, without the lists to send (64)."""
     try:
         with dashboard.settings.journal.open("rb") as file:
             size = file.seek(0, os.SEEK_END)
@@ -120,14 +117,13 @@ def journal(dashboard: TheDashboard) -> Response:
         try:
             entry = json.loads(line)
         except ValueError:
-            continue  # cut by the look at the tail only, or by somebody's editor
+            continue  # cut at the beginning of the tail, or edited by hand
         if isinstance(entry, dict) and entry.get("command") != WriteList.SOURCE_NAME:
             entries.append(_in_two_languages(entry))
     return JSONResponse({"entries": entries})
 
 
 def _in_two_languages(entry: dict[str, Any]) -> dict[str, Any]:
-    """`change` as a text; entries of before there were two languages have English in both."""
-    said = str(entry.get("change", ""))
-    russian = str(entry.pop("change_ru", said))
-    return {**entry, "change": {"en": said, "ru": russian}}
+    """Return `entry` with `change` as a text; old entries have English only."""
+    english = str(entry.get("change", ""))
+    return {**entry, "change": {"en": english, "ru": str(entry.pop("change_ru", english))}}

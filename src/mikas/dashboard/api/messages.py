@@ -1,7 +1,7 @@
-"""Models of the live WebSocket's messages and of events. They describe; nothing is validated here.
+"""Models of the live WebSocket's messages and of events, for the OpenAPI description only.
 
-Messages are built as text up to 20 times a second (`broadcaster`), so no model stands in that path;
-a test validates real messages against these models. The OpenAPI description has them as components.
+Messages are built as text up to 20 times a second (`live`), without validation; a test validates
+real messages against these models.
 """
 
 from __future__ import annotations
@@ -29,81 +29,71 @@ def _optional(schema: dict[str, Any]) -> None:
 
 
 _MESSAGE: Final = ConfigDict(extra="forbid", json_schema_extra=_optional)
-_EVENT: Final = ConfigDict(extra="forbid")
 
 
-class StateEvent(BaseModel):
+class _Event(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+    time: float
+
+
+class StateEvent(_Event):
     """The line changed to `state`. `code`: the class of the error that caused it."""
 
-    model_config = _EVENT
     kind: Literal["state"]
-    time: float
     state: LineState
     text: TwoTexts | None
     reason: TwoTexts | None
     code: Annotated[str | None, Field(description="not in recordings")] = None
 
 
-class GapEvent(BaseModel):
-    """No values came. Sent when the gap begins (`ended` null) and once more when it has ended."""
+class GapEvent(_Event):
+    """No values were received. Sent when the gap begins (`ended` null) and when it has ended."""
 
-    model_config = _EVENT
     kind: Literal["gap"]
-    time: float
     began: float
     ended: float | None
     reason: TwoTexts | None
 
 
-class ErrorEvent(BaseModel):
+class ErrorEvent(_Event):
     """An exchange failed, also one that a repetition cured. `sent`, `received`: hex."""
 
-    model_config = _EVENT
     kind: Literal["error"]
-    time: float
     code: str
     text: TwoTexts
     sent: str | None
     received: str | None
 
 
-class UnitEvent(BaseModel):
+class UnitEvent(_Event):
     """A unit answers. `another`: not the one before, on this connection or the last."""
 
-    model_config = _EVENT
     kind: Literal["unit"]
-    time: float
     model: TwoTexts | None
     version_code: int | None
     passport: list[str | None] | None
     another: bool
 
 
-class MethodEvent(BaseModel):
+class MethodEvent(_Event):
     """The sampling method was chosen. `rates`: readings a second of each measured method."""
 
-    model_config = _EVENT
     kind: Literal["method"]
-    time: float
     method: str
     rates: dict[str, float]
 
 
-class DroppedEvent(BaseModel):
+class DroppedEvent(_Event):
     """The unit does not support this parameter."""
 
-    model_config = _EVENT
     kind: Literal["dropped"]
-    time: float
     name: str
 
 
-class AlarmEvent(BaseModel):
+class AlarmEvent(_Event):
     """A value crossed a limit, in either direction. `level` none: the alarm is over."""
 
-    model_config = _EVENT
     kind: Literal["alarm"]
-    time: float
     name: str
     level: Level
     before: Level | None
@@ -113,32 +103,26 @@ class AlarmEvent(BaseModel):
     text: TwoTexts | None
 
 
-class MarkerEvent(BaseModel):
-    """Somebody marked this moment."""
+class MarkerEvent(_Event):
+    """A person marked this moment."""
 
-    model_config = _EVENT
     kind: Literal["marker"]
-    time: float
     label: str
 
 
-class RecordingEvent(BaseModel):
+class RecordingEvent(_Event):
     """A recording began, ended or broke off (`failure`)."""
 
-    model_config = _EVENT
     kind: Literal["recording"]
-    time: float
     file: str
     on: bool
     failure: TwoTexts | None
 
 
-class NoteEvent(BaseModel):
-    """A note that somebody wrote; in recordings only."""
+class NoteEvent(_Event):
+    """A person's note; in recordings only."""
 
-    model_config = _EVENT
     kind: Literal["note"]
-    time: float
     text: str
 
 
@@ -170,7 +154,7 @@ RecordedEvent = Annotated[
 
 
 class LiveRows(BaseModel):
-    """Columns over time. null: no value came in that row."""
+    """Columns over time. null: no value in that row."""
 
     model_config = _MESSAGE
     names: list[str]
@@ -199,7 +183,7 @@ class PingMessage(BaseModel):
 
 
 class FieldsMessage(BaseModel):
-    """Send only these columns from here on; null: all."""
+    """Send only these columns from now on; null: all."""
 
     model_config = _MESSAGE
     fields: list[str] | None

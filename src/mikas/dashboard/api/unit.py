@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from fastapi import APIRouter
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, ConfigDict, Field
 
 from mikas.catalog import Confidence, Fault
 from mikas.client import Ecu, Info, Support
@@ -51,6 +51,7 @@ class FaultsResponse(BaseModel):
 class UnitLimits(BaseModel):
     """The measured limits of this unit, and the codes it refuses."""
 
+    model_config = ConfigDict(from_attributes=True)
     max_list: int
     max_block: dict[str, int]
     refused: list[int]
@@ -78,7 +79,7 @@ class PassportResponse(BaseModel):
     port: str
     echo: bool
     baud: int
-    latency_ms: int | None = Field(description="of the adapter's chip, where the system tells")
+    latency_ms: int | None = Field(description="of the adapter's chip, if the system reports it")
     limits: UnitLimits
     method: str | None
     rates: dict[str, float]
@@ -135,16 +136,14 @@ async def _latest(
 
 
 def _faults_response(stored: StoredFaults) -> FaultsResponse:
-    """As the API tells them."""
     return FaultsResponse(
         time=stored.time,
-        faults=[fault_of(fault, stored.first_seen[fault.code]) for fault in stored.faults],
+        faults=[_stored_fault(fault, stored.first_seen[fault.code]) for fault in stored.faults],
         count=len(stored.faults),
     )
 
 
-def fault_of(fault: Fault, first_seen: float) -> StoredFault:
-    """As the API tells it."""
+def _stored_fault(fault: Fault, first_seen: float) -> StoredFault:
     return StoredFault(
         code=fault.code,
         text=two(fault.text),
@@ -173,11 +172,7 @@ def _passport_response(
         echo=info.echo,
         baud=thread.baud if thread else 9600,
         latency_ms=next((p.latency_ms for p in dashboard.settings.find() if p.url == port), None),
-        limits=UnitLimits(
-            max_list=info.limits.max_list,
-            max_block=dict(info.limits.max_block),
-            refused=list(info.limits.refused),
-        ),
+        limits=UnitLimits.model_validate(info.limits),
         method=dashboard.monitor.method,
         rates=dashboard.monitor.rates,
         supported=None

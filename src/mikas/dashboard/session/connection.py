@@ -142,7 +142,7 @@ class SamplingPlanner:
             self._monitor.set_names(request.every)
 
     def relearn(self) -> None:
-        """Forget the measured speeds and limits of this unit. Raises `NotConnected`."""
+        """Drop the measured speeds and limits of this unit. Raises `NotConnected`."""
         if (thread := self._connection.thread) is None:
             raise NotConnected
         thread.acquisition.relearn()

@@ -1,5 +1,5 @@
-"""The stored faults as they were last read, when each was first seen on this connection, and the
-earlier readings of the same unit: a report has to name the faults that were erased.
+"""The stored faults as last read, when each was first seen on this connection, and the earlier
+readings of the same unit, for a report's erased faults.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from mikas.catalog import Fault
 from mikas.client import Ecu
 from mikas.sampling.events import FaultReading
 
-_MOST: Final = 100  # readings that differ
+_MAX_KEPT: Final = 100  # readings that differ
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,13 +35,13 @@ class FaultHistory:
         self.latest: StoredFaults | None = None
 
     def disconnect(self) -> None:
-        """End the connection; the unit's earlier readings are kept, should it come back."""
+        """End the connection; the unit's earlier readings are kept for its next one."""
         with self._lock:
             self._first.clear()
             self.latest = None
 
     def clear(self) -> None:
-        """Forget the unit: another one answers."""
+        """Drop everything: another unit answers."""
         self.disconnect()
         with self._lock:
             self._readings.clear()
@@ -66,7 +66,7 @@ class FaultHistory:
         with self._lock:
             codes = tuple(fault.code for fault in faults)
             if not self._readings or self._readings[-1].codes != codes:
-                self._readings = [*self._readings, FaultReading(time, codes, erased)][-_MOST:]
+                self._readings = [*self._readings, FaultReading(time, codes, erased)][-_MAX_KEPT:]
             self._first = {code: self._first.get(code, time) for code in codes}
             self.latest = StoredFaults(time, tuple(faults), dict(self._first))
             return self.latest

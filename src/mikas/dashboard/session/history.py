@@ -1,4 +1,4 @@
-"""The last hours of live values: for a page that is reloaded, another client, the report.
+"""The last hours of live values: for a reloaded page, another client, the report.
 
 Blocks of rows by time, a column for each channel, 64-bit numbers: an hour at 35 sets a second of 30
 channels is 30 MB. NaN: the value was not read in that row; flags are 0 and 1. A block has the
@@ -16,13 +16,13 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from itertools import repeat
 from math import isnan, nan
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from mikas.recording.table.channels import Rows
 
 _ROWS: Final = 2048
 LONGEST: Final = 2 * 3600.0
-_MOST_VALUES: Final = 16_000_000  # 128 MB at any rate: strokes at 6000 rpm with all channels
+_MAX_VALUES: Final = 16_000_000  # 128 MB; of strokes at 6000 rpm with all channels
 
 
 class _Block:
@@ -89,17 +89,16 @@ class History:
         blocks = self._blocks
         while len(blocks) > 1 and (
             blocks[0].times[-1] < now - self._seconds
-            or self._held + _ROWS * len(blocks[-1].names) > _MOST_VALUES
+            or self._held + _ROWS * len(blocks[-1].names) > _MAX_VALUES
         ):
             self._held -= blocks.popleft().size
 
 
 def _rows(times: array[float], columns: Mapping[str, array[float]]) -> Rows:
-    rows: Any = Rows
     try:
         import numpy as np
     except ImportError:
-        return rows(times, columns)  # type: ignore[no-any-return]
+        return Rows(cast("Any", times), cast("Any", columns))
     return Rows(np.asarray(times), {name: np.asarray(each) for name, each in columns.items()})
 
 
@@ -120,5 +119,5 @@ def plain(values: Sequence[float]) -> list[float | int | None]:
 
 
 def row_of(names: Sequence[str], values: Mapping[str, float]) -> list[float]:
-    """Return `values` in the order of `names`, NaN where there is none."""
+    """Return `values` in the order of `names`, NaN for a missing one."""
     return [values.get(name, nan) for name in names]

@@ -9,7 +9,7 @@ export type paths = Record<string, never>;
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
-        /** @description Who this is. `lan_url` has the token in it, and is told to those with full rights only. */
+        /** @description The server. `lan_url` contains the token; null for clients without control rights. */
         AboutResponse: {
             version: string;
             /** @enum {string} */
@@ -32,12 +32,12 @@ export interface components {
         };
         /** @description A value crossed a limit, in either direction. `level` none: the alarm is over. */
         AlarmEvent: {
+            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "alarm";
-            time: number;
             name: string;
             level: components["schemas"]["Level"];
             before: components["schemas"]["Level"] | null;
@@ -52,7 +52,7 @@ export interface components {
             a: string | null;
             b: string | null;
         };
-        /** @description Everything that can be shown, and the presets that come with the program. */
+        /** @description All channels, and the presets that come with the program. */
         CatalogResponse: {
             version: string;
             parameters: components["schemas"]["ChannelInfo"][];
@@ -80,7 +80,7 @@ export interface components {
              */
             done: true;
         };
-        /** @description A doubtful place of the source that bears on this channel. */
+        /** @description An erratum of the source that concerns this channel. */
         ChannelErratum: {
             id: string;
             text: components["schemas"]["TwoTexts"];
@@ -113,7 +113,7 @@ export interface components {
             confidence: components["schemas"]["Confidence"];
             writable: boolean;
         };
-        /** @description Beyond them is an alarm. */
+        /** @description The limits of a channel; a value beyond one is an alarm. */
         ChannelLimits: {
             danger_low: number | null;
             warning_low: number | null;
@@ -186,12 +186,12 @@ export interface components {
         };
         /** @description The unit does not support this parameter. */
         DroppedEvent: {
+            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "dropped";
-            time: number;
             name: string;
         };
         /** @description A cell of the map. */
@@ -262,12 +262,12 @@ export interface components {
         };
         /** @description An exchange failed, also one that a repetition cured. `sent`, `received`: hex. */
         ErrorEvent: {
+            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "error";
-            time: number;
             code: string;
             text: components["schemas"]["TwoTexts"];
             sent: string | null;
@@ -289,23 +289,23 @@ export interface components {
             faults: components["schemas"]["StoredFault"][];
             count: number;
         };
-        /** @description Send only these columns from here on; null: all. */
+        /** @description Send only these columns from now on; null: all. */
         FieldsMessage: {
             fields: string[] | null;
         };
-        /** @description No values came. Sent when the gap begins (`ended` null) and once more when it has ended. */
+        /** @description No values were received. Sent when the gap begins (`ended` null) and when it has ended. */
         GapEvent: {
+            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "gap";
-            time: number;
             began: number;
             ended: number | null;
             reason: components["schemas"]["TwoTexts"] | null;
         };
-        /** @description Columns over time as in live data, and what happened. null: not fresh in that row. */
+        /** @description Columns over time and events, as in live data; null: no new value in that row. */
         HistoryResponse: {
             names: string[];
             times: number[];
@@ -315,7 +315,7 @@ export interface components {
         /**
          * @description A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure.
          *
-         *     Described, not validated: the file may hold lines of older programs.
+         *     Not validated: the file may hold lines of older programs.
          */
         JournalEntry: {
             time: number;
@@ -333,7 +333,7 @@ export interface components {
         JournalResponse: {
             entries: components["schemas"]["JournalEntry"][];
         };
-        /** @description What stands on a flag's lamp. */
+        /** @description The texts of a flag's lamp. */
         LampTexts: {
             on: components["schemas"]["TwoTexts"];
             off: components["schemas"]["TwoTexts"];
@@ -359,32 +359,32 @@ export interface components {
             events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["RecordingEvent"])[];
             pong?: number | string;
         };
-        /** @description Columns over time. null: no value came in that row. */
+        /** @description Columns over time. null: no value in that row. */
         LiveRows: {
             names: string[];
             times: number[];
             values: (number | null)[][];
         };
-        /** @description Somebody marked this moment. */
+        /** @description A person marked this moment. */
         MarkerEvent: {
+            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "marker";
-            time: number;
             label: string;
         };
-        /** @description What the moment is to be called. */
+        /** @description A marker's label. */
         MarkerRequest: {
             /** @default  */
             label: string;
         };
-        /** @description When it was. */
+        /** @description The marker's time. */
         MarkerResponse: {
             time: number;
         };
-        /** @description What was there at `time`. */
+        /** @description The content at `time`. */
         MemoryResponse: {
             /** @enum {string} */
             space: "ram" | "xram" | "code" | "sfr";
@@ -395,32 +395,32 @@ export interface components {
         };
         /** @description The sampling method was chosen. `rates`: readings a second of each measured method. */
         MethodEvent: {
+            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "method";
-            time: number;
             method: string;
             rates: {
                 [key: string]: number;
             };
         };
-        /** @description A note that somebody wrote; in recordings only. */
+        /** @description A person's note; in recordings only. */
         NoteEvent: {
+            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "note";
-            time: number;
             text: string;
         };
-        /** @description A person's words. */
+        /** @description A note for the recording in progress. */
         NoteRequest: {
             text: string;
         };
-        /** @description It is in the recording. */
+        /** @description The note was written. */
         NoteResponse: {
             kept: boolean;
         };
@@ -435,7 +435,7 @@ export interface components {
             port: string;
             echo: boolean;
             baud: number;
-            /** @description of the adapter's chip, where the system tells */
+            /** @description of the adapter's chip, if the system reports it */
             latency_ms: number | null;
             limits: components["schemas"]["UnitLimits"];
             method: string | null;
@@ -493,7 +493,7 @@ export interface components {
             shipped: boolean;
             tiles: components["schemas"]["Tile"][];
         };
-        /** @description The user's own. */
+        /** @description The user's own presets. */
         PresetList: {
             presets: components["schemas"]["Preset"][];
         };
@@ -516,12 +516,12 @@ export interface components {
                 [key: string]: components["schemas"]["ChannelPrice"];
             };
         };
-        /** @description One recording with all that happened in it. `first`, `last`: its rows lie between them. */
+        /** @description One recording with its channels and events. `first`, `last`: the times of its rows. */
         RecordingDetail: {
             /** @description the file's name */
             id: string;
             bytes: number;
-            /** @description when it began; null: the clock was a simulated one */
+            /** @description the start; null: of a simulated clock */
             date: number | null;
             length: number | null;
             model: components["schemas"]["TwoTexts"] | null;
@@ -535,7 +535,7 @@ export interface components {
             faults: number[] | null;
             markers: number | null;
             note: string;
-            /** @description it is being made */
+            /** @description the recording is in progress */
             open: boolean;
             problem: components["schemas"]["TwoTexts"] | null;
             channels: string[];
@@ -547,22 +547,22 @@ export interface components {
         };
         /** @description A recording began, ended or broke off (`failure`). */
         RecordingEvent: {
+            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "recording";
-            time: number;
             file: string;
             on: boolean;
             failure: components["schemas"]["TwoTexts"] | null;
         };
-        /** @description One recording; null: not known. `problem`: why it can't be read. */
+        /** @description One recording; null: not known. `problem`: why the file can't be read. */
         RecordingInfo: {
             /** @description the file's name */
             id: string;
             bytes: number;
-            /** @description when it began; null: the clock was a simulated one */
+            /** @description the start; null: of a simulated clock */
             date: number | null;
             length: number | null;
             model: components["schemas"]["TwoTexts"] | null;
@@ -576,11 +576,11 @@ export interface components {
             faults: number[] | null;
             markers: number | null;
             note: string;
-            /** @description it is being made */
+            /** @description the recording is in progress */
             open: boolean;
             problem: components["schemas"]["TwoTexts"] | null;
         };
-        /** @description A person's words about the whole recording; they take the place of those before. */
+        /** @description A comment on the whole recording; replaces the one before. */
         RecordingNoteRequest: {
             text: string;
         };
@@ -595,14 +595,14 @@ export interface components {
             id: string;
             bytes: number;
         };
-        /** @description The latest first. `problem`: why none can be kept in the folder, if so. */
+        /** @description The latest first. `problem`: why the folder is not writable, if so. */
         RecordingsResponse: {
             recordings: components["schemas"]["RecordingInfo"][];
             problem: components["schemas"]["TwoTexts"] | null;
         };
         /**
-         * @description Columns over time. null: nothing came in that row. `decimated`: of each piece of time the
-         *     least and the greatest value of each column.
+         * @description Columns over time; null: no value in that row. `decimated`: only the minimum and maximum of
+         *     each column in each interval.
          */
         RowsResponse: {
             names: string[];
@@ -680,12 +680,12 @@ export interface components {
         };
         /** @description The line changed to `state`. `code`: the class of the error that caused it. */
         StateEvent: {
+            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "state";
-            time: number;
             state: components["schemas"]["LineState"];
             text: components["schemas"]["TwoTexts"] | null;
             reason: components["schemas"]["TwoTexts"] | null;
@@ -714,7 +714,7 @@ export interface components {
             /** @default false */
             force: boolean;
         };
-        /** @description One tile. `names`: its channels; a table without any has them all. */
+        /** @description One tile. `names`: its channels; none: a table of all channels. */
         Tile: {
             /** @enum {string} */
             kind: "gauge" | "number" | "lamp" | "strip" | "table";
@@ -737,12 +737,12 @@ export interface components {
         };
         /** @description A unit answers. `another`: not the one before, on this connection or the last. */
         UnitEvent: {
+            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "unit";
-            time: number;
             model: components["schemas"]["TwoTexts"] | null;
             version_code: number | null;
             passport: (string | null)[] | null;
@@ -756,7 +756,7 @@ export interface components {
             };
             refused: number[];
         };
-        /** @description For how long. */
+        /** @description The time until writing is locked again. */
         UnlockRequest: {
             /** @default 5 */
             minutes: number;

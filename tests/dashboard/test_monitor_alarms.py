@@ -1,4 +1,4 @@
-"""Alarms are of what is asked for now, and never forgotten by looking at something else."""
+"""Alarms of the wanted channels; those of the others are kept."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who is let in, from where, with what rights: every refusal."""
+"""Rights by host, token and origin: every refusal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is kept does not grow for ever: confirmations, and readings of the stored faults."""
+"""Confirmations and readings of the stored faults are bounded in number."""
 
 from __future__ import annotations
 

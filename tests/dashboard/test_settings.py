@@ -1,4 +1,4 @@
-"""What the start decides: the page's language, the folder of recordings; addresses in words."""
+"""Settings at the start: the page's language, the folder of recordings, addresses in texts."""
 
 from __future__ import annotations
 

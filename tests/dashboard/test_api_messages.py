@@ -1,4 +1,4 @@
-"""The models of live messages and events describe the messages that are really sent."""
+"""Models of live messages and events are valid for the messages that are sent."""
 
 from __future__ import annotations
 

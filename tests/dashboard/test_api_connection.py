@@ -1,4 +1,4 @@
-"""Connecting, the plan and its price, the seat; the line's state told truly."""
+"""Connecting, the plan and its price, control; the state of the line."""
 
 from __future__ import annotations
 

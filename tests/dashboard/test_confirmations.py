@@ -1,4 +1,4 @@
-"""What the dashboard lets pass to the unit: the sampler's own, and just what was confirmed."""
+"""The approval of changes: the sampler's own, and exactly the confirmed one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the report of the running session takes of its history, and what it leaves out."""
+"""The report of the running connection: the part of its history that counts."""
 
 from __future__ import annotations
 

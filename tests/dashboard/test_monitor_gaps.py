@@ -1,4 +1,4 @@
-"""Stretches without values: each has an end and a reason, whatever became of the connection."""
+"""Gaps: each has an end and a reason, also at the end of a connection."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Live data: what comes, how often, for whom; and clients that are slow, dead, or flood."""
+"""Live data: content, rate and recipients; slow, dead and flooding clients."""
 
 from __future__ import annotations
 
@@ -210,7 +210,7 @@ def test_a_bug_in_one_message_does_not_end_the_others(idle, monkeypatch, caplog)
 def test_one_more_than_there_is_place_for_is_told_to_try_later(shared_off, monkeypatch):
     with shared_off.live() as live:
         live.next()
-        monkeypatch.setattr("mikas.dashboard.api.live._MOST_CLIENTS", 1)
+        monkeypatch.setattr("mikas.dashboard.api.live._MAX_CLIENTS", 1)
         with shared_off.live("watcher-0002") as other:
             with pytest.raises(ConnectionClosed) as ended:
                 other.next()
@@ -233,7 +233,7 @@ class DeafSocket:
 
 
 def test_who_takes_no_message_is_given_up(tmp_path, monkeypatch):
-    monkeypatch.setattr("mikas.dashboard.api.live._PATIENCE", 0.0)
+    monkeypatch.setattr("mikas.dashboard.api.live._SEND_TIMEOUT", 0.0)
     broadcaster, deaf = Broadcaster(Dashboard(Settings(tmp_path, state=tmp_path))), DeafSocket()
 
     async def send():

@@ -1,4 +1,4 @@
-"""Faults, passport, memory; changes in two steps; the journal of what was changed."""
+"""Faults, passport, memory; changes in two steps; the journal of changes."""
 
 from __future__ import annotations
 

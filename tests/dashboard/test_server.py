@@ -1,4 +1,4 @@
-"""The page, the description of the API, the socket; the command line in front of it."""
+"""The page, the description of the API, the socket, the command line."""
 
 from __future__ import annotations
 

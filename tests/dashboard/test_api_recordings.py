@@ -1,4 +1,4 @@
-"""Recordings through the API: the list, one, any window of it, its note, its deletion."""
+"""Recordings through the API: the list, one, its rows, its comment, its deletion."""
 
 from __future__ import annotations
 

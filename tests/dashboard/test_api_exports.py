@@ -1,4 +1,4 @@
-"""Recordings to take away: the file, the exports, the report; and the one that is being made."""
+"""Recordings as files: the capture, exports, the report; also of the recording in progress."""
 
 from __future__ import annotations
 

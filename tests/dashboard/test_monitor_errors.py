@@ -1,4 +1,4 @@
-"""Errors in the band: spoilt exchanges with their bytes, each of them once, whoever tells it."""
+"""Errors of the state: failed exchanges with their bytes, each counted once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The controller's lease: who has it, for how long, who may take it."""
+"""The control lease: its holder, its duration, taking it over."""
 
 from __future__ import annotations
 

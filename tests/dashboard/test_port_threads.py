@@ -1,4 +1,4 @@
-"""Sessions and examinations that nobody wants any more, and what is seen while things change."""
+"""Connections and diagnoses that were stopped, and the state while they change."""
 
 from __future__ import annotations
 

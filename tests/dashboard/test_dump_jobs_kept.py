@@ -1,4 +1,4 @@
-"""What is known of a dump outlives the program, its second pass too; a bug ends just that one."""
+"""A dump's progress outlives the program, also of its second pass; a bug ends one dump only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A job's turn on the line: not begun it can be taken back, begun it is waited for."""
+"""A job's turn on the line: a waiting one can be cancelled, a running one is waited for."""
 
 from __future__ import annotations
 
