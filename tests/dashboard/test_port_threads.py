@@ -65,7 +65,7 @@ def test_a_port_that_opens_when_nobody_samples_any_more_is_closed_at_once(tmp_pa
         on_event=lambda *_: None,
         on_end=lambda *_: None,
     )
-    link = opening.wanting._open("sim:")
+    link = opening.wanting._stoppable.open("sim:")
     with pytest.raises(LinkLost):
         link.write(b"\x00")
 
