@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.catalog import shipped
-from mikas.recording.inspect.describe import Describer
+from mikas.recording.inspect import Describer
 
 EXCHANGES = json.loads(
     (Path(__file__).parents[1] / "vectors" / "exchanges.json").read_text("utf-8")

@@ -17,7 +17,7 @@ from mikas.link.virtual import VirtualLink
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.capture.writer import CaptureWriter
 from mikas.recording.exchanges.scalar import UNFINISHED, DecodedDamage, DecodedFrame
-from mikas.recording.inspect.frames import decode, to_json, to_text
+from mikas.recording.inspect import decode, to_json, to_text
 from mikas.virtual.bus import AdapterKind
 from virtual_harness import make_bus
 

@@ -10,7 +10,7 @@ from mikas.errors import MikasError
 from mikas.link.tee import Direction
 from mikas.recording.capture.reader import Packet
 from mikas.recording.exchanges.scalar import DecodedFrame
-from mikas.recording.inspect.frames import decode
+from mikas.recording.inspect import decode
 
 
 def answers(items):

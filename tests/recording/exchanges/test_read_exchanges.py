@@ -133,7 +133,7 @@ import sys
 
 sys.modules["numpy"] = None
 from mikas.recording.exchanges import read_exchanges
-from mikas.recording.inspect.frames import decode
+from mikas.recording.inspect import decode
 from mikas.recording.capture.reader import CaptureReader
 from mikas.replay import load
 

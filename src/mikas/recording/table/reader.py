@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
@@ -78,15 +79,15 @@ class TableReader:
 
     def stretches(self, size: int = STRETCH) -> Iterator[tuple[Source, Rows]]:
         """Yield the rows, each stretch with the port and the recording that it comes from."""
-        waiting: dict[Source, _Stretch] = {}
+        waiting: dict[Source, _PortRows] = {}
         for source, responses, groups in self._groups({}):
             if source not in waiting:
-                for before in [it for it in waiting if it.recording != source.recording]:
+                for before in [each for each in waiting if each.recording != source.recording]:
                     yield from waiting.pop(before).rest()
-                waiting[source] = _Stretch(source, self.channels, self._definitions, size)
+                waiting[source] = _PortRows(source, self.channels, self._definitions, size)
             yield from waiting[source].add(responses, list(groups))
-        for left in waiting.values():
-            yield from left.rest()
+        for rows in waiting.values():
+            yield from rows.rest()
 
     def _find_channels(self) -> set[str]:
         """Return the parameters that have a value; find problems and refusals."""
@@ -125,8 +126,8 @@ class TableReader:
             self.problems.append(problem)
 
 
-class _Stretch:
-    """Rows of one port that wait until they are enough, or time runs back."""
+class _PortRows:
+    """Rows of one port that wait until they are `size`, or until time runs back."""
 
     def __init__(
         self, source: Source, channels: Iterable[Channel], definitions: Definitions, size: int
@@ -135,54 +136,43 @@ class _Stretch:
         self._names = [channel.name for channel in channels]
         self._definitions = definitions
         self._size = size
-        self._times: list[Floats] = []
-        self._columns: list[Columns] = []
+        self._waiting: list[Rows] = []
         self._count = 0
         self._last = -np.inf
 
     def add(
         self, responses: ResponseColumns, groups: list[ResponseGroup]
     ) -> Iterator[tuple[Source, Rows]]:
-        """Take these responses; yield stretches that are full."""
+        """Take these responses; yield the rows that need not wait."""
         times, columns = self._table(responses, groups)
-        if not times.size:
-            return
-        steps = np.diff(times, prepend=self._last)
-        back = (steps < -_JITTER).nonzero()[0].tolist()
-        for start, stop in zip([0, *back], [*back, times.size], strict=True):
+        back = (np.diff(times, prepend=self._last) < -_JITTER).nonzero()[0].tolist()
+        for start, stop in pairwise([0, *back, times.size]):
             if start in back:
                 yield from self.rest()
             if start < stop:
-                yield from self._append(times, columns, slice(start, stop))
-
-    def _append(
-        self, times: Floats, columns: Columns, rows: slice
-    ) -> Iterator[tuple[Source, Rows]]:
-        start, stop = rows.start, rows.stop
-        _set_rising(times[rows], self._last, 10 / (self._source.baud or 9600))
-        while start < stop:
-            end = min(stop, start + self._size - self._count)
-            self._times.append(times[start:end])
-            self._columns.append({name: column[start:end] for name, column in columns.items()})
-            self._last = float(times[end - 1])
-            self._count += end - start
-            start = end
-            if self._count == self._size:
+                part = slice(start, stop)
+                _set_rising(times[part], self._last, 10 / (self._source.baud or 9600))
+                self._last = float(times[stop - 1])
+                self._waiting.append(_rows(times, columns, part))
+                self._count += stop - start
+            if self._count >= self._size:
                 yield from self._flush()
 
     def rest(self) -> Iterator[tuple[Source, Rows]]:
-        """Yield the waiting rows; times may begin again after them."""
+        """Yield the waiting rows; the next times may be earlier."""
         yield from self._flush()
         self._last = -np.inf
 
     def _flush(self) -> Iterator[tuple[Source, Rows]]:
-        if self._count:
-            values = {
-                name: np.concatenate([columns[name] for columns in self._columns])
+        if self._waiting:
+            times = np.concatenate([rows.times for rows in self._waiting])
+            columns = {
+                name: np.concatenate([rows.values[name] for rows in self._waiting])
                 for name in self._names
             }
-            yield self._source, Rows(np.concatenate(self._times), values)
-        self._times, self._columns, self._count = [], [], 0
+            for at in range(0, times.size, self._size):
+                yield self._source, _rows(times, columns, slice(at, at + self._size))
+        self._waiting, self._count = [], 0
 
     def _table(
         self, responses: ResponseColumns, groups: list[ResponseGroup]
@@ -197,6 +187,10 @@ class _Stretch:
             for name, values in converted(group, responses, self._definitions, self._names):
                 columns[name][row_of[group.fitting]] = values
         return responses.times[rows], columns
+
+
+def _rows(times: Floats, columns: Columns, part: slice) -> Rows:
+    return Rows(times[part], {name: column[part] for name, column in columns.items()})
 
 
 def _set_rising(times: Floats, last: float, byte_time: float) -> None:

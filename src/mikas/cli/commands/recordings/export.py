@@ -23,9 +23,8 @@ if TYPE_CHECKING:
 
 
 from mikas.recording import CaptureReader
-from mikas.recording.inspect.describe import Describer
-from mikas.recording.inspect.frames import decode as decode_frames
-from mikas.recording.inspect.frames import to_json, to_text
+from mikas.recording.inspect import Describer, to_json, to_text
+from mikas.recording.inspect import decode as decode_frames
 
 MOST_PROBLEMS = 20
 

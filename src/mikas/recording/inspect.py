@@ -1,0 +1,234 @@
+"""A capture frame by frame, with the meaning of each frame in words (§3, §4): `mikas decode`.
+
+`mikas.recording.exchanges.scalar` finds the frames, the echoes, and which request a response
+answers. `Describer` follows the lists that 64 sets, because a response to 63 can't be read without
+them; a response that does not fit its request gets no meaning. A lone `01` to a 61 with one code of
+one byte may be D10's refusal, and so may the first response of a stream of one byte: only later
+responses decide, so the meaning names both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from typing import Any, Final
+
+from mikas import commands as c
+from mikas.catalog import Catalog
+from mikas.commands.base import ERROR
+from mikas.errors import MikasError
+from mikas.i18n import Language, Text
+from mikas.link.tee import Direction
+from mikas.recording.capture.reader import Packet, Problem, Source
+from mikas.recording.exchanges.scalar import UNFINISHED, DecodedDamage, DecodedFrame, PortDecoder
+
+Describe = Callable[[bytes, bytes | None], Text | None]
+"""Takes a request's body, and its response's (None: the request itself is described)."""
+
+SCHEMA: Final = 1
+
+_REASONS: Final = {
+    "checksum": Text("wrong checksum", "неверная контрольная сумма"),
+    "too long": Text("no end in sight", "слишком длинно"),
+    "irregular escape": Text("irregular escape", "необычная замена байта"),
+    UNFINISHED: Text("unfinished", "не закончено"),
+}
+_ECHO = Text("echo", "эхо")
+_RAW_CHECKSUM = Text("raw checksum", "контрольная сумма без замены")
+_IRREGULAR = _REASONS["irregular escape"]
+
+Item = DecodedFrame | DecodedDamage | Problem
+
+
+def decode(items: Iterable[Packet | Problem], describe: Describe | None = None) -> Iterator[Item]:
+    """Yield the frames of `items` as soon as each is whole; pass problems through. Never raise."""
+    ports: dict[Source, PortDecoder] = {}
+    recording = 0
+    for item in items:
+        if isinstance(item, Problem):
+            for port in ports.values():
+                port.matching.interrupt()
+            yield item
+            continue
+        if item.source.recording != recording:
+            recording = item.source.recording
+            for port in ports.values():
+                yield from port.finish()
+            ports.clear()
+        if item.source not in ports:
+            ports[item.source] = PortDecoder(item.source)
+        for part in ports[item.source].feed(item):
+            yield part if describe is None else _described(part, describe)
+    for port in ports.values():
+        yield from port.finish()
+
+
+def _described(
+    item: DecodedFrame | DecodedDamage, describe: Describe
+) -> DecodedFrame | DecodedDamage:
+    if isinstance(item, DecodedDamage) or item.echo:
+        return item
+    request, response = item.request, item.frame.body
+    if item.direction is Direction.SENT:
+        return replace(item, meaning=describe(item.frame.body, None))
+    return item if request is None else replace(item, meaning=describe(request, response))
+
+
+def to_json(item: Item) -> dict[str, object]:
+    """Return a line of `mikas decode --json`: `type` is frame, damage or problem; bytes in hex."""
+    if isinstance(item, Problem):
+        text = {"en": item.text.en, "ru": item.text.ru}
+        return {"schema": SCHEMA, "type": "problem", "offset": item.offset, "text": text}
+    line: dict[str, object] = {
+        "schema": SCHEMA,
+        "type": "frame" if isinstance(item, DecodedFrame) else "damage",
+        "recording": item.source.recording,
+        "port": item.source.url,
+        "time": item.begin,
+        "end": item.end,
+        "direction": item.direction.value,
+        "echo": item.echo,
+        "offset": item.offset,
+    }
+    if isinstance(item, DecodedDamage):
+        return line | {"reason": item.reason, "data": _hex(item.data)}
+    meaning = None if item.meaning is None else {"en": item.meaning.en, "ru": item.meaning.ru}
+    return line | {
+        "body": _hex(item.frame.body),
+        "wire": _hex(item.frame.wire),
+        "raw_checksum": item.frame.raw_checksum,
+        "irregular": item.frame.irregular,
+        "name": item.name,
+        "request": None if item.request is None else _hex(item.request),
+        "meaning": meaning,
+    }
+
+
+def to_text(item: Item, language: Language = "en", *, zero: float = 0.0) -> str:
+    """Return one line for a person, times counted from `zero`: `    0.012500 < 0A  Mikas 7.1`.
+
+    `>` is sent, `<` received; a body without checksum and stuffing, damage unchanged after `!`.
+    """
+    if isinstance(item, Problem):
+        return f"{'!':>14} {item.text.to(language)}"
+    arrow = ">" if item.direction is Direction.SENT else "<"
+    start = f"{item.begin - zero:12.6f} {arrow} "
+    if isinstance(item, DecodedDamage):
+        data, notes = f"! {item.data.hex(' ').upper()}", [_REASONS[item.reason]]
+    else:
+        data, notes = item.frame.body.hex(" ").upper() or "—", _notes(item)
+    if item.echo:
+        notes.insert(0, _ECHO)
+    return start + "  ".join([data, "; ".join(note.to(language) for note in notes)]).rstrip()
+
+
+def _notes(item: DecodedFrame) -> list[Text]:
+    notes = []
+    # The name of 01 is not from the source; a meaning may begin with it.
+    has_name = item.meaning is not None and item.meaning.en.startswith(item.name or "\0")
+    if item.name is not None and not item.echo and not has_name:
+        notes.append(Text(item.name, item.name))
+    if item.meaning is not None:
+        notes.append(item.meaning)
+    if item.frame.raw_checksum:
+        notes.append(_RAW_CHECKSUM)
+    if item.frame.irregular:
+        notes.append(_IRREGULAR)
+    return notes
+
+
+def _hex(data: bytes) -> str:
+    return data.hex().upper()
+
+
+# The meaning
+
+_BOTH: Final[tuple[Language, Language]] = ("en", "ru")
+_VALUE_OR_REFUSAL = Text("a value of 01, or a refusal", "значение 01 или отказ")
+_REFUSABLE = (c.ReadParameters, c.StreamCyclic, c.StreamAtStroke)
+_DATA = (c.ReadParameters, c.ReadList, c.StreamCyclic, c.StreamAtStroke)
+
+
+class Describer:
+    """Describes the frames of one captured line; it is a `Describe`."""
+
+    def __init__(self, catalog: Catalog, interpretation: str = "corrected") -> None:
+        self._catalog = catalog
+        self._interpretation = interpretation
+        self._list: tuple[c.Datum, ...] = ()
+        self._started: bytes | None = None  # the stream requested last, without a response
+
+    def __call__(self, request: bytes, response: bytes | None) -> Text | None:
+        """Return the meaning of `request`, or of `response` to it."""
+        command = self._command(request)
+        if command is None:
+            return None
+        started, self._started = self._started, None
+        if response is None:
+            self._started = request
+            if isinstance(command, c.WriteList):
+                self._list = ()  # until its 00 comes, the list of the ECU is not known
+            return self._described_request(command)
+        try:
+            value = command.read(response)
+        except MikasError as error:
+            return error.reason
+        if isinstance(command, c.WriteList):
+            self._list = command.parameters
+        first = isinstance(command, c.ReadParameters) or started == request
+        if isinstance(command, _REFUSABLE) and first and len(request) == 2 and response == ERROR:
+            return _VALUE_OR_REFUSAL
+        return self._described_value(command, value)
+
+    def _described_request(self, command: c.Command[Any]) -> Text:
+        """Return the command's title, and the parameters that it names."""
+        data = getattr(command, "parameters", ())
+        if isinstance(command, c.ReadList) or not data:
+            return command.TITLE
+        names = " ".join(
+            "/".join(p.name for p in self._catalog.by_code(datum.code)) or f"0x{datum.code:02X}"
+            for datum in data
+        )
+        return Text(f"{command.TITLE.en}: {names}", f"{command.TITLE.ru}: {names}")
+
+    def _command(self, request: bytes) -> c.Command[Any] | None:
+        if request == b"\x63":
+            return c.ReadList(self._list) if self._list else None
+        try:
+            return c.parse(request, self._catalog.size_of)
+        except c.MalformedRequest:
+            return None
+
+    def _described_value(
+        self,
+        command: c.Command[Any],
+        value: Any,  # noqa: ANN401  (by the command)
+    ) -> Text | None:
+        match command:
+            case c.Availability():
+                return self._catalog.model(value).text
+            case c.ReadFaults():
+                numbers = " ".join(map(str, value)) or "0"
+                return Text(f"faults {numbers}", f"ошибки {numbers}")
+            case c.ReadProgramPassport() | c.ReadDataPassport():
+                return Text(f"“{value}”", f"«{value}»")
+            case _ if isinstance(command, _DATA):
+                data = list(zip(command.parameters, value, strict=True))
+                en, ru = (" ".join(self._datum(*it, to) for it in data) for to in _BOTH)
+                return Text(en, ru)
+        if value is None:
+            return Text("done", "выполнено")
+        digits = value.hex(" ").upper() if isinstance(value, bytes) else f"{value:02X}"
+        return Text(digits, digits)
+
+    def _datum(self, datum: c.Datum, raw: bytes, language: Language) -> str:
+        named = []
+        for parameter in self._catalog.by_code(datum.code):
+            conversion = parameter.interpretation(self._interpretation)
+            value = conversion.decode(raw)
+            unit = conversion.unit_text.to(language)
+            if isinstance(value, bool):
+                named.append(f"{parameter.name}={int(value)}")
+            else:
+                named.append(f"{parameter.name}={value:.{parameter.decimals}f}{unit}")
+        return " ".join(named)

@@ -1,1 +1,0 @@
-"""Showing a recording frame by frame, with the meaning of each frame."""
