@@ -30,13 +30,13 @@ class Timing:
 
     @property
     def late(self) -> float:
-        """From the end of a request: when a response that has not come no longer comes (D13)."""
+        """The time from the end of a request after which no response arrives any more (D13)."""
         return 2 * self.response_timeout
 
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """A response: its body, the bytes on the wire, and the link's time of its begin and end."""
+    """A response: its body, the bytes on the wire, and the link's time of its start and end."""
 
     body: bytes
     wire: bytes
@@ -56,35 +56,41 @@ class Failure:
 
     @classmethod
     def of(cls, error: LineError) -> Failure:
-        """Of the error, which is named by its class."""
+        """Copy `error`; `code` is its class name."""
         return cls(type(error).__name__, error.reason, error.request, error.received, error.time)
 
 
 @dataclass(slots=True)
 class Statistics:
-    """Counts since the connection began."""
+    """Counts since the start of the connection."""
 
     requests: int = 0
     repeated: int = 0
     failed: int = 0
     failures: deque[Failure] = field(default_factory=lambda: deque(maxlen=_FAILURES_KEPT))
-    """The latest of them, including those that a repetition cured."""
+    """The latest failures, including those before a successful repetition."""
 
     def fail(self, error: LineError) -> None:
-        """Count one."""
+        """Count `error`."""
         self.failed += 1
         self.failures.append(Failure.of(error))
 
 
 class TimedDecoder:
-    """A `Decoder` that knows when its bytes came."""
+    """A `Decoder` that also returns the time when each frame began on the wire.
+
+    A chunk's time is that of its last byte, or later, for adapters hand bytes over in lumps. A
+    frame that began `n` bytes before a chunk's end began at most at the chunk's time minus `n` byte
+    times; the earliest result of all its chunks is the best. If chunks arrive late and then at
+    once, a frame could seem to begin before the previous one: it counts as one byte time later.
+    """
 
     def __init__(self, decoder: Decoder, byte_time: float) -> None:
         self._decoder = decoder
         self._byte_time = byte_time
-        # Of unfinished bytes: where a chunk ends, and when byte 0 began according to it.
+        # Of each chunk with unfinished bytes: its end, and the time of byte 0 according to it.
         self._chunks: deque[tuple[int, float]] = deque()
-        self._latest = -inf  # when the frame before began
+        self._latest = -inf  # when the previous frame began
 
     @property
     def pending(self) -> bytes:

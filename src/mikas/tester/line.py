@@ -1,11 +1,10 @@
 """One request out, one response in, on a wire that echoes (D1, D2, D14). No retries here.
 
-`Line` sends a frame and compares its echo byte by byte, collects the frame that answers, and waits
-for silence. Every failure is an error that carries what was sent, what came, and when; the reaction
-to it is the tester's.
+`Line` sends a frame, compares its echo byte by byte, collects the response's frame, and waits for
+silence. A failure is an error with the bytes sent and received and the time; the tester reacts.
 
-The logger `mikas.tester` gets at DEBUG every frame that is sent (`>`) or received (`<`), and every
-failure (`!`).
+The logger `mikas.tester` gets at DEBUG every frame sent (`>`) or received (`<`) and every failure
+(`!`).
 """
 
 from __future__ import annotations
@@ -37,14 +36,14 @@ _DAMAGE = {
     DamageReason.TOO_LONG: Text("it has no end", "у него нет конца"),
     DamageReason.IRREGULAR_ESCAPE: Text("an escape is wrong", "неверна замена байта"),
 }
-_AROUND = 2  # bytes of a response besides its body, at least: checksum and terminator
+_OVERHEAD = 2  # bytes of a response besides its body, at least: checksum and terminator
 _CUT = Text("it ends in the middle", "он обрывается на середине")
 _TOO_SOON = Text("it began while the request was being sent", "он начался, пока посылался запрос")
 _DOUBLED = Text("more than one response came", "пришло больше одного ответа")
 
 
 class Line:
-    """A link seen as requests and responses. `echo`: whether the line returns what is sent."""
+    """Requests and responses on a link. `echo`: whether the line returns the sent bytes."""
 
     def __init__(
         self,
@@ -60,33 +59,31 @@ class Line:
         self.echo = echo
         self.raw_checksum = raw_checksum
         self.strict = strict
-        self.sent_until = -inf
-        """When the last byte of the latest request was sent."""
+        self.sent_until = -inf  # when the last byte of the latest request was sent
+        # When the echo had arrived; an adapter may generate it before the bytes are sent.
         self.echo_heard = -inf
-        """When its echo had arrived; an adapter may make that itself, before the bytes are sent."""
-        self.silences = 0
-        """How often nothing at all came to two requests in a row."""
+        self.silences = 0  # how often two requests in a row got no byte
         self._unanswered = 0  # requests in a row
-        self._ahead = Chunk(b"", 0.0)  # came together with the end of an echo
+        self._ahead = Chunk(b"", 0.0)  # received together with the end of an echo
         self._log = _logger()
 
     def exchange(self, body: bytes, *, of_many: bool = False, min_length: int = 0) -> Reply:
-        """Send `body` and return its only response, or the first with `of_many`.
+        """Send `body`; return its only response, or the first one with `of_many`.
 
-        `min_length`: bytes of the shortest possible body of the response; the line is not read
-        before so many can have arrived. Raises `NoEcho` or a `LineError`.
+        `min_length`: bytes of the response's shortest possible body; the line is not read before
+        so many can have arrived. Raises `NoEcho` or a `LineError`.
         """
         wire, sent_at = self.send(body)
         return self.receive(wire, sent_at, of_many=of_many, min_length=min_length)
 
     def send(self, body: bytes, *, hasty: bool = False) -> tuple[bytes, float]:
-        """Send `body` and check the echo; return its wire form and when its last byte was sent.
+        """Send `body` and check the echo; return the wire form and the last byte's time.
 
         `hasty`: read the echo as it arrives, even before the wire can have carried it.
         """
         wire = self.interject(body)
         if self.echo:
-            if not hasty:  # all of it, and be it a little late: the response is later
+            if not hasty:  # the whole echo, a little late: the response is later
                 self.link.gather(self.sent_until + self.link.byte_time / 2)
             try:
                 self.echo_heard = self._check_echo(
@@ -129,9 +126,8 @@ class Line:
     ) -> Reply:
         """Return the only response to the request `wire`, whose last byte was sent at `sent_at`.
 
-        `of_many`: the first of the responses of a stream; more may have come with it. `min_length`:
-        as for `exchange`. The first byte is read as soon as it arrives, so `began` is as exact as
-        the adapter.
+        `of_many`: the first of a stream's responses; more may have arrived with it. `min_length`:
+        as for `exchange`. The first byte is read at its arrival, so `began` is exact.
         """
         try:
             reply = self._receive(wire, sent_at, of_many=of_many, min_length=min_length)
@@ -153,30 +149,30 @@ class Line:
                 raise self._nothing_more(wire, bytes(received), chunk.time)
             if not received:
                 if chunk.time < sent_at + self.link.byte_time / 2 and not self.echo:
-                    # No echo tells of the collision (D2), and the wreck of two frames may be sound.
+                    # No echo shows the collision (D2), and two mixed frames may look valid.
                     raise self._damaged(wire, chunk.data, chunk.time, _TOO_SOON)
                 self._unanswered = 0
             received += chunk.data
             deadline = chunk.time + self._pause()
             events = decoder.feed(chunk)
             if not events:
-                # Sleep at most half of the longest pause inside a response (D14): a longer one is
-                # then found, at worst that much later.
-                missing = min_length + _AROUND - len(received)
+                # At most half of the longest pause inside a response (D14), which bounds the delay
+                # of its detection.
+                missing = min_length + _OVERHEAD - len(received)
                 self._gather(chunk.time, missing, most=self.timing.inter_byte_timeout / 2)
                 continue
             first, began = events[0]
             if isinstance(first, Damage):
                 raise self._damaged(wire, bytes(received), chunk.time, _DAMAGE[first.reason])
             if not of_many and (len(events) > 1 or decoder.pending):
-                # One of them answers an earlier request, and nothing says which (D13).
+                # One of them answers an earlier request; which one is unknown (D13).
                 raise self._damaged(wire, bytes(received), chunk.time, _DOUBLED)
             return Reply(first.body, first.wire, max(sent_at, began), chunk.time)
 
     def _log_error(self, error: MikasError) -> None:
         if self._log.isEnabledFor(_DEBUG):
-            came = f" (received {hex_dump(error.received)})" if error.received else ""
-            self._log.debug("! %s%s", error.reason.en, came)
+            received = f" (received {hex_dump(error.received)})" if error.received else ""
+            self._log.debug("! %s%s", error.reason.en, received)
 
     def _log_frame(self, direction: str, wire: bytes) -> None:
         if self._log.isEnabledFor(_DEBUG):
@@ -197,9 +193,9 @@ class Line:
         return self.link.read(deadline)
 
     def _gather(self, since: float, count: int, *, most: float = inf) -> None:
-        """Sleep until all but the last of `count` bytes can have arrived, counted from `since`.
+        """Sleep until all but the last of `count` bytes after `since` can have arrived.
 
-        The last one is left to a read, which sees its time. Sleeps `most` seconds at most.
+        A read takes the last one, for its time. Sleeps `most` seconds at most.
         """
         if count > 1:
             self.link.gather(since + min((count - 1) * self.link.byte_time, most))
@@ -224,19 +220,19 @@ class Line:
         return DamagedResponse(damage=damage, request=wire, received=received, time=time)
 
     def arrived(self) -> bytes:
-        """Return the bytes that no request caused, without waiting: D2 wants a quiet line."""
+        """Return bytes that no request caused, without waiting (D2)."""
         ahead, self._ahead = self._ahead.data, Chunk(b"", 0.0)
         return ahead + self.link.read(self.link.now()).data
 
     def wait_for_quiet(
         self, seconds: float, *, until: float = -inf, patience: float | None = None
     ) -> bytes:
-        """Wait until `until`, and until nothing has come for `seconds`; return what came.
+        """Wait until `until`, and until `seconds` pass without a byte; return the bytes received.
 
-        Raises `LineNotQuiet` if bytes still come `patience` seconds after the beginning (by default
-        `timing.max_busy_time` more than `seconds`) and after `until`.
+        Raises `LineNotQuiet` if bytes still arrive after `until` and `patience` seconds (by default
+        `seconds` and `timing.max_busy_time`).
         """
-        came = bytearray(self.arrived())
+        received = bytearray(self.arrived())
         began = self.link.now()
         last = max(
             until, began + (seconds + self.timing.max_busy_time if patience is None else patience)
@@ -245,22 +241,21 @@ class Line:
         while True:
             chunk = self.link.read(quiet_at)
             if not chunk.data:
-                return bytes(came)
-            came += chunk.data
+                return bytes(received)
+            received += chunk.data
             quiet_at = max(until, chunk.time + seconds)
             if chunk.time > last:
-                raise LineNotQuiet(received=bytes(came[-64:]), time=chunk.time)
+                raise LineNotQuiet(received=bytes(received[-64:]), time=chunk.time)
 
     def next_frame(
         self, decoder: TimedDecoder, deadline: float, *, min_length: int, heard: float
     ) -> list[tuple[Frame | Damage, float]]:
-        """Return the next events of a stream with the times of their first bytes.
+        """Return a stream's next events with the times of their first bytes; [] at the deadline.
 
-        Empty at the deadline. `min_length`: bytes of the shortest possible body, `heard`: when the
-        last byte came.
+        `min_length`: bytes of the shortest possible body; `heard`: when the last byte arrived.
         """
         while True:
-            missing = min_length + _AROUND - len(decoder.pending)
+            missing = min_length + _OVERHEAD - len(decoder.pending)
             self._gather(heard, missing, most=max(0.0, deadline - heard))
             chunk = self._next(deadline)
             if not chunk.data:

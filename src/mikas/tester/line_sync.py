@@ -1,10 +1,9 @@
 """Synchronization with the ECU: when a response can be trusted (D12, D13).
 
-A response carries neither its command nor an id. `LineSync` remembers that a late response may
-still arrive, and until when (`Timing.late` after the latest request: one that failed, a `01` of the
-search itself, the last of a stream). It waits until then and for a quiet line; now nothing is under
-way, so the next response to a `01` is that `01`'s. It counts if it is exactly one response with the
-unit's version code, and silence follows.
+A response has neither its command nor an id. `LineSync` knows until when a late response may still
+arrive: `Timing.late` after the latest request (a failed one, a `01` of the resynchronization, the
+last of a stream). It waits until then and for a quiet line, so the next response to `01` belongs to
+that `01`. It is valid if it is exactly one, with the unit's version code, followed by silence.
 """
 
 from __future__ import annotations
@@ -24,31 +23,30 @@ from mikas.tester.line import WRONG_CHECKSUM, Line
 
 AVAILABILITY = b"\x01"
 
-_ROUNDS = 5  # of D13 before giving up
-_HASTY_ROUNDS = 2  # of these, before a stream with long pauses between its responses is suspected
+_ROUNDS = 5  # of D13
+_HASTY_ROUNDS = 2  # of these, before a stream with long pauses is suspected
 _INTERRUPTIONS = 6  # attempts to end a stream before a line break, D12
-_CLEAN_TRIES = 3  # at its clean end: the first `01` often meets a response of a quick stream
-_BREAK = 0.05  # s; far over the ten bits that a talker takes for a byte
+_CLEAN_TRIES = 3  # to end a stream cleanly: the first `01` often collides with a response
+_BREAK = 0.05  # s; much more than the ten bits of a byte
 
 
 class LineSync:
-    """Whether the next response will be that of the next request; restores that if not."""
+    """Whether the next response belongs to the next request, and how to restore that."""
 
     def __init__(self, line: Line) -> None:
         self.line = line
         self.lost = False
         self.found_again = 0
         self.breaks = 0
+        # A stream may be running: its pause looks like a quiet line, its response like one to `01`.
         self.streaming = False
-        """A stream may be running: a pause in it looks like a quiet line, and one of its responses
-        like the unit's answer to `01`."""
-        self._awaited = True  # the latest request's response may still come
+        self._awaited = True  # the latest request's response may still arrive
 
     def mark_lost(self, error: BaseException | None = None) -> None:
-        """Trust no response from now on: after `error`, or before an exchange that may fail.
+        """Trust no response: after `error`, or before an exchange that may fail.
 
-        A whole frame with a wrong checksum was the latest request's response, and no other will
-        come. After silence, a cut or another request's response the real one may still come.
+        A whole frame with a wrong checksum was the latest request's only response. After silence, a
+        cut or another request's response the right one may still arrive.
         """
         over = isinstance(error, DamagedResponse) and error.fields.get("damage") == WRONG_CHECKSUM
         self.lost, self._awaited = True, not over
@@ -58,9 +56,9 @@ class LineSync:
         self.lost = self.streaming = False
 
     def resynchronize(self, version_code: int) -> None:
-        """Restore the synchronization if it is lost, or if bytes came without a request.
+        """Restore a lost synchronization, or one with bytes that no request caused.
 
-        Raises `NoEcho` or `EchoOnly` if no ECU answers any more, `LineNotQuiet`, `SyncLost`.
+        Raises `NoEcho` or `EchoOnly` if no ECU answers, `LineNotQuiet`, `SyncLost`.
         """
         if not self.lost:
             if not self.line.arrived():
@@ -87,20 +85,20 @@ class LineSync:
         raise failure
 
     def _confirm(self, version_code: int) -> bool:
-        """D13: whether exactly one response comes, the unit's own, and a quiet line after it."""
+        """Whether exactly one response arrives, the unit's own, and then silence (D13)."""
         self.mark_lost()
         try:
             reply = self.line.exchange(AVAILABILITY)
         except NoResponse as error:
             raise no_ecu_error(error, echoes=self.line.echo) from error
-        came = self.line.wait_for_quiet(self.line.timing.idle_time)
-        return not came and reply.body == bytes([version_code])
+        extra = self.line.wait_for_quiet(self.line.timing.idle_time)
+        return not extra and reply.body == bytes([version_code])
 
     def silence(self, *, patient: bool = False) -> bytes:
-        """Wait until no response is under way and the line is quiet; return what came.
+        """Wait until no response is due and the line is quiet; return the bytes received.
 
-        A stream on the line is ended; a `patient` wait also finds one by strokes, whose pauses are
-        longer than a quiet line needs. Raises `LineNotQuiet` if a stream can't be ended.
+        A stream is ended; a `patient` wait also detects one by strokes, with long pauses. Raises
+        `LineNotQuiet` if a stream can't be ended.
         """
         seconds = self.line.timing.late if patient else self.line.timing.idle_time
         try:
@@ -119,7 +117,7 @@ class LineSync:
         tries = 0 if by_strokes or bytes_each == 1 else _CLEAN_TRIES
         for _ in range(tries):
             if _last_frame(self.interrupt(timing.idle_time)) == own:
-                # No datum looks like that: it was the answer to `01`, and nothing comes after it.
+                # No datum looks so: it was the answer to `01`, and the last response.
                 self.streaming = self._awaited = False
                 self.resynchronize(version_code)
                 return
@@ -127,22 +125,22 @@ class LineSync:
         self.resynchronize(version_code)
 
     def _silence_for_good(self, own: bytes | None = None, *, by_strokes: bool = True) -> None:
-        """End a possible stream with long pauses, or of data that look like the answer to `01`.
+        """End a possible stream with long pauses, or with data like the answer to `01`.
 
         `own`: that answer, if no datum looks like it.
         """
         breaks = self.breaks
         last = _last_frame(self.interrupt(self.line.timing.late))
         if by_strokes and self.breaks == breaks and (own is None or last != own):
-            # With a stopped engine the unit is silent in any case, and a unit whose stream only a
-            # break ends ignores `01`.
+            # At a standing engine the unit is silent anyway, and a unit may end a stream only after
+            # a break and ignore `01`.
             self._break()
         self.streaming = False
 
     def interrupt(self, seconds: float) -> bytes:
-        """End a stream: `01` in a gap, repeated if necessary, finally a line break (D12).
+        """End a stream by `01` in a gap, repeated if necessary, finally by a line break (D12).
 
-        It has ended when nothing comes for `seconds`. Returns what came after the last attempt.
+        The stream has ended after `seconds` of silence. Returns the bytes after the last attempt.
         Raises `LineNotQuiet` if the unit still sends.
         """
         self.mark_lost()
@@ -164,7 +162,7 @@ class LineSync:
         self.line.link.send_break(_BREAK)
 
     def _wait_for_gap(self) -> None:
-        """Wait until a response has ended, or nothing comes for a moment."""
+        """Wait for the end of a response, or for a short silence."""
         link, timing = self.line.link, self.line.timing
         deadline = link.now() + timing.max_busy_time
         while link.now() < deadline:
@@ -173,9 +171,9 @@ class LineSync:
                 return
 
 
-def _last_frame(came: bytes) -> bytes | None:
+def _last_frame(received: bytes) -> bytes | None:
     decoder = Decoder()
-    events = decoder.feed(came)
+    events = decoder.feed(received)
     last = events[-1] if events and not decoder.pending else None
     return last.body if isinstance(last, Frame) else None
 

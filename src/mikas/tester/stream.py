@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Self
 
 from mikas import commands as c
@@ -21,12 +20,12 @@ from mikas.errors import (
 from mikas.framing import Frame
 from mikas.tester.line import Line
 
-_STANDING_ENGINE = 2.0  # s without a stroke (D15): what turns slower than 60 rpm stands
+_STANDING_ENGINE = 2.0  # s without a stroke (D15): an engine below 60 rpm counts as standing
 
 
 @dataclass(frozen=True, slots=True)
 class StreamItem:
-    """One response: a datum a parameter, the body they came in, and when its first byte began."""
+    """One response: a datum a parameter, the body, and the time of its first byte."""
 
     data: c.Data
     body: bytes
@@ -34,11 +33,11 @@ class StreamItem:
 
 
 class Stream:
-    """An iterator over the responses of one stream command; close it, or use it with `with`.
+    """An iterator over the responses of a stream command; close it, or use it in a `with`.
 
-    Iterating raises `NoResponse` when nothing has come for `silence` seconds, `LinkLost` when the
-    adapter is gone. A damaged response, or one whose length does not fit, is counted, passed
-    to `on_error` and left out.
+    Iterating raises `NoResponse` after `silence` seconds without a response (by default 2 s by
+    strokes, else `response_timeout`), `LinkLost` if the adapter is gone. A damaged response, or one
+    of a wrong length, is counted, passed to `on_error` and left out.
     """
 
     def __init__(
@@ -68,17 +67,17 @@ class Stream:
 
     @property
     def running(self) -> bool:
-        """Whether it has not been ended."""
+        """Whether the stream is not closed."""
         return self._open
 
     def start(self) -> None:
-        """Send the request and check its echo; the tester calls it."""
+        """Send the request and check its echo; called by the tester."""
         self._request, self._heard = self._line.send(self.command.body())
 
     def read(self, deadline: float, *, raise_errors: bool = False) -> StreamItem | None:
-        """Return the next response; None if none has come by `deadline` of the link's clock.
+        """Return the next response; None at `deadline` of the link's clock.
 
-        Raises `NotSupported` if the unit answers `01`, its way to say that it does not know (D10).
+        Raises `NotSupported` if the unit answers `01`: it does not know the command (D10).
         `raise_errors`: also raises the `LineError` of each response that is left out.
         """
         while self._open:
@@ -124,7 +123,7 @@ class Stream:
             return
         item = StreamItem(self.command.read(body), body, time)
         if body == b"\x01" and self._count == 1:
-            # One byte asked, 01 came: the datum, or D10's refusal? A refusal comes only once.
+            # 01 to a request of one byte: a datum, or D10's refusal, which is sent only once.
             self._held = item
             return
         if self._held:
@@ -146,7 +145,7 @@ class Stream:
         raise self.fallen_silent()
 
     def fallen_silent(self) -> NoResponse | NotSupported:
-        """Return the error for a stream that has sent nothing for `silence` seconds."""
+        """Return the error for `silence` seconds without a response."""
         if self._held:
             return self._unknown(self._held.body)
         return NoResponse(
@@ -157,9 +156,9 @@ class Stream:
         return NotSupported(command=self.command.display_name, request=self._request, received=body)
 
     def close(self) -> None:
-        """End the stream (D12) and release the tester. A second call does nothing.
+        """End the stream (D12) and release the tester; a second call does nothing.
 
-        Raises `LineNotQuiet` if the unit can't be made to stop.
+        Raises `LineNotQuiet` if the unit does not stop.
         """
         if self._open:
             self._open = False
@@ -170,14 +169,14 @@ class Stream:
 
     def __exit__(
         self,
-        kind: type[BaseException] | None,
+        kind: object,
         error: BaseException | None,
-        traceback: TracebackType | None,
+        traceback: object,
     ) -> None:
         try:
             self.close()
         except NoConnection:
-            # No ECU, so nothing streams; the first error is the one to raise.
+            # No ECU, so no stream; the first error matters more.
             if error is None:
                 raise
         except MikasError:

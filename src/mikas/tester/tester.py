@@ -1,8 +1,7 @@
 """The tester: requests that can be trusted, on a line that can not (D1, D2, D11–D14).
 
-Policy lives here: when to repeat, when to find the step again, what silence means. Blocking and
-plain: the link owns the clock and all waiting. One lock: several threads may use one tester; a
-stream holds the lock until it is ended.
+The tester decides when to repeat, when to resynchronize, and how to interpret silence. It blocks;
+the link has the clock and all waits. Several threads may use one tester; a stream holds its lock.
 """
 
 from __future__ import annotations
@@ -33,15 +32,15 @@ from mikas.tester.stream import Stream
 
 T = TypeVar("T")
 
-_ATTEMPTS_AT_THE_UNKNOWN = 2  # a unit that does not know a command is silent each time (D10)
-_TURN = 0.02  # s; how long a waiting thread keeps the line to itself
+_ATTEMPTS_AT_UNKNOWN = 2  # a unit that does not know a command is silent each time (D10)
+_TURN = 0.02  # s that a waiting thread occupies the line at a time
 _STREAM_CODES = frozenset(c.StreamCyclic.CODES + c.StreamAtStroke.CODES)
 
 
 class Tester:
-    """Exchanges requests with one ECU over `link`. `connect()` comes first.
+    """Exchanges requests with one ECU over `link`, after `connect()`.
 
-    `retries`: how often a command that is safe to repeat is sent again after a failed exchange.
+    `retries`: how often a failed exchange of a repeatable command is repeated.
     """
 
     def __init__(
@@ -68,31 +67,31 @@ class Tester:
 
     @property
     def echoes(self) -> bool:
-        """Whether the line returns what is sent, as found at connect."""
+        """Whether the line returns the sent bytes, as found by `connect`."""
         return self._line.echo
 
     @property
     def timing(self) -> Timing:
-        """The tester's time-outs (D14)."""
+        """The time-outs (D14)."""
         return self._line.timing
 
     @property
     def found_again(self) -> int:
-        """How often the step was lost and found again (D13)."""
+        """The number of resynchronizations (D13)."""
         return self._step.found_again
 
     @property
     def silences(self) -> int:
-        """How often two requests in a row got no response: the unit was gone for a second."""
+        """How often two requests in a row got no response: the unit was off for a second."""
         return self._line.silences
 
     @property
     def breaks(self) -> int:
-        """How often a stream could be ended only by a line break (D12)."""
+        """How often only a line break could end a stream (D12)."""
         return self._step.breaks
 
     def connect(self) -> int:
-        """Find out whether the line echoes and which unit answers; return its version code.
+        """Detect the echo and the unit; return its version code.
 
         Raises `NoEcho`, `EchoOnly`, `EchoDiffers`, `NotAKLineAdapter`, `LineNotQuiet`, `LinkLost`.
         """
@@ -111,15 +110,15 @@ class Tester:
                         raise
             self._step.keep()
             assert self.version_code is not None
-            self._known.update(c.Availability.CODES)  # it has just answered that
+            self._known.update(c.Availability.CODES)
             return self.version_code
 
     def close(self) -> None:
-        """End a running stream and close the link. A second call does nothing."""
+        """End a running stream and close the link; a second call does nothing."""
         stream = self._stream
         try:
             if stream:
-                with suppress(MikasError):  # the line is given up, whatever its state
+                with suppress(MikasError):  # the line is no longer used
                     stream.close()
         finally:
             self.link.close()
@@ -127,12 +126,12 @@ class Tester:
     def request(self, command: c.Command[T]) -> T:
         """Return the ECU's answer to `command`; repeat a failed exchange if that is safe.
 
-        Raises `EcuRefused`, a `LineError` or a `NoConnection`, each with what was on the wire.
+        Raises `EcuRefused`, a `LineError` or a `NoConnection`, with the bytes on the wire.
         """
         return self.exchange(command)[0]
 
     def has_answered(self, code: int) -> bool:
-        """Whether this unit has ever given a valid answer to this command code."""
+        """Whether this unit has given a valid answer to this command code."""
         return code in self._known
 
     def exchange(
@@ -140,15 +139,15 @@ class Tester:
     ) -> tuple[T, Reply]:
         """As `request`, and return the response's bytes and times too.
 
-        `retries`: other than the tester's own; a command that is not safe to repeat never is.
-        `trial`: a probe: silence is expected and is not counted as an error.
+        `retries`: instead of the tester's; an unsafe command is never repeated. `trial`: a probe:
+        silence is expected and is not counted as an error.
         """
         with self._holding():
             retries = self.retries if retries is None else retries
             return self._exchange(command, retries, trial=trial)
 
     def in_a_row(self, *commands: c.Command[T]) -> list[T]:
-        """As `request` for each of `commands`, with no other thread's request between them."""
+        """As `request` for each of `commands`, without another thread's request between them."""
         with self._holding():
             return [self._exchange(command, self.retries)[0] for command in commands]
 
@@ -172,7 +171,7 @@ class Tester:
     ) -> tuple[T, Reply]:
         attempts = 1 + (retries if command.repeatable else 0)
         if command.code not in self._known:
-            attempts = min(attempts, _ATTEMPTS_AT_THE_UNKNOWN)
+            attempts = min(attempts, _ATTEMPTS_AT_UNKNOWN)
         while True:
             self._ensure_in_sync()
             attempts -= 1
@@ -186,7 +185,7 @@ class Tester:
 
     def _once(self, command: c.Command[T]) -> tuple[T, Reply]:
         self.statistics.requests += 1
-        self._step.mark_lost()  # until it has ended well; Ctrl-C may end it too
+        self._step.mark_lost()  # until the exchange has succeeded; Ctrl-C may end it
         try:
             shortest = min(command.response_lengths(), default=0)
             reply = self._line.exchange(command.body(), min_length=shortest)
@@ -207,9 +206,9 @@ class Tester:
         return value, reply
 
     def _verdict(self, command: c.Command[Any], error: LineError) -> MikasError:
-        """Return the error after the last attempt: is it the line, the command, or the ignition?"""
+        """Return the error after the last attempt: of the line, the command, or the ignition."""
         if isinstance(error, NoResponse) and command.code not in self._known:
-            self._ensure_in_sync()  # raises NoEcho or EchoOnly if no ECU answers any more
+            self._ensure_in_sync()  # raises NoEcho or EchoOnly if no ECU answers
             return NotSupported(
                 command=command.display_name, request=error.request, received=b"", time=error.time
             )
@@ -221,9 +220,9 @@ class Tester:
         return error
 
     def time_echo(self, body: bytes) -> float:
-        """Measure the seconds from the write of `body` to the end of its echo; ignore the answer.
+        """Return the seconds from the write of a harmless `body` to the end of its echo.
 
-        For a harmless `body` on a line that echoes. Raises `NoEcho` or `EchoDiffers`.
+        The answer is ignored. Raises `NoEcho` or `EchoDiffers`.
         """
         with self._holding():
             self._ensure_in_sync()
@@ -256,10 +255,9 @@ class Tester:
     def stream(
         self, command: c.StreamCyclic | c.StreamAtStroke, *, silence: float | None = None
     ) -> Stream:
-        """Start `command` and return the stream of its responses, which must be closed (D12).
+        """Start `command`; return the stream of its responses, which the caller closes (D12).
 
-        The stream holds this tester's lock until then. `silence`: seconds after which iterating it
-        gives up; by default `Timing.response_timeout`, and 5 s for a stream by strokes.
+        The stream holds the tester's lock until then. `silence`: see `Stream`.
         """
         self._acquire()
         try:
@@ -296,9 +294,9 @@ class Tester:
             self._lock.release()
 
     def wait(self, until: float) -> None:
-        """Wait until this time of the link's clock. Other threads' requests go in between.
+        """Wait until this time of the link's clock, letting other threads send requests.
 
-        Bytes that arrive meanwhile belong to no request: the line has to be synchronized again.
+        Bytes without a request that arrive meanwhile require a resynchronization.
         """
         while (now := self.link.now()) < until:
             with self._holding():
