@@ -17,12 +17,10 @@ from mikas.catalog import Catalog, shipped
 from mikas.commands.base import ERROR
 from mikas.errors import CaptureError
 from mikas.i18n import Text
-from mikas.link.base import BITS_PER_BYTE
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import CaptureReader, Problem, Source
 from mikas.recording.exchanges import read_exchanges
 from mikas.recording.exchanges.result import Column, Exchanges
-from mikas.recording.exchanges.scalar import DEFAULT_BAUD
 from mikas.replay.behaviour import EcuBehaviour
 from mikas.replay.contents import Contents, RecordedPort, Request
 from mikas.replay.model import ReplayData
@@ -157,7 +155,7 @@ class _Stretch:
         self._port = port
         self._exchanges = exchanges
         self._shift = builder.timeline.shift
-        self._byte_time = BITS_PER_BYTE / (exchanges.source.baud or DEFAULT_BAUD)
+        self._byte_time = exchanges.source.byte_time
         self._next_serial = exchanges.requests.first
         self._damaged = set(exchanges.damaged.tolist())
         if port.request and port.request.serial in self._damaged:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final
 from mikas.errors import CaptureError
 from mikas.errors import reason_of as system_reason_of
 from mikas.i18n import Text
+from mikas.link.base import BITS_PER_BYTE
 from mikas.link.tee import Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.index import index
@@ -52,6 +53,11 @@ class Source:
     baud: int = 0
     application: str = ""
     hardware: str = ""
+
+    @property
+    def byte_time(self) -> float:
+        """The seconds of a byte on the wire; at 9600 baud (§1) if the rate is not known."""
+        return BITS_PER_BYTE / (self.baud or 9600)
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,6 @@ from typing import Final
 
 import numpy as np
 
-from mikas.link.base import BITS_PER_BYTE
 from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, equal
 from mikas.recording.exchanges.matching import (
@@ -29,7 +28,6 @@ from mikas.recording.exchanges.matching import (
 )
 from mikas.recording.exchanges.packets import WINDOW, Packets, read
 from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
-from mikas.recording.exchanges.scalar import DEFAULT_BAUD
 from mikas.recording.exchanges.stream import Events, PacketStream
 
 _ECHO: Final = -2
@@ -81,11 +79,10 @@ class ColumnarMatcher:
     """The exchanges of one port of one recording."""
 
     def __init__(self, source: Source) -> None:
-        byte_time = BITS_PER_BYTE / (source.baud or DEFAULT_BAUD)
         self.matching = Matching()
         self._source = source
-        self._sent = PacketStream(byte_time)
-        self._received = PacketStream(byte_time)
+        self._sent = PacketStream(source.byte_time)
+        self._received = PacketStream(source.byte_time)
         self._sent_last = False
         self._last: float = np.inf
         self._latest = np.full(2, NO_REQUEST)  # numbers of the last two requests
@@ -105,12 +102,11 @@ class ColumnarMatcher:
         self.matching.count = first + requests.index.size
         after = first - 1 + requests.turns.searchsorted(responses.turns, "right")
         chosen = (answers > _ECHO).nonzero()[0]
+        sent_times = self._sent.packet_times(sent, requests.index)
         return ExchangeColumns(
             source=self._source,
             bodies=self.matching.bodies,
-            requests=RequestColumns(
-                first, requests.numbers, self._sent.arrived(sent, requests.index), requests.lengths
-            ),
+            requests=RequestColumns(first, requests.numbers, sent_times, requests.lengths),
             responses=self._responses(requests, responses, chosen, answers, after),
             damaged=after[answers == _DAMAGE],
             echoes=int(np.count_nonzero(answers == _ECHO)),
@@ -145,7 +141,7 @@ class ColumnarMatcher:
         numbers[serials == NO_REQUEST] = NO_REQUEST
         self._latest = known[-2:]
         return ResponseColumns(
-            times=self._received.began(block, events),
+            times=self._received.wire_times(block, events),
             requests=serials,
             numbers=numbers,
             after=after[chosen],

@@ -10,30 +10,22 @@ processor's cache; memory is bounded by the piece and `limit`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mikas.framing import ESCAPE, TERMINATOR, Damage, DamageReason, Decoder, Event, Frame
+from mikas.framing import ESCAPE, TERMINATOR, Damage, Decoder
 from mikas.recording.exchanges.arrays import Bytes, Index, Mask
 from mikas.recording.exchanges.segments import (
-    CHECKSUM,
     GIVEN_UP,
     IRREGULAR_ESCAPE,
     SOUND,
-    TOO_LONG,
     Segments,
     cut_up,
 )
 
-_REASONS: Final = {
-    CHECKSUM: DamageReason.CHECKSUM,
-    TOO_LONG: DamageReason.TOO_LONG,
-    IRREGULAR_ESCAPE: DamageReason.IRREGULAR_ESCAPE,
-}
 _NOWHERE: Final = np.empty(0, np.int64)
 _NOTHING: Final = np.empty(0, np.uint8)
 
@@ -75,18 +67,6 @@ class FrameBlock:
     def body_of(self, index: int) -> bytes:
         """Return the unstuffed body, without checksum."""
         return self.bodies[self.body_starts[index] : self.body_ends[index]].tobytes()
-
-    def events(self) -> Iterator[Event | bytes]:
-        """Yield the events of `Decoder.feed`; bare bytes are a frame abandoned at a cut."""
-        for index, reason in enumerate(self.reasons.tolist()):
-            wire, offset = self.wire_of(index), self.origin + int(self.starts[index])
-            if reason == GIVEN_UP:
-                yield wire
-            elif reason != SOUND:
-                yield Damage(_REASONS[reason], wire, offset)
-            else:
-                raw, irregular = bool(self.raw_checksum[index]), bool(self.irregular[index])
-                yield Frame(self.body_of(index), wire, offset, raw, irregular)
 
 
 class BulkDecoder:

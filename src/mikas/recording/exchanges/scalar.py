@@ -15,7 +15,6 @@ from typing import Any, Final, NamedTuple
 from mikas.commands import COMMANDS_BY_CODE
 from mikas.framing import DamageReason, Decoder, Event, Frame
 from mikas.i18n import Text
-from mikas.link.base import BITS_PER_BYTE
 from mikas.link.tee import Direction
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.exchanges.matching import (
@@ -29,7 +28,6 @@ from mikas.recording.exchanges.matching import (
 )
 from mikas.recording.exchanges.result import GAP, JUMP, Exchanges, Requests, Responses
 
-DEFAULT_BAUD = 9600  # §1
 UNFINISHED: Final = "unfinished"
 """Why an abandoned frame is damage, beside the values of `DamageReason`."""
 _STRETCH = 1024  # packets
@@ -145,8 +143,7 @@ class PortDecoder:
     def __init__(self, source: Source) -> None:
         self.matching = Matching()
         self._source = source
-        self._byte_time = BITS_PER_BYTE / (source.baud or DEFAULT_BAUD)
-        self._directions = {direction: _Direction(self._byte_time) for direction in Direction}
+        self._directions = {direction: _Direction(source.byte_time) for direction in Direction}
         self._sent_last = False
 
     def feed(self, packet: Packet) -> Iterator[DecodedFrame | DecodedDamage]:
@@ -182,7 +179,7 @@ class PortDecoder:
     def _is_late(self, packet: Packet, last_time: float | None) -> bool:
         if last_time is None:
             return False
-        silence = packet.time - len(packet.data) * self._byte_time - last_time
+        silence = packet.time - len(packet.data) * self._source.byte_time - last_time
         answered = packet.direction is Direction.RECEIVED and self._sent_last
         return silence > (SILENCE_AFTER_SENDING if answered else SILENCE)
 

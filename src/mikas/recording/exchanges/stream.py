@@ -35,21 +35,21 @@ class PacketStream:
         completed = block.needed + (block.origin - before)
         by = numbers[ends.searchsorted(completed)] if len(block) else numbers[:0]
 
-        still = self._ends > unfinished
-        self._ends = np.concatenate((self._ends[still], before + ends))
-        self._times = np.concatenate((self._times[still], times))
+        needed = self._ends > unfinished
+        self._ends = np.concatenate((self._ends[needed], before + ends))
+        self._times = np.concatenate((self._times[needed], times))
         return block, by
 
-    def arrived(self, block: FrameBlock, events: Index) -> Floats:
+    def packet_times(self, block: FrameBlock, events: Index) -> Floats:
         """Return the times of the packets that brought the first bytes of these frames."""
-        arrived: Floats = self._times[self._first_packets(block, events)]
-        return arrived
+        times: Floats = self._times[self._first_packets(block, events)]
+        return times
 
     def _first_packets(self, block: FrameBlock, events: Index) -> Index:
         found: Index = self._ends.searchsorted(block.starts[events] + block.origin, "right")
         return found
 
-    def began(self, block: FrameBlock, events: Index) -> Floats:
+    def wire_times(self, block: FrameBlock, events: Index) -> Floats:
         """Return when the first bytes of these frames of the latest block began on the wire.
 
         That is the earliest time that any packet with a byte of the frame implies: a packet may
@@ -58,15 +58,15 @@ class PacketStream:
         starts = block.starts[events] + block.origin
         packet = self._first_packets(block, events)
         last = self._ends.searchsorted(block.ends[events] + block.origin)
-        began: Floats = self._times[packet] - (self._ends[packet] - starts) * self._byte_time
+        times: Floats = self._times[packet] - (self._ends[packet] - starts) * self._byte_time
         more = (packet < last).nonzero()[0]
         while more.size:
             packet[more] += 1
             at = packet[more]
             implied = self._times[at] - (self._ends[at] - starts[more]) * self._byte_time
-            began[more] = np.minimum(began[more], implied)
+            times[more] = np.minimum(times[more], implied)
             more = more[at < last[more]]
-        return began
+        return times
 
     def _late(self, times: Floats, lengths: Index, after_sent: Mask) -> Mask:
         if not times.size:

@@ -151,7 +151,7 @@ class _PortRows:
                 yield from self.rest()
             if start < stop:
                 part = slice(start, stop)
-                _set_rising(times[part], self._last, 10 / (self._source.baud or 9600))
+                _set_rising(times[part], self._last, self._source.byte_time)
                 self._last = float(times[stop - 1])
                 self._waiting.append(_rows(times, columns, part))
                 self._count += stop - start
