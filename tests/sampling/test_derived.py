@@ -176,7 +176,7 @@ def test_a_response_that_brought_nothing_is_no_gap_if_the_next_one_comes_in_time
 def wanted(catalog: Catalog, before: DerivedChannels, *names: str, asked: str) -> DerivedChannels:
     """Other channels, while the parameters `asked` are."""
     channels = DerivedChannels(catalog, names)
-    channels.go_on_from(before, asked.split())
+    channels.continue_from(before, asked.split())
     return channels
 
 

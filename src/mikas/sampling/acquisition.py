@@ -39,13 +39,13 @@ T = TypeVar("T")
 
 
 class Acquisition:
-    """Acquires the channels `names` of whatever unit is behind `plug`; none: all parameters.
+    """Acquires the channels `names` of the unit at `port`; without names all parameters.
 
-    A name may be a parameter's, a code's (`0x1A`, `0x3F:2`) or a derived channel's, each with
-    `/10` for every tenth cycle. `method`: auto is the fastest that works. `rate`: cycles a second
-    at most. `strict`: as for `Sampler`. `limits`: alarms other than the catalog's, as for `Alarms`.
+    A name is a parameter's, a code (`0x1A`, `0x3F:2`) or a derived channel's, each with `/10` for
+    every tenth cycle. `method`: auto is the fastest that works. `rate`: most cycles a second.
+    `strict` as for `Sampler`, `limits` as for `Alarms`.
 
-    Raises `UnknownParameter` and `UsageError` before anything is opened.
+    Raises `UnknownParameter` and `UsageError` before it opens the port.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class Acquisition:
         self._limits = limits
         self._selection = select(catalog, names)
         self._derived = DerivedChannels(catalog, self._selection.derived)
-        self._in_force = self._selection
+        self._adopted = self._selection  # that of the latest `PlanChanged`
         self._alarms = Alarms(catalog, limits)
         self._pending_alarms: deque[AlarmChanged] = deque()  # of the latest sample
         self._sampler = Sampler(
@@ -128,7 +128,7 @@ class Acquisition:
                 case PlanChanged():
                     self._adopt_selection()
                 case UnitFound(another=True):  # the totals are the previous car's
-                    self._derived = DerivedChannels(self._catalog, self._in_force.derived)
+                    self._derived = DerivedChannels(self._catalog, self._adopted.derived)
                     self._alarms = Alarms(self._catalog, self._limits)
                 case _:
                     pass
@@ -145,12 +145,12 @@ class Acquisition:
             yield self._pending_alarms.popleft()
 
     def _adopt_selection(self) -> None:
-        if self._in_force is not self._selection:
-            self._in_force = self._selection
+        if self._adopted is not self._selection:
+            self._adopted = self._selection
             before = self._derived
-            self._derived = DerivedChannels(self._catalog, self._in_force.derived)
-            asked = [wanted.parameter.name for wanted in self._in_force.parameters]
-            self._derived.go_on_from(before, asked)
+            self._derived = DerivedChannels(self._catalog, self._adopted.derived)
+            requested = [planned.parameter.name for planned in self._adopted.parameters]
+            self._derived.continue_from(before, requested)
 
     def call(self, job: Callable[[Ecu], T]) -> Future[T]:
         """Run `job(ecu)` between two cycles, as `Sampler.call`."""
@@ -164,11 +164,10 @@ class Acquisition:
         Raises `UnknownParameter` and `UsageError`, and then nothing changes.
         """
         selection = select(self._catalog, names)
-        own = fixed_method(method)
         before, self._selection = self._selection, selection
         try:
             self._sampler.reconfigure(
-                selection.parameters, own, rate, retry_refused=selection.explicit
+                selection.parameters, fixed_method(method), rate, retry_refused=selection.explicit
             )
         except UsageError:
             self._selection = before
@@ -183,7 +182,7 @@ class Acquisition:
         self._sampler.stop()
 
     def price(self, names: Iterable[str], method: str = "auto") -> Price:
-        """Return the price of a cycle of `names`; auto: by the fastest method known.
+        """Return the price of a cycle of `names`; auto: by the fastest known method.
 
         Raises `UnknownParameter` and `UsageError`.
         """

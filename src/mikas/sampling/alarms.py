@@ -1,11 +1,10 @@
-"""Alarms: which channel is beyond its limits, since when, and the moments at which that changed.
+"""Alarms: channels beyond their limits, and the events at which an alarm level changes.
 
     values ──► Alarms.update ──► AlarmChanged      at each change of level
                      └── Alarms.current()          for a display, at any time
 
-A level begins beyond its limit and ends when the value is back inside by the hysteresis, so a value
-that trembles at a limit makes one event. A missing value changes no level: the last state stays,
-marked stale.
+A level begins beyond its limit and ends when the value is back within it by the hysteresis: noise
+at a limit makes one event. A missing value changes no level; the state is marked stale.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from mikas.sampling.derived import DerivedValue, number_of
 from mikas.sampling.events import AlarmChanged
 
 Value: TypeAlias = Reading | DerivedValue | float | None
-"""A bare number is one in the corrected reading, read just now."""
+"""A bare number is in the corrected interpretation and of the sample's time."""
 
 _LEVELS = tuple(Level)
 _LEVEL_TEXTS = {
@@ -35,7 +34,7 @@ _LEVEL_TEXTS = {
 
 
 class Side(StrEnum):
-    """On which side the value is beyond its limit; a flag that is set is HIGH."""
+    """The side on which the value is beyond its limit; a set flag is HIGH."""
 
     LOW = "low"
     HIGH = "high"
@@ -48,8 +47,8 @@ _BEYOND = {Side.LOW: Text("below", "ниже"), Side.HIGH: Text("above", "выш
 class AlarmState:
     """The alarm of a channel: `level` since the time `since`, by `value` of the time `time`.
 
-    `side` and `limit` are None while there is no alarm, `value` and both times until the first
-    value came. `stale`: the last sample had none.
+    `side` and `limit` are None without an alarm, `value` and both times before the first value.
+    `stale`: the last sample had no value.
     """
 
     channel: Parameter | Derived
@@ -65,9 +64,9 @@ class AlarmState:
 class Alarms:
     """Compares each channel with its limits: those of `limits`, else the catalog's.
 
-    `limits` is by the channel's name (a raw code too); None switches a channel's alarms off.
-    A value whose time is more than `fresh` seconds from its sample's is missing.
-    UnknownParameter; UsageError: a flag with a number's limits, or the other way round.
+    `limits` is by the channel's name or raw code; None switches a channel's alarms off. A value
+    more than `fresh` seconds older than its sample is missing. Raises `UnknownParameter`, and
+    `UsageError` for a flag with a number's limits or a number with a flag's.
     """
 
     def __init__(
@@ -79,12 +78,12 @@ class Alarms:
     ) -> None:
         channels: dict[str, Parameter | Derived] = {each.name: each for each in catalog.parameters}
         channels |= catalog.derived
-        wanted = {name: each.alarm_limits for name, each in channels.items()}
+        chosen = {name: each.alarm_limits for name, each in channels.items()}
         for name, own in (limits or {}).items():
             channel = catalog.channel(name)
-            channels[channel.name], wanted[channel.name] = channel, own
+            channels[channel.name], chosen[channel.name] = channel, own
         self._fresh = fresh
-        self._limits = {name: each for name, each in wanted.items() if each is not None}
+        self._limits = {name: each for name, each in chosen.items() if each is not None}
         for name, each in self._limits.items():
             _check(channels[name], each)
         self._states = {name: AlarmState(channels[name]) for name in self._limits}
@@ -106,7 +105,7 @@ class Alarms:
             if not isfinite(value):
                 self._states[name] = replace(state, stale=True)
                 continue
-            level, side, limit = _judged(limits, state, value)
+            level, side, limit = _level_of(limits, state, value)
             changed = (level, side) != (state.level, state.side)
             self._states[name] = AlarmState(
                 channel=state.channel,
@@ -128,10 +127,10 @@ class Alarms:
         return nan if value is None else float(value)
 
 
-def _judged(
+def _level_of(
     limits: AlarmLimits, state: AlarmState, value: float
 ) -> tuple[Level, Side | None, float | None]:
-    """Return the level of `value` after `state`, its side and the limit crossed."""
+    """Return the level of `value` after `state`, its side and its limit."""
     if limits.for_flag:
         return (limits.when_true, Side.HIGH, 1.0) if value else (Level.NONE, None, None)
     for side, sign, on_side in ((Side.HIGH, 1, limits.highs), (Side.LOW, -1, limits.lows)):
@@ -164,7 +163,7 @@ def _event(before: AlarmState, after: AlarmState, value: float, time: float) -> 
 
 
 def _sentence(before: Level, now: AlarmState, *, better: bool) -> Text:
-    """Return the change as one sentence; `now` has the side and the limit that were crossed."""
+    """Return the change as one sentence; `now` has the crossed limit and its side."""
     level, previous = _LEVEL_TEXTS[now.level], _LEVEL_TEXTS[before]
     name, unit = now.channel.text, now.channel.unit_text
     if now.channel.is_flag:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
 from mikas.client.polling import FixedMethod, check_rate, next_due
 from mikas.commands import Datum
@@ -14,12 +13,12 @@ from mikas.sampling.jobs import JobQueue
 from mikas.sampling.method_knowledge import MethodKnowledge
 from mikas.sampling.plan import Plan, PlannedParameter
 
-_SLICE = 0.1  # s between looks for jobs and new requests while waiting for the next cycle
+_SLICE = 0.1  # s between checks for jobs and new requests during a wait
 
 
 @dataclass(frozen=True)
 class SamplingRequest:
-    """What to sample. `retry_refused`: also parameters that the unit refused before."""
+    """A request to sample. `retry_refused`: include parameters that the unit refused before."""
 
     parameters: tuple[PlannedParameter, ...]
     method: FixedMethod | None = None
@@ -32,7 +31,7 @@ class SamplingRequest:
 
 
 class SamplingContext:
-    """`strict` holds until `has_sampled`, the first sample of the run."""
+    """The shared state; `strict` applies until `has_sampled`, the first sample of the run."""
 
     def __init__(self, requested: SamplingRequest, jobs: JobQueue, *, strict: bool) -> None:
         self.request = requested
@@ -44,9 +43,9 @@ class SamplingContext:
         self.knowledge = MethodKnowledge()
         self.refused: set[Datum] = set()
         self.dropped: set[str] = set()
-        """Names that were reported as refused."""
+        """Names reported as refused."""
         self.due = -inf
-        """When the next cycle begins, with a rate or during a cycle without requests."""
+        """The beginning of the next cycle, with a rate or in a cycle without requests."""
         self._last: dict[str, Reading] = {}
 
     def forget_unit(self) -> None:
@@ -57,7 +56,7 @@ class SamplingContext:
         self._last.clear()
 
     def start_request(self, requested: SamplingRequest) -> None:
-        """Reset what held only for the request before `requested`."""
+        """Reset the state of the request before `requested`."""
         self.due = -inf
         if requested.retry_refused:
             self.refused.clear()
@@ -66,11 +65,11 @@ class SamplingContext:
             self.knowledge.reset_failures(requested.method)
 
     def is_current(self, requested: SamplingRequest) -> bool:
-        """Return whether `requested` is the latest request and nothing stops or restarts it."""
+        """Return whether `requested` is the latest request, without `stop` or `relearn`."""
         return requested is self.request and not self.relearn and not self.stopped
 
     def sample_of(self, fresh: dict[str, Reading]) -> Sampled:
-        """Return the event of `fresh` readings, with the latest known of the others."""
+        """Return the event of `fresh` readings; the latest of the others are stale."""
         self.has_sampled = True
         stale = {name: r for name, r in self._last.items() if name not in fresh}
         self._last.update(fresh)
@@ -86,7 +85,7 @@ class SamplingContext:
         return True
 
     def schedule_empty_cycle(self, time: float, length: float) -> None:
-        """Let a cycle without requests last as long as the rate says, else `length` seconds."""
+        """End a cycle without requests by the rate, else after `length` seconds."""
         if self.request.rate:
             self._schedule_after(time, 1 / self.request.rate)
         else:
@@ -96,8 +95,8 @@ class SamplingContext:
         self.due = next_due(time if self.due == -inf else self.due, time, period)
 
     def forget_values_outside(self, plan: Plan) -> None:
-        """Forget values of parameters outside `plan`: they are not stale, but gone."""
-        names = {wanted.parameter.name for wanted in plan.parameters}
+        """Forget values of parameters outside `plan`, which are not stale but invalid."""
+        names = {planned.parameter.name for planned in plan.parameters}
         self._last = {name: r for name, r in self._last.items() if name in names}
 
     def wait_until_due(
@@ -111,8 +110,3 @@ class SamplingContext:
                 return False
             ecu.tester.wait(min(due, now() + _SLICE))
         return True
-
-
-def datum_of(parameter: Parameter) -> Datum:
-    """Return the unit's datum that holds `parameter`."""
-    return Datum(parameter.code, parameter.size)

@@ -1,15 +1,15 @@
-"""Derived channels over samples: one at a time while they come, or whole columns for an export.
+"""Derived channels of samples: one by one while sampling, or whole columns for an export.
 
     readings ──► DerivedChannels.update ──► DerivedValue      live, sample by sample
     rows ──────► DerivedChannels.columns ─► arrays            the same numbers, bit for bit
 
-A derived channel has no value where one of its inputs is missing in the sample, or where its
-formula has none (a division by zero).
+A derived channel has no value where an input is missing in the sample, or where its formula has
+none (a division by zero).
 
 An accumulating channel integrates its formula, which is per second, by the trapezoidal rule. A gap
-adds nothing and is counted. A gap is a pause longer than `longest`, a time in which the inputs were
-not requested, or a clock that went back. A sample without the inputs (a repeated request) is no
-gap, nor is a pause as long as both before it: slow channels have such pauses.
+adds nothing and is counted: a pause longer than `longest`, a time in which the inputs were not
+requested, or a clock set back. A sample without the inputs (a repeated request) is no gap, nor is
+a pause like both before it: slow channels have such pauses.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ if TYPE_CHECKING:
 
     Column: TypeAlias = NDArray[np.float64]
 
-_ALIKE = 2.5  # times the shorter of the two steps before: a usual step
+_ALIKE = 2.5  # times the shorter of the two steps before: still a usual step
 
 
 class SampleRows(Protocol):
-    """Columns over time, parameters in the corrected reading; NaN is missing, flags are 0 and 1."""
+    """Columns over time, in the corrected interpretation; NaN is missing, flags are 0 and 1."""
 
     @property
     def times(self) -> Column:
@@ -51,7 +51,7 @@ class SampleRows(Protocol):
 class DerivedValue:
     """One value of a derived channel, at `time`, with its direct inputs.
 
-    If the channel accumulates, `since` is when that began, and `gaps` how often it was interrupted.
+    Of an accumulating channel, `since` is the beginning and `gaps` the number of interruptions.
     """
 
     channel: Derived
@@ -73,9 +73,9 @@ class DerivedValue:
 
 @dataclass(frozen=True, slots=True)
 class Accumulated:
-    """The total of an accumulating channel, since when (None: no value yet), and its gaps.
+    """The total of an accumulating channel, its beginning (None: no value yet) and its gaps.
 
-    A total that overflowed is NaN, and stays NaN.
+    After an overflow the total stays NaN.
     """
 
     total: float = 0.0
@@ -86,8 +86,8 @@ class Accumulated:
 class DerivedChannels:
     """The derived channels `names`, and the derived channels among their inputs.
 
-    Values further apart than `longest` seconds are no neighbours, unless they usually are.
-    UnknownParameter, UsageError: a name is not that of a derived channel.
+    A step longer than `longest` seconds is a gap, unless such steps are usual. Raises
+    `UnknownParameter`, and `UsageError` for a name that is not a derived channel's.
     """
 
     def __init__(self, catalog: Catalog, names: Iterable[str], *, longest: float = 2.0) -> None:
@@ -105,46 +105,45 @@ class DerivedChannels:
         """The total of each accumulating channel, also while it has no value."""
         return {name: integral.state for name, integral in self._integrals.items()}
 
-    def go_on_from(self, before: DerivedChannels, asked: Iterable[str]) -> None:
-        """Take over the totals of `before`, whose channels were requested until now.
+    def continue_from(self, before: DerivedChannels, requested: Iterable[str]) -> None:
+        """Take over the totals of `before`, also those of channels that are not requested now.
 
-        Totals that are not requested any more are kept. They continue if the parameters `asked`
-        suffice for them; otherwise the time counts as a gap.
+        They continue if the `requested` parameters suffice; otherwise the time counts as a gap.
         """
-        asked = set(asked)
+        requested = set(requested)
         self._integrals |= before._integrals
         for name, integral in before._integrals.items():
-            if not asked.issuperset(_required(self._catalog, [name])):
+            if not requested.issuperset(_required(self._catalog, [name])):
                 integral.interrupt()
         names = [channel.name for channel in self.channels]
         self._steps = _steps(self._catalog, dict.fromkeys([*names, *self._integrals]))
 
     def update(self, readings: Mapping[str, Reading], time: float) -> dict[str, DerivedValue]:
         """Return the channels that have a value in a sample of `readings`."""
-        there: dict[str, Reading | DerivedValue] = {**readings}
+        values: dict[str, Reading | DerivedValue] = {**readings}
         for channel, calculation in self._steps:
-            if value := self._made(channel, calculation, there, time):
-                there[channel.name] = value
-        made = (there.get(channel.name) for channel in self.channels)
-        return {each.name: each for each in made if isinstance(each, DerivedValue)}
+            if value := self._value(channel, calculation, values, time):
+                values[channel.name] = value
+        derived = (values.get(channel.name) for channel in self.channels)
+        return {each.name: each for each in derived if isinstance(each, DerivedValue)}
 
-    def _made(
+    def _value(
         self,
         channel: Derived,
         calculation: Calculation,
-        there: Mapping[str, Reading | DerivedValue],
+        values: Mapping[str, Reading | DerivedValue],
         time: float,
     ) -> DerivedValue | None:
-        inputs = {name: there[name] for name in channel.inputs if name in there}
+        inputs = {name: values[name] for name in channel.inputs if name in values}
         if len(inputs) < len(channel.inputs):
             return None
         numbers = {name: number_of(each) for name, each in inputs.items()}
-        value, so_far = calculation.number(numbers), Accumulated()
+        value, state = calculation.number(numbers), Accumulated()
         if isfinite(value) and (integral := self._integrals.get(channel.name)):
-            value, so_far = integral.add(time, value), integral.state
+            value, state = integral.add(time, value), integral.state
         if not isfinite(value):
             return None
-        return DerivedValue(channel, value, channel.unit, time, inputs, so_far.since, so_far.gaps)
+        return DerivedValue(channel, value, channel.unit, time, inputs, state.since, state.gaps)
 
     def columns(self, rows: SampleRows) -> dict[str, Column]:
         """Return the columns for rows of samples, each value as `update` gives it; NaN is missing.
@@ -165,13 +164,13 @@ class DerivedChannels:
 
 
 class _Integral:
-    """The total of one accumulating channel, with what its next step needs."""
+    """The total of one accumulating channel, and the state for its next step."""
 
     def __init__(self, longest: float) -> None:
         self.state = Accumulated()
         self._longest = longest
-        self._last: tuple[float, float] | None = None  # time and rate, unless a gap followed
-        self._steps = 0.0, 0.0  # s between the values before, the last one behind; 0: not known
+        self._last: tuple[float, float] | None = None  # time and rate; None after a gap
+        self._steps = 0.0, 0.0  # s, the last two, latest second; 0: unknown
 
     def interrupt(self) -> None:
         """Count a gap: the inputs are not requested any more."""

@@ -1,10 +1,10 @@
-"""Events: what sampling reports, what a recording's notes hold, what live data and exports show.
+"""Events: of sampling, of a recording's notes, of live data and exports.
 
     sampling ──► events ──► SessionAnnotator ──► notes in the file ──► the same events
                     └──► GapTracker, the dashboard's ConnectionMonitor, the lines of `watch`
 
 One JSON form (`Event.as_json`): `kind`, `time` and the class's fields by name; texts in both
-languages. Events that are read from a file may lack any field: they have None in its place.
+languages. A field that a file lacks is None.
 
 A value is fresh (of this cycle), stale (of an earlier cycle, with its own time) or missing. A stale
 value is never among the fresh ones: a wrong value is worse than a gap.
@@ -28,7 +28,7 @@ _NOT_IN_JSON: Final = {"json": False}
 
 
 class LineState(StrEnum):
-    """How far the way to the ECU is open, from worst to best."""
+    """The state of the line to the ECU, from worst to best."""
 
     NO_PORT = "no-port"
     NO_ECHO = "no-echo"
@@ -59,7 +59,7 @@ _WORDS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something at a `time` of the link's clock. `recording`: its number in the file, if read."""
+    """An event at a `time` of the link's clock. `recording`: its number in the file, if read."""
 
     kind: ClassVar[str]
     time: float
@@ -89,10 +89,10 @@ def _plain(value: object) -> object:
 
 @dataclass(frozen=True, slots=True)
 class Sampled(Event):
-    """One cycle. `fresh` was read in it; `stale`: the last known values of the other parameters.
+    """One cycle. `fresh` was read in it; `stale`: the last values of the other parameters.
 
-    `time`: the beginning of its first response. `derived`: computed from fresh values alone; a
-    channel with a stale input has no value here.
+    `time`: the beginning of its first response. `derived`: from fresh values alone; a channel with
+    a stale input has no value here.
     """
 
     kind = "sample"
@@ -103,7 +103,7 @@ class Sampled(Event):
 
 @dataclass(frozen=True, slots=True)
 class CycleFailed(Event):
-    """A cycle without values, and why. Several in a row are one gap."""
+    """A cycle without values, by `error`. Several in a row are one gap."""
 
     kind = "error"
     error: MikasError
@@ -111,7 +111,7 @@ class CycleFailed(Event):
 
 @dataclass(frozen=True, slots=True)
 class Gap(Event):
-    """No values came from `began` to `ended`; None: the gap, or the recording, goes on there."""
+    """No values from `began` to `ended`; None: the gap continues, or the recording ended in it."""
 
     kind = "gap"
     began: float
@@ -124,9 +124,9 @@ class Gap(Event):
 
 @dataclass(frozen=True, slots=True)
 class StateChanged(Event):
-    """The line's state changed; `error` caused it. `state`: a later version may have more.
+    """The line's state changed, by `error`. A file of a later version may have other states.
 
-    `text` and `reason` are those of `state` and `error`, or as the file has them.
+    `text` and `reason` are those of `state` and `error`, or those in the file.
     """
 
     kind = "state"
@@ -149,10 +149,9 @@ class StateChanged(Event):
 
 @dataclass(frozen=True, slots=True)
 class UnitFound(Event):
-    """A unit answers. `another`: it is not the unit before, so this is another car.
+    """A unit answers. `another`: not the unit before, so another car.
 
-    The rest is what a recording needs to be read again: `adapter`, `baud` and `echo` of the link,
-    the version of the `catalog`.
+    To read a recording again: `adapter`, `baud` and `echo` of the link, the `catalog`'s version.
     """
 
     kind = "unit"
@@ -174,7 +173,7 @@ class UnitFound(Event):
 
 @dataclass(frozen=True, slots=True)
 class PlanChanged(Event):
-    """What is asked from here on."""
+    """The requests change to `plan`."""
 
     kind = "plan"
     plan: Plan
@@ -182,9 +181,9 @@ class PlanChanged(Event):
 
 @dataclass(frozen=True, slots=True)
 class MethodChosen(Event):
-    """The method in use from here on. `rates`: sets a second of each measured one; 0: none came.
+    """The method changes. `rates`: cycles a second of each measured method; 0: it failed.
 
-    `limits`: of this unit, as known by then (D10, D11).
+    `limits`: those of the unit known at the time (D10, D11).
     """
 
     kind = "method"
@@ -195,7 +194,7 @@ class MethodChosen(Event):
 
 @dataclass(frozen=True, slots=True)
 class ParameterDropped(Event):
-    """The unit refuses this parameter; the others go on."""
+    """The unit refuses the parameter `name`; sampling of the others continues."""
 
     kind = "dropped"
     name: str
@@ -204,10 +203,10 @@ class ParameterDropped(Event):
 
 @dataclass(frozen=True, slots=True)
 class AlarmChanged(Event):
-    """The alarm of the channel `name` went from the level `before` to `level`.
+    """The alarm of the channel `name` changed from the level `before` to `level`.
 
-    `side` and `limit` are of the limit that was crossed: the new level's, or, if it got `better`,
-    that of the level that is over. The limit of a flag is 1.
+    `side` and `limit`: of the crossed limit, that of the new level, or of the level before if the
+    value got `better`. The limit of a flag is 1.
     """
 
     kind = "alarm"
@@ -230,12 +229,12 @@ class FaultReading(Event):
     erased: bool = False
 
 
-# A person's
+# The user's
 
 
 @dataclass(frozen=True, slots=True)
 class Marker(Event):
-    """A moment that somebody marked."""
+    """A moment marked by the user."""
 
     kind = "marker"
     label: str = ""
@@ -243,7 +242,7 @@ class Marker(Event):
 
 @dataclass(frozen=True, slots=True)
 class TextNote(Event):
-    """A person's words at a moment."""
+    """The user's text at a moment."""
 
     kind = "note"
     text: str

@@ -1,16 +1,12 @@
-"""Gaps: how long no values came, and why. The one rule, for recordings, live data and commands.
+"""Gaps in the values, with length and reason: one rule for recordings, live data, commands, logs.
 
-A gap begins with a failed cycle, or when the line of a running session breaks. It reaches from the
-last values before it to the first after it. Its reason is that of the latest broken state, as first
-reported: a pulled adapter is gone, though the next look finds no port. Until there is a broken
-state, it is the reason of the first failed cycle. Waiting for a session's first values is no gap.
+A gap begins with a failed cycle, or when the line of a running session breaks, and lasts from the
+last values before to the first after. Its reason is that of the latest broken state, as first
+reported (an unplugged adapter, not the port missing at the next attempt), else that of the first
+failed cycle. The time before the first values of a session is no gap.
 
-A pause that somebody wants (another plan, another connection, a job on the line) is a gap if it
-lasts longer than values usually take.
-
-The logger `mikas.sampling`, at INFO: states, units, methods, refused parameters, gaps.
-
-Values and single failed cycles are not logged; the frames are, by `mikas.tester` at DEBUG.
+A requested pause (another plan, another connection, a job on the line) is a gap if it is longer
+than the usual time without values.
 """
 
 from __future__ import annotations
@@ -36,44 +32,44 @@ from mikas.sampling.events import (
     UnitFound,
 )
 
-_SHORTEST: Final = 1.0  # s without values that are no silence yet, however fast they came
-_STEPS: Final = 3  # usual steps that are no silence either
-_TOO_OLD: Final = 2  # times a usual silence: the last values are not valid any more
+_SHORTEST: Final = 1.0  # s without values: never a silence, however fast they come
+_STEPS: Final = 3  # usual steps without values: no silence
+_TOO_OLD: Final = 2  # times the longest usual time without values: the values are invalid
 _USUAL: Final = 20  # latest steps; the longest of them is the usual one
 
 
 @dataclass(frozen=True, slots=True)
 class Silence:
-    """`seconds` since the last values, 0 while that is usual; `gone`: these values are too old."""
+    """`seconds` since the last values, 0 while usual; `gone`: the last values are too old."""
 
     seconds: float = 0.0
     gone: bool = False
 
 
 class Arrivals:
-    """How long a step from one row of values to the next usually is, by the caller's clock."""
+    """The usual time from one row of values to the next, by the caller's clock."""
 
     def __init__(self) -> None:
         self._latest: float | None = None
         self._steps: deque[float] = deque(maxlen=_USUAL)
 
     def add(self, time: float) -> None:
-        """Values came at `time`."""
+        """Add a row of values at `time`."""
         if self._latest is not None:
             self._steps.append(time - self._latest)
         self._latest = time
 
     def interrupt(self) -> None:
-        """No values are expected now; how long that lasts is no step."""
+        """Expect no values; the time until the next row is no step."""
         self._latest = None
 
     @property
     def longest_usual(self) -> float:
-        """Seconds without values that are usual."""
+        """The longest usual time without values, in seconds."""
         return max(_SHORTEST, _STEPS * max(self._steps, default=0.0))
 
     def silence(self, now: float) -> Silence:
-        """Return the silence at `now`; none before two rows came without interruption."""
+        """Return the silence at `now`; none before two rows without interruption."""
         if self._latest is None or not self._steps:
             return Silence()
         seconds, usual = now - self._latest, self.longest_usual
@@ -81,23 +77,23 @@ class Arrivals:
 
 
 class GapTracker:
-    """Follows a session's events, or several sessions one after the other.
+    """Follows the events of one session, or of several in a row.
 
-    Each method returns the gaps that began (`ended` None) or ended with it. `reason_of`: which text
-    of an error is a gap's reason.
+    Each method returns the gaps that begin (`ended` None) or end. `reason_of`: returns an error's
+    text for a gap's reason.
     """
 
     def __init__(self, reason_of: Callable[[MikasError], Text] = attrgetter("reason")) -> None:
         self.open: Gap | None = None
-        """The gap that has not ended."""
+        """The present gap."""
         self._reason_of = reason_of
         self._arrivals = Arrivals()
         self._sampling = False
         self._state: LineState | str | None = (
             None  # of the open gap's reason; None: a failed cycle's
         )
-        self._last: float | None = None  # the time of the latest values, or the end of a later gap
-        self._pause: Text | None = None  # why somebody wants one
+        self._last: float | None = None  # the latest values, or the end of a later gap
+        self._pause: Text | None = None  # reason of the requested pause
         self._disconnected = False
 
     def take(self, event: Event) -> list[Gap]:
@@ -120,62 +116,62 @@ class GapTracker:
         return []
 
     def begin(self, time: float, reason: Text) -> list[Gap]:
-        """Begin a gap, unless one is open: no values come, for `reason`."""
+        """Begin a gap by `reason`, unless one is open."""
         if self.open is not None:
             return []
-        told = []
-        if self._disconnected and (told := self._paused(time)):
+        gaps = []
+        if self._disconnected and (gaps := self._paused(time)):
             self._last = time
         self._pause, self._disconnected = None, False
         self._arrivals.interrupt()
         began = time if self._last is None else min(time, self._last)
         self.open, self._state = Gap(began, began, None, reason), None
-        return [*told, self.open]
+        return [*gaps, self.open]
 
     def pause(self, reason: Text) -> None:
-        """Note why values may stay away for a while; the first of several reasons counts."""
+        """Begin a requested pause; the first of several reasons counts."""
         if self._pause is None:
             self._pause = reason
 
     def disconnect(self, time: float, reason: Text) -> list[Gap]:
-        """End a connection: a gap ends with it, and the next connection's values end the pause."""
-        told = []
+        """End a connection and its gap; a pause lasts until the next connection's values."""
+        gaps = []
         self._sampling = False
         self._arrivals.interrupt()
         if self.open is not None:
-            told = self._end(time)
+            gaps = self._end(time)
             self._last = time
         if not self._disconnected:
             self._pause, self._disconnected = reason, True
-        return told
+        return gaps
 
     def restart(self, time: float) -> None:
-        """Begin a new recording at `time`: what came before does not count, a gap goes on."""
+        """Begin a new recording at `time`; a gap continues, earlier values do not count."""
         self._last = None
         if self.open is not None:
             self.open = replace(self.open, time=time, began=time)
 
     def silent(self, now: float) -> bool:
-        """Return whether the last values are too old at `now`, though a connection is there."""
+        """Return whether the last values are too old at `now` while connected."""
         if self._last is None or self._disconnected:
             return False
         return now - self._last >= _TOO_OLD * self._arrivals.longest_usual
 
     @property
     def reason(self) -> Text | None:
-        """Why no values come, as far as that is known."""
+        """The reason of the present gap or pause, if known."""
         return self.open.reason if self.open is not None else self._pause
 
     def _sampled(self, time: float) -> list[Gap]:
-        told = self._end(time) if self.open is not None else self._paused(time)
-        if told:
+        gaps = self._end(time) if self.open is not None else self._paused(time)
+        if gaps:
             self._arrivals.interrupt()
         self._arrivals.add(time)
         self._pause, self._disconnected, self._last = None, False, time
-        return told
+        return gaps
 
     def _paused(self, time: float) -> list[Gap]:
-        """A pause that somebody wanted and that ends at `time`, if it was a long one."""
+        """Return the requested pause that ends at `time`, if it was long enough for a gap."""
         if self._pause is None or self._last is None:
             return []
         usual = 0.0 if self._disconnected else self._arrivals.longest_usual
@@ -195,13 +191,17 @@ _logger.addHandler(logging.NullHandler())
 
 
 class EventLogger:
-    """Logs one run of a sampler. With the logger off, an event costs one comparison."""
+    """Logs one run of a sampler at INFO: states, units, methods, refused parameters, gaps.
+
+    Values and single failed cycles are not logged; `mikas.tester` logs the frames at DEBUG. With
+    the logger off, an event costs one comparison.
+    """
 
     def __init__(self) -> None:
         self._gaps = GapTracker()
 
     def take(self, event: Event) -> None:
-        """Log `event`, and the gap that begins or ends with it."""
+        """Log `event`, and the gap that it begins or ends."""
         if not _logger.isEnabledFor(logging.INFO):
             return
         for gap in self._gaps.take(event):

@@ -1,8 +1,7 @@
 """Jobs of other threads (read faults, read memory, write), run between two cycles.
 
-No job waits for ever: while no ECU answers, each fails with the error of the next attempt; after
-the end of sampling each fails at once. Jobs do not starve the sampling: those that wait are all
-run, then a cycle follows, however many arrive meanwhile.
+While no ECU answers, a job fails with the error of the next attempt; after the end of sampling a
+job fails at once. All waiting jobs are run, then a cycle follows, even if more jobs arrive.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from mikas.i18n import Text
 
 T = TypeVar("T")
 _ENDED = Text("sampling has ended", "опрос закончен")
-_BEGIN_AGAIN = Text("Begin sampling again, then ask.", "Начните опрос снова, затем спросите.")
+_BEGIN_AGAIN = Text("Start sampling again, then retry.", "Запустите опрос и повторите запрос.")
 _Waiting = tuple[Future[Any], Callable[[Ecu], Any]]
 
 
@@ -71,12 +70,12 @@ class JobQueue:
                 continue
             try:
                 future.set_result(job(ecu))
-            except Exception as error:  # any error is the caller's
+            except Exception as error:  # every error goes to the caller
                 future.set_exception(error)
                 if isinstance(error, NoConnection):
                     self._put_back(taken)
                     raise
-            except BaseException as error:  # Ctrl-C: the caller must not wait for ever
+            except BaseException as error:  # Ctrl-C: the caller must not wait
                 future.set_exception(error)
                 self._put_back(taken)
                 raise

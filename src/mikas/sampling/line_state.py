@@ -1,7 +1,7 @@
-"""The way to the unit as a state machine: one table, in which every transition stands.
+"""The state of the line to the unit: one table of all transitions.
 
     not running
-         │ the first look at port and line: PORT_MISSING, PORT_LOST ─► NO_PORT,
+         │ the first observation of port and line: PORT_MISSING, PORT_LOST ─► NO_PORT,
          │ ECHO_MISSING ─► NO_ECHO, SILENT or SPOILT ─► ECHO_ONLY, IDENTIFIED ─► ECU_ALIVE
          ▼
       NO_PORT  ◄──────────── PORT_LOST ───────────┬───────────────┬──────────────┐
@@ -19,9 +19,9 @@
 
     ENDED leads from every state to “not running”.
 
-`TRANSITIONS` is the whole rule. An event that has no cell in the row of the present state cannot
-occur there: it is a bug of the caller, and `ImpossibleTransition` is raised. The machine knows no
-port, no clock and no unit; `supervisor` and `sampler` observe these and feed it.
+An event without a cell in the present state's row of `TRANSITIONS` cannot occur there: a bug of the
+caller, and `ImpossibleTransition` is raised. The machine has no port, clock or unit; `supervisor`
+and `sampler` observe these and report the events.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class LineTrigger(Enum):
     """An observation that may change the state."""
 
     PORT_MISSING = "the port could not be opened"
-    PORT_LOST = "the open port is gone: the adapter was pulled out"
+    PORT_LOST = "the open port failed: the adapter was unplugged"
     ECHO_MISSING = "a request was not even echoed: no 12 V at the adapter"
     SILENT = "a request was echoed and not answered: the ignition is off"
     SPOILT = "responses are damaged, out of step, or of another unit"
@@ -97,7 +97,7 @@ TRANSITIONS: Final[Mapping[LineState | None, Mapping[LineTrigger, LineState | No
         LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
         LineTrigger.SILENT: LineState.ECHO_ONLY,
         LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,  # another unit: once more, as a new one
+        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,  # another unit
         LineTrigger.ACCEPTED: LineState.SAMPLING,
         LineTrigger.REFUSED: LineState.ECU_ALIVE,
         LineTrigger.ENDED: None,
@@ -118,7 +118,7 @@ FAILURES: Final[tuple[tuple[type[MikasError], LineTrigger], ...]] = (
     (NoConnection, LineTrigger.ECHO_MISSING),
     (LineError, LineTrigger.SPOILT),
 )
-"""The event of a failed request, by the first class that fits; a lost port is none of them."""
+"""The event of a failed request, by the first class that matches; a lost port is not here."""
 
 
 def trigger_of(error: NoConnection | LineError) -> LineTrigger:

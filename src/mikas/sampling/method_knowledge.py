@@ -1,13 +1,12 @@
 """Timings of the methods on one unit and adapter, and the choice of the fastest (D10–D12).
 
-Most of §3 was never tried by its author, and an adapter that delivers bytes in lumps reverses the
-order of the methods. So each method is measured for a second (`method_trial`), and its delay beyond
-its bytes is kept: from that and from the prices of plans (§5) the fastest is known for any other
-plan too. A measurement with one kind of adapter does not hold for another.
+The author of §3 never tried most of it, and an adapter that delivers bytes in lumps reverses the
+order of the methods. So each method is measured for a second (`method_trial`). Its delay beyond its
+bytes and the prices of plans (§5) give its rate for any other plan with this kind of adapter.
 
-The knowledge begins with what was saved for the unit and this kind of adapter; a choice made from
-memory is compared with the first cycles. A method that fails is measured again, and after the
-second failure not used any more.
+Saved timings of the unit and this kind of adapter are loaded; a choice by saved timings is compared
+with the first cycles. A method that fails is measured again; after the second failure it is not
+used any more.
 """
 
 from __future__ import annotations
@@ -28,12 +27,12 @@ from mikas.sampling.plan import Plan, Price
 CANDIDATES: tuple[FixedMethod, ...] = ("stream", "list", "batch")
 """In the order of §5: the presumably fastest first."""
 FALLBACK: FixedMethod = "single"
-"""Used where none of them works."""
+"""Used if none of `CANDIDATES` works."""
 WITH_OWN_COMMANDS: frozenset[FixedMethod] = frozenset({"stream", "list"})
-"""Those with commands of their own, which a unit may lack (D10); the others are all 61."""
+"""Methods with their own commands, which a unit may lack (D10); the others use 61."""
 _AMPLE = 1.05  # times a sufficient rate
 _PROBES = 5
-_SLOWER = 0.75  # of the estimated rate: below, adapter or computer are others than before
+_SLOWER = 0.75  # of the estimated rate; below, the adapter or the computer has changed
 _CYCLES, _SECONDS = 6, 1.0  # after which an estimate is compared
 _OFTEN = 2
 _BAUD = 9600  # §1
@@ -45,9 +44,9 @@ class MethodKnowledge:
 
     def __init__(self) -> None:
         self.method: FixedMethod | None = None
-        """The choice that was reported last."""
+        """The choice reported last."""
         self.max_list = STARTING_LIST
-        """The longest list that the unit is known to take by 61 (D11)."""
+        """The longest list that the unit accepts by 61, as known (D11)."""
         self._timings: dict[str, dict[str, MethodTiming]] = {}
         self._kind = ""
         self._ecu: Ecu | None = None
@@ -66,7 +65,7 @@ class MethodKnowledge:
             kinds = ecu.limits().methods
         except LineError:
             self._kind, kinds = "", {}  # unknown on such a line
-        # A command that the unit lacks is lacking with every adapter.
+        # A command that the unit lacks is missing with every adapter.
         found = [each.items() for each in (*kinds.values(), *self._timings.values())]
         lacks = {name: timing for timings in found for name, timing in timings if timing == _NEVER}
         self._timings.setdefault(self._kind, lacks | kinds.get(self._kind, {}))
@@ -76,7 +75,7 @@ class MethodKnowledge:
         return self._timings.setdefault(self._kind, {})
 
     def next_to_measure(self, plan: Plan, enough: float | None, baud: int) -> FixedMethod | None:
-        """Return the method to measure next; None: enough is known."""
+        """Return the method to measure next; None: the known rates suffice."""
         rates = self.rates(plan, baud)
         good = best_method(rates, enough)
         if enough and good is not None and rates[good] >= enough and good in CANDIDATES:
@@ -106,14 +105,14 @@ class MethodKnowledge:
             self._ecu.keep_timings(self._kind, self._known)
 
     def rates(self, plan: Plan, baud: int) -> dict[FixedMethod, float]:
-        """Return cycles a second of every method that is known for such a plan."""
+        """Return cycles a second of every known method for `plan`."""
         rates = rates_of(plan, self._known, baud)
         return rates | {m: 0.0 for m, count in self._failures.items() if count >= _OFTEN}
 
     def price(self, plan: Plan, method: FixedMethod | None) -> Price:
         """Return the price of a cycle with the measured delay, or with that of §5.
 
-        `method` None: the fastest known one, or batch.
+        `method` None: the fastest known one, else batch.
         """
         known = self._timings.get(self._kind, {})
         plan = replace(plan, max_list=self.max_list)
@@ -135,7 +134,7 @@ class MethodKnowledge:
         return self._failures[method] > 0
 
     def reset_failures(self, method: FixedMethod) -> None:
-        """Forget the failures of `method`: it was requested once more."""
+        """Forget the failures of `method`, which is requested again."""
         del self._failures[method]
 
     def invalidate(self) -> None:
@@ -148,7 +147,7 @@ class MethodKnowledge:
         }
 
     def rate_estimate(self, plan: Plan, baud: int) -> RateEstimate | None:
-        """Return the rate to compare with the first cycles, if the choice is from memory."""
+        """Return the rate to compare with the first cycles, for a choice by saved timings."""
         if self._kind in self._confirmed:
             return None
         rate = self.rates(plan, baud).get(plan.method, 0.0)
@@ -160,15 +159,15 @@ class MethodKnowledge:
 
 
 class RateEstimate:
-    """A rate from memory that is compared with the first cycles."""
+    """A rate by saved timings, compared with the first cycles."""
 
     def __init__(self, rate: float) -> None:
         self._rate = rate
-        self._cycles = -1  # the first sets lists or begins the stream, and is not counted
+        self._cycles = -1  # the first, which sets lists or begins the stream, is not counted
         self._seconds = 0.0
 
     def count(self, seconds: float, *, whole: bool) -> bool | None:
-        """Count `seconds`, and a cycle if `whole`. Return whether the rate holds; None: wait."""
+        """Count `seconds`, and a cycle if `whole`; return whether the rate is true, None: wait."""
         if self._cycles >= 0:
             self._seconds += seconds
         self._cycles += whole
@@ -203,7 +202,7 @@ def kind_of_adapter(ecu: Ecu) -> str:
 
 
 def timing_of(measured: TrialResult, plan: Plan, baud: int) -> MethodTiming | None:
-    """Return the part of `measured` that holds for other plans too; None: nothing."""
+    """Return the timing by `measured`, which applies to other plans too; None: failed."""
     codes = len(plan.with_method(measured.method).fast)
     if not measured.rate:
         return MethodTiming(codes, None) if measured.refused else None
@@ -214,7 +213,7 @@ def timing_of(measured: TrialResult, plan: Plan, baud: int) -> MethodTiming | No
 def rates_of(
     plan: Plan, timings: Mapping[str, MethodTiming], baud: int
 ) -> dict[FixedMethod, float]:
-    """Return cycles a second of each method whose timing is known for such a plan."""
+    """Return cycles a second of each method whose timing is known for `plan`."""
     rates: dict[FixedMethod, float] = {}
     for method in (*CANDIDATES, FALLBACK):
         by = plan.with_method(method)
@@ -222,7 +221,7 @@ def rates_of(
         if timing is None or (
             timing.delay is None and codes < timing.codes and codes <= plan.max_list
         ):
-            continue  # a shorter list than the one that was refused may be taken
+            continue  # the unit may accept a shorter list than the refused one
         wire, responses = _cost(by, baud)
         rates[method] = 0.0 if timing.delay is None else 1 / (wire + responses * timing.delay)
     return rates
@@ -231,10 +230,7 @@ def rates_of(
 def best_method(
     rates: Mapping[FixedMethod, float], enough: float | None = None
 ) -> FixedMethod | None:
-    """Return the fastest method; with `enough`, the simplest one that reaches that rate.
-
-    None: none works.
-    """
+    """Return the fastest method, or the simplest that reaches the rate `enough`; None: none."""
     working = {method: rate for method, rate in rates.items() if rate > 0}
     if enough is not None:
         for method in reversed(CANDIDATES):
@@ -246,13 +242,13 @@ def best_method(
 def untested(
     known: Iterable[FixedMethod], enough: float | None, without: Iterable[FixedMethod] = ()
 ) -> list[FixedMethod]:
-    """Return the candidates that are not known, in the order of the trials."""
+    """Return the candidates outside `known`, in the order of the trials."""
     skipped = {*known, *without}
     order = reversed(CANDIDATES) if enough else CANDIDATES
     return [method for method in order if method not in skipped]
 
 
 def _cost(plan: Plan, baud: int) -> tuple[float, float]:
-    """Return the seconds on the wire and the responses of a cycle with requests."""
+    """Return the seconds on the wire and the number of responses of a cycle with requests."""
     price = plan.price(baud=baud, turn_round=0.0)
     return price.seconds, 1.0 if plan.method in STREAMS else price.requests / plan.busy_share

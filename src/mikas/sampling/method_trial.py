@@ -1,8 +1,8 @@
 """Trials: a method runs for a second, and its rate is measured.
 
-Sampling continues meanwhile: readings are samples, jobs of other threads run between two cycles,
-and `stop` works. A refusal may only mean that the list is too long (D11); so the shortest list is
-tried at once, and if that is refused too, the method is not tried with any other.
+Sampling continues during a trial: readings are samples, jobs run between two cycles, and `stop`
+works. A refusal may mean that the list is too long (D11), so the shortest list is tried next; if
+that is refused too, the unit lacks the method.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from statistics import median
 from mikas.client import Ecu, Reading
 from mikas.client.polling import STREAMS
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, SyncLost
-from mikas.sampling.context import SamplingContext, SamplingRequest, datum_of
+from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import CycleFailed, Event
 from mikas.sampling.method_knowledge import WITH_OWN_COMMANDS, TrialResult
-from mikas.sampling.plan import Plan
+from mikas.sampling.plan import Plan, datum_of
 from mikas.sampling.plan_runner import PlanCycles
 from mikas.sampling.supervisor import IdentityCheck
 
 _SECONDS = 1.0
-_CYCLES = 6  # at least; one that sets lists, learns limits or begins a stream is not counted
-_PATIENCE = 3  # line errors in a row
-_ACCIDENT = 8  # times as long as the usual cycle
+_CYCLES = 6  # at least; one that sets lists, finds limits or begins a stream is not counted
+_MOST_ERRORS = 3  # line errors in a row
+_OUTLIER = 8  # times the usual cycle
 Trial = Generator[dict[str, Reading] | MikasError, None, TrialResult]
-_SHORTEST = 2  # data: 01 cannot be mistaken for these
+_SHORTEST = 2  # data: distinct from a lone 01
 
 
 class MethodTrials:
@@ -59,24 +59,24 @@ class MethodTrials:
             context.jobs.run(ecu)
             return True
 
-        with closing(run_trial(ecu, plan, self._identity_check, run_pending)) as found:
+        with closing(run_trial(ecu, plan, self._identity_check, run_pending)) as trial:
             while context.is_current(requested):
                 try:
-                    came = next(found)
+                    result = next(trial)
                 except StopIteration as end:
                     measured: TrialResult = end.value
                     return measured
-                if isinstance(came, MikasError):
-                    yield CycleFailed(link.now(), came)
+                if isinstance(result, MikasError):
+                    yield CycleFailed(link.now(), result)
                 else:
-                    yield from self._sampled(came)
+                    yield from self._sampled(result)
         return None
 
     def _try_shortest(self, ecu: Ecu, plan: Plan, requested: SamplingRequest) -> Iterator[Event]:
         """Find out whether the unit refused the length of the list or the method."""
         short = yield from self._shortest_answered(ecu, plan)
         if short is None:
-            return  # it may be the parameters
+            return  # the unit may refuse the parameters
         if len(plan.fast) > len(short.fast):
             self._context.jobs.run(ecu)
             if not self._refused(ecu, short, requested):
@@ -96,8 +96,8 @@ class MethodTrials:
             return None
         yield from self._sampled(fresh)
         size = min(_SHORTEST, context.knowledge.max_list)
-        named = {datum_of(w.parameter): w for w in plan.parameters if w.parameter.name in fresh}
-        short = tuple(replace(wanted, divisor=1) for wanted in list(named.values())[:size])
+        read = {datum_of(p.parameter): p for p in plan.parameters if p.parameter.name in fresh}
+        short = tuple(replace(planned, divisor=1) for planned in list(read.values())[:size])
         return Plan(short, plan.method) if short else None
 
     def _sampled(self, fresh: dict[str, Reading]) -> Iterator[Event]:
@@ -106,13 +106,13 @@ class MethodTrials:
 
     def _refused(self, ecu: Ecu, short: Plan, requested: SamplingRequest) -> bool:
         """Return whether the unit refuses `short`; False if `requested` is replaced meanwhile."""
-        with closing(run_trial(ecu, short, self._identity_check)) as found:
+        with closing(run_trial(ecu, short, self._identity_check)) as trial:
             while self._context.is_current(requested):
                 try:
-                    came = next(found)
+                    result = next(trial)
                 except StopIteration as end:
                     return bool(end.value.refused)
-                if came and not isinstance(came, MikasError):
+                if result and not isinstance(result, MikasError):
                     break
         return False
 
@@ -125,30 +125,29 @@ def run_trial(
 ) -> Trial:
     """Run `plan` for a second: yield readings and errors, return the rate.
 
-    `run_pending` may run jobs between two cycles, after it has called the pause it is given;
-    returns whether it did. Raises a `NoConnection` if the unit goes away meanwhile, `SyncLost` if
-    another one comes.
+    `run_pending` calls its argument, a pause, before it runs jobs, and returns whether it ran any.
+    Raises a `NoConnection` if the unit stops answering, `SyncLost` if another unit answers.
     """
     cycles = PlanCycles(ecu, plan, identity_check)
     clock = ecu.tester.link.now
-    turns = filter(plan.sends_in, count())  # an empty cycle does not show the rate
-    turn = next(turns)
+    numbers = filter(plan.sends_in, count())  # without empty cycles
+    number = next(numbers)
     spans: list[float] = []  # of the cycles
-    before: float | None = None  # when the latest ended, if nothing else was asked since
-    free = False  # for other things: not before each cycle, or nothing would ever be measured
+    before: float | None = None  # the end of the latest cycle, if no job ran since
+    free = False  # for jobs: not before each cycle, or no cycle would be measured
     failures = 0
     try:
         while len(spans) < _CYCLES or sum(spans) < _SECONDS:
             try:
                 if free and run_pending(cycles.pause):
                     before, free = None, False
-                fresh = cycles.run(turn)
+                fresh = cycles.run(number)
             except (NoConnection, SyncLost):
                 raise
             except LineError as error:
                 free = True
                 failures += 1
-                if failures == _PATIENCE:
+                if failures == _MOST_ERRORS:
                     return TrialResult(plan.method, 0.0, refused=cycles.is_refusal(error))
                 yield error
                 continue
@@ -160,11 +159,11 @@ def run_trial(
                 if before is not None:
                     spans.append(now - before)
                     free = True
-                before, turn = now, next(turns)
+                before, number = now, next(numbers)
             yield fresh
     finally:
         ended = _ended(cycles)
-    # A method that cannot be ended properly is not begun again.
+    # A method that cannot be ended properly must not be chosen.
     return TrialResult(plan.method, _rate(spans) if ended else 0.0)
 
 
@@ -177,7 +176,7 @@ def _ended(cycles: PlanCycles) -> bool:
 
 
 def _rate(spans: list[float]) -> float:
-    """Return cycles a second, without the one that a repeated request made long."""
-    accident = max(spans) > _ACCIDENT * median(spans)
-    counted = sorted(spans)[:-1] if accident else spans
+    """Return cycles a second, without a cycle made long by a repeated request."""
+    has_outlier = max(spans) > _OUTLIER * median(spans)
+    counted = sorted(spans)[:-1] if has_outlier else spans
     return len(counted) / sum(counted)

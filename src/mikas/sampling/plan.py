@@ -1,15 +1,14 @@
-"""From names and rates to requests, and what they cost (§5, D11).
+"""From names and rates to requests, and their price (§5, D11).
 
 A name is `FREQ`, `TWAT/10` (every tenth cycle), `0x1A`, `0x3F:2` or a derived channel's, which
-needs its inputs as often as itself, in the same cycles, whether or not they were named.
+needs its inputs as often as itself and in the same cycles.
 
-A plan is pure: it sends nothing. Parameters that share a byte are requested once (RXX, BITPOW and
-RDET are one). Parameters of a divisor are spread over its cycles, so that no cycle is much longer
-than another; inputs of a derived channel stay in one cycle. A cycle without requests is as long as
-one with requests: every tenth is every tenth, also where all parameters are slow.
+A plan sends nothing. Parameters that share a byte are requested once (RXX, BITPOW and RDET).
+Parameters of a divisor are spread over its cycles, to make the cycles about equally long; inputs
+of a derived channel stay in one cycle. A cycle without requests lasts as long as one with requests.
 
-Prices are §5's: bytes at the wire's pace plus the unit's turn-round for each request. Data count as
-random, so two in 256 bytes are stuffed; a request's stuffing is known and counted exactly.
+A price (§5) is the bytes at the baud rate plus the unit's turn-round for each request. Data count
+as random, so two in 256 bytes are stuffed; a request's stuffing is counted exactly.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import gcd
+from math import gcd, lcm
 
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client.parameters import distinct
@@ -32,11 +31,16 @@ _STUFFED = 2 / 256  # of random bytes: 0D and 40 take two bytes on the wire
 _LARGEST_DIVISOR = 1000
 
 
+def datum_of(parameter: Parameter) -> Datum:
+    """Return the unit's datum that holds `parameter`."""
+    return Datum(parameter.code, parameter.size)
+
+
 @dataclass(frozen=True, slots=True)
 class PlannedParameter:
     """A parameter and its divisor: 10 means every tenth cycle.
 
-    `aligned`: in the same cycles as the other aligned ones; a derived channel needs them together.
+    `aligned`: in the same cycles as the other aligned ones, the inputs of derived channels.
     """
 
     parameter: Parameter
@@ -47,17 +51,16 @@ class PlannedParameter:
         if not 1 <= self.divisor <= _LARGEST_DIVISOR:
             raise UsageError(
                 problem=Text(
-                    f"{self.parameter.name}: every {self.divisor} cycles; it can be 1 to "
+                    f"{self.parameter.name}/{self.divisor}: the divisor can be 1 to "
                     f"{_LARGEST_DIVISOR}",
-                    f"{self.parameter.name}: раз в {self.divisor} циклов; можно от 1 до "
-                    f"{_LARGEST_DIVISOR}",
+                    f"{self.parameter.name}/{self.divisor}: делитель — от 1 до {_LARGEST_DIVISOR}",
                 )
             )
 
 
 @dataclass(frozen=True, slots=True)
 class Price:
-    """What a cycle costs on average: bytes on the wire, requests, and seconds that it lasts."""
+    """The average cost of a cycle: bytes on the wire, requests, seconds."""
 
     bytes: float
     requests: float
@@ -79,59 +82,52 @@ class Plan:
 
     def __post_init__(self) -> None:
         if not self.parameters:
-            raise UsageError(problem=Text("nothing is wanted", "ничего не выбрано"))
+            raise UsageError(problem=Text("nothing is chosen", "ничего не выбрано"))
         if self.max_list < 1:
             raise ValueError("a list has at least one code")
 
     def check(self) -> None:
         """Raise `UsageError` if one code is requested with two sizes: the data are ambiguous."""
-        distinct([wanted.parameter for wanted in self.parameters])
+        distinct([planned.parameter for planned in self.parameters])
 
     @cached_property
     def divisors(self) -> dict[Datum, int]:
         """The divisor of each code: the smallest of the parameters that share it."""
-        asked: dict[Datum, int] = {}
-        for wanted in self.parameters:
-            datum = Datum(wanted.parameter.code, wanted.parameter.size)
-            asked[datum] = min(wanted.divisor, asked.get(datum, wanted.divisor))
-        return asked
-
-    @cached_property
-    def round_length(self) -> int:
-        """Cycles after which every code was requested at least once."""
-        return max(self.divisors.values())
+        divisors: dict[Datum, int] = {}
+        for planned in self.parameters:
+            datum = datum_of(planned.parameter)
+            divisors[datum] = min(planned.divisor, divisors.get(datum, planned.divisor))
+        return divisors
 
     @cached_property
     def _offsets(self) -> dict[Datum, int]:
         """The cycle of its divisor in which each code is due; the first if aligned."""
-        parameters = (wanted.parameter for wanted in self.parameters if wanted.aligned)
-        together = {Datum(each.code, each.size) for each in parameters}
-        turns = dict.fromkeys(together, 0)
-        taken = {self.divisors[datum]: 1 for datum in together}
-        for datum, every in self.divisors.items():
-            if datum not in together:
-                turns[datum] = taken.get(every, 0) % every
-                taken[every] = taken.get(every, 0) + 1
-        return turns
+        aligned = {datum_of(planned.parameter) for planned in self.parameters if planned.aligned}
+        offsets = dict.fromkeys(aligned, 0)
+        used = {self.divisors[datum]: 1 for datum in aligned}
+        for datum, divisor in self.divisors.items():
+            if datum not in aligned:
+                offsets[datum] = used.get(divisor, 0) % divisor
+                used[divisor] = used.get(divisor, 0) + 1
+        return offsets
 
     @cached_property
     def fast(self) -> tuple[Datum, ...]:
         """The codes of a list or a stream: all for a stream, else those of the highest rate."""
         if self.method in STREAMS:
             return tuple(self.divisors)
-        keenest = min(self.divisors.values())
-        return tuple(datum for datum, every in self.divisors.items() if every == keenest)
+        smallest = min(self.divisors.values())
+        return tuple(datum for datum, divisor in self.divisors.items() if divisor == smallest)
 
     def due(self, cycle: int) -> tuple[Datum, ...]:
-        """Return the codes due in this cycle, counted from 0; a stream always brings all."""
+        """Return the codes due in this cycle, counted from 0; of a stream all."""
         if self.method in STREAMS:
             return self.fast
-        return tuple(
-            datum for datum, every in self.divisors.items() if cycle % every == self._offsets[datum]
-        )
+        divisors = self.divisors.items()
+        return tuple(datum for datum, every in divisors if cycle % every == self._offsets[datum])
 
     def requests(self, cycle: int) -> list[tuple[Datum, ...]]:
-        """Return the lists requested by 61 in this cycle; none where 63 or a stream brings all."""
+        """Return the lists requested by 61 in this cycle, besides 63 or a stream."""
         if self.method in STREAMS:
             return []
         due = self.due(cycle)
@@ -141,12 +137,12 @@ class Plan:
         return [due[at : at + size] for at in range(0, len(due), size)]
 
     def sends_in(self, cycle: int) -> bool:
-        """Return whether anything is sent in this cycle; else the wire is idle."""
+        """Return whether the cycle has requests or a stream; else the wire is idle."""
         return self.method in STREAMS or self.reads_list(cycle) or bool(self.requests(cycle))
 
     @cached_property
     def busy_share(self) -> float:
-        """The share of cycles in which anything is sent."""
+        """The share of cycles with requests or a stream."""
         cycles = self._period()
         return sum(map(self.sends_in, range(cycles))) / cycles
 
@@ -155,10 +151,9 @@ class Plan:
         return self.method == "list" and cycle % min(self.divisors.values()) == 0
 
     def price(self, *, baud: int = 9600, turn_round: float = 0.002, pause: float = 0.0) -> Price:
-        """Return the average over as many cycles as every code needs to be due.
+        """Return the average over the cycles in which every code is due.
 
         `turn_round`: seconds from a request to its response; `pause`: between those of a stream.
-        An idle cycle lasts as long as one with requests.
         """
         cycles = self._period()
         size = count = 0.0
@@ -177,13 +172,11 @@ class Plan:
         return Price(size, count, (size * 10 / baud + waited) / self.busy_share)
 
     def _period(self) -> int:
-        """Return how many cycles to average over: the common multiple, or many."""
-        from math import lcm
-
+        """Return the cycles to average over: the common multiple of the divisors, or 2,000."""
         return min(lcm(*self.divisors.values()), 2 * _LARGEST_DIVISOR)
 
     def with_parameter(self, more: PlannedParameter) -> Plan:
-        """Return this plan with one parameter more."""
+        """Return this plan with one more parameter."""
         return Plan((*self.parameters, more), self.method, self.max_list)
 
     def with_method(self, method: FixedMethod) -> Plan:
@@ -198,10 +191,7 @@ def _response(data: Sequence[Datum]) -> float:
 
 @dataclass(frozen=True)
 class Selection:
-    """`channels` as they were named, each once, and the `parameters` that they need.
-
-    `explicit`: at least one name was given.
-    """
+    """The named `channels`, each once, and their `parameters`. `explicit`: names were given."""
 
     channels: tuple[Parameter | Derived, ...]
     parameters: tuple[PlannedParameter, ...]
@@ -214,33 +204,33 @@ def select(catalog: Catalog, names: Iterable[str]) -> Selection:
 
     Raises `UnknownParameter`, `UsageError`.
     """
-    every: dict[str, int] = {}
+    divisors: dict[str, int] = {}
     parameters: dict[str, Parameter] = {}
     channels: dict[str, Parameter | Derived] = {}
-    needed: dict[str, int] = {}  # inputs of derived channels: their divisor
+    inputs: dict[str, int] = {}  # divisors of the inputs of derived channels
 
-    def add(parameter: Parameter, turns: int) -> None:
+    def add(parameter: Parameter, divisor: int) -> None:
         parameters[parameter.name] = parameter
-        every[parameter.name] = min(turns, every.get(parameter.name, turns))
+        divisors[parameter.name] = min(divisor, divisors.get(parameter.name, divisor))
 
     named = tuple(names)
     for name in named or [parameter.name for parameter in catalog.parameters]:
-        channel, turns = _parsed(catalog, name)
+        channel, divisor = _parse(catalog, name)
         channels[channel.name] = channel
         if isinstance(channel, Parameter):
-            add(channel, turns)
+            add(channel, divisor)
         else:
-            for name_of_input in DerivedChannels(catalog, [channel.name]).requires:
-                add(catalog.parameter(name_of_input), turns)
-                needed[name_of_input] = gcd(turns, needed.get(name_of_input, turns))
-    for name_of_input, common in needed.items():
-        # Inputs of every third and of every tenth cycle would meet in every thirtieth only.
-        every[name_of_input] = gcd(common, every[name_of_input])
+            for required in DerivedChannels(catalog, [channel.name]).requires:
+                add(catalog.parameter(required), divisor)
+                inputs[required] = gcd(divisor, inputs.get(required, divisor))
+    for required, common in inputs.items():
+        # Inputs of every third and of every tenth cycle coincide in every thirtieth only.
+        divisors[required] = gcd(common, divisors[required])
     distinct(list(parameters.values()))  # one code with two sizes is ambiguous
     return Selection(
         tuple(channels.values()),
         tuple(
-            PlannedParameter(parameter, every[name], name in needed)
+            PlannedParameter(parameter, divisors[name], name in inputs)
             for name, parameter in parameters.items()
         ),
         tuple(name for name, channel in channels.items() if isinstance(channel, Derived)),
@@ -248,24 +238,24 @@ def select(catalog: Catalog, names: Iterable[str]) -> Selection:
     )
 
 
-def _parsed(catalog: Catalog, text: str) -> tuple[Parameter | Derived, int]:
+def _parse(catalog: Catalog, text: str) -> tuple[Parameter | Derived, int]:
     if not isinstance(text, str):
         raise UsageError(
             problem=Text(
                 f"names are a list of words, as in ['TWAT', 'FREQ/10'], not {text!r}",
-                f"имена — это список слов: ['TWAT', 'FREQ/10'], а не {text!r}",
+                f"имена задаются списком: ['TWAT', 'FREQ/10'], а не {text!r}",
             )
         )
-    name, slash, turns = text.partition("/")
+    name, slash, divisor = text.partition("/")
     channel = catalog.channel(name)
     if not slash:
         return channel, 1
-    turns = turns.strip()
-    if not (turns.isascii() and turns.isdigit()):
+    divisor = divisor.strip()
+    if not (divisor.isascii() and divisor.isdigit()):
         raise UsageError(
             problem=Text(
-                f"“{text}”: after the slash: a whole number, as in TWAT/10 (every tenth cycle)",
+                f"“{text}”: after the slash a whole number, as in TWAT/10 (every tenth cycle)",
                 f"«{text}»: после черты — целое число, как в TWAT/10 (раз в десять циклов)",
             )
         )
-    return channel, int(turns[:9])
+    return channel, int(divisor[:9])

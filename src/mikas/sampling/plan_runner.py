@@ -1,4 +1,4 @@
-"""One plan on one unit, cycle after cycle, until the request changes or the plan is invalid."""
+"""One plan on one unit, cycle after cycle, until the request changes or the plan fails."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mikas.commands import Datum
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, NoResponse, SyncLost
 from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import CycleFailed, Event
-from mikas.sampling.plan import Plan
+from mikas.sampling.plan import Plan, datum_of
 from mikas.sampling.supervisor import IdentityCheck
 from mikas.sampling.unsupported import UnsupportedParameters, explained
 
@@ -22,9 +22,9 @@ _REFUSALS = 2  # refusals by the unit in a row after which the method is given u
 
 
 class PlanCycles:
-    """Runs `plan` on `ecu`, cycle by cycle. `identity_check`: whether that is still the same unit.
+    """Runs `plan` on `ecu`, cycle by cycle.
 
-    Between two cycles the line is free, except under a stream, which `pause` ends (D12).
+    Between two cycles the line is free, except during a stream, which `pause` ends (D12).
     """
 
     def __init__(self, ecu: Ecu, plan: Plan, identity_check: IdentityCheck | None = None) -> None:
@@ -34,21 +34,21 @@ class PlanCycles:
         self._parameters: dict[Datum, list[Parameter]] = {}
         for planned in plan.parameters:
             parameter = planned.parameter
-            named = self._parameters.setdefault(Datum(parameter.code, parameter.size), [])
-            if parameter not in named:
-                named.append(parameter)
+            sharing = self._parameters.setdefault(datum_of(parameter), [])
+            if parameter not in sharing:
+                sharing.append(parameter)
         self._streams = plan.method in STREAMS
         self._poller = poller_of(ecu, plan.method, self._named(plan.fast))
         if plan.method == "list":
-            ecu.forget_list()  # the unit may have lost its supply since it was set
+            ecu.forget_list()  # the unit may have lost its supply since
 
     def _named(self, data: tuple[Datum, ...]) -> list[Parameter]:
         return [parameter for datum in data for parameter in self._parameters[datum]]
 
     def expected(self, number: int) -> int:
-        """How many readings cycle `number` brings at least, if everything is answered."""
+        """Return the least number of readings of cycle `number` if all requests are answered."""
         if self._streams:
-            return 0  # a response holds all of them, or is damaged
+            return 0  # a response has all readings, or is damaged
         if self.plan.method == "list":
             return len(self._listed(number))
         return len(self._named(self.plan.due(number)))
@@ -56,9 +56,9 @@ class PlanCycles:
     def run(self, number: int) -> dict[str, Reading]:
         """Run cycle `number` (from 0) and return its readings by name.
 
-        Empty if nothing is due, or a stream has sent nothing yet. Raises a `LineError`, a
+        Empty if none is due, or before a stream's first response. Raises a `LineError`, a
         `NoConnection`, or an `EcuRefused` if the unit refuses the method; `SyncLost` also if
-        another unit answers, or may.
+        another unit may answer.
         """
         requests = [self._named(request) for request in self.plan.requests(number)]
         try:
@@ -75,11 +75,11 @@ class PlanCycles:
         return self._named(self.plan.fast) if self.plan.reads_list(number) else []
 
     def refuses(self, parameter: Parameter) -> bool:
-        """Whether the unit is known to refuse `parameter`."""
+        """Return whether the unit is known to refuse `parameter`."""
         return self._poller.refuses([parameter])
 
     def is_refusal(self, error: MikasError) -> bool:
-        """Whether `error` of `run` may be the unit's answer to the method or to a parameter."""
+        """Return whether `error` of `run` may be a refusal of the method or a parameter."""
         return self._poller.is_refusal(error)
 
     def pause(self) -> None:
@@ -88,7 +88,7 @@ class PlanCycles:
 
 
 class PlanRunner:
-    """Runs `plan`, which was made for `requested`."""
+    """Runs `plan`, the plan of `requested`."""
 
     def __init__(
         self,
@@ -108,7 +108,7 @@ class PlanRunner:
         self._now = ecu.tester.link.now
         self._cycles = PlanCycles(ecu, plan, identity_check)
         self._streams = plan.method in STREAMS
-        # Between two jobs a stream is not begun again: one cycle by 61 takes its place.
+        # Between two jobs a cycle by 61 replaces the stream.
         self._between = (
             PlanCycles(ecu, plan.with_method("batch"), identity_check)
             if self._streams
@@ -116,15 +116,16 @@ class PlanRunner:
         )
         knowledge, baud = context.knowledge, ecu.tester.link.baud
         self._estimate = None if requested.method else knowledge.rate_estimate(plan, baud)
-        self._length = plan.price(baud=baud).seconds  # of a cycle, until one was measured
+        self._length = plan.price(baud=baud).seconds  # of a cycle, by price until measured
         self._failures = 0  # in a row
-        self._refusals = 0  # of these, those that may be the unit's answer
+        self._refusals = 0  # of these, possible refusals by the unit
         self._worked = False
         self._over = False
 
     def events(self) -> Iterator[Event]:
-        """Yield events. Raises the `NoConnection` or `SyncLost` that ends the plan; with `strict`
-        also the refusal of the requested method.
+        """Yield events until the plan ends.
+
+        Raises `NoConnection` and `SyncLost`; with `strict` also the requested method's refusal.
         """
         number = 0
         try:
@@ -156,7 +157,7 @@ class PlanRunner:
             yield CycleFailed(
                 self._now(), explained(self._ecu, cycles.plan, error, worked=self._worked)
             )
-            yield from self._judge(error, cycles)
+            yield from self._handle_failure(error, cycles)
             return
         if cycles is self._cycles:
             self._length = self._now() - began
@@ -164,8 +165,7 @@ class PlanRunner:
         if fresh:
             yield from self._sampled(fresh)
         if len(fresh) < cycles.expected(number):
-            wanted = self._plan.parameters
-            self._over |= any(cycles.refuses(w.parameter) for w in wanted)
+            self._over |= any(cycles.refuses(p.parameter) for p in self._plan.parameters)
 
     def _sampled(self, fresh: dict[str, Reading]) -> Iterator[Event]:
         self._failures = self._refusals = 0
@@ -174,8 +174,8 @@ class PlanRunner:
         if self._context.is_due(sampled):
             yield sampled
 
-    def _judge(self, error: MikasError, cycles: PlanCycles) -> Iterator[Event]:
-        """Decide whether `error` is due to the line, a parameter or the method."""
+    def _handle_failure(self, error: MikasError, cycles: PlanCycles) -> Iterator[Event]:
+        """Find whether the line, a parameter or the method causes `error`."""
         strict = self._context.strict and not self._context.has_sampled
         if strict and self._request.method and not isinstance(error, LineError):
             raise error
@@ -200,21 +200,18 @@ class PlanRunner:
     def _compare_with_estimate(self, began: float, *, whole: bool) -> None:
         if self._estimate is None:
             return
-        kept = self._estimate.count(self._now() - began, whole=whole)
-        if kept is None:
+        confirmed = self._estimate.count(self._now() - began, whole=whole)
+        if confirmed is None:
             return
         self._estimate = None
-        if kept:
+        if confirmed:
             self._context.knowledge.confirm()
         else:
             self._context.knowledge.invalidate()
             self._over = True
 
     def _is_time_for(self, cycles: PlanCycles) -> bool:
-        """Wait for the next cycle; False: a job or another request came first.
-
-        A stream is not waited for; its surplus samples are omitted.
-        """
+        """Wait for the next cycle, but not of a stream; False: a job or a request came first."""
         if self._streams and cycles is self._cycles:
             return True
         return self._context.wait_until_due(self._ecu, self._request)

@@ -1,11 +1,10 @@
 """The loop that connects, plans and samples, and yields events.
 
 Any thread may change the request (`reconfigure`) or queue a job for the unit (`call`); jobs run
-between two cycles, and a stream is interrupted for them.
+between two cycles and interrupt a stream.
 
-A unit may stop supporting what it supported. A parameter that it refuses is dropped with a notice,
-and the others go on. A method that fails while the unit still answers is replaced, after the
-methods were measured again.
+A parameter that the unit refuses, also later, is dropped with a notice, and the others continue. If
+a method fails while the unit still answers, the methods are measured again and it is replaced.
 """
 
 from __future__ import annotations
@@ -32,17 +31,17 @@ from mikas.sampling.unsupported import UnsupportedParameters
 
 T = TypeVar("T")
 
-_SHORT = 1.0  # s before the methods are tried again, where none works
-_LONG = 10.0  # s before a unit that refused every parameter is asked again
+_SHORT = 1.0  # s before the methods are tried again, if none works
+_LONG = 10.0  # s before the parameters are requested again, if the unit refused all
 
 
 class Sampler:
     """Samples `parameters` from the unit at `port`.
 
-    `make_ecu` makes an `Ecu`, not yet connected, of a link. `method` None: the fastest that works.
-    `rate`: cycles a second at most. `strict`: until the first sample, an obstacle (no port, no ECU,
-    a bad line, a `method` that the unit refuses) is raised instead of waited for.
-    `retry_refused`: request parameters again that this unit refused in an earlier session.
+    `make_ecu` returns an unconnected `Ecu` on a link. `method` None: the fastest that works.
+    `rate`: most cycles a second. `strict`: until the first sample, an obstacle (no port, no ECU, a
+    bad line, a refused `method`) is raised; otherwise sampling waits. `retry_refused`: request
+    parameters again that this unit refused in an earlier session.
     """
 
     def __init__(
@@ -106,7 +105,7 @@ class Sampler:
     def price(
         self, parameters: Sequence[PlannedParameter], method: FixedMethod | None = None
     ) -> Price:
-        """Return the price of a cycle of `parameters`; method None: of the best one known."""
+        """Return the price of a cycle of `parameters`; method None: by the best known one."""
         return self._context.knowledge.price(Plan(tuple(parameters)), method)
 
     def relearn(self) -> None:
@@ -120,10 +119,10 @@ class Sampler:
     # The loop
 
     def run(self) -> Generator[Event, None, None]:
-        """Yield events until `stop`; closing the iterator stops too, and leaves the line quiet.
+        """Yield events until `stop`, or until the iterator is closed; the line is left quiet.
 
-        Raises `NotAKLineAdapter`, `NotSupported` if the unit refuses everything before the first
-        sample, `RecordingOver` at the end of a replay, and with `strict` the errors named there.
+        Raises `NotAKLineAdapter`, `NotSupported` if the unit refuses all parameters before the
+        first sample, `RecordingOver` at the end of a replay, and the obstacles with `strict`.
         """
         self._context.stopped = self._context.has_sampled = False
         self._reported = None
@@ -133,7 +132,7 @@ class Sampler:
             while not self._context.stopped:
                 link = yield from self._supervisor.open_port()
                 if link is not None:
-                    yield from self._on(link)
+                    yield from self._use_link(link)
         except MikasError as error:
             failure = error
             raise
@@ -141,32 +140,32 @@ class Sampler:
             self._supervisor.end()
             self._jobs.close(failure)
 
-    def _on(self, link: Link) -> Iterator[Event]:
+    def _use_link(self, link: Link) -> Iterator[Event]:
         with link:
             try:
                 while not self._context.stopped:
                     ecu = yield from self._supervisor.find_unit(link)
                     if ecu is not None:
-                        yield from self._with(ecu)
+                        yield from self._use_unit(ecu)
             except RecordingOver:
                 raise  # a replay does not continue
             except LinkLost as error:
                 yield from self._supervisor.port_lost(error, link.now())
 
-    def _with(self, ecu: Ecu) -> Iterator[Event]:
+    def _use_unit(self, ecu: Ecu) -> Iterator[Event]:
         """Sample from `ecu` until another unit answers or sampling is stopped."""
         unit = self._supervisor.unit
         if self._unit is None or unit is None or not is_same_unit(unit, self._unit):
             self._forget()
         self._unit = unit
-        there = True
-        while there and not self._context.stopped:
+        answers = True
+        while answers and not self._context.stopped:
             try:
                 yield from self._sample(ecu)
             except LinkLost:
                 raise
             except (NoConnection, SyncLost) as error:
-                there = yield from self._supervisor.find_unit_again(ecu, error)
+                answers = yield from self._supervisor.find_unit_again(ecu, error)
 
     def _forget(self) -> None:
         self._context.forget_unit()
@@ -196,16 +195,17 @@ class Sampler:
             if method is None:
                 yield from self._idle(ecu, requested, _SHORT)
                 continue
-            yield from self._tell(ecu, requested, plan.with_method(method))
-            running = PlanRunner(
+            plan = plan.with_method(method)
+            yield from self._report_plan(ecu, requested, plan)
+            runner = PlanRunner(
                 ecu,
-                plan.with_method(method),
+                plan,
                 requested,
                 context=context,
                 unsupported=self._unsupported,
                 identity_check=self._supervisor.identity_check,
             )
-            yield from running.events()
+            yield from runner.events()
 
     def _method(
         self, ecu: Ecu, plan: Plan, requested: SamplingRequest
@@ -220,7 +220,7 @@ class Sampler:
             trial := knowledge.next_to_measure(plan, requested.rate, baud)
         ):
             if not measured:
-                yield from self._tell(ecu, requested, plan)  # its method is not known yet
+                yield from self._report_plan(ecu, requested, plan)  # the method follows
             measured = True
             self._jobs.run(ecu)
             yield from self._trials.learn(ecu, plan.with_method(trial), requested)
@@ -234,22 +234,19 @@ class Sampler:
             and (measured or chosen != knowledge.method)
         ):
             knowledge.method = chosen
-            told = {str(each): rates[each] for each in (*CANDIDATES, FALLBACK) if each in rates}
-            yield MethodChosen(ecu.tester.link.now(), chosen, told, ecu.limits())
+            ordered = {str(each): rates[each] for each in (*CANDIDATES, FALLBACK) if each in rates}
+            yield MethodChosen(ecu.tester.link.now(), chosen, ordered, ecu.limits())
         return chosen
 
-    def _tell(self, ecu: Ecu, requested: SamplingRequest, plan: Plan) -> Iterator[Event]:
-        if (
-            self._reported is None
-            or self._reported[0] is not requested
-            or self._reported[1] != plan
-        ):
+    def _report_plan(self, ecu: Ecu, requested: SamplingRequest, plan: Plan) -> Iterator[Event]:
+        reported = self._reported
+        if reported is None or reported[0] is not requested or reported[1] != plan:
             self._reported, self._plan = (requested, plan), plan
             self._context.forget_values_outside(plan)
             yield PlanChanged(ecu.tester.link.now(), plan)
 
     def _idle(self, ecu: Ecu, requested: SamplingRequest, seconds: float) -> Iterator[Event]:
-        """Run only jobs for `seconds`, or until the request changes: nothing can be sampled."""
+        """Run only jobs for `seconds`, or until the request changes."""
         context, due = self._context, ecu.tester.link.now() + seconds
         yield from self._supervisor.process(LineTrigger.REFUSED, ecu.tester.link.now())
         while context.is_current(requested) and not context.wait_until_due(ecu, requested, due):

@@ -1,8 +1,7 @@
-"""Keeps the way to the ECU open: opens the port, finds the unit, and reports each change of state.
+"""Keeps the connection: opens the port, finds the unit, and reports each change of state.
 
-A lost adapter is looked for, a silent ECU is asked until it answers, and a unit that answers is
-compared with the one before: it may be another car. The states and what leads from one to the next
-stand in `line_state`.
+A lost port is opened again, a silent ECU is requested until it answers, and a unit that answers is
+compared with the one before: it may be another car. `line_state` has the states and transitions.
 """
 
 from __future__ import annotations
@@ -31,22 +30,22 @@ _RETRY_PORT = 1.0  # s between attempts to open the port
 
 
 class ConnectionSupervisor:
-    """Opens `port` and finds the unit at its other end, as often as needed.
+    """Opens `port` and finds the unit, as often as needed.
 
-    While the way is broken, queued jobs fail with the error that broke it. With `strict` the
-    methods raise that error until the first sample.
+    While no unit answers, queued jobs fail with the error that prevents an answer; with `strict`
+    the methods raise that error until the first sample.
     """
 
     def __init__(
         self, port: ReconnectingPort, make_ecu: Callable[[Link], Ecu], context: SamplingContext
     ) -> None:
         self.state: LineState | None = None
-        """The state that was reported last; None before the first run."""
+        """The state reported last; None before the first run."""
         self.unit: UnitIdentity | None = None
         self.ecu: Ecu | None = None
-        """That of the open link; None until a unit was identified on it."""
+        """The `Ecu` on the open link; None until a unit is identified."""
         self.identity_check = IdentityCheck(self._verify)
-        """Whether `unit` is still the unit that answers."""
+        """Checks that `unit` is still the unit that answers."""
         self._port = port
         self._make_ecu = make_ecu
         self._context = context
@@ -54,7 +53,7 @@ class ConnectionSupervisor:
         self._reported: type[MikasError] | None = None  # the reason reported with `state`
 
     def open_port(self) -> Generator[Event, None, Link | None]:
-        """Open the port; None: sampling was stopped before that succeeded."""
+        """Open the port; None: sampling was stopped before."""
         while not self._context.stopped:
             try:
                 return self._port.open()
@@ -64,7 +63,7 @@ class ConnectionSupervisor:
         return None
 
     def port_lost(self, error: LinkLost, time: float) -> Iterator[Event]:
-        """Report that the open port is gone. Raises `error` with `strict` before any sample."""
+        """Report that the open port failed. Raises `error` with `strict` before any sample."""
         self.ecu = None
         yield from self._broken(LineTrigger.PORT_LOST, time, error)
 
@@ -98,7 +97,7 @@ class ConnectionSupervisor:
     def process(
         self, event: LineTrigger, time: float, error: MikasError | None = None
     ) -> Iterator[Event]:
-        """Enter the state that follows `event`; report it if state or kind of `error` changed."""
+        """Enter the state after `event`; report a change of state or of the kind of `error`."""
         state = self._machine.process(event)
         if state is None:
             return
@@ -107,14 +106,14 @@ class ConnectionSupervisor:
             yield StateChanged(time, state, error)
 
     def end(self) -> None:
-        """The run is over. `state` stays as reported."""
+        """End the run; `state` stays as reported."""
         self._machine.process(LineTrigger.ENDED)
         self.ecu = None
 
     def _wait_for_answer(
         self, ecu: Ecu, *, again: bool
     ) -> Generator[Event, None, UnitIdentity | None]:
-        """Ask until a unit answers; each attempt waits for the unit by itself (D14)."""
+        """Repeat requests until a unit answers; each attempt has its own timeout (D14)."""
         while not self._context.stopped:
             try:
                 if again and self.unit and ecu.version_code == self.unit[0]:
@@ -135,7 +134,7 @@ class ConnectionSupervisor:
         return None
 
     def _identify(self, ecu: Ecu) -> UnitIdentity:
-        """Read the identity; another one than before is read twice: a part may have been lost."""
+        """Read the identity; a different one is read twice, as a part may have been lost."""
         unit = ecu.version_code, ecu.passport(again=True)
         if self.unit is None:
             return unit
@@ -147,7 +146,7 @@ class ConnectionSupervisor:
         return unit[0], unit[1].filled_from(self.unit[1])
 
     def _verify(self, ecu: Ecu) -> None:
-        """Raise `SyncLost` unless `unit` is certainly the one that answers; `NoConnection`."""
+        """Raise `SyncLost` unless `unit` certainly answers; `NoConnection` if no unit does."""
         try:
             unit = self._identify(ecu)
         except LineError as error:
@@ -165,7 +164,7 @@ class ConnectionSupervisor:
         context.jobs.fail(error)
         if context.strict and not context.has_sampled:
             raise error
-        if context.has_sampled:  # at each attempt, about once a second: waiting stays visible
+        if context.has_sampled:  # at each attempt, about once a second: the wait stays visible
             yield CycleFailed(time, error)
         yield from self.process(event, time, error)
 
@@ -190,33 +189,32 @@ def is_same_unit(one: UnitIdentity, other: UnitIdentity) -> bool:
 
 
 class IdentityCheck:
-    """Whether the unit that answers may be another one by now.
+    """Detects that another unit may answer.
 
-    A response does not say which unit sent it (D13). Moving the plug to another car takes a second
-    or more, in which every request meets silence; a tester that only repeats its request would take
-    the other car's response for this one's. So after such a silence no value is accepted before the
-    passports were compared. A response lost or damaged now and then is no such silence.
+    A response does not identify its unit (D13). Moving the plug to another car takes a second or
+    more, in which every request meets silence. After such a silence no value is accepted before
+    the passports are compared. A single lost or damaged response is no such silence.
 
     `compare` raises `SyncLost` for another unit, or the error that prevents the comparison.
     """
 
     def __init__(self, compare: Callable[[Ecu], None]) -> None:
         self._compare = compare
-        self._raised = False
+        self._suspected = False
         self._silences = 0
 
     def suspect(self) -> None:
-        """A stream fell silent: perhaps not by the unit's own doing."""
-        self._raised = True
+        """Require a comparison: a stream stopped, perhaps by another cause than the unit."""
+        self._suspected = True
 
     def confirm(self, ecu: Ecu) -> None:
-        """The unit of `ecu` was identified just now."""
-        self._raised = False
+        """Note that the unit of `ecu` was identified just now."""
+        self._suspected = False
         self._silences = ecu.tester.silences
 
     def check(self, ecu: Ecu, pause: Callable[[], None]) -> None:
-        """Compare if in doubt, after `pause` has made the line quiet."""
-        if self._raised or ecu.tester.silences != self._silences:
+        """Compare if another unit may answer; `pause` leaves the line quiet before."""
+        if self._suspected or ecu.tester.silences != self._silences:
             pause()
             self._compare(ecu)
             self.confirm(ecu)

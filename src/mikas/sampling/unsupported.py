@@ -1,11 +1,10 @@
 """Parameters that a unit refuses, at the beginning and while sampling (D10).
 
-A unit refuses a list or a stream as a whole because of a single code, and may begin to refuse what
-it gave before. A refused parameter is dropped with a notice, and the others go on: a log that is
-silently empty because of one bad channel is no log.
+A unit refuses a whole list or stream because of a single code, and may later refuse a parameter
+that it gave before. A refused parameter is dropped with a notice, and the others continue.
 
-A tester only sees that a command was refused. If the unit has answered the command before,
-`explained` names the parameter or the list that it refuses instead (D10).
+The tester reports a refused command. If the unit has answered the command before, `explained` names
+the refused parameter or list instead (D10).
 """
 
 from __future__ import annotations
@@ -28,18 +27,18 @@ from mikas.errors import (
 )
 from mikas.framing import Decoder, Frame
 from mikas.i18n import Text
-from mikas.sampling.context import SamplingContext, SamplingRequest, datum_of
+from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import CycleFailed, Event, ParameterDropped
-from mikas.sampling.plan import Plan
+from mikas.sampling.plan import Plan, datum_of
 from mikas.sampling.supervisor import IdentityCheck
 
-_HOPELESS = 6  # refusals before the first datum: the parameters are not the reason
+_MOST_REFUSALS = 6  # before the first datum; with more, the parameters are not the cause
 _ATTEMPTS = 3
-_ASKED_AGAIN = 2  # times, before silence is taken for a refusal
+_REPEATS = 2  # after silence, before it counts as a refusal
 
 
 class UnsupportedParameters:
-    """Makes plans without the parameters that the unit refuses."""
+    """Plans without the parameters that the unit refuses."""
 
     def __init__(self, context: SamplingContext, identity_check: IdentityCheck) -> None:
         self._context = context
@@ -51,8 +50,8 @@ class UnsupportedParameters:
     ) -> Generator[Event, None, Plan | None]:
         """Return the plan of the supported parameters.
 
-        None: the unit refuses all, which was reported, or `requested` was replaced. Raises
-        `NotSupported` if the unit refuses all before the first sample.
+        None: the unit refuses all, as reported, or `requested` was replaced. Raises `NotSupported`
+        if the unit refuses all before the first sample.
         """
         for attempt in range(1, _ATTEMPTS + 1):
             if attempt > 1:
@@ -68,7 +67,7 @@ class UnsupportedParameters:
             except LineError as error:
                 yield CycleFailed(ecu.tester.link.now(), error)
                 if attempt == _ATTEMPTS:
-                    return plan  # on such a line refusals are not known
+                    return plan  # on a bad line refusals are not known
             except NotSupported as error:
                 dropped = yield from self.drop_unsupported(ecu, plan, requested)
                 if not dropped and self._context.is_current(requested):
@@ -81,14 +80,14 @@ class UnsupportedParameters:
         return plan
 
     def _try(self, ecu: Ecu, requested: SamplingRequest, plan: Plan) -> Iterator[Event]:
-        named = [wanted.parameter for wanted in plan.parameters]
+        parameters = [planned.parameter for planned in plan.parameters]
         again = requested.retry_refused and requested is not self._retried
         poller = poller_of(ecu, "batch", again=again)
-        poller.cycle([named])
+        poller.cycle([parameters])
         self._retried = requested
         self._context.knowledge.max_list = ecu.limits().max_list
-        lost = {datum_of(p) for p in named if poller.refuses([p])}
-        yield from self._drop(ecu, plan, lost)
+        refusing = {datum_of(p) for p in parameters if poller.refuses([p])}
+        yield from self._drop(ecu, plan, refusing)
 
     def _remaining(self, requested: SamplingRequest) -> Plan | None:
         left = tuple(
@@ -104,33 +103,32 @@ class UnsupportedParameters:
     def drop_unsupported(
         self, ecu: Ecu, plan: Plan, requested: SamplingRequest, *, going: bool = False
     ) -> Generator[Event, None, bool]:
-        """Drop the parameters that the unit refuses now; return whether there are any.
+        """Drop the parameters that the unit refuses now; return whether it refuses any.
 
         A silent parameter takes a second each time; jobs run in between, and with `going` also a
         cycle of the parameters that have answered.
         """
         context = self._context
-        asked = tuple(plan.divisors)
+        planned = tuple(plan.divisors)
         answered: list[Datum] = []
-        left: dict[Datum, int] = {}  # without a datum: how often they are requested again
-        to_ask = list(dict.fromkeys((*COMMON, *asked)))
+        repeats: dict[Datum, int] = {}  # of the codes without an answer: requests to come
+        queue = list(dict.fromkeys((*COMMON, *planned)))
         try:
-            while to_ask and context.is_current(requested):
+            while queue and context.is_current(requested):
                 context.jobs.run(ecu)
-                datum = to_ask.pop(0)
-                if answered and datum not in asked:
+                datum = queue.pop(0)
+                if answered and datum not in planned:
                     continue
                 if (result := _probe(ecu, datum)) is ProbeResult.DATUM:
                     answered.append(datum)
-                    left.pop(datum, None)
+                    repeats.pop(datum, None)
                     continue
-                left[datum] = (
-                    0 if result is ProbeResult.REFUSED else left.get(datum, _ASKED_AGAIN + 1) - 1
-                )
-                if not answered and len(left) == _HOPELESS:
+                is_refused = result is ProbeResult.REFUSED
+                repeats[datum] = 0 if is_refused else repeats.get(datum, _REPEATS + 1) - 1
+                if not answered and len(repeats) == _MOST_REFUSALS:
                     return False
-                if left[datum]:
-                    to_ask.append(datum)
+                if repeats[datum]:
+                    queue.append(datum)
                 if going:
                     yield from self._rest(ecu, plan, answered)
         except SyncLost:
@@ -138,28 +136,28 @@ class UnsupportedParameters:
         except LineError as error:
             yield CycleFailed(ecu.tester.link.now(), error)
             return False
-        settled = {datum for datum, times in left.items() if not times}
-        lost = settled.intersection(asked) if answered else set()
-        yield from self._drop(ecu, plan, lost)
-        return bool(lost)
+        without_answer = {datum for datum, times in repeats.items() if not times}
+        refusing = without_answer.intersection(planned) if answered else set()
+        yield from self._drop(ecu, plan, refusing)
+        return bool(refusing)
 
     def _rest(self, ecu: Ecu, plan: Plan, answered: Collection[Datum]) -> Iterator[Event]:
         """Run a cycle of the parameters that have answered."""
-        named = [w.parameter for w in plan.parameters if datum_of(w.parameter) in answered]
-        if not named:
+        parameters = [p.parameter for p in plan.parameters if datum_of(p.parameter) in answered]
+        if not parameters:
             return
-        fresh = poller_of(ecu, "batch").cycle([named])
+        fresh = poller_of(ecu, "batch").cycle([parameters])
         if fresh:
             self._identity_check.check(ecu, lambda: None)
             sampled = self._context.sample_of(fresh)
             if self._context.is_due(sampled):
                 yield sampled
 
-    def _drop(self, ecu: Ecu, plan: Plan, lost: set[Datum]) -> Iterator[Event]:
-        self._context.refused |= lost
-        for wanted in plan.parameters:
-            name = wanted.parameter.name
-            if datum_of(wanted.parameter) in lost and name not in self._context.dropped:
+    def _drop(self, ecu: Ecu, plan: Plan, refusing: set[Datum]) -> Iterator[Event]:
+        self._context.refused |= refusing
+        for planned in plan.parameters:
+            name = planned.parameter.name
+            if datum_of(planned.parameter) in refusing and name not in self._context.dropped:
                 self._context.dropped.add(name)
                 yield ParameterDropped(ecu.tester.link.now(), name, ecu.limits())
 
@@ -173,7 +171,7 @@ class ProbeResult(Enum):
 
 
 def _probe(ecu: Ecu, datum: Datum) -> ProbeResult:
-    """Request `datum` once; damage is no answer. Raises the third `LineError` in a row."""
+    """Request `datum`; repeat after damage. Raises the third `LineError` in a row."""
     # With the code twice in a request, a datum 01 differs from a refusal.
     command = ReadParameters((datum,) * (2 if ecu.limits().max_list > 1 else 1))
     for attempt in range(1, _ATTEMPTS + 1):
@@ -191,26 +189,26 @@ def _probe(ecu: Ecu, datum: Datum) -> ProbeResult:
 
 
 def explained(ecu: Ecu, plan: Plan, error: MikasError, *, worked: bool) -> MikasError:
-    """Return `error` as it is true of this unit. `worked`: `plan` gave readings before."""
+    """Return `error`, or the true refusal of this unit. `worked`: `plan` gave readings before."""
     frames = Decoder().feed(error.request or b"") if isinstance(error, NotSupported) else []
     bodies = [frame.body for frame in frames if isinstance(frame, Frame)]
     if not bodies:
         return error
-    code, *asked = bodies[0]
+    code, *codes = bodies[0]
     if not (ecu.tester.has_answered(code) or worked):
         return error
-    known = _refusal(plan, code, asked)
-    known.request, known.received, known.time = error.request, error.received, error.time
-    known.__cause__ = error.__cause__
-    return known
+    refusal = _refusal(plan, code, codes)
+    refusal.request, refusal.received, refusal.time = error.request, error.received, error.time
+    refusal.__cause__ = error.__cause__
+    return refusal
 
 
-def _refusal(plan: Plan, code: int, asked: list[int]) -> NotSupported:
-    names = [w.parameter.name for w in plan.parameters if w.parameter.code in asked]
-    if code in ReadParameters.CODES and len(set(asked)) == 1 and names:
-        return refused(", ".join(names), asked[0])
+def _refusal(plan: Plan, code: int, codes: list[int]) -> NotSupported:
+    names = [p.parameter.name for p in plan.parameters if p.parameter.code in codes]
+    if code in ReadParameters.CODES and len(set(codes)) == 1 and names:
+        return refused(", ".join(names), codes[0])
     kind = Text("a stream", "потока") if plan.method in STREAMS else Text("a list", "списка")
-    count = len(set(asked)) or len(plan.fast)  # 63 names none
+    count = len(set(codes)) or len(plan.fast)  # 63 names none
     return NotSupported(
         command=Text(
             f"{kind.en} ({code:02X}) of these parameters ({count})",
