@@ -51,9 +51,10 @@ class PlannedParameter:
         if not 1 <= self.divisor <= _LARGEST_DIVISOR:
             raise UsageError(
                 problem=Text(
-                    f"{self.parameter.name}/{self.divisor}: the divisor can be 1 to "
+                    f"{self.parameter.name}: every {self.divisor} cycles; allowed: 1 to "
                     f"{_LARGEST_DIVISOR}",
-                    f"{self.parameter.name}/{self.divisor}: делитель — от 1 до {_LARGEST_DIVISOR}",
+                    f"{self.parameter.name}: раз в {self.divisor} циклов; можно от 1 до "
+                    f"{_LARGEST_DIVISOR}",
                 )
             )
 
