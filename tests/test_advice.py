@@ -10,7 +10,7 @@ import pytest
 from mikas import errors
 from mikas.cli.advice import ADVICE as TERMINAL
 from mikas.cli.advice import DOCTOR_ADVICE
-from mikas.dashboard.advice import ADVICE as DASHBOARD
+from mikas.dashboard.errors import ADVICE as DASHBOARD
 from mikas.errors import (
     DamagedResponse,
     EngineStopped,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dashboard.rig import ADAPTER
-from mikas.dashboard.advice import ADVICE
+from mikas.dashboard.errors import ADVICE
 from mikas.dashboard.session.history import History
 from mikas.dashboard.session.monitor import (
     DISCONNECTED,

@@ -6,7 +6,7 @@ import pytest
 
 from mikas.dashboard.api.state import state_of
 from mikas.dashboard.dashboard import Dashboard
-from mikas.dashboard.session.fault_history import StoredFaults
+from mikas.dashboard.session.history import StoredFaults
 from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
 from mikas.errors import LinkLost

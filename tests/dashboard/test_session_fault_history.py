@@ -8,7 +8,7 @@ from mikas.catalog import shipped
 from mikas.dashboard.errors import ConfirmationExpired
 from mikas.dashboard.security.confirmations import LIFETIME, ConfirmationStore, PendingChange
 from mikas.dashboard.security.control import Client
-from mikas.dashboard.session.fault_history import FaultHistory
+from mikas.dashboard.session.history import FaultHistory
 from mikas.i18n import Text
 
 ME = Client("me", "Me", True)

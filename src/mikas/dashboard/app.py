@@ -49,7 +49,6 @@ class _Application(FastAPI):
 
 
 def _routers() -> list[APIRouter]:
-    from mikas.dashboard import docs
     from mikas.dashboard.api import (
         catalog,
         changes,
@@ -76,7 +75,7 @@ def _routers() -> list[APIRouter]:
         recordings.router,
         exports.router,
         report.router,
-        docs.router,
+        page.docs_router,
     ]
 
 

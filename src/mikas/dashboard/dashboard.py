@@ -24,8 +24,7 @@ from mikas.dashboard.security.control import ControlLease
 from mikas.dashboard.session.changes import UnitChanges
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.session.dump_jobs import DumpJobs
-from mikas.dashboard.session.fault_history import FaultHistory
-from mikas.dashboard.session.history import History
+from mikas.dashboard.session.history import FaultHistory, History
 from mikas.dashboard.session.manager import ConnectionManager
 from mikas.dashboard.session.monitor import DIAGNOSIS, RECONNECTED, ConnectionMonitor
 from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread

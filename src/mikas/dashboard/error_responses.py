@@ -16,8 +16,7 @@ from typing import Any
 from pydantic import BaseModel, Field
 from starlette.responses import HTMLResponse, JSONResponse, Response
 
-from mikas.dashboard.advice import ADVICE
-from mikas.dashboard.errors import ApiRefusal
+from mikas.dashboard.errors import ADVICE, ApiRefusal
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, NotConfirmed, UsageError
 
 _STATUSES: tuple[tuple[type[MikasError], int], ...] = (

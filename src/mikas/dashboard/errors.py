@@ -1,14 +1,23 @@
 """Errors of the server itself: access, control, confirmations, missing resources.
 
 They belong to the one tree of errors: texts in both languages, with advice. `status` is the HTTP
-status of the response.
+status of the response. `ADVICE` names the dashboard's screens after errors of the lower packages.
 """
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Final
 
-from mikas.errors import MikasError
+from mikas.errors import (
+    AdviceTable,
+    LinkLost,
+    MikasError,
+    NoEcho,
+    NoPortGiven,
+    NoResponse,
+    NotSupported,
+    PortNotFound,
+)
 from mikas.i18n import Text
 
 
@@ -175,3 +184,33 @@ class InternalError(ApiRefusal):
     status = 500
     what = Text("Internal error in mikas ({kind})", "Внутренняя ошибка mikas ({kind})")
     advice = Text("Please report it.", "Сообщите о ней разработчикам.")
+
+
+ADVICE: Final = AdviceTable(
+    {
+        PortNotFound: Text(
+            "Connect it again and sampling resumes. For another adapter, or a virtual car, open "
+            "the Connection screen.",
+            "Подключите его — и опрос продолжится. Другой адаптер или виртуальный автомобиль "
+            "выбирается на экране «Связь».",
+        ),
+        NoPortGiven: Text(
+            "Choose an adapter, or a virtual car, on the Connection screen.",
+            "Выберите адаптер или виртуальный автомобиль на экране «Связь».",
+        ),
+        LinkLost: Text(
+            "The connection is restored automatically.", "Соединение восстановится автоматически."
+        ),
+        NoEcho: Text(
+            "The Connection screen lists the ports.", "Порты перечислены на экране «Связь»."
+        ),
+        NoResponse: Text(
+            "The Passport screen shows the commands that the unit knows.",
+            "Какие команды знает блок, показывает экран «Паспорт».",
+        ),
+        NotSupported: Text(
+            "The Passport screen shows the commands of this one.",
+            "Команды этого блока показывает экран «Паспорт».",
+        ),
+    }
+)

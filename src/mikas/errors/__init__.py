@@ -40,7 +40,7 @@
 
 Each error carries the bytes sent and received and the time; its message ends with what to try:
 `str(error)` in English, `error.text` in both languages. Advice that names a command or a screen is
-added by the command line (`mikas.cli.advice`) or the dashboard (`mikas.dashboard.advice`). Each
+added by the command line (`mikas.cli.advice`) or the dashboard (`mikas.dashboard.errors`). Each
 error is also the matching builtin.
 """
 

@@ -74,12 +74,10 @@ ChangeRequest = Annotated[
 ]
 
 
-class FaultShown(BaseModel):
+class FaultShown(TwoTexts):
     """A stored fault that would be erased."""
 
     code: int
-    en: str
-    ru: str
 
 
 class ValueShown(BaseModel):

@@ -14,12 +14,11 @@ from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, Field
 
 from mikas.client.doctor import Step
-from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.api.dependencies import AllowedPorts, Controller, TheDashboard
 from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.dashboard import Dashboard
-from mikas.dashboard.errors import Busy
+from mikas.dashboard.errors import ADVICE, Busy
 from mikas.dashboard.session.manager import CHANGING
 from mikas.dashboard.session.port_threads import Diagnosis
 from mikas.errors import MikasError

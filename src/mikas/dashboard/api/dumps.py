@@ -8,14 +8,14 @@ from __future__ import annotations
 import asyncio
 import time
 from itertools import islice
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal, cast
 
 from fastapi import APIRouter, Body, Path, Query
 from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
 from mikas.client import Ecu
-from mikas.client.dumps import Difference, Manifest, differences
+from mikas.client.dumps import Manifest, differences
 from mikas.client.memory import last_of
 from mikas.commands.base import check_range
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
@@ -164,7 +164,10 @@ async def compare(
         except FileNotFoundError:
             raise NotFound(name=id) from None
         found = differences(own, job.manifest.first, other, begin)
-        shown = [_difference(it) for it in islice(found, _MAX_SHOWN)]
+        shown = [
+            ByteDifference(address=it.address, a=_hex(it.a), b=_hex(it.b))
+            for it in islice(found, _MAX_SHOWN)
+        ]
         return DifferencesResponse(differences=shown, count=len(shown) + sum(1 for _ in found))
 
     return await asyncio.to_thread(work)
@@ -187,7 +190,7 @@ def _response(job: DumpJob) -> DumpResponse:
     left = (job.total - job.done) / speed if speed > 0 else None
     return DumpResponse(
         id=job.id,
-        space=_space(manifest.space),
+        space=cast("Space", manifest.space),
         first=manifest.first,
         last=manifest.last,
         block=job.block,
@@ -203,10 +206,6 @@ def _response(job: DumpJob) -> DumpResponse:
     )
 
 
-def _space(name: str) -> Any:  # noqa: ANN401  (a manifest's; checked when it was read)
-    return name
-
-
 def _map(job: DumpJob) -> list[DumpCell]:
     manifest, cells = job.manifest, []
     for index, offset in enumerate(range(0, manifest.size, job.cell)):
@@ -220,9 +219,5 @@ def _map(job: DumpJob) -> list[DumpCell]:
     return cells
 
 
-def _difference(it: Difference) -> ByteDifference:
-    return ByteDifference(
-        address=it.address,
-        a=None if it.a is None else f"{it.a:02X}",
-        b=None if it.b is None else f"{it.b:02X}",
-    )
+def _hex(byte: int | None) -> str | None:
+    return None if byte is None else f"{byte:02X}"

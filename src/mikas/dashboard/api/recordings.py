@@ -12,7 +12,6 @@ from fastapi import APIRouter, Query
 from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
 
-from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.api.dependencies import (
     Controller,
     KnownClient,
@@ -24,6 +23,7 @@ from mikas.dashboard.api.dependencies import (
 from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
 from mikas.dashboard.api.messages import RecordedEvent
 from mikas.dashboard.api.state import State, state_of
+from mikas.dashboard.errors import ADVICE
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.session.history import json_columns

@@ -7,9 +7,9 @@ from typing import Literal
 from pydantic import BaseModel, Field
 
 from mikas.client.polling import Method
-from mikas.dashboard.advice import ADVICE
 from mikas.dashboard.api.errors import TwoTexts, two, two_or_none
 from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.errors import ADVICE
 from mikas.dashboard.security.control import Client
 from mikas.i18n import Text
 from mikas.sampling.alarms import Side

@@ -18,7 +18,7 @@ from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import BadRequest, NotAllowed, NotController
 from mikas.dashboard.security.control import Client
-from mikas.dashboard.session.fault_history import StoredFaults
+from mikas.dashboard.session.history import StoredFaults
 
 T = TypeVar("T")
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 import hmac
 import ipaddress
 import secrets
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from http.cookies import CookieError, SimpleCookie
 from typing import Any, Literal
@@ -75,7 +75,7 @@ class Access:
 
     def is_local(self, scope: Mapping[str, Any]) -> bool:
         """Whether the request comes from this computer, which needs no token."""
-        local = _headers(scope).get("host", "").lower() in self._addresses(_LOCAL)
+        local = _headers(scope).get("host", "").lower() in self._addresses(local=True)
         return local and (not self.lan or _is_loopback(scope))
 
     def offers_token(self, scope: Mapping[str, Any]) -> bool:
@@ -89,12 +89,13 @@ class Access:
 
     def _check_host(self, headers: Mapping[str, str]) -> None:
         host = headers.get("host", "").lower()
-        hosts = (*_LOCAL, *(self.hosts if self.lan else ()))
-        if host in self._addresses(hosts):
-            return
-        raise Forbidden(problem=Text(f"unknown host “{host}”", f"неизвестное имя узла «{host}»"))
+        if host not in self._addresses():
+            raise Forbidden(
+                problem=Text(f"unknown host “{host}”", f"неизвестное имя узла «{host}»")
+            )
 
-    def _addresses(self, hosts: Iterable[str]) -> set[str]:
+    def _addresses(self, *, local: bool = False) -> set[str]:
+        hosts = (*_LOCAL, *(self.hosts if self.lan and not local else ()))
         found = {f"{host.lower()}:{self.port}" for host in hosts}
         if self.port == 80:
             found |= {host.lower() for host in hosts}
@@ -104,8 +105,7 @@ class Access:
         origin = headers.get("origin")
         if origin is not None:
             scheme, _, address = origin.lower().partition("://")
-            hosts = (*_LOCAL, *(self.hosts if self.lan else ()))
-            if scheme != "http" or address not in self._addresses(hosts):
+            if scheme != "http" or address not in self._addresses():
                 raise Forbidden(
                     problem=Text(f"foreign page {origin}", f"посторонняя страница {origin}")
                 )

@@ -18,7 +18,7 @@ from mikas.dashboard.error_responses import hex_or_none
 from mikas.dashboard.errors import BadRequest
 from mikas.dashboard.security.confirmations import PendingChange, WriteApproval
 from mikas.dashboard.session.connection import Connection
-from mikas.dashboard.session.fault_history import FaultHistory
+from mikas.dashboard.session.history import FaultHistory
 from mikas.errors import NotSupported, ValueDoesNotFit
 from mikas.i18n import Text, byte_count
 

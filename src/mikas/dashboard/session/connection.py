@@ -10,9 +10,8 @@ import asyncio
 import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future
 from functools import cached_property
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 from mikas.client import Ecu
 from mikas.client.connecting import ConnectionOptions
@@ -33,15 +32,7 @@ _ALIVE = (LineState.ECU_ALIVE, LineState.SAMPLING)
 _LINE_BUSY = Text("the line is busy; the request was cancelled", "линия занята; запрос отменён")
 
 
-class TakesJobs(Protocol):
-    """Runs jobs between two cycles."""
-
-    def call(self, job: Callable[[Ecu], T]) -> Future[T]:
-        """Queue `job`."""
-        ...
-
-
-async def run_in_turn(thread: TakesJobs, job: Callable[[Ecu], T], seconds: float) -> T:
+async def run_in_turn(thread: SamplingThread, job: Callable[[Ecu], T], seconds: float) -> T:
     """Return the result of `job`, run between two cycles of `thread`. Raises what `job` raises.
 
     Raises `Busy` if its turn does not come within `seconds`; it is then never run. A job that has

@@ -1,10 +1,9 @@
-"""The last hours of live values: for a reloaded page, another client, the report.
+"""The last hours of live values, for a reloaded page, another client, the report; stored faults.
 
-Blocks of rows by time, a column for each channel, 64-bit numbers: an hour at 35 sets a second of 30
-channels is 30 MB. NaN: the value was not read in that row; flags are 0 and 1. A block has the
-channels of its time: a changed plan begins a new one.
-
-Works without numpy, which a browser does not have; `rows` are numpy's where it is installed.
+Values are in blocks of rows by time, a column for each channel, 64-bit numbers: an hour at 35 sets
+a second of 30 channels is 30 MB. NaN: the value was not read in that row; flags are 0 and 1. A
+block has the channels of its time: a changed plan begins another one. Works without numpy, which a
+browser does not have; `rows` are numpy's where it is installed.
 """
 
 from __future__ import annotations
@@ -14,14 +13,19 @@ from array import array
 from bisect import bisect_left
 from collections import deque
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import repeat
 from math import isnan, nan
 from typing import Any, Final, cast
 
+from mikas.catalog import Fault
+from mikas.client import Ecu
 from mikas.recording.table.channels import Rows
+from mikas.sampling.events import FaultReading
 
 _ROWS: Final = 2048
 LONGEST: Final = 2 * 3600.0
+_MAX_READINGS: Final = 100  # of stored faults, that differ
 _MAX_VALUES: Final = 16_000_000  # 128 MB; of strokes at 6000 rpm with all channels
 
 
@@ -121,3 +125,62 @@ def plain(values: Sequence[float]) -> list[float | int | None]:
 def row_of(names: Sequence[str], values: Mapping[str, float]) -> list[float]:
     """Return `values` in the order of `names`, NaN for a missing one."""
     return [values.get(name, nan) for name in names]
+
+
+@dataclass(frozen=True, slots=True)
+class StoredFaults:
+    """The faults of the latest reading, and when each was first seen."""
+
+    time: float
+    faults: tuple[Fault, ...]
+    first_seen: dict[int, float]
+
+
+class FaultHistory:
+    """Stored faults as last read, when each was first seen on this connection, earlier readings.
+
+    Any thread may write and read. `latest` is None until this connection's first reading."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._first: dict[int, float] = {}
+        self._readings: list[FaultReading] = []
+        self.latest: StoredFaults | None = None
+
+    def disconnect(self) -> None:
+        """End the connection; the unit's earlier readings are kept for its next one."""
+        with self._lock:
+            self._first.clear()
+            self.latest = None
+
+    def clear(self) -> None:
+        """Drop everything: another unit answers."""
+        self.disconnect()
+        with self._lock:
+            self._readings.clear()
+
+    @property
+    def readings(self) -> tuple[FaultReading, ...]:
+        """The readings that differ from those before, and the latest; none without a latest one."""
+        with self._lock:
+            if self.latest is None:
+                return ()
+            return (*self._readings, FaultReading(self.latest.time, self._readings[-1].codes))
+
+    def read(self, ecu: Ecu) -> StoredFaults:
+        """Read the stored faults; a job of the sampling thread."""
+        return self.add(ecu.faults(), ecu.tester.link.now())
+
+    def add(self, faults: Sequence[Fault], time: float, *, erased: bool = False) -> StoredFaults:
+        """Add the faults that were stored at `time`; `erased`: shortly before.
+
+        A fault that came back after it was erased is new.
+        """
+        with self._lock:
+            codes = tuple(fault.code for fault in faults)
+            if not self._readings or self._readings[-1].codes != codes:
+                self._readings.append(FaultReading(time, codes, erased))
+                del self._readings[:-_MAX_READINGS]
+            self._first = {code: self._first.get(code, time) for code in codes}
+            self.latest = StoredFaults(time, tuple(faults), dict(self._first))
+            return self.latest

@@ -14,7 +14,7 @@ from math import isfinite
 from typing import Final
 
 from mikas.catalog import Level
-from mikas.dashboard.advice import ADVICE
+from mikas.dashboard.errors import ADVICE
 from mikas.dashboard.session.event_log import EventLog, ExchangeFailed
 from mikas.dashboard.session.history import History, row_of
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection

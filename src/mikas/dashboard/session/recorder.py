@@ -9,12 +9,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from mikas.client import Ecu
-from mikas.dashboard.advice import ADVICE
-from mikas.dashboard.errors import Busy, NotConnected
+from mikas.dashboard.errors import ADVICE, Busy, NotConnected
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.event_log import RecordingChanged
-from mikas.dashboard.session.fault_history import FaultHistory
+from mikas.dashboard.session.history import FaultHistory
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import ensure_folder

@@ -279,9 +279,9 @@ export interface components {
         };
         /** @description A stored fault that would be erased. */
         FaultShown: {
-            code: number;
             en: string;
             ru: string;
+            code: number;
         };
         /** @description The stored faults, read at `time`. */
         FaultsResponse: {
