@@ -65,21 +65,11 @@ class Dashboard:
             self.connection, self.monitor, self.fault_history, folder, options.interpretation
         )
         self.library = RecordingService(
-            folder,
-            self.catalog,
-            options.interpretation,
-            clock=clock,
-            in_progress=lambda: self.recorder.file_name,
+            folder, options, clock=clock, in_progress=lambda: self.recorder.file_name
         )
         self.dump_jobs = DumpJobs(self.connection, settings.dumps, clock)
         self._approval = WriteApproval()
-        self.changes = UnitChanges(
-            self.connection,
-            self.fault_history,
-            self._approval,
-            self.catalog,
-            options.interpretation,
-        )
+        self.changes = UnitChanges(self.connection, self.fault_history, self._approval, options)
         self.manager = ConnectionManager(
             settings, self.connection, create=self._create_thread, on_end=self._on_request_end
         )

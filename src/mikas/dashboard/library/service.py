@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Final, TypeVar
 
 from mikas.catalog import Catalog
+from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import Busy
 from mikas.dashboard.library.folder import RecordingFile, RecordingFolder
 from mikas.i18n import Text
@@ -100,16 +101,15 @@ class RecordingService:
     def __init__(
         self,
         folder: RecordingFolder,
-        catalog: Catalog,
-        interpretation: str,
+        options: ConnectionOptions,
         *,
         clock: Callable[[], float],
         in_progress: Callable[[], str | None],
     ) -> None:
         self.folder = folder
-        self.catalog, self.interpretation = catalog, interpretation
-        self.open = RecordingCache(catalog, interpretation, clock)
-        self.summaries = SummaryCache(catalog)
+        self.catalog, self.interpretation = options.catalog, options.interpretation
+        self.open = RecordingCache(self.catalog, self.interpretation, clock)
+        self.summaries = SummaryCache(self.catalog)
         self._in_progress = in_progress
         self._busy = asyncio.Lock()
         self._waiting = 0

@@ -1,4 +1,4 @@
-"""The changes of the unit: what each would do, read before it is shown, made once it is confirmed.
+"""The changes of the unit: each one's effect is read and shown, and made once it is confirmed.
 
 The client library's gate asks at the last moment (`WriteApproval`), journals, and reads back.
 """
@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from mikas.catalog import Catalog, Parameter
+from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
+from mikas.client.connecting import ConnectionOptions
 from mikas.client.ecu import erasing
 from mikas.client.gate import hex_or_none as spaced_hex
 from mikas.client.memory import last_of, writing
@@ -42,12 +43,11 @@ class UnitChanges:
         connection: Connection,
         fault_history: FaultHistory,
         approval: WriteApproval,
-        catalog: Catalog,
-        interpretation: str,
+        options: ConnectionOptions,
     ) -> None:
         self._connection, self._fault_history = connection, fault_history
-        self._approval, self._catalog = approval, catalog
-        self._interpretation = interpretation
+        self._approval, self._catalog = approval, options.catalog
+        self._interpretation = options.interpretation
 
     async def erase_faults(self) -> PendingChange:
         """Prepare erasing the stored faults."""
