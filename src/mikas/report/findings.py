@@ -14,10 +14,9 @@ from typing import Final
 from mikas.catalog import Derived, Fault, Parameter
 from mikas.catalog.conversion import NO_TEXT
 from mikas.i18n import Text
-from mikas.report.fault_history import ClearedFaults
 from mikas.report.measurements import Channel, Measurements
 from mikas.report.statistics import ChannelStatistics, is_inside
-from mikas.report.subject import ReportSubject
+from mikas.report.subject import ClearedFaults, ReportSubject
 
 _FEWEST: Final = 5  # values at warm idle needed for a rating
 _LONG_ENOUGH: Final = 600.0  # s after which an erased fault should have come back

@@ -6,10 +6,13 @@ Always in the corrected interpretation, which the references belong to.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from mikas.catalog import Catalog
+from mikas.commands import ERASE_FAULTS, ReadFaults
+from mikas.errors import MikasError
 from mikas.recording.annotations.events import (
     RecordedUnit,
     comment_of,
@@ -18,17 +21,24 @@ from mikas.recording.annotations.events import (
     unit_of,
 )
 from mikas.recording.capture.notes import Note
-from mikas.recording.capture.reader import CaptureReader, Source
+from mikas.recording.capture.reader import CaptureReader, Problem, Source
+from mikas.recording.exchanges.reading import read_exchanges
+from mikas.recording.exchanges.result import Exchanges
 from mikas.recording.table.channels import Rows
 from mikas.recording.table.derived import Deriver
 from mikas.recording.table.reader import TableReader
-from mikas.report.fault_history import cleared_faults, faults_heard
 from mikas.report.findings import Findings, find
 from mikas.report.formatting import date_of
 from mikas.report.measurements import MeasurementCollector, Measurements
-from mikas.report.subject import Conditions, Interruption, ReportSubject, UnitIdentity
+from mikas.report.subject import (
+    Conditions,
+    Interruption,
+    ReportSubject,
+    UnitIdentity,
+    cleared_faults,
+)
 from mikas.sampling.derived import DerivedChannels
-from mikas.sampling.events import Gap, MethodChosen, TextNote
+from mikas.sampling.events import FaultReading, Gap, MethodChosen, TextNote
 
 
 def of_recording(
@@ -38,10 +48,10 @@ def of_recording(
     name: str | None = None,
     errors: int | None = None,
 ) -> Findings:
-    """What follows from a recording. `name`: what it is called, if not by its file's name; empty:
-    it is only kept until it is read here. `errors`: of the line, if they were counted.
+    """Return the findings of a recording.
 
-    Raises `CaptureError` for a file that is no capture.
+    `name`: another name than its file's; empty for a temporary file. `errors`: the number of line
+    errors, if they were counted. Raises `CaptureError` for a file that is no capture.
     """
     capture = CaptureReader(path)
     table = TableReader(path, catalog)
@@ -130,3 +140,41 @@ def _unit(recorded: RecordedUnit | None, catalog: Catalog) -> UnitIdentity | Non
         return None
     passport = recorded.passport or ()
     return UnitIdentity(catalog.model(code), passport[:3], passport[3:8])
+
+
+def faults_heard(path: Path) -> Mapping[Source, Sequence[FaultReading]]:
+    """Return the fault readings by session and port; one without readings is missing."""
+    heard: dict[Source, list[FaultReading]] = {}
+    listeners: dict[Source, _Listener] = {}
+    for item in read_exchanges(path):
+        if not isinstance(item, Problem):
+            listener = listeners.setdefault(item.source, _Listener())
+            for each in listener.listen(item):
+                heard.setdefault(item.source, []).append(each)
+    return heard
+
+
+class _Listener:
+    """One port: whether faults were erased since the last reading."""
+
+    def __init__(self) -> None:
+        self._erased = False
+
+    def listen(self, exchanges: Exchanges) -> Iterator[FaultReading]:
+        """Yield the valid fault readings among these."""
+        command, erasing = ReadFaults(), ERASE_FAULTS[-1].body()
+        wanted = {
+            number
+            for number, body in enumerate(exchanges.bodies)
+            if body in (command.body(), erasing)
+        }
+        for time, number, body in exchanges.responses.of(wanted):
+            if exchanges.bodies[number] == erasing:
+                self._erased = True
+                continue
+            try:
+                codes = command.read(body)
+            except MikasError:
+                continue
+            yield FaultReading(time, codes, self._erased)
+            self._erased = False

@@ -22,11 +22,11 @@ from mikas.errors import ExportError, reason_of
 from mikas.i18n import Language, Text
 from mikas.report.charts import chart
 from mikas.report.conditions import rows as how_rows
-from mikas.report.fault_history import ClearedFaults
 from mikas.report.findings import BandPosition, ChannelFinding, FaultFinding, Findings
 from mikas.report.formatting import SURE, band, date_of, moment, number, percent, with_unit
 from mikas.report.labels import Labels
 from mikas.report.limitations import unknowns
+from mikas.report.subject import ClearedFaults
 from mikas.report.summary import HEADLINES, MARKS, sentence
 
 if TYPE_CHECKING:

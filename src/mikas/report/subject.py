@@ -1,17 +1,18 @@
 """The subject of a report: the unit, its faults, the conditions of the measurement.
 
-Filled in from a recording or a running session; None or empty means unknown; the report
-says so.
+Filled in from a recording or a running session; None or empty: unknown, which the report says.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
+from itertools import pairwise
 
 from mikas.catalog import Catalog, Fault, Model
 from mikas.i18n import Text
-from mikas.report.fault_history import ClearedFaults
+from mikas.sampling.events import FaultReading
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +55,17 @@ class Conditions:
 
 
 @dataclass(frozen=True, slots=True)
+class ClearedFaults:
+    """Faults that were no longer stored at `time`, on the link's clock. `erased`: by a tester;
+    else for an unknown reason (battery disconnected, or the unit dropped them).
+    """
+
+    time: float
+    faults: tuple[Fault, ...]
+    erased: bool
+
+
+@dataclass(frozen=True, slots=True)
 class ReportSubject:
     """All of these. `faults` None: not read; else those stored at `faults_read`; `gone`: those
     stored before. `notes`: the user's notes, in order.
@@ -66,3 +78,16 @@ class ReportSubject:
     notes: tuple[str, ...] = ()
     faults_read: float | None = None
     gone: tuple[ClearedFaults, ...] = ()
+
+
+def cleared_faults(heard: Sequence[FaultReading], catalog: Catalog) -> tuple[ClearedFaults, ...]:
+    """Return the faults of one reading that are missing in the next."""
+    missing = (
+        (after, tuple(code for code in before.codes if code not in after.codes))
+        for before, after in pairwise(heard)
+    )
+    return tuple(
+        ClearedFaults(after.time, tuple(map(catalog.fault, codes)), after.erased)
+        for after, codes in missing
+        if codes
+    )

@@ -7,9 +7,9 @@ from math import isfinite
 
 from mikas.catalog import Catalog
 from mikas.i18n import Language, Text, counted
-from mikas.report.fault_history import ClearedFaults
 from mikas.report.findings import BandPosition, Findings, Outcome, is_open
 from mikas.report.formatting import duration, moment, number, within
+from mikas.report.subject import ClearedFaults
 from mikas.report.warm_idle import ENOUGH, SETTLING, RuleResult, WarmIdle
 
 HEADLINES = {

@@ -86,11 +86,10 @@ async def _page(
 
 
 def _of_connection(dashboard: Dashboard) -> Findings:
-    from mikas.report.fault_history import cleared_faults
     from mikas.report.findings import find
     from mikas.report.formatting import date_of
     from mikas.report.measurements import MeasurementCollector
-    from mikas.report.subject import Conditions, ReportSubject
+    from mikas.report.subject import Conditions, ReportSubject, cleared_faults
 
     catalog, monitor, connection = dashboard.catalog, dashboard.monitor, dashboard.connection
     thread, ecu, port = connection.thread, connection.ecu, connection.port

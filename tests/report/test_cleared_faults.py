@@ -12,11 +12,12 @@ import mikas
 from mikas.catalog import shipped
 from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import faults_note
-from mikas.report.fault_history import ClearedFaults, FaultReading, cleared_faults
 from mikas.report.findings import Findings, Outcome, find
 from mikas.report.from_recording import of_recording
 from mikas.report.page import render
+from mikas.report.subject import ClearedFaults, cleared_faults
 from mikas.report.summary import sentence
+from mikas.sampling.events import FaultReading
 
 IDLE = "sim:?clock=simulated&scenario=warm-idle"
 
