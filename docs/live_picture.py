@@ -15,7 +15,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.render import table_layout
 from mikas.cli.render.live_table import LiveTable
 from mikas.cli.render.output import Output
-from mikas.cli.sampling_run import SamplingOptions, session
+from mikas.cli.sampling_run import SamplingOptions, sampling_session
 
 SECONDS = 75
 WIDTH = 118
@@ -26,7 +26,7 @@ def main() -> None:
     console = Console(record=True, width=WIDTH, height=40, file=io.StringIO(), force_terminal=True)
     run = CommandContext(port="sim:?scenario=cold-start&seed=1&clock=simulated")
     asked = SamplingOptions(duration=SECONDS)
-    with session(run, asked) as made:
+    with sampling_session(run, asked) as made:
         table = LiveTable(made, Output(), console)
         for event in made.events(asked):
             table.take(event)

@@ -46,7 +46,7 @@ def drawn(width: int, height: int, *events, channels=CHANNELS, notice="", **sett
     for event in events:
         table.take(event)
     if notice:
-        table.tell(notice)
+        table.note(notice)
     plain = console(width, height, **settings)
     plain.print(table.drawing())
     return plain.file.getvalue().splitlines()
@@ -185,7 +185,7 @@ def test_the_last_state_is_left_on_the_screen(capsys):
     table = LiveTable(session(), Output(), screen)
     with table:
         table.take(sample_of())
-        table.tell("Back after 3 s.")
+        table.note("Back after 3 s.")
     written = screen.file.getvalue()
     before, _, after = written.rpartition("\x1b[?1049l")  # back from the other screen
     assert "\x1b[?1049h" in before

@@ -25,7 +25,7 @@ def in_english():
 
 def told(*events, **asked) -> list[str]:
     session = SimpleNamespace(
-        asked=SamplingOptions(**asked),
+        options=SamplingOptions(**asked),
         connected=True,
         recorder=SimpleNamespace(failure=None, on_file=None),
     )

@@ -13,10 +13,10 @@ from mikas.catalog import shipped
 from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import faults_note
 from mikas.report.findings import Findings, Outcome, find
-from mikas.report.from_recording import of_recording
+from mikas.report.from_recording import find_in_recording
 from mikas.report.page import render
 from mikas.report.subject import ClearedFaults, cleared_faults
-from mikas.report.summary import sentence
+from mikas.report.summary import summary_sentence
 from mikas.sampling.events import FaultReading
 
 IDLE = "sim:?clock=simulated&scenario=warm-idle"
@@ -26,7 +26,7 @@ def after(*gone: ClearedFaults, read: float = START + 30, stored: tuple[int, ...
     from dataclasses import replace
 
     it = found_in(rows(), faults=stored)
-    return find(replace(it.subject, gone=gone, faults_read=read), it.measured)
+    return find(replace(it.subject, cleared=gone, faults_read=read), it.measured)
 
 
 def gone(*codes: int, time: float = START + 20, erased: bool = True) -> ClearedFaults:
@@ -36,7 +36,7 @@ def gone(*codes: int, time: float = START + 20, erased: bool = True) -> ClearedF
 def test_a_report_right_after_erasing_is_not_green() -> None:
     it = after(gone(13, 53, 17, 99))
     assert it.outcome is Outcome.OPEN
-    told = sentence(it)
+    told = summary_sentence(it)
     assert told.en.startswith("No faults are stored now; ")
     assert told.ru.startswith("Сейчас ошибок в памяти блока нет; ")
     for code in ("13", "53", "17"):
@@ -53,14 +53,14 @@ def test_a_report_right_after_erasing_is_not_green() -> None:
 def test_what_did_not_come_back_for_long_is_told_and_no_more() -> None:
     it = after(gone(13), read=START + 20 + 900)
     assert it.outcome is Outcome.GOOD
-    assert "13" in sentence(it).en
-    assert "not known yet" not in sentence(it).en
+    assert "13" in summary_sentence(it).en
+    assert "not known yet" not in summary_sentence(it).en
 
 
 def test_what_came_back_is_what_counts() -> None:
     it = after(gone(13), stored=(13,))
     assert it.outcome is Outcome.ATTENTION
-    assert sentence(it).en.startswith("1 fault is stored: 13; ")
+    assert summary_sentence(it).en.startswith("1 fault is stored: 13; ")
 
 
 def test_a_message_that_was_erased_changes_nothing() -> None:
@@ -72,8 +72,8 @@ def test_a_message_that_was_erased_changes_nothing() -> None:
 def test_nobody_was_seen_to_erase_them() -> None:
     it = after(gone(13, erased=False))
     assert it.outcome is Outcome.OPEN
-    assert "erased" not in sentence(it).en
-    assert "сброшен" not in sentence(it).ru
+    assert "erased" not in summary_sentence(it).en
+    assert "сброшен" not in summary_sentence(it).ru
 
 
 def test_what_is_gone_between_two_readings() -> None:
@@ -100,9 +100,9 @@ def erased(tmp_path: Path) -> Path:
 
 
 def test_a_recording_of_it(erased) -> None:
-    it = of_recording(erased, shipped())
+    it = find_in_recording(erased, shipped())
     assert it.faults == ()
-    (gone_,) = it.gone
+    (gone_,) = it.cleared
     assert (gone_.erased, {fault.code for fault in gone_.faults}) == (True, {13, 53})
     assert it.outcome is Outcome.OPEN
 
@@ -118,10 +118,10 @@ def test_what_was_read_before_the_recording_began(tmp_path) -> None:
         sink.note(faults_note(ecu.tester.link.now(), readings))
         for _ in ecu.watch(method="batch", count=20):
             pass
-    it = of_recording(path, shipped())
+    it = find_in_recording(path, shipped())
     assert [each.code for each in it.subject.faults or ()] == [53]
     assert it.subject.faults_read == 3.0
-    assert [fault.code for each in it.gone for fault in each.faults] == [13]
+    assert [fault.code for each in it.cleared for fault in each.faults] == [13]
 
 
 @pytest.mark.parametrize(
@@ -133,4 +133,4 @@ def test_a_note_that_says_nothing(told, tmp_path) -> None:
     path = tmp_path / "a.pcapng"
     with CaptureWriter(path, url=IDLE) as sink:
         sink.note(Note(Kind.FAULTS, 1.0, {"readings": told}))
-    assert of_recording(path, shipped()).subject.faults is None
+    assert find_in_recording(path, shipped()).subject.faults is None

@@ -11,18 +11,18 @@ from report_harness import found, rows
 from mikas.catalog import shipped
 from mikas.report.findings import BandPosition, Outcome
 from mikas.report.limitations import unknowns
-from mikas.report.summary import of_idle, sentence
+from mikas.report.summary import idle_sentence, summary_sentence
 from mikas.report.warm_idle import ENOUGH, SETTLING
 
 WITH_REFERENCE = ("TWAT", "FREQ", "FREQX", "UOZ", "UACC", "INJ", "JAIR", "THR")
 
 
 def marks(findings):
-    return {value.channel.name: value.mark for value in findings.judged}
+    return {value.channel.name: value.mark for value in findings.rated}
 
 
 def all_texts(findings):
-    texts = [sentence(findings), of_idle(findings), *unknowns(findings)]
+    texts = [summary_sentence(findings), idle_sentence(findings), *unknowns(findings)]
     for text in texts:
         assert text.en
         assert not re.search("[А-яЁё]", text.en), text.en
@@ -35,11 +35,11 @@ def test_a_sound_engine() -> None:
     findings = found()
     assert marks(findings) == dict.fromkeys(WITH_REFERENCE, BandPosition.INSIDE)
     assert findings.outcome is Outcome.GOOD
-    assert findings.off == ()
-    assert sentence(findings).en == (
+    assert findings.abnormal == ()
+    assert summary_sentence(findings).en == (
         "No faults are stored; all 8 values that can be rated are normal at warm idle."
     )
-    assert sentence(findings).ru == (
+    assert summary_sentence(findings).ru == (
         "Ошибок в памяти блока нет; все значения, которые можно оценить (8), на прогретом "
         "холостом ходу в норме."
     )
@@ -61,7 +61,7 @@ def test_each_value_is_judged_by_its_reference(name) -> None:
     if name != "THR":
         sides.append((low - step, BandPosition.LOW))
     for value, mark in sides:
-        (judged,) = [v for v in found(rows(**{name: value})).judged if v.channel.name == name]
+        (judged,) = [v for v in found(rows(**{name: value})).rated if v.channel.name == name]
         assert judged.mark is mark, value
         expected = {
             BandPosition.LOW: parameter.meaning.low,
@@ -73,7 +73,7 @@ def test_each_value_is_judged_by_its_reference(name) -> None:
 def test_values_without_a_reference_are_never_judged() -> None:
     findings = found(rows(TAIR=99, RCOK=-0.9, SSM=255, FUEL_FLOW=30))
     assert marks(findings) == dict.fromkeys(WITH_REFERENCE, BandPosition.INSIDE)
-    assert {value.channel.name for value in findings.others} == {
+    assert {value.channel.name for value in findings.unrated} == {
         "TAIR", "RCOK", "SSM", "FUEL_FLOW", "RXX",
     }  # fmt: skip
     assert findings.outcome is Outcome.GOOD
@@ -82,11 +82,11 @@ def test_values_without_a_reference_are_never_judged() -> None:
 def test_what_is_off_is_in_the_sentence() -> None:
     findings = found(rows(JAIR=11.2, UACC=12.9), faults=(13,))
     assert findings.outcome is Outcome.ATTENTION
-    assert sentence(findings).en == (
+    assert summary_sentence(findings).en == (
         "1 fault is stored: 13; at warm idle 2 of the 8 values that can be rated are outside the "
         "normal range: battery voltage (low), air flow (low)."
     )
-    assert sentence(findings).ru == (
+    assert summary_sentence(findings).ru == (
         "В памяти блока 1 ошибка: 13; на прогретом холостом ходу вне нормы 2 значения из 8: "
         "напряжение бортсети (ниже нормы), расход воздуха (ниже нормы)."
     )
@@ -98,12 +98,14 @@ def test_a_throttle_that_was_asked_for_a_part_of_the_time_only() -> None:
         return np.where(times < 20, 0.0, np.nan)
 
     findings = found(rows(THR=part, RXX=None))
-    assert "For 37 s of 1 min the throttle position (THR) was not read" in of_idle(findings).en
-    assert "37 с из 1 мин не опрашивалось: положение дроссельной" in of_idle(findings).ru
+    assert (
+        "For 37 s of 1 min the throttle position (THR) was not read" in idle_sentence(findings).en
+    )
+    assert "37 с из 1 мин не опрашивалось: положение дроссельной" in idle_sentence(findings).ru
     all_texts(findings)
     findings = found(rows(THR=part))
-    assert "was not asked, and" not in of_idle(findings).en
-    assert "the unit's idle flag" in of_idle(findings).en
+    assert "was not asked, and" not in idle_sentence(findings).en
+    assert "the unit's idle flag" in idle_sentence(findings).en
     all_texts(findings)
 
 
@@ -111,21 +113,21 @@ def test_a_median_inside_is_inside_however_it_trembles() -> None:
     def trembling(times):
         return np.where(np.arange(times.size) % 10 < 3, 700, 850)
 
-    (value,) = [v for v in found(rows(FREQX=trembling)).judged if v.channel.name == "FREQX"]
+    (value,) = [v for v in found(rows(FREQX=trembling)).rated if v.channel.name == "FREQX"]
     assert value.mark is BandPosition.INSIDE
     assert (value.stats.low, value.stats.inside) == (700, pytest.approx(0.7, abs=0.01))
 
 
 def test_nothing_is_judged_that_was_not_at_warm_idle() -> None:
     findings = found(rows(TWAT=45, UACC=9.0, JAIR=200.0))
-    assert findings.judged == ()
+    assert findings.rated == ()
     assert not findings.at_idle
     assert findings.outcome is Outcome.OPEN
-    assert sentence(findings).en == (
+    assert summary_sentence(findings).en == (
         "No faults are stored; there was no warm idle, so no value is rated."
     )
-    assert "coolant temperature was 45 °C" in of_idle(findings).en
-    assert "температура охлаждающей жидкости — 45 °C" in of_idle(findings).ru
+    assert "coolant temperature was 45 °C" in idle_sentence(findings).en
+    assert "температура охлаждающей жидкости — 45 °C" in idle_sentence(findings).ru
     all_texts(findings)
 
 
@@ -144,9 +146,9 @@ def test_only_values_at_warm_idle_count() -> None:
 
 def test_too_little_warm_idle() -> None:
     findings = found(rows(SETTLING + ENOUGH - 2))
-    assert findings.judged == ()
-    assert "Only 8 s found; 10 s are needed" in of_idle(findings).en
-    assert "Найдено только 8 с" in of_idle(findings).ru
+    assert findings.rated == ()
+    assert "Only 8 s found; 10 s are needed" in idle_sentence(findings).en
+    assert "Найдено только 8 с" in idle_sentence(findings).ru
 
 
 def test_too_few_values_of_one_parameter() -> None:
@@ -155,15 +157,15 @@ def test_too_few_values_of_one_parameter() -> None:
 
     findings = found(rows(60, UACC=seldom))
     assert "UACC" not in marks(findings)
-    assert "UACC" in {value.channel.name for value in findings.others}
+    assert "UACC" in {value.channel.name for value in findings.unrated}
 
 
 def test_without_what_tells_warm_idle() -> None:
     findings = found(rows(THR=None, RXX=None))
-    assert findings.judged == ()
+    assert findings.rated == ()
     assert (
         "Can't be determined, as this was not recorded: throttle at 5 % or less"
-        in of_idle(findings).en
+        in idle_sentence(findings).en
     )
     assert "Not measured: throttle position." in all_texts(findings)
 
@@ -189,8 +191,8 @@ def test_no_values_at_all() -> None:
 )
 def test_faults_in_the_sentence(faults, en, ru) -> None:
     findings = found(faults=faults)
-    assert sentence(findings).en.startswith(en)
-    assert sentence(findings).ru.startswith(ru)
+    assert summary_sentence(findings).en.startswith(en)
+    assert summary_sentence(findings).ru.startswith(ru)
     outcome = {None: Outcome.OPEN, (): Outcome.GOOD, (12,): Outcome.GOOD}
     assert findings.outcome is outcome.get(faults, Outcome.ATTENTION)
     all_texts(findings)
@@ -202,7 +204,7 @@ def test_a_fault_and_its_values_know_of_each_other() -> None:
     assert [[v.channel.name for v in each.values] for each in findings.faults] == [
         ["JAIR"], ["JAIR"], ["TWAT"],
     ]  # fmt: skip
-    bearing = {value.channel.name: value.faults for value in findings.judged if value.faults}
+    bearing = {value.channel.name: value.faults for value in findings.rated if value.faults}
     assert bearing == {"JAIR": (13, 14), "TWAT": (21,)}
     assert "Whether the engine was warm: fault 21" in all_texts(findings)
 

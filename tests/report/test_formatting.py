@@ -6,7 +6,16 @@ import pytest
 
 from mikas.catalog import Confidence, shipped
 from mikas.i18n import Text, counted
-from mikas.report.formatting import SURE, band, clock, duration, number, percent, with_unit, within
+from mikas.report.formatting import (
+    CONFIDENCE,
+    band,
+    clock,
+    duration,
+    number,
+    percent,
+    with_unit,
+    within,
+)
 from mikas.report.labels import NAMES, Labels
 
 
@@ -62,7 +71,7 @@ def test_inside_a_sentence() -> None:
 
 
 def test_every_confidence_has_words() -> None:
-    assert set(SURE) == set(Confidence)
+    assert set(CONFIDENCE) == set(Confidence)
 
 
 def test_every_label_speaks_both_languages() -> None:

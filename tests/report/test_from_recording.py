@@ -15,7 +15,7 @@ from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import note_of
 from mikas.report.findings import BandPosition, Outcome
 from mikas.report.formatting import date_of
-from mikas.report.from_recording import of_recording
+from mikas.report.from_recording import find_in_recording
 from mikas.report.page import render
 from mikas.sampling.events import Gap, Marker, TextNote
 from session_header import write_session_header
@@ -56,27 +56,32 @@ def drive(tmp_path: Path) -> Path:
 
 
 def test_all_of_it(drive: Path) -> None:
-    found = of_recording(drive, shipped())
+    found = find_in_recording(drive, shipped())
     subject, measured = found.subject, found.measured
     assert subject.unit is not None
     assert subject.unit.model.text.en == "Mikas 7.1"
     assert subject.unit.program[0] == "МИКАС 7.1"
     assert [fault.code for fault in subject.faults or ()] == [13, 55]
-    assert (subject.how.file, subject.how.adapter) == ("drive.pcapng", "a cable")
-    assert (subject.how.echo, subject.how.sessions, subject.how.damaged) == (True, 1, 0)
-    assert subject.how.port.startswith(IDLE)
-    assert subject.how.date is None  # a simulated clock knows no calendar
+    conditions = subject.conditions
+    assert (conditions.file, conditions.adapter) == ("drive.pcapng", "a cable")
+    assert (conditions.echo, conditions.sessions, conditions.damaged) == (
+        True,
+        1,
+        0,
+    )
+    assert subject.conditions.port.startswith(IDLE)
+    assert subject.conditions.date is None  # a simulated clock knows no calendar
     assert measured.rows >= 300
-    assert {value.mark for value in found.judged} == {BandPosition.INSIDE}
-    assert len(found.judged) == 8
+    assert {value.mark for value in found.rated} == {BandPosition.INSIDE}
+    assert len(found.rated) == 8
     assert found.outcome is Outcome.ATTENTION
-    assert {"FUEL_FLOW", "FILLING", "DUTY"} <= {value.channel.name for value in found.others}
+    assert {"FUEL_FLOW", "FILLING", "DUTY"} <= {value.channel.name for value in found.unrated}
     assert "FUEL_USED" in measured.curves
     assert "FUEL_USED" not in measured.whole
 
 
 def test_the_values_are_those_of_the_recording(drive: Path) -> None:
-    found = of_recording(drive, shipped())
+    found = find_in_recording(drive, shipped())
     frame = mikas.open(drive).to_pandas()
     for name in ("UACC", "TWAT", "JAIR", "DUTY", "FUEL_FLOW"):
         values = frame[name].dropna()
@@ -88,7 +93,7 @@ def test_the_values_are_those_of_the_recording(drive: Path) -> None:
 
 
 def test_faults_that_nobody_asked_for(tmp_path: Path) -> None:
-    found = of_recording(record(tmp_path / "a.pcapng", count=50, faults=False), shipped())
+    found = find_in_recording(record(tmp_path / "a.pcapng", count=50, faults=False), shipped())
     assert found.faults is None
 
 
@@ -100,11 +105,11 @@ def test_the_last_answer_about_faults_counts(tmp_path: Path) -> None:
         ecu.erase_faults()
         for _ in ecu.watch(count=5):
             pass
-    assert of_recording(path, shipped()).faults == ()
+    assert find_in_recording(path, shipped()).faults == ()
 
 
 def test_without_a_head_nobody_knows_who_it_was(tmp_path: Path) -> None:
-    found = of_recording(record(tmp_path / "bare.pcapng", count=5, head=False), shipped())
+    found = find_in_recording(record(tmp_path / "bare.pcapng", count=5, head=False), shipped())
     assert found.subject.unit is None
     render(found, "ru")
 
@@ -113,15 +118,15 @@ def test_one_parameter_at_a_time(tmp_path: Path) -> None:
     path = record(
         tmp_path / "one.pcapng", IDLE, "TWAT", "FREQ", "THR", "UACC", method="single", count=600
     )
-    found = of_recording(path, shipped())
+    found = find_in_recording(path, shipped())
     assert found.at_idle
-    assert {value.channel.name for value in found.judged} == {"TWAT", "FREQ", "THR", "UACC"}
+    assert {value.channel.name for value in found.rated} == {"TWAT", "FREQ", "THR", "UACC"}
 
 
 def test_a_cold_engine_is_not_judged(tmp_path: Path) -> None:
     url = "sim:?clock=simulated&scenario=cold-start"
-    found = of_recording(record(tmp_path / "cold.pcapng", url), shipped())
-    assert found.judged == ()
+    found = find_in_recording(record(tmp_path / "cold.pcapng", url), shipped())
+    assert found.rated == ()
     assert found.measured.idle.stretches == ()
 
 
@@ -130,10 +135,10 @@ def test_of_several_sessions_the_last(tmp_path: Path) -> None:
     second = record(tmp_path / "b.pcapng", f"{IDLE}&faults=17", count=100)
     both = tmp_path / "both.pcapng"
     both.write_bytes(first.read_bytes() + second.read_bytes())
-    found = of_recording(both, shipped())
+    found = find_in_recording(both, shipped())
     assert [fault.code for fault in found.subject.faults or ()] == [17]
-    assert found.subject.how.sessions == 2
-    assert found.measured.rows == of_recording(second, shipped()).measured.rows
+    assert found.subject.conditions.sessions == 2
+    assert found.measured.rows == find_in_recording(second, shipped()).measured.rows
 
 
 def test_what_the_notes_tell(tmp_path: Path) -> None:
@@ -145,9 +150,9 @@ def test_what_the_notes_tell(tmp_path: Path) -> None:
         sink.note(note_of(Marker(2.0, "here")))
         sink.note(note_of(Gap(3.0, 3.0, 5.0, Text("no echo", "нет эха"))))
         sink.note(note_of(Gap(6.0, 6.0, None, Text("no echo", "нет эха"))))
-    found = of_recording(path, shipped())
+    found = find_in_recording(path, shipped())
     assert found.subject.notes == ("after the new plugs",)
-    pauses = found.subject.how.pauses
+    pauses = found.subject.conditions.interruptions
     assert [(pause.began, pause.ended) for pause in pauses] == [(3.0, 5.0), (6.0, None)]
     assert pauses[0].reason == Text("no echo", "нет эха")
     assert "after the new plugs" in render(found, "en")
@@ -155,8 +160,8 @@ def test_what_the_notes_tell(tmp_path: Path) -> None:
 
 def test_a_cut_recording_is_reported_as_far_as_it_goes(drive: Path) -> None:
     drive.write_bytes(drive.read_bytes()[:-3001])
-    found = of_recording(drive, shipped())
-    assert found.subject.how.damaged == 1
+    found = find_in_recording(drive, shipped())
+    assert found.subject.conditions.damaged == 1
     assert found.measured.rows > 100
 
 
@@ -164,11 +169,11 @@ def test_no_recording_at_all(tmp_path: Path) -> None:
     empty = tmp_path / "empty.pcapng"
     with CaptureWriter(empty, url=IDLE):
         pass
-    found = of_recording(empty, shipped())
-    assert (found.outcome, found.judged, found.faults) == (Outcome.OPEN, (), None)
+    found = find_in_recording(empty, shipped())
+    assert (found.outcome, found.rated, found.faults) == (Outcome.OPEN, (), None)
     assert render(found, "en")
     with pytest.raises(CaptureError, match="nowhere"):
-        of_recording(tmp_path / "nowhere.pcapng", shipped())
+        find_in_recording(tmp_path / "nowhere.pcapng", shipped())
 
 
 def test_the_catalog_of_today_judges(drive: Path, tmp_path: Path) -> None:
@@ -178,8 +183,8 @@ def test_the_catalog_of_today_judges(drive: Path, tmp_path: Path) -> None:
         'text = "mine"\n',
         "utf-8",
     )
-    found = of_recording(drive, load(own))
-    (value,) = found.off
+    found = find_in_recording(drive, load(own))
+    (value,) = found.abnormal
     assert (value.channel.name, value.mark, value.meaning.en) == (
         "UACC",
         BandPosition.LOW,

@@ -62,7 +62,7 @@ def every_kind():
     return found(
         rows(60, JAIR=11.0, UACC=12.9),
         faults=(12, 13, 53, 99),
-        pauses=(gap, Interruption(START + 20), gap, gap, gap),
+        interruptions=(gap, Interruption(START + 20), gap, gap, gap),
         sessions=2,
         damaged=3,
         port="/dev/ttyUSB0",
@@ -239,7 +239,7 @@ def test_a_spike_is_drawn_and_a_gap_is_one() -> None:
     def lost(times):
         return np.where((times >= 40) & (times < 50), np.nan, spike(times))
 
-    text = page.render(found(rows(60, FREQ=lost), pauses=(gap,)), "en")
+    text = page.render(found(rows(60, FREQ=lost), interruptions=(gap,)), "en")
     drawing = drawings(text)[0]
     before, after = points(drawing)
     assert min(y for _, y in before) < 30 < 140 < max(y for _, y in before)
@@ -254,7 +254,7 @@ def test_a_spike_is_drawn_and_a_gap_is_one() -> None:
 def test_why_nothing_came_is_told_without_bytes_and_advice(language) -> None:
     error = EchoOnly(request=b"\x01\xff\x0d", received=b"\x01\xff\x0d")
     gap = Interruption(START + 40, START + 50, error.text)
-    text = page.render(found(rows(60), pauses=(gap,)), language)
+    text = page.render(found(rows(60), interruptions=(gap,)), language)
     assert f"0:50 ({error.reason.to(language)})" in text
     assert "FF 0D" not in text
 

@@ -21,11 +21,11 @@ from mikas.i18n import Text
 ECHO = ("auto", "on", "off")
 INTERPRETATIONS = ("corrected", "literal", "alternative")
 LANGUAGES = ("en", "ru")
-LONGEST_TIMEOUT = 60
-MOST_RETRIES = 100
+MAX_TIMEOUT = 60
+MAX_RETRIES = 100
 
 _WORDS = {"echo": ECHO, "interpretation": INTERPRETATIONS, "lang": LANGUAGES}
-_KNOWN = ("port", "echo", "timeout", "retries", "interpretation", "lang", "catalog")
+_SETTINGS = ("port", "echo", "timeout", "retries", "interpretation", "lang", "catalog")
 
 
 def path() -> Path:
@@ -54,14 +54,14 @@ def load() -> dict[str, Any]:
     file = path()
     settings = _parsed(file)
     for name, value in settings.items():
-        if name not in _KNOWN:
-            known = ", ".join(_KNOWN)
+        if name not in _SETTINGS:
+            known = ", ".join(_SETTINGS)
             raise _wrong(
                 file,
                 f"there is no setting “{name}”; the settings are {known}",
                 f"настройки «{name}» нет; есть {known}",
             )
-        wanted = _wanted(name, value)
+        wanted = _expected(name, value)
         if wanted is not None:
             raise _wrong(file, f"{name} has to be {wanted.en}", f"{name} — это {wanted.ru}")
     settings["catalog"] = [
@@ -70,7 +70,7 @@ def load() -> dict[str, Any]:
     return settings
 
 
-def _wanted(name: str, value: object) -> Text | None:
+def _expected(name: str, value: object) -> Text | None:
     """Return the values allowed for this setting; None if `value` is one."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if name in _WORDS:
@@ -80,18 +80,18 @@ def _wanted(name: str, value: object) -> Text | None:
         good = isinstance(value, str) and bool(value.strip())
         return None if good else Text('a port in quotes, like "COM3"', 'порт в кавычках: "COM3"')
     if name == "timeout":
-        good = number and 0 < value <= LONGEST_TIMEOUT  # type: ignore[operator]  # a number, as tested
+        good = number and 0 < value <= MAX_TIMEOUT  # type: ignore[operator]  # a number, as tested
         return (
             None
             if good
-            else Text(f"seconds, up to {LONGEST_TIMEOUT}", f"число секунд, до {LONGEST_TIMEOUT}")
+            else Text(f"seconds, up to {MAX_TIMEOUT}", f"число секунд, до {MAX_TIMEOUT}")
         )
     if name == "retries":
-        good = number and isinstance(value, int) and 0 <= value <= MOST_RETRIES
+        good = number and isinstance(value, int) and 0 <= value <= MAX_RETRIES
         return (
             None
             if good
-            else Text(f"a whole number, 0 to {MOST_RETRIES}", f"целое число от 0 до {MOST_RETRIES}")
+            else Text(f"a whole number, 0 to {MAX_RETRIES}", f"целое число от 0 до {MAX_RETRIES}")
         )
     good = isinstance(value, list) and all(isinstance(item, str) and item for item in value)
     return None if good else Text('a list of files, ["my.toml"]', 'список файлов: ["my.toml"]')

@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from mikas.client.connecting import ConnectionOptions
     from mikas.link import Link, Sink
 
-_HOW = Text(
+_NO_TERMINAL = Text(
     "There is no terminal to ask on; --yes confirms in advance.",
     "Нет терминала, чтобы спросить; подтвердить заранее можно ключом --yes.",
 )
-_NO = Text("The answer was no.", "Ответ был «нет».")
+_ANSWERED_NO = Text("The answer was no.", "Ответ был «нет».")
 _NOT_RECORDED = Text(
     "A recording answers only the requests that it contains; for others the car is needed.",
     "Запись отвечает только на те запросы, которые в ней есть; для остальных нужна машина.",
@@ -149,15 +149,15 @@ class CommandContext:
             if yes:
                 return True
             if not sys.stdin.isatty():
-                raise NotConfirmed(change=change.what, how=_HOW)
-            if not _says_yes():
-                raise NotConfirmed(change=change.what, how=_NO)
+                raise NotConfirmed(change=change.what, how=_NO_TERMINAL)
+            if not _confirmed():
+                raise NotConfirmed(change=change.what, how=_ANSWERED_NO)
             return True
 
         return ask
 
 
-def _says_yes() -> bool:
+def _confirmed() -> bool:
     """The answer at the terminal; what is neither yes nor no is no."""
     sys.stderr.write(tr("Do it? [y/N] ", "Выполнить? [д/Н] "))
     sys.stderr.flush()

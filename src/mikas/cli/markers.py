@@ -19,7 +19,7 @@ from typing import Self
 from mikas.cli.language import tr
 from mikas.recording.recorder import Recorder
 
-_OVER = b"\0"  # no signal has this number
+_END = b"\0"  # no signal has this number
 
 
 class Marking:
@@ -27,24 +27,24 @@ class Marking:
 
     def __init__(self, recorder: Recorder, tell: Callable[[str], None]) -> None:
         self._recorder = recorder
-        self._tell = tell
+        self._note = tell
         self._count = 0
-        self._over = False
+        self._ended = False
         self._thread: threading.Thread | None = None
         self._waking: tuple[int, int] | None = None  # a pipe: signals, and the end
         self._woken_before = -1
 
     def __enter__(self) -> Self:
-        if _is_ours():
+        if _owns_terminal():
             self.listen(sys.stdin.fileno(), sys.stdin.encoding or "utf-8")
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._over = True
+        self._ended = True
         if self._waking is None or self._thread is None:
             return  # on Windows nothing wakes it: it goes with the process
         with suppress(BlockingIOError):  # full of signals: they wake it too
-            os.write(self._waking[1], _OVER)
+            os.write(self._waking[1], _END)
         self._thread.join()
         signal.set_wakeup_fd(self._woken_before)
         for end in self._waking:
@@ -68,19 +68,19 @@ class Marking:
             self._count += 1
             name = f" “{label}”" if label else ""
             named = f" «{label}»" if label else ""
-            self._tell(tr(f"Marker {self._count}{name}.", f"Метка {self._count}{named}."))
+            self._note(tr(f"Marker {self._count}{name}.", f"Метка {self._count}{named}."))
 
     def _listen(self, descriptor: int, encoding: str) -> None:
-        while self._is_there_a_line(descriptor):
+        while self._wait_for_line(descriptor):
             try:
                 line = os.read(descriptor, 4096)
             except OSError:  # put into the background, or the terminal is gone
                 return
-            if not line or (self._over and self._waking is None):
+            if not line or (self._ended and self._waking is None):
                 return
             self.mark(line.decode(encoding, "replace").strip())
 
-    def _is_there_a_line(self, descriptor: int) -> bool:
+    def _wait_for_line(self, descriptor: int) -> bool:
         """Wait for a line; False at the end or after Ctrl-C."""
         if self._waking is None:
             return True
@@ -89,11 +89,11 @@ class Marking:
             if self._waking[0] not in ready:
                 return True
             woken = os.read(self._waking[0], 4096)
-            if signal.SIGINT in woken or _OVER in woken:
+            if signal.SIGINT in woken or _END in woken:
                 return False
 
 
-def _is_ours() -> bool:
+def _owns_terminal() -> bool:
     if not sys.stdin.isatty():
         return False
     if os.name != "posix":

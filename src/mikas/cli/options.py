@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import click
 
-from mikas.cli.config import ECHO, INTERPRETATIONS, LANGUAGES, LONGEST_TIMEOUT, MOST_RETRIES
+from mikas.cli.config import ECHO, INTERPRETATIONS, LANGUAGES, MAX_RETRIES, MAX_TIMEOUT
 from mikas.cli.language import localized
 from mikas.cli.parameter_types import File, Number, OneOf, Whole
 from mikas.i18n import Text
@@ -68,7 +68,7 @@ def common_options() -> list[click.Parameter]:
         ),
         CommonOption(
             ["--timeout"],
-            type=Number(above=0, most=LONGEST_TIMEOUT),
+            type=Number(above=0, most=MAX_TIMEOUT),
             metavar="SECONDS",
             text=Text(
                 "how long to wait for the first byte of a response (0.5)",
@@ -77,7 +77,7 @@ def common_options() -> list[click.Parameter]:
         ),
         CommonOption(
             ["--retries"],
-            type=Whole(0, MOST_RETRIES),
+            type=Whole(0, MAX_RETRIES),
             metavar="N",
             text=Text(
                 "how often to repeat a failed request, if that is safe (2)",

@@ -43,7 +43,7 @@ class SamplingOptions:
     duration: float | None = None
     relearn: bool = False
 
-    def bounded(self) -> SamplingOptions:
+    def with_count(self) -> SamplingOptions:
         """With a count where rate and duration make one, lest it waits for one too late."""
         if self.rate is None or self.duration is None:
             return self
@@ -58,7 +58,7 @@ class SamplingRun:
         self, acquisition: Acquisition, recorder: Recorder, port: str, asked: SamplingOptions
     ) -> None:
         self.acquisition = acquisition
-        self.asked = asked
+        self.options = asked
         self.recorder = recorder
         self.port = port
         self.model: Model | None = None
@@ -67,7 +67,7 @@ class SamplingRun:
         self.samples = 0
         self.gap_cycles = 0
         self.seconds = 0.0
-        self.over: RecordingOver | None = None
+        self.recording_over: RecordingOver | None = None
         """What was played is at its end, and so are the events."""
         self._began: float | None = None
         self._ecu: Ecu | None = None
@@ -94,10 +94,10 @@ class SamplingRun:
 
         A recording that is played may end before: `over` tells. Raises as `Acquisition.run` does.
         """
-        asked = asked.bounded()
+        asked = asked.with_count()
         period = 1 / asked.rate if asked.rate else 0.0
         due = -inf
-        with closing(self._until_it_is_over()) as events:
+        with closing(self._acquire()) as events:
             for event in events:
                 self.recorder.take(event)
                 if isinstance(event, CycleFailed) and self._is_searching(event):
@@ -108,17 +108,17 @@ class SamplingRun:
                     due = event.time + 0.75 * period
                 self._follow(event)
                 yield event
-                if self._is_enough(asked) and not self.acquisition.has_more:
+                if self._is_complete(asked) and not self.acquisition.has_more:
                     return
 
-    def _until_it_is_over(self) -> Generator[Event, None, None]:
+    def _acquire(self) -> Generator[Event, None, None]:
         with closing(self.acquisition.run()) as events:
             try:
                 yield from events
             except RecordingOver as error:
                 if not self.samples:
                     raise
-                self.over = error
+                self.recording_over = error
 
     def _is_searching(self, gap: CycleFailed) -> bool:
         """Whether `gap` may only be the unit's refusal of a method, which is raised next."""
@@ -142,14 +142,14 @@ class SamplingRun:
         if self._began is not None:
             self.seconds = max(self.seconds, event.time - self._began)
 
-    def _is_enough(self, asked: SamplingOptions) -> bool:
+    def _is_complete(self, asked: SamplingOptions) -> bool:
         if asked.count is not None and self.samples + self.gap_cycles >= asked.count:
             return True
         return asked.duration is not None and self.seconds >= asked.duration
 
 
 @contextmanager
-def session(
+def sampling_session(
     context: CommandContext, asked: SamplingOptions, out: Path | None = None, *, joined: bool = True
 ) -> Iterator[SamplingRun]:
     """A session on this run's port, with everything on the wire recorded to `out`, if named."""

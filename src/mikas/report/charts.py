@@ -1,7 +1,7 @@
 """A chart as an SVG drawing: a channel's envelope, its reference as a band, the warm idle.
 
-Numbers are formatted, texts are escaped. No script and no `style` attribute: a
-page with a strict Content-Security-Policy shows it, and it prints as it looks.
+Texts are escaped. No script and no `style` attribute: a page with a strict
+Content-Security-Policy shows it.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def chart(
     pauses: Sequence[Span] = (),
     label: str = "",
 ) -> Markup:
-    """The drawing. `seconds`: how long the time line is; spans are in seconds since its begin."""
+    """Return the drawing. `seconds`: length of the time axis; spans are in seconds on it."""
     reference = getattr(channel, "reference", None)
     ends = _ends(curve, reference, 10.0**-channel.decimals)
     plot = _Frame(max(seconds, curve.width), *ends)
@@ -62,7 +62,7 @@ def chart(
 
 
 class _Frame:
-    """Seconds and values to places on the drawing."""
+    """Converts seconds and values to coordinates."""
 
     def __init__(self, seconds: float, low: float, high: float) -> None:
         self.seconds, self.low, self.high = seconds, low, high
@@ -92,7 +92,7 @@ class _Frame:
         return _svg("rect", cls=cls, x=_LEFT, y=top, width=_RIGHT - _LEFT, height=height)
 
     def course(self, curve: Envelope) -> Markup:
-        """A stroke from column to column, up and down within each; broken where nothing came."""
+        """Draw a line from column to column, up and down within each; broken without data."""
         pieces = []
         for run in _runs(np.isfinite(curve.most)):
             points = []
@@ -108,8 +108,8 @@ class _Frame:
 
 
 def _runs(there: NDArray[np.bool_]) -> Iterator[range]:
-    """Columns with values, without the empty ones between two that are near: a slow parameter comes
-    in every tenth cycle, and that is no hole.
+    """Yield runs of columns with values; near ones are joined, as a slow parameter is read in every
+    tenth cycle only.
     """
     places = np.flatnonzero(there)
     if not places.size:
@@ -120,7 +120,7 @@ def _runs(there: NDArray[np.bool_]) -> Iterator[range]:
 
 
 def _ends(curve: Envelope, reference: Span | None, step: float) -> Span:
-    """What the value axis has to show: everything that was, and the reference."""
+    """Return the ends of the value axis: all values and the reference are between them."""
     low, high = float(np.nanmin(curve.least)), float(np.nanmax(curve.most))
     if reference is not None:
         low, high = min(low, reference[0]), max(high, reference[1])
@@ -138,7 +138,7 @@ def _value_axis(plot: _Frame, channel: Channel, language: Language) -> Iterator[
 
 
 def _step(span: float, decimals: int) -> tuple[int, float]:
-    """A round distance between lines, and how many decimals it needs."""
+    """Return the number of decimals and a round distance between grid lines."""
     raw = max(span / _TICKS, 10.0**-decimals)
     power = floor(log10(raw))
     step = next(each for each in (1, 2, 5, 10) if each * 10**power >= raw * 0.999) * 10.0**power
@@ -158,8 +158,8 @@ def _time_axis(plot: _Frame) -> Iterator[Markup]:
 
 def _svg(tag: str, text: str = "", *, cls: str = "", **attributes: float | str) -> Markup:
     given = {"class": cls, **attributes} if cls else dict(attributes)
-    said = Markup("").join(
+    pairs = Markup("").join(
         Markup(' {}="{}"').format(name, f"{value:.1f}" if isinstance(value, float) else value)
         for name, value in given.items()
     )
-    return Markup("<{0}{1}>{2}</{0}>").format(Markup(tag), said, text)
+    return Markup("<{0}{1}>{2}</{0}>").format(Markup(tag), pairs, text)

@@ -15,7 +15,7 @@ from mikas.report.findings import Findings
 from mikas.report.formatting import clock, duration, number
 from mikas.report.labels import Labels
 from mikas.report.subject import Interruption
-from mikas.report.summary import of_idle
+from mikas.report.summary import idle_sentence
 from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS
 
 _METHODS: Final = {
@@ -30,21 +30,21 @@ _STROKE: Final = Text(
     "a response every engine cycle (7F–83)", "ответ на каждый рабочий цикл (7F–83)"
 )
 _MOST_PAUSES: Final = 3
-_BEHIND: Final = re.compile(
+_SENTENCE_END: Final = re.compile(
     r" \((?:sent|received|послано|принято|не принято) |\.(?:\s|$)"
 )  # a reason's first sentence: the bytes that were on the wire, or its end
 
 
 def rows(found: Findings, language: Language) -> Iterator[tuple[str, str]]:
     """Yield the known conditions."""
-    label, how, measured = Labels(language), found.subject.how, found.measured
+    label, how, measured = Labels(language), found.subject.conditions, found.measured
     yield label("length"), duration(measured.seconds).to(language)
     rate = measured.rows / measured.seconds if measured.seconds else 0.0
     yield (
         label("samples"),
         label("sample_rate", count=measured.rows, rate=number(rate, 1, language)),
     )
-    yield label("idle"), of_idle(found).to(language)
+    yield label("idle"), idle_sentence(found).to(language)
     if how.method:
         yield label("method"), _method(how.method).to(language)
     adapter = described(how.adapter).to(language)
@@ -53,7 +53,7 @@ def rows(found: Findings, language: Language) -> Iterator[tuple[str, str]]:
         yield label("adapter"), where
     if how.echo is not None:
         yield label("echo"), label("yes" if how.echo else "no")
-    yield label("gaps"), _gaps(how.pauses, measured.began or 0.0, label, language)
+    yield label("gaps"), _gaps(how.interruptions, measured.began or 0.0, label, language)
     if how.errors is not None:
         yield label("errors"), str(how.errors)
     yield label("catalog"), found.subject.catalog.version
@@ -80,16 +80,16 @@ def _method(name: str) -> Text:
 def _gaps(pauses: tuple[Interruption, ...], began: float, label: Labels, language: Language) -> str:
     if not pauses:
         return label("gaps_none")
-    told = []
+    texts = []
     for pause in pauses[:_MOST_PAUSES]:
         ended = "…" if pause.ended is None else clock(pause.ended - began)
         why = f" ({_plain(pause.reason.to(language))})" if pause.reason else ""
-        told.append(f"{clock(pause.began - began)}–{ended}{why}")
+        texts.append(f"{clock(pause.began - began)}–{ended}{why}")
     more = len(pauses) - _MOST_PAUSES
     rest = Text(f"{more} more", f"ещё {more}").to(language) if more > 0 else ""
-    return "; ".join(filter(None, (f"{len(pauses)}: {told[0]}", *told[1:], rest)))
+    return "; ".join(filter(None, (f"{len(pauses)}: {texts[0]}", *texts[1:], rest)))
 
 
 def _plain(reason: str) -> str:
     """Return the first sentence of a reason: without the bytes and without advice."""
-    return _BEHIND.split(reason, maxsplit=1)[0]
+    return _SENTENCE_END.split(reason, maxsplit=1)[0]

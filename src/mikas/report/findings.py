@@ -70,15 +70,15 @@ class Findings:
     measured: Measurements
     outcome: Outcome
     faults: tuple[FaultFinding, ...] | None
-    judged: tuple[ChannelFinding, ...]
-    others: tuple[ChannelFinding, ...]
+    rated: tuple[ChannelFinding, ...]
+    unrated: tuple[ChannelFinding, ...]
     at_idle: bool
-    gone: tuple[ClearedFaults, ...] = ()
+    cleared: tuple[ClearedFaults, ...] = ()
 
     @property
-    def off(self) -> tuple[ChannelFinding, ...]:
+    def abnormal(self) -> tuple[ChannelFinding, ...]:
         """The values outside their references."""
-        return tuple(value for value in self.judged if value.mark is not BandPosition.INSIDE)
+        return tuple(value for value in self.rated if value.mark is not BandPosition.INSIDE)
 
     @property
     def real_faults(self) -> tuple[FaultFinding, ...]:
@@ -90,7 +90,7 @@ def find(subject: ReportSubject, measured: Measurements) -> Findings:
     """Rate the measurements and return all findings."""
     at_idle = measured.idle.enough
     stats = measured.at_idle if at_idle else measured.whole
-    bearing = _bearing(subject.faults or ())
+    bearing = _faults_by_parameter(subject.faults or ())
     values = {
         channel.name: _value(channel, stats[channel.name], bearing, judge=at_idle)
         for channel in measured.channels
@@ -99,15 +99,15 @@ def find(subject: ReportSubject, measured: Measurements) -> Findings:
     judged = tuple(value for value in values.values() if value.mark is not BandPosition.NONE)
     faults = subject.faults
     stored = None if faults is None else tuple(_stored(fault, values) for fault in faults)
-    gone = tuple(each for each in map(_real, subject.gone) if each.faults)
+    gone = tuple(each for each in map(_without_messages, subject.cleared) if each.faults)
     return Findings(
         subject=subject,
         measured=measured,
         outcome=_outcome(faults, judged, is_open=any(is_open(subject, each) for each in gone)),
-        gone=gone,
+        cleared=gone,
         faults=stored,
-        judged=judged,
-        others=tuple(value for value in values.values() if value.mark is BandPosition.NONE),
+        rated=judged,
+        unrated=tuple(value for value in values.values() if value.mark is BandPosition.NONE),
         at_idle=at_idle,
     )
 
@@ -139,7 +139,7 @@ def _meaning(parameter: Parameter, mark: BandPosition) -> Text:
     return parameter.meaning.low if mark is BandPosition.LOW else parameter.meaning.high
 
 
-def _bearing(faults: tuple[Fault, ...]) -> dict[str, tuple[int, ...]]:
+def _faults_by_parameter(faults: tuple[Fault, ...]) -> dict[str, tuple[int, ...]]:
     """Return the stored faults that concern each parameter."""
     found: dict[str, tuple[int, ...]] = {}
     for fault in faults:
@@ -157,7 +157,7 @@ def is_open(subject: ReportSubject, gone: ClearedFaults) -> bool:
     return (subject.faults_read or gone.time) - gone.time < _LONG_ENOUGH
 
 
-def _real(gone: ClearedFaults) -> ClearedFaults:
+def _without_messages(gone: ClearedFaults) -> ClearedFaults:
     return replace(gone, faults=tuple(it for it in gone.faults if not it.informational))
 
 

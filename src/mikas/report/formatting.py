@@ -11,7 +11,7 @@ from mikas.recording.table.channels import PLAINLY_UNIX
 
 
 def number(value: float, decimals: int, language: Language) -> str:
-    """With the language's decimal sign and a real minus; `–` for none."""
+    """Return the number with the language's decimal sign and a real minus; `–` if not finite."""
     if not isfinite(value):
         return "–"
     digits = f"{value:.{decimals}f}"
@@ -22,14 +22,14 @@ def number(value: float, decimals: int, language: Language) -> str:
 
 
 def with_unit(value: float, channel: Parameter | Derived, language: Language) -> str:
-    """The number as the channel is shown, with its unit."""
+    """Return the number with the channel's decimals and unit."""
     digits = number(value, channel.decimals, language)
     unit = channel.unit_text.to(language)
     return f"{digits}\N{NO-BREAK SPACE}{unit}" if unit else digits
 
 
 def band(channel: Parameter | Derived, language: Language) -> str:
-    """`13 … 16`: the reference as it stands in the catalog; empty without one."""
+    """Return the catalog's reference, `13 … 16`; empty without one."""
     reference = None if isinstance(channel, Derived) else channel.reference
     if reference is None:
         return ""
@@ -43,9 +43,7 @@ def _short(value: float, language: Language) -> str:
 
 
 def within(text: Text) -> Text:
-    """The text as it stands inside a sentence: without its capital, unless that is a short name's
-    (CO).
-    """
+    """Return the text without its capital, for use inside a sentence; short names (CO) keep it."""
     return Text(*(_uncapital(each) for each in text))
 
 
@@ -54,27 +52,27 @@ def _uncapital(text: str) -> str:
 
 
 def percent(share: float) -> str:
-    """A share in whole percents; all and nothing only where it is all and nothing."""
+    """Return a share in whole percents; 0 % and 100 % only if exact."""
     whole = min(99, max(1, round(100 * share))) if 0 < share < 1 else round(100 * share)
     return f"{whole}\N{NO-BREAK SPACE}%"
 
 
 def clock(seconds: float) -> str:
-    """`7:05`, or `1:07:05`: a time since the start."""
+    """Return a time since the start: `7:05`, or `1:07:05`."""
     hours, rest = divmod(round(max(0.0, seconds)), 3600)
     minutes, left = divmod(rest, 60)
     return f"{hours}:{minutes:02}:{left:02}" if hours else f"{minutes}:{left:02}"
 
 
 def date_of(time: float | None) -> datetime | None:
-    """The calendar's word for a link's time; None where that clock was a simulated one."""
+    """Return the date of a time of the link's clock; None for a simulated clock."""
     if time is None or time < PLAINLY_UNIX:
         return None
     return datetime.fromtimestamp(time).astimezone()
 
 
 def moment(time: float, began: float | None) -> Text:
-    """`at 12:05`; of a simulated clock `at 0:45 of the measurement`."""
+    """Return `at 12:05`; for a simulated clock `at 0:45 of the measurement`."""
     date = date_of(time)
     if date is not None:
         return Text(f"at {date:%H:%M}", f"в {date:%H:%M}")
@@ -83,7 +81,7 @@ def moment(time: float, began: float | None) -> Text:
 
 
 def duration(seconds: float) -> Text:
-    """`45 s`, `7 min 5 s`, `2 h 10 min`."""
+    """Return `45 s`, `7 min 5 s`, `2 h 10 min`."""
     whole = round(max(0.0, seconds))
     if whole < 60:
         return Text(f"{whole} s", f"{whole} с")
@@ -96,7 +94,7 @@ def duration(seconds: float) -> Text:
     return Text(f"{hours} h{tail[0]}", f"{hours} ч{tail[1]}")
 
 
-SURE = {
+CONFIDENCE = {
     Confidence.CONFIRMED: Text(
         "the text is confirmed by two sources", "расшифровка подтверждена двумя источниками"
     ),
@@ -107,4 +105,4 @@ SURE = {
     ),
     Confidence.UNKNOWN: Text("unknown fault number", "неизвестный номер ошибки"),
 }
-"""How well a fault's text is known, in plain words."""
+"""The confidence in a fault's text."""

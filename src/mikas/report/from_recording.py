@@ -22,7 +22,7 @@ from mikas.recording.annotations.events import (
 )
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import CaptureReader, Problem, Source
-from mikas.recording.exchanges.reading import read_exchanges
+from mikas.recording.exchanges import read_exchanges
 from mikas.recording.exchanges.result import Exchanges
 from mikas.recording.table.channels import Rows
 from mikas.recording.table.derived import Deriver
@@ -41,7 +41,7 @@ from mikas.sampling.derived import DerivedChannels
 from mikas.sampling.events import FaultReading, Gap, MethodChosen, TextNote
 
 
-def of_recording(
+def find_in_recording(
     path: str | os.PathLike[str],
     catalog: Catalog,
     *,
@@ -60,7 +60,7 @@ def of_recording(
     last = max((source.recording for source in sessions), default=_last_noted(notes))
     mine = [note for note in notes if note.recording == last]
     source, measured = _fullest(sessions, last, catalog)
-    heard = [*recorded_faults(mine), *faults_heard(capture.path).get(source, ())]
+    heard = [*recorded_faults(mine), *fault_readings(capture.path).get(source, ())]
     recorded, events = unit_of(mine, catalog), events_of(mine, catalog)
     methods = [event.method for event in events if isinstance(event, MethodChosen)]
     words = [event.text for event in events if isinstance(event, TextNote)]
@@ -69,15 +69,15 @@ def of_recording(
         unit=_unit(recorded, catalog),
         faults=tuple(map(catalog.fault, heard[-1].codes)) if heard else None,
         faults_read=heard[-1].time if heard else None,
-        gone=cleared_faults(heard, catalog),
-        how=Conditions(
+        cleared=cleared_faults(heard, catalog),
+        conditions=Conditions(
             file=capture.path.name if name is None else name,
             date=date_of(measured.began),
             port=source.url,
             adapter=recorded.adapter if recorded else source.description,
             echo=recorded.echo if recorded else None,
             method=methods[-1] if methods else (recorded.method or "") if recorded else "",
-            pauses=tuple(
+            interruptions=tuple(
                 Interruption(event.began, event.ended, event.reason)
                 for event in events
                 if isinstance(event, Gap)
@@ -142,7 +142,7 @@ def _unit(recorded: RecordedUnit | None, catalog: Catalog) -> UnitIdentity | Non
     return UnitIdentity(catalog.model(code), passport[:3], passport[3:8])
 
 
-def faults_heard(path: Path) -> Mapping[Source, Sequence[FaultReading]]:
+def fault_readings(path: Path) -> Mapping[Source, Sequence[FaultReading]]:
     """Return the fault readings by session and port; one without readings is missing."""
     heard: dict[Source, list[FaultReading]] = {}
     listeners: dict[Source, _Listener] = {}

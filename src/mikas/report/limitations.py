@@ -15,7 +15,7 @@ def unknowns(found: Findings) -> tuple[Text, ...]:
     """Return one sentence each, the most important first."""
     return tuple(
         text
-        for group in (_of_the_unit, _of_the_judging, _of_the_data, _of_the_car)
+        for group in (_of_the_unit, _of_the_rating, _of_the_data, _of_the_car)
         for text in group(found)
     )
 
@@ -35,7 +35,7 @@ def _of_the_unit(found: Findings) -> Iterator[Text]:
             "Which faults are stored: they were not read in this session.",
             "Какие ошибки в памяти: в этом сеансе они не считывались.",
         )
-    elif not found.real_faults and not found.gone:
+    elif not found.real_faults and not found.cleared:
         yield Text(
             "Whether there were faults before: according to one source the unit keeps them for "
             "about two hours and loses them when the battery is disconnected.",
@@ -48,8 +48,8 @@ def _of_the_unit(found: Findings) -> Iterator[Text]:
         )
 
 
-def _of_the_judging(found: Findings) -> Iterator[Text]:
-    judged = [value.channel for value in found.judged if isinstance(value.channel, Parameter)]
+def _of_the_rating(found: Findings) -> Iterator[Text]:
+    judged = [value.channel for value in found.rated if isinstance(value.channel, Parameter)]
     if any(each.reference_confidence is Confidence.UNCONFIRMED for each in judged):
         yield Text(
             "How exact the normal ranges are: they are commonly printed ones for a good ZMZ-406 at "
@@ -59,7 +59,7 @@ def _of_the_judging(found: Findings) -> Iterator[Text]:
             "прогретом холостом ходу, первоисточник неизвестен. Значение вне нормы — повод "
             "проверить, а не доказательство.",
         )
-    if found.off or found.real_faults:
+    if found.abnormal or found.real_faults:
         yield Text(
             "The cause: the checks are general knowledge of such engines, the easiest first.",
             "Причина: рекомендации по проверке — общие для таких двигателей, начиная с самых "
@@ -67,7 +67,7 @@ def _of_the_judging(found: Findings) -> Iterator[Text]:
         )
     doubtful = [
         value
-        for value in (*found.judged, *found.others)
+        for value in (*found.rated, *found.unrated)
         if found.at_idle and value.faults and value.channel.name in COOLANT.names
     ]
     if doubtful:
@@ -81,7 +81,7 @@ def _of_the_judging(found: Findings) -> Iterator[Text]:
 
 
 def _of_the_data(found: Findings) -> Iterator[Text]:
-    measured, how, catalog = found.measured, found.subject.how, found.subject.catalog
+    measured, how, catalog = found.measured, found.subject.conditions, found.subject.catalog
     there = {channel.name for channel in measured.channels}
     if there:
         absent = [p for p in catalog.parameters if p.reference and p.name not in there]

@@ -24,7 +24,7 @@ _FINER = 2  # decimals beyond those shown, for computed channels
 
 @dataclass(frozen=True, slots=True)
 class Measurements:
-    """The measurements. By channel name: `whole` over all the time, `at_idle` at warm idle.
+    """By channel name: `whole` over all the time, `at_idle` at warm idle.
 
     `began`, `ended` None: there were no rows.
     """
@@ -86,16 +86,16 @@ class MeasurementCollector:
     def measured(self) -> Measurements:
         """The measurements so far, without channels that had no value."""
         whole = self._stats(self._whole)
-        there = {name for name, curve in self._curves.items() if np.isfinite(curve.most).any()}
+        present = {name for name, curve in self._curves.items() if np.isfinite(curve.most).any()}
         return Measurements(
-            channels=tuple(each for each in self._channels if each.name in there),
+            channels=tuple(each for each in self._channels if each.name in present),
             began=self._began,
             ended=self._ended,
             rows=self._rows,
             idle=self._finder.found,
             whole=whole,
             at_idle=self._stats(self._at_idle),
-            curves={name: curve for name, curve in self._curves.items() if name in there},
+            curves={name: curve for name, curve in self._curves.items() if name in present},
         )
 
     def _stats(self, spreads: Mapping[str, ValueCounts]) -> dict[str, ChannelStatistics]:

@@ -23,11 +23,11 @@ from mikas.i18n import Language, Text
 from mikas.report.charts import chart
 from mikas.report.conditions import rows as how_rows
 from mikas.report.findings import BandPosition, ChannelFinding, FaultFinding, Findings
-from mikas.report.formatting import SURE, band, date_of, moment, number, percent, with_unit
+from mikas.report.formatting import CONFIDENCE, band, date_of, moment, number, percent, with_unit
 from mikas.report.labels import Labels
 from mikas.report.limitations import unknowns
 from mikas.report.subject import ClearedFaults
-from mikas.report.summary import HEADLINES, MARKS, sentence
+from mikas.report.summary import HEADLINES, MARKS, summary_sentence
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -59,9 +59,9 @@ class _Page:
 
     def context(self) -> dict[str, Any]:
         found, language, label = self._found, self._language, self._label
-        date = found.subject.how.date
+        date = found.subject.conditions.date
         model = found.subject.unit.model.text.to(language) if found.subject.unit else ""
-        file = found.subject.how.file
+        file = found.subject.conditions.file
         about = f"{label('of_recording')} {file}" if file else label("live")
         return {
             "language": language,
@@ -73,13 +73,13 @@ class _Page:
             "about": " · ".join((*found.subject.notes[:3], about)),
             "found": found,
             "headline": HEADLINES[found.outcome].to(language),
-            "verdict": sentence(found).to(language),
+            "verdict": summary_sentence(found).to(language),
             "unit": list(self._unit()),
             "faults": [self._fault(each) for each in found.faults or ()],
             "faults_read": self._faults_read(),
-            "gone": [self._gone(each) for each in found.subject.gone],
-            "values": [self._judged(value) for value in found.judged],
-            "others": [self._other(value) for value in found.others],
+            "gone": [self._gone(each) for each in found.subject.cleared],
+            "values": [self._judged(value) for value in found.rated],
+            "others": [self._other(value) for value in found.unrated],
             "others_title": label("others_idle" if found.at_idle else "others_whole"),
             "charts": list(self._charts()),
             "how": list(how_rows(found, language)),
@@ -94,23 +94,23 @@ class _Page:
             return
         yield label("model"), unit.model.text.to(self._language)
         for name, pieces in (("program", unit.program), ("data", unit.data)):
-            told = " · ".join(piece.strip() for piece in pieces if piece and piece.strip())
-            yield label(name), told or label("not_told")
+            passport = " · ".join(piece.strip() for piece in pieces if piece and piece.strip())
+            yield label(name), passport or label("not_told")
 
     def _faults_read(self) -> str:
         found = self._found
         time = found.subject.faults_read
-        if time is None or date_of(time) is None:  # a simulated clock's would say nothing
+        if time is None or date_of(time) is None:  # a simulated clock has no date
             return ""
         return self._label("faults_read", when=self._moment(time))
 
     def _gone(self, gone: ClearedFaults) -> dict[str, Any]:
         title = self._label("erased" if gone.erased else "gone", when=self._moment(gone.time))
-        told = [
+        texts = [
             f"{it.code}: {it.text.to(self._language) if it.known else self._label('no_text')}"
             for it in gone.faults
         ]
-        return {"title": title, "faults": told}
+        return {"title": title, "faults": texts}
 
     def _moment(self, time: float) -> str:
         return moment(time, self._found.measured.began).to(self._language)
@@ -121,7 +121,7 @@ class _Page:
             f"{each.channel.text.to(language)} {self._number(each)}" for each in stored.values
         )
         message = self._label("message") if fault.informational else ""
-        sure = SURE[fault.confidence].to(language)
+        sure = CONFIDENCE[fault.confidence].to(language)
         return {
             "code": fault.code,
             "text": fault.text.to(language) if fault.known else self._label("no_text"),
@@ -150,11 +150,11 @@ class _Page:
 
     def _other(self, value: ChannelFinding) -> dict[str, str]:
         channel, stats, language = value.channel, value.stats, self._language
-        said = self._number(value)
+        text = self._number(value)
         if not channel.is_flag and stats.low != stats.high:
             low, high = (number(e, channel.decimals, language) for e in (stats.low, stats.high))
-            said += f" ({low} … {high})"
-        return {"text": channel.text.to(language), "name": channel.name, "said": said}
+            text += f" ({low} … {high})"
+        return {"text": channel.text.to(language), "name": channel.name, "number": text}
 
     def _number(self, value: ChannelFinding) -> str:
         if value.channel.is_flag:
@@ -164,7 +164,7 @@ class _Page:
     def _charts(self) -> Iterator[dict[str, str]]:
         measured, language = self._found.measured, self._language
         began = measured.began or 0.0
-        for channel in _drawn(self._found):
+        for channel in _chart_channels(self._found):
             title = f"{channel.text.to(language)}, {channel.unit_text.to(language)}"
             yield {
                 "title": title.rstrip(", "),
@@ -176,21 +176,21 @@ class _Page:
                     idle=[(a - began, b - began) for a, b in measured.idle.stretches],
                     pauses=[
                         (pause.began - began, (pause.ended or measured.ended or began) - began)
-                        for pause in self._found.subject.how.pauses
+                        for pause in self._found.subject.conditions.interruptions
                     ],
                     label=title.rstrip(", "),
                 ),
             }
 
 
-def _drawn(found: Findings) -> list[Any]:
+def _chart_channels(found: Findings) -> list[Any]:
     """Return the channels to draw: abnormal ones first, then `_FIRST`, then others; one speed."""
-    there = {each.name: each for each in found.measured.channels if not each.is_flag}
-    order = [value.channel.name for value in found.off]
-    order += [*_FIRST, *there]
-    chosen = [name for name in dict.fromkeys(order) if name in there]
+    channels = {each.name: each for each in found.measured.channels if not each.is_flag}
+    order = [value.channel.name for value in found.abnormal]
+    order += [*_FIRST, *channels]
+    chosen = [name for name in dict.fromkeys(order) if name in channels]
     speeds = [name for name in chosen if name in ("FREQ", "FREQX")]
-    return [there[name] for name in chosen if name not in speeds[1:]][:CHARTS]
+    return [channels[name] for name in chosen if name not in speeds[1:]][:CHARTS]
 
 
 @cache

@@ -1,7 +1,7 @@
 """Statistics of one channel, exact for any number of values, and its envelope over time.
 
-Values come from one or two bytes, so few of them differ: each is kept once with its count. Ten
-hours need no more memory than ten minutes.
+Values of one or two bytes repeat, so each is stored once with its count: ten hours need no more
+memory than ten minutes.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 COLUMNS: Final = 256
 _FIRST_WIDTH: Final = 0.02  # s; less than two responses are apart
-_INSIDE: Final = 1e-9  # what rounding may add to a value that lies on the edge of its band
+_INSIDE: Final = 1e-9  # rounding error allowed at the edges of a band
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +47,11 @@ class ValueCounts:
 
     def add(self, column: Column) -> None:
         """Add values; NaN means missing."""
-        came, counts = np.unique(
+        values, counts = np.unique(
             np.round(column[np.isfinite(column)], self._places), return_counts=True
         )
-        if came.size:
-            both = np.concatenate((self._values, came))
+        if values.size:
+            both = np.concatenate((self._values, values))
             self._values, place = np.unique(both, return_inverse=True)
             weights = np.concatenate((self._counts, counts))
             self._counts = np.bincount(place, weights).astype(np.int64)
@@ -79,12 +79,12 @@ class ValueCounts:
         return float(self._values[np.searchsorted(upto, rank)])
 
     def _inside(self, low: float, high: float) -> int:
-        there = (self._values >= low - _INSIDE) & (self._values <= high + _INSIDE)
-        return int(self._counts[there].sum())
+        inside = (self._values >= low - _INSIDE) & (self._values <= high + _INSIDE)
+        return int(self._counts[inside].sum())
 
 
 def is_inside(value: float, band: tuple[float, float]) -> bool:
-    """Whether the value is in the band, edges included."""
+    """Return whether the value is in the band, edges included."""
     return band[0] - _INSIDE <= value <= band[1] + _INSIDE
 
 
@@ -102,14 +102,14 @@ class Envelope:
 
     def add(self, times: Column, values: Column) -> None:
         """Add values; NaN and times before `began` are ignored."""
-        there = np.isfinite(values) & (times >= self.began)
-        times, values = times[there], values[there]
+        valid = np.isfinite(values) & (times >= self.began)
+        times, values = times[valid], values[valid]
         if not times.size:
             return
         while times.max() - self.began >= COLUMNS * self.width:
             self._halve()
         place = ((times - self.began) / self.width).astype(np.intp)
-        place = np.minimum(place, COLUMNS - 1)  # what rounding may add
+        place = np.minimum(place, COLUMNS - 1)  # rounding
         np.fmin.at(self.least, place, values)
         np.fmax.at(self.most, place, values)
 

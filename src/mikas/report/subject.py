@@ -47,7 +47,7 @@ class Conditions:
     adapter: str = ""
     echo: bool | None = None
     method: str = ""
-    pauses: tuple[Interruption, ...] = ()
+    interruptions: tuple[Interruption, ...] = ()
     errors: int | None = None
     sessions: int = 1
     damaged: int = 0
@@ -74,10 +74,10 @@ class ReportSubject:
     catalog: Catalog
     unit: UnitIdentity | None = None
     faults: tuple[Fault, ...] | None = None
-    how: Conditions = field(default_factory=Conditions)
+    conditions: Conditions = field(default_factory=Conditions)
     notes: tuple[str, ...] = ()
     faults_read: float | None = None
-    gone: tuple[ClearedFaults, ...] = ()
+    cleared: tuple[ClearedFaults, ...] = ()
 
 
 def cleared_faults(heard: Sequence[FaultReading], catalog: Catalog) -> tuple[ClearedFaults, ...]:

@@ -25,7 +25,7 @@ MARKS = {
 }
 
 
-def sentence(found: Findings) -> Text:
+def summary_sentence(found: Findings) -> Text:
     """Return the summary: faults first, then values."""
     faults, values = _of_faults(found), _of_values(found)
     return Text(f"{faults.en}; {values.en}.", f"{faults.ru}; {values.ru}.")
@@ -37,19 +37,19 @@ def _of_faults(found: Findings) -> Text:
     stored = found.real_faults
     if not stored:
         none = Text("No faults are stored", "Ошибок в памяти блока нет")
-        were = [_were(found, gone) for gone in found.gone]
+        were = [_cleared_sentence(found, gone) for gone in found.cleared]
         if were:
             none = Text(none.en + " now", "Сейчас ошибок" + none.ru.removeprefix("Ошибок"))
         return Text(
             "; ".join((none.en, *(text.en for text in were))),
             "; ".join((none.ru, *(text.ru for text in were))),
         )
-    told = counted(len(stored), ("fault is", "faults are"), ("ошибка", "ошибки", "ошибок"))
+    number = counted(len(stored), ("fault is", "faults are"), ("ошибка", "ошибки", "ошибок"))
     codes = ", ".join(str(each.fault.code) for each in stored)
-    return Text(f"{told.en} stored: {codes}", f"В памяти блока {told.ru}: {codes}")
+    return Text(f"{number.en} stored: {codes}", f"В памяти блока {number.ru}: {codes}")
 
 
-def _were(found: Findings, gone: ClearedFaults) -> Text:
+def _cleared_sentence(found: Findings, gone: ClearedFaults) -> Text:
     """`faults 13, 53 were erased at 12:05, and whether they come back is not known yet`."""
     when = moment(gone.time, found.measured.began)
     codes = ", ".join(str(fault.code) for fault in gone.faults)
@@ -82,12 +82,12 @@ def _of_values(found: Findings) -> Text:
             "there was no warm idle, so no value is rated",
             "прогретого холостого хода в данных нет, поэтому значения без оценки",
         )
-    if not found.judged:
+    if not found.rated:
         return Text(
             "none of the values has a reference to judge it by",
             "ни для одного из значений нет нормы, чтобы его оценить",
         )
-    off, count = found.off, len(found.judged)
+    off, count = found.abnormal, len(found.rated)
     if not off:
         if count == 1:
             return Text(
@@ -110,7 +110,7 @@ def _of_values(found: Findings) -> Text:
     )
 
 
-def of_idle(found: Findings) -> Text:
+def idle_sentence(found: Findings) -> Text:
     """Return the rules for warm idle, and how much of it was found."""
     idle, catalog = found.measured.idle, found.subject.catalog
     rules = Text(
@@ -122,11 +122,16 @@ def of_idle(found: Findings) -> Text:
         f"Прогретым холостым ходом считается: {rules.ru}; значения учитываются через "
         f"{SETTLING:g} с после этого.",
     )
-    parts = [definition, *_instead(idle), _how_much(found, catalog), *_missing(found, catalog)]
+    parts = [
+        definition,
+        *_substitute_rules(idle),
+        _idle_found(found, catalog),
+        *_missing(found, catalog),
+    ]
     return Text(" ".join(part.en for part in parts), " ".join(part.ru for part in parts))
 
 
-def _instead(idle: WarmIdle) -> Iterator[Text]:
+def _substitute_rules(idle: WarmIdle) -> Iterator[Text]:
     for seen in idle.rules:
         if seen.instead is not None:
             yield Text(
@@ -149,7 +154,7 @@ def _missing(found: Findings, catalog: Catalog) -> Iterator[Text]:
             )
 
 
-def _how_much(found: Findings, catalog: Catalog) -> Text:
+def _idle_found(found: Findings, catalog: Catalog) -> Text:
     idle = found.measured.idle
     lasted = duration(idle.seconds)
     if idle.enough:
@@ -162,7 +167,7 @@ def _how_much(found: Findings, catalog: Catalog) -> Text:
             f"Can't be determined, as this was not recorded: {en}.",
             f"Определить нельзя, не записано: {ru}.",
         )
-    seen = [_seen(each, catalog) for each in idle.rules if not each.held]
+    seen = [_range_sentence(each, catalog) for each in idle.rules if not each.held]
     if seen:
         return Text(
             f"Not found: {', '.join(s.en for s in seen)}.",
@@ -174,7 +179,7 @@ def _how_much(found: Findings, catalog: Catalog) -> Text:
     )
 
 
-def _seen(seen: RuleResult, catalog: Catalog) -> Text:
+def _range_sentence(seen: RuleResult, catalog: Catalog) -> Text:
     """`coolant temperature was 20 to 45 °C`."""
     if seen.name is None or not isfinite(seen.least):
         return Text(f"no values ({seen.rule.text.en})", f"нет значений ({seen.rule.text.ru})")

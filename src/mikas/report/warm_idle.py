@@ -1,7 +1,7 @@
 """Finds when the engine was at warm idle, by rules that the report prints.
 
-The bounds are wider than the references on purpose: they have to tell a warm idle from everything
-else, not a good one from a bad one. An idle at 1150 rpm is found, and then judged too high.
+The bounds are wider than the references: they distinguish warm idle from other states, not a good
+one from a bad one. An idle at 1150 rpm is found, and then rated as high.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     Mask = NDArray[np.bool_]
 
 SETTLING: Final = 3.0  # s from when all rules hold until values count
-PAUSE: Final = 3.0  # s without a response: what was before is another stretch
-ENOUGH: Final = 10.0  # s of warm idle in all; with less nothing is judged
+PAUSE: Final = 3.0  # s without a response that end a stretch
+ENOUGH: Final = 10.0  # s of warm idle in all; with less no value is rated
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,16 +93,16 @@ class WarmIdle:
     @property
     def unknown(self) -> tuple[IdleRule, ...]:
         """The rules whose channels were not recorded."""
-        return tuple(seen.rule for seen in self.rules if seen.name is None)
+        return tuple(result.rule for result in self.rules if result.name is None)
 
 
 class WarmIdleFinder:
-    """Looks for warm idle in rows that come stretch after stretch; `recorded`: their channels."""
+    """Finds warm idle in consecutive blocks of rows; `recorded`: their channels."""
 
     def __init__(self, recorded: Iterable[str]) -> None:
         names = set(recorded)
         self._watches = [
-            _Either(_by_channel(names, *rules))
+            _RuleWatch(_by_channel(names, *rules))
             for rules in ((COOLANT,), (SPEED,), (THROTTLE, IDLE_FLAG))
         ]
         self._last = -inf  # the last row's time
@@ -113,10 +113,10 @@ class WarmIdleFinder:
     def found(self) -> WarmIdle:
         """The result so far. A single moment is no stretch."""
         stretches = tuple(each for each in self._stretches if each[1] > each[0])
-        return WarmIdle(stretches, tuple(watch.seen for watch in self._watches))
+        return WarmIdle(stretches, tuple(watch.result for watch in self._watches))
 
     def find(self, rows: SampleRows) -> Mask:
-        """Which of these rows are at warm idle, and settled."""
+        """Return which of these rows are at warm idle, and settled."""
         times = rows.times
         if not times.size:
             return np.zeros(0, np.bool_)
@@ -133,7 +133,7 @@ class WarmIdleFinder:
         return settled
 
     def _holding_since(self, times: Column, holds: Mask, joined: Mask) -> Column:
-        """For each row where all holds, since when; the first of it may lie in an earlier call."""
+        """Return since when all rules hold, for each row; that may lie in an earlier block."""
         before = np.concatenate(([self._since is not None], holds[:-1]))
         begins = holds & ~(before & joined)
         at = np.maximum.accumulate(np.where(begins, np.arange(times.size), -1))
@@ -165,52 +165,54 @@ class WarmIdleFinder:
         return bool(self._stretches) and self._stretches[-1][1] == self._last
 
 
-def _by_channel(recorded: set[str], *rules: IdleRule) -> list[_Watch]:
+def _by_channel(recorded: set[str], *rules: IdleRule) -> list[_ChannelWatch]:
     """Return a watch for each recorded channel, the best first; without one, an empty watch."""
-    watches = [_Watch(rule, name) for rule in rules for name in rule.names if name in recorded]
-    return watches or [_Watch(rules[0], None)]
+    watches = [
+        _ChannelWatch(rule, name) for rule in rules for name in rule.names if name in recorded
+    ]
+    return watches or [_ChannelWatch(rules[0], None)]
 
 
-class _Either:
+class _RuleWatch:
     """One rule, by the best channel that was read at the time: the plan may change."""
 
-    def __init__(self, watches: Sequence[_Watch]) -> None:
+    def __init__(self, watches: Sequence[_ChannelWatch]) -> None:
         self._watches = watches
         self._held = False
         self._missing = 0.0
         self._instead: IdleRule | None = None
 
     @property
-    def seen(self) -> RuleResult:
-        first = self._watches[0].seen
+    def result(self) -> RuleResult:
+        first = self._watches[0].result
         return replace(first, held=self._held, missing=self._missing, instead=self._instead)
 
     def holds(self, rows: SampleRows, passed: Column) -> Mask:
-        """Where it does; `passed`: seconds since the row before."""
+        """Return where the rule holds; `passed`: seconds since the previous row."""
         fits = np.zeros(rows.times.size, np.bool_)
-        told = fits.copy()
+        valid = fits.copy()
         for watch in self._watches:
             fresh, fit = watch.look(rows)
-            if watch.rule is not self._watches[0].rule and (fresh & ~told).any():
+            if watch.rule is not self._watches[0].rule and (fresh & ~valid).any():
                 self._instead = watch.rule
-            fits |= fit & ~told
-            told |= fresh
+            fits |= fit & ~valid
+            valid |= fresh
         self._held = self._held or bool(fits.any())
-        self._missing += float(passed[~told].sum())
+        self._missing += float(passed[~valid].sum())
         return fits
 
 
-class _Watch:
+class _ChannelWatch:
     """One channel over the rows: where it is valid, where it fits the rule, and its range."""
 
     def __init__(self, rule: IdleRule, name: str | None) -> None:
         self.rule = rule
         self._name = name
         self._least, self._most = inf, -inf
-        self._last = (-inf, nan)  # when, and what
+        self._last = (-inf, nan)  # time and value
 
     @property
-    def seen(self) -> RuleResult:
+    def result(self) -> RuleResult:
         if not isfinite(self._least):
             return RuleResult(self.rule, self._name)
         return RuleResult(self.rule, self._name, self._least, self._most)
@@ -220,10 +222,10 @@ class _Watch:
         column = rows.values.get(self._name) if self._name else None
         if column is None:
             return np.zeros(rows.times.size, np.bool_), np.zeros(rows.times.size, np.bool_)
-        came = column[np.isfinite(column)]
-        if came.size:
-            self._least = min(self._least, float(came.min()))
-            self._most = max(self._most, float(came.max()))
+        finite = column[np.isfinite(column)]
+        if finite.size:
+            self._least = min(self._least, float(finite.min()))
+            self._most = max(self._most, float(finite.max()))
         times = np.concatenate(([self._last[0]], rows.times))
         values = np.concatenate(([self._last[1]], column))
         latest = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(values.size), 0))

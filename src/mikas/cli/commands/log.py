@@ -16,7 +16,7 @@ from mikas.cli.markers import Marking
 from mikas.cli.parameter_types import File, Portion, PortionType
 from mikas.cli.render.notices import Notices
 from mikas.cli.render.values import JsonLines
-from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
+from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
 from mikas.client import Ecu
 from mikas.errors import MikasError
 from mikas.i18n import Text
@@ -70,7 +70,7 @@ def log(
             "Команда log и так записывает, в файл после -o; уберите --capture",
         )
     _check_name(out)
-    with session(context, asked, out) as current:
+    with sampling_session(context, asked, out) as current:
         try:
             return _record(context, current, asked, rotate)
         except MikasError:

@@ -16,7 +16,7 @@ from mikas.cli.parameter_types import Number, OneOf, Whole
 from mikas.cli.render.live_table import LiveTable
 from mikas.cli.render.notices import Notices
 from mikas.cli.render.values import JsonLines, PlainLines
-from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
+from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
 from mikas.client import METHODS
 from mikas.i18n import Text
 from mikas.sampling.plan import Plan, PlannedParameter, select
@@ -104,14 +104,14 @@ def watch(context: CommandContext, asked: SamplingOptions, *, price: bool) -> No
     if price:
         _show_line_load(context, asked)
         return
-    with session(context, asked, context.capture, joined=False) as current:
+    with sampling_session(context, asked, context.capture, joined=False) as current:
         show(context, current, asked)
 
 
 def show(context: CommandContext, current: SamplingRun, asked: SamplingOptions) -> None:
     """Show the events as JSON lines, as a live table on a terminal, else as plain lines."""
     with display_for(context, current) as display:
-        notices = Notices(current, display.tell, verbose=context.output.verbose)
+        notices = Notices(current, display.note, verbose=context.output.verbose)
         for event in current.events(asked):
             notices.take(event)  # first: the notice that values are back comes before them
             display.take(event)

@@ -16,7 +16,7 @@ from mikas.catalog import Level
 from mikas.cli.language import current_language, decimal, localized, tr
 from mikas.cli.render import table_layout
 from mikas.cli.render.output import Output, stdout_console
-from mikas.cli.render.values import fresh_in, reference, shown_unit, shown_value
+from mikas.cli.render.values import fresh_values, reference, unit_text, value_text
 from mikas.i18n import Text
 from mikas.link import WallClock
 from mikas.sampling.alarms import Side
@@ -74,14 +74,14 @@ class LiveTable:
         self._output = output
         self._console = console or stdout_console()
         names = [channel.name for channel in session.channels]
-        self._past: dict[str, deque[float]] = {name: deque(maxlen=_MEMORY) for name in names}
+        self._history: dict[str, deque[float]] = {name: deque(maxlen=_MEMORY) for name in names}
         self._latest: dict[str, Reading | DerivedValue] = {}
         self._lowest: dict[str, Reading | DerivedValue] = {}
         self._highest: dict[str, Reading | DerivedValue] = {}
         self._times: deque[float] = deque(maxlen=100)
         self._clock = clock or WallClock().now
         self._arrivals = Arrivals()
-        self._now: Sampled | CycleFailed | None = None
+        self._cycle: Sampled | CycleFailed | None = None
         self._broken: StateChanged | None = None
         self._alarms: dict[str, AlarmChanged] = {}
         self._notices: list[str] = []
@@ -100,7 +100,7 @@ class LiveTable:
                 case Sampled():
                     self._sampled(event)
                 case CycleFailed():
-                    self._now = event
+                    self._cycle = event
                     self._arrivals.interrupt()
                 case StateChanged():
                     self._broken = event if event.is_broken else None
@@ -110,20 +110,20 @@ class LiveTable:
                     if event.level != Level.NONE:
                         self._alarms[event.name] = event
 
-    def tell(self, sentence: str) -> None:
+    def note(self, sentence: str) -> None:
         """Show a notice until the next one; all of them are printed again at the end."""
         with self._changing:
             self._notices.append(sentence)
 
     def _sampled(self, event: Sampled) -> None:
-        self._now, self._broken = event, None
+        self._cycle, self._broken = event, None
         self._times.append(event.time)
         self._arrivals.add(self._clock())
-        for name, reading in fresh_in(event).items():
-            if name not in self._past:  # an input of something derived
+        for name, reading in fresh_values(event).items():
+            if name not in self._history:  # an input of something derived
                 continue
             self._latest[name] = reading
-            self._past[name].append(float(reading.value))
+            self._history[name].append(float(reading.value))
             lowest = self._lowest.setdefault(name, reading)
             highest = self._highest.setdefault(name, reading)
             self._lowest[name] = min(lowest, reading, key=lambda r: r.value)
@@ -138,12 +138,12 @@ class LiveTable:
             silence = Silence() if ended else self._arrivals.silence(self._clock())
             rows = [self._row(channel, silence) for channel in self._session.channels]
             state = self._state(silence)
-            well = isinstance(self._now, Sampled) and not self._broken and not silence.seconds
+            well = isinstance(self._cycle, Sampled) and not self._broken and not silence.seconds
             alarms = self._in_alarm()
             notice = self._notices[-1] if self._notices else ""
         width, height = self._console.size
         head = table_layout.Head(
-            state, "green" if well or self._now is None else "red", alarms, notice
+            state, "green" if well or self._cycle is None else "red", alarms, notice
         )
         return table_layout.draw(head, rows, width, lines or height)
 
@@ -156,30 +156,30 @@ class LiveTable:
             name=name,
             value=value,
             style=style,
-            unit=shown_unit(lowest) if lowest else channel.unit_text.to(current_language()),
+            unit=unit_text(lowest) if lowest else channel.unit_text.to(current_language()),
             reference=reference(channel),
-            lowest=shown_value(ranged) if ranged else "",
-            highest=shown_value(self._highest[name]) if ranged else "",
+            lowest=value_text(ranged) if ranged else "",
+            highest=value_text(self._highest[name]) if ranged else "",
             meaning=localized(channel.text),
-            curve=sparkline(self._past[name]),
+            curve=sparkline(self._history[name]),
         )
 
     def _value(self, channel: Parameter | Derived, silence: Silence) -> tuple[str, str]:
         """Return the text of the value and its style."""
         latest = self._latest.get(channel.name)
         dead = self._broken is not None or silence.gone
-        if latest is None or dead or not isinstance(self._now, Sampled):
+        if latest is None or dead or not isinstance(self._cycle, Sampled):
             return "–", ""
         alarm = self._alarms.get(channel.name)
         style = _STYLES[alarm.level] if alarm else ""
-        fresh = channel.name in fresh_in(self._now)
+        fresh = channel.name in fresh_values(self._cycle)
         if fresh and not silence.seconds:
-            return shown_value(latest), style
-        age = silence.seconds + (0.0 if fresh else max(0.0, self._now.time - latest.time))
+            return value_text(latest), style
+        age = silence.seconds + (0.0 if fresh else max(0.0, self._cycle.time - latest.time))
         if age < _OLD:
-            return shown_value(latest), "dim"
+            return value_text(latest), "dim"
         return tr(
-            f"{shown_value(latest)} ({age:.0f} s)", f"{shown_value(latest)} ({age:.0f} с)"
+            f"{value_text(latest)} ({age:.0f} s)", f"{value_text(latest)} ({age:.0f} с)"
         ), "dim"
 
     def _in_alarm(self) -> str:
@@ -197,10 +197,10 @@ class LiveTable:
         if self._broken is not None:
             waits = tr("waiting, sampling resumes by itself", "ждём, опрос продолжится сам")
             return f"○ {localized(self._broken.text)} · {waits} · {model}"
-        if self._now is None:
+        if self._cycle is None:
             return f"… {tr('waiting for the first response', 'ждём первого ответа')} · {model}"
-        if isinstance(self._now, CycleFailed):
-            return f"○ {localized(self._now.error.reason)} · {model} · {failed}"
+        if isinstance(self._cycle, CycleFailed):
+            return f"○ {localized(self._cycle.error.reason)} · {model} · {failed}"
         if silence.seconds:
             for_so_long = f"{silence.seconds:.0f}"
             nothing = tr(f"no data for {for_so_long} s", f"нет данных {for_so_long} с")
@@ -227,7 +227,7 @@ class LiveTable:
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         self._live.stop()
-        if self._now:  # at its own end the line has been brought to quiet, which takes a moment
+        if self._cycle:  # at its own end the line has been brought to quiet, which takes a moment
             self._console.print(self.drawing(table_layout.UNLIMITED, ended=kind is None))
         for sentence in self._notices:
             self._output.note(sentence)

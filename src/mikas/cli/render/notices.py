@@ -45,11 +45,11 @@ class Notices:
 
     def __init__(self, session: SamplingRun, tell: Tell, *, verbose: bool = False) -> None:
         self._session = session
-        self._tell = tell
+        self._show = tell
         self._verbose = verbose
         self._gaps = GapTracker()
         self._well_since = -inf  # when the line was last found well
-        self._waiting: str | None = None  # the state that was said; SAMPLING: no values on it
+        self._shown_state: str | None = None  # the state that was said; SAMPLING: no values on it
         self._plan: Plan | None = None
         self._method: str | None = None  # the chosen one
         self._failure: MikasError | None = None
@@ -58,28 +58,28 @@ class Notices:
     def take(self, event: Event) -> None:
         """Say what there is to say of `event`."""
         for sentence in self._of(event):
-            self._tell(sentence)
+            self._show(sentence)
         failure = self._session.recorder.failure
         if failure is not None and failure is not self._failure:
             self._failure = failure
-            self._tell(stopped(failure))
+            self._show(stopped_sentence(failure))
 
     def end(self) -> None:
         """Say why the session has ended, if it ended by itself."""
-        if self._session.over is not None:
-            self._tell(f"{localized(self._session.over.reason)}.")
+        if self._session.recording_over is not None:
+            self._show(f"{localized(self._session.recording_over.reason)}.")
 
     def _of(self, event: Event) -> Iterator[str]:
         gaps = self._gaps.take(event)
         match event:
             case Sampled():
-                yield from self._came_back(gaps)
+                yield from self._returned(gaps)
             case CycleFailed():
                 yield from self._failed(event)
             case StateChanged():
                 yield from self._state(event)
             case UnitFound(another=True):
-                self._waiting = None  # what was there before is not back
+                self._shown_state = None  # what was there before is not back
                 yield tr(
                     f"Another unit answers: {self._model()}. The values are now its own.",
                     f"Отвечает другой блок: {self._model()}. Дальше показаны его значения.",
@@ -92,25 +92,28 @@ class Notices:
             case AlarmChanged():
                 yield f"{'✓' if event.better else '▲'} {capital(localized(event.text))}."
             case MethodChosen() if self._verbose:
-                yield from self._chose(event)
+                yield from self._method_chosen(event)
             case PlanChanged() if self._verbose:
                 yield from self._planned(event.plan)
 
-    def _came_back(self, gaps: Iterable[Gap]) -> Iterator[str]:
+    def _returned(self, gaps: Iterable[Gap]) -> Iterator[str]:
         for gap in gaps:
-            if gap.ended is not None and self._waiting is not None:
+            if gap.ended is not None and self._shown_state is not None:
                 seconds = f"{gap.ended - gap.began:.0f}"
                 yield tr(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
-        self._waiting = None
+        self._shown_state = None
 
     def _failed(self, event: CycleFailed) -> Iterator[str]:
         """Say why cycles fail, if they have failed for a while; a single one is no news."""
-        if isinstance(event.error, NoConnection | SyncLost) or self._waiting is LineState.SAMPLING:
+        if (
+            isinstance(event.error, NoConnection | SyncLost)
+            or self._shown_state is LineState.SAMPLING
+        ):
             return  # the line's state says it, or it was said
         assert self._gaps.open is not None
         since = max(self._gaps.open.began, self._well_since)
         if isinstance(event.error, EngineStopped) or event.time - since >= _LASTING:
-            self._waiting = LineState.SAMPLING
+            self._shown_state = LineState.SAMPLING
             sentences = (
                 f"{localized(event.error.reason)}.",
                 localized(ADVICE.advice(event.error)),
@@ -120,27 +123,27 @@ class Notices:
 
     def _planned(self, plan: Plan) -> Iterator[str]:
         self._plan = plan
-        if self._session.asked.method == "auto" and plan.method != self._method:
+        if self._session.options.method == "auto" and plan.method != self._method:
             yield tr(
                 "Testing sampling methods (about 1 s each) …",
                 "Проверка способов опроса (около 1 с на каждый) …",
             )
         else:
-            yield priced(plan)
+            yield plan_sentence(plan)
 
-    def _chose(self, event: MethodChosen) -> Iterator[str]:
+    def _method_chosen(self, event: MethodChosen) -> Iterator[str]:
         self._method = event.method
-        yield chosen(event, self._session.asked.rate)
+        yield method_sentence(event, self._session.options.rate)
         if self._plan is not None and self._plan.method == event.method:
-            yield priced(self._plan)  # no event repeats it
+            yield plan_sentence(self._plan)  # no event repeats it
 
     def _state(self, event: StateChanged) -> Iterator[str]:
         if not event.is_broken:
             self._well_since = event.time
         elif self._session.connected:
-            if event.state is not self._waiting:  # the same with another reason is no news
-                yield waiting(event)
-            self._waiting = event.state
+            if event.state is not self._shown_state:  # the same with another reason is no news
+                yield waiting_sentence(event)
+            self._shown_state = event.state
             if self._verbose and event.error is not None:
                 yield localized(ADVICE.text(event.error))
 
@@ -149,10 +152,10 @@ class Notices:
         return localized(model.text) if model else "?"
 
     def _new_file(self, path: Path) -> None:
-        self._tell(tr(f"Recording continues in {path}.", f"Запись продолжается в {path}."))
+        self._show(tr(f"Recording continues in {path}.", f"Запись продолжается в {path}."))
 
 
-def waiting(event: StateChanged) -> str:
+def waiting_sentence(event: StateChanged) -> str:
     """Return the state in words, and that sampling goes on by itself."""
     state = capital(localized(event.text))
     state += "" if state.endswith("?") else "."
@@ -163,7 +166,7 @@ def _waits() -> str:
     return tr("Waiting; sampling resumes by itself.", "Ждём; опрос продолжится сам.")
 
 
-def stopped(failure: MikasError) -> str:
+def stopped_sentence(failure: MikasError) -> str:
     """Return that nothing more is recorded, and why."""
     why = localized(failure.reason)
     return tr(
@@ -172,7 +175,7 @@ def stopped(failure: MikasError) -> str:
     )
 
 
-def priced(plan: Plan) -> str:
+def plan_sentence(plan: Plan) -> str:
     """Return the cost of a cycle of the plan in force."""
     price = plan.price()
     size, milliseconds = f"{price.bytes:.0f}", f"{price.seconds * 1000:.0f}"
@@ -185,7 +188,7 @@ def priced(plan: Plan) -> str:
     )
 
 
-def chosen(event: MethodChosen, enough: float | None = None) -> str:
+def method_sentence(event: MethodChosen, enough: float | None = None) -> str:
     """Return the method and the rates of those that were measured; a dash: it does not work.
 
     `enough`: the wanted rate, for which a slower method may have been taken.

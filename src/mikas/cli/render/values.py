@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mikas.sampling.events import Event
 
 
-def as_json(reading: Reading) -> dict[str, Any]:
+def reading_json(reading: Reading) -> dict[str, Any]:
     """Return `{"value", "unit", "raw", "time"}`: numbers are numbers, flags true or false."""
     return {
         "value": reading.value,
@@ -26,7 +26,7 @@ def as_json(reading: Reading) -> dict[str, Any]:
     }
 
 
-def shown_value(reading: Reading | DerivedValue) -> str:
+def value_text(reading: Reading | DerivedValue) -> str:
     """Return the value with its channel's decimals; a flag as yes or no."""
     if isinstance(reading, DerivedValue):
         return decimal(f"{reading.value:.{reading.channel.decimals}f}")
@@ -35,7 +35,7 @@ def shown_value(reading: Reading | DerivedValue) -> str:
     return decimal(f"{reading.value:.{reading.parameter.decimals}f}")
 
 
-def shown_unit(reading: Reading | DerivedValue) -> str:
+def unit_text(reading: Reading | DerivedValue) -> str:
     """Return the unit in the current language."""
     if isinstance(reading, DerivedValue):
         return reading.channel.unit_text.to(current_language())
@@ -50,7 +50,7 @@ def reference(parameter: Parameter | Derived) -> str:
     return decimal(f"{low:g} … {high:g}" if high > low else f"{low:g}")
 
 
-def verdict(reading: Reading) -> str:
+def valid_reference(reading: Reading) -> str:
     """The reference range; nothing under a reading in which it would not hold."""
     return reference(reading.parameter) if reading.interpretation == "corrected" else ""
 
@@ -62,7 +62,7 @@ class _Lines:
         self._channels = session.channels
         self._output = output
 
-    def tell(self, sentence: str) -> None:
+    def note(self, sentence: str) -> None:
         self._output.note(sentence)
 
     def __enter__(self) -> Self:
@@ -78,7 +78,7 @@ class JsonLines(_Lines):
     def take(self, event: Event) -> None:
         if not isinstance(event, Sampled | CycleFailed):
             return
-        fresh = fresh_in(event)
+        fresh = fresh_values(event)
         values = {c.name: fresh[c.name].value if c.name in fresh else None for c in self._channels}
         time = round(event.time, 6)
         line: dict[str, object] = {
@@ -96,23 +96,23 @@ class PlainLines(_Lines):
 
     def __init__(self, session: SamplingRun, output: Output) -> None:
         super().__init__(session, output)
-        self._begun = False
+        self._has_heading = False
 
     def take(self, event: Event) -> None:
         if not isinstance(event, Sampled | CycleFailed):
             return
-        if not self._begun:  # not before there is something: an error needs no heading
-            self._begun = True
+        if not self._has_heading:  # not before there is something: an error needs no heading
+            self._has_heading = True
             names = (channel.name for channel in self._channels)
             self._output.line("\t".join([tr("time", "время"), *names]))
-        fresh = fresh_in(event)
+        fresh = fresh_values(event)
         cells = (
-            shown_value(fresh[channel.name]) if channel.name in fresh else "–"
+            value_text(fresh[channel.name]) if channel.name in fresh else "–"
             for channel in self._channels
         )
         self._output.line("\t".join([decimal(f"{event.time:.3f}"), *cells]))
 
 
-def fresh_in(event: Sampled | CycleFailed) -> dict[str, Reading | DerivedValue]:
+def fresh_values(event: Sampled | CycleFailed) -> dict[str, Reading | DerivedValue]:
     """Return the values read in this cycle, by name; none in a gap."""
     return {**event.fresh, **event.derived} if isinstance(event, Sampled) else {}

@@ -53,9 +53,9 @@ async def recording_report(
     file = await asyncio.to_thread(library.folder.one, identity)
 
     def findings() -> Findings:
-        from mikas.report.from_recording import of_recording
+        from mikas.report.from_recording import find_in_recording
 
-        return of_recording(file.path, library.catalog)
+        return find_in_recording(file.path, library.catalog)
 
     return await _page(library, findings, f"{file.path.stem}.html", lang, inline)
 
@@ -114,14 +114,14 @@ def _of_connection(dashboard: Dashboard) -> Findings:
         unit=_unit(unit, catalog),
         faults=stored.faults if stored else None,
         faults_read=stored.time if stored else None,
-        gone=cleared_faults(dashboard.fault_history.readings, catalog),
-        how=Conditions(
+        cleared=cleared_faults(dashboard.fault_history.readings, catalog),
+        conditions=Conditions(
             date=date_of(measured.began),
             port=port.url if port else "",
             adapter=thread.adapter if thread else "",
             echo=ecu.tester.echoes if ecu else None,
             method=method,
-            pauses=tuple(_pauses(events, measured.began)),
+            interruptions=tuple(_pauses(events, measured.began)),
             errors=errors_,
         ),
     )

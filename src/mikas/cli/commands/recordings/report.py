@@ -16,7 +16,7 @@ from mikas.cli.language import current_language, decimal, localized, tr, usage_e
 from mikas.cli.options import OUT, OVERWRITE
 from mikas.cli.parameter_types import File, Number
 from mikas.cli.render.notices import Notices
-from mikas.cli.sampling_run import SamplingOptions, SamplingRun, session
+from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
 from mikas.i18n import Text
 from mikas.sampling.events import UnitFound
 
@@ -68,13 +68,13 @@ def report(
             "--duration and --capture apply to measuring now; with FILE nothing is measured",
             "--duration и --capture действуют при измерении; с FILE ничего не измеряется",
         )
-    from mikas.report.from_recording import of_recording
+    from mikas.report.from_recording import find_in_recording
     from mikas.report.page import check_output, render, write_page
 
     check_output(out, overwrite=overwrite)
 
     if file is not None:
-        found = of_recording(file, context.catalog())
+        found = find_in_recording(file, context.catalog())
     else:
         found = _measured_now(context, duration or _SECONDS)
     write_page(out, render(found, current_language()), overwrite=overwrite)
@@ -83,12 +83,12 @@ def report(
 
 def _measured_now(context: CommandContext, seconds: float) -> Findings:
     """Record for `seconds` and evaluate that; the file is kept only if `--capture` names it."""
-    from mikas.report.from_recording import of_recording
+    from mikas.report.from_recording import find_in_recording
 
     with TemporaryDirectory(prefix="mikas-") as folder:
         path = context.capture or Path(folder) / "report.pcapng"
         asked = SamplingOptions(duration=seconds)
-        with session(context, asked, path) as current:
+        with sampling_session(context, asked, path) as current:
             try:
                 _sample(context, current, asked, seconds)
             except KeyboardInterrupt:
@@ -102,7 +102,7 @@ def _measured_now(context: CommandContext, seconds: float) -> Findings:
         if failure is not None:
             raise failure
         name = path.name if context.capture else ""
-        return of_recording(path, context.catalog(), name=name, errors=current.errors)
+        return find_in_recording(path, context.catalog(), name=name, errors=current.errors)
 
 
 def _sample(
@@ -160,9 +160,9 @@ class _Progress:
 
 
 def _tell(context: CommandContext, out: Path, found: Findings) -> None:
-    from mikas.report.summary import sentence
+    from mikas.report.summary import summary_sentence
 
-    verdict = sentence(found)
+    verdict = summary_sentence(found)
     if not context.output.json:
         context.output.note(f"{localized(verdict)}\n{out}")
         return
@@ -174,7 +174,7 @@ def _tell(context: CommandContext, out: Path, found: Findings) -> None:
             "verdict": {"en": verdict.en, "ru": verdict.ru},
             "faults": faults,
             "warm_idle_seconds": round(found.measured.idle.seconds, 3),
-            "values": {value.channel.name: _as_json(value) for value in found.judged},
+            "values": {value.channel.name: _as_json(value) for value in found.rated},
         }
     )
 

@@ -77,7 +77,7 @@ def _show(context: CommandContext, stored: Sequence[Fault]) -> None:
             [
                 str(fault.code),
                 localized(fault.text) or tr("unknown fault number", "неизвестный номер ошибки"),
-                _sure(fault.confidence),
+                _confidence(fault.confidence),
                 localized(fault.check),
                 " ".join(fault.parameters),
             ]
@@ -87,7 +87,7 @@ def _show(context: CommandContext, stored: Sequence[Fault]) -> None:
     )
 
 
-def _sure(confidence: Confidence) -> str:
+def _confidence(confidence: Confidence) -> str:
     return {
         Confidence.CONFIRMED: tr("confirmed", "подтверждено"),
         Confidence.REPORTED: tr("one source", "один источник"),

@@ -12,7 +12,7 @@ from mikas.cli.click_extensions import YES, command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr, usage_error
 from mikas.cli.parameter_types import HexBytes
-from mikas.cli.render.values import as_json, reference, shown_unit, shown_value, verdict
+from mikas.cli.render.values import reading_json, reference, unit_text, valid_reference, value_text
 from mikas.client import Reading
 from mikas.client.parameters import decode
 from mikas.i18n import Text
@@ -126,7 +126,7 @@ def read(context: CommandContext, names: tuple[str, ...]) -> None:
         readings = ecu.read(*names)
         missing = [p.name for p in ecu.catalog.parameters if p.name not in readings]
     if context.output.json:
-        context.output.data({"readings": {name: as_json(r) for name, r in readings.items()}})
+        context.output.data({"readings": {name: reading_json(r) for name, r in readings.items()}})
     else:
         headers = [
             tr("name", "имя"), tr("value", "значение"), tr("unit", "ед."),
@@ -149,10 +149,10 @@ def read(context: CommandContext, names: tuple[str, ...]) -> None:
 def _reading_row(name: str, reading: Reading) -> list[str]:
     return [
         name,
-        shown_value(reading),
-        shown_unit(reading),
+        value_text(reading),
+        unit_text(reading),
         reading.raw.hex(" ").upper(),
-        verdict(reading),
+        valid_reference(reading),
         localized(reading.parameter.text),
         " ".join(reading.parameter.errata),
     ]
@@ -220,4 +220,4 @@ def _meaning(parameter: Parameter, interpretation: str, hexed: str) -> str:
 def _shown(reading: Reading | None) -> str:
     if reading is None:
         return tr("can't be read", "не читается")
-    return f"{shown_value(reading)} {shown_unit(reading)}".rstrip()
+    return f"{value_text(reading)} {unit_text(reading)}".rstrip()
