@@ -1,11 +1,10 @@
-"""What the numbers mean: parameters, derived channels, faults, models, errata, as data (§4).
+"""Parameters, derived channels, faults, models and errata as data (§4).
 
     raw bytes ── Parameter.decode ──► value        Catalog.fault(13), .model(0x0A), .errata["E1"]
     raw bytes ◄── Parameter.encode ── value        Catalog.parameter("TWAT"), .size_of(0x1A)
     values ── Derived.calculation() ──► value      Catalog.derived["FUEL_USED"], .channel(name)
 
-The data are the `.toml` files beside this module, `shipped()`; `load(file, …)` lays a person's own
-files over them. Nothing here knows the wire, a clock or a port.
+`shipped()` has the `.toml` files of this folder; `load(file, …)` overrides them by a user's files.
 """
 
 from mikas.catalog.conversion import Conversion

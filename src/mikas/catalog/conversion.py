@@ -1,12 +1,11 @@
 """Raw bytes to values and back, exactly (§4).
 
-A conversion is data, not code: `value = (raw - bias) * scale + offset`, in rational numbers. Its
-normal form is three integers, `value = (raw * numerator + constant) / denominator`, all of whose
-terms stay below 2**52. So one value here and a million in an array of 64-bit floats come out the
-same, and every raw number survives the way to a value and back.
+A conversion is data: `value = (raw - bias) * scale + offset` in rational numbers. Its normal form
+has three integers, `value = (raw * numerator + constant) / denominator`, with all terms below
+2**52. So a single value and an array of 64-bit floats agree exactly, and every raw number survives
+the conversion to a value and back.
 
-Two-byte numbers travel low byte first (§2). A flag is one bit, or several, of a byte which it
-shares with other flags.
+Two-byte numbers have the low byte first (§2). A flag is one or several bits of a shared byte.
 """
 
 from __future__ import annotations
@@ -19,8 +18,8 @@ from mikas.errors import UsageError, ValueDoesNotFit
 from mikas.i18n import Text
 
 EXACT = 2**52
-"""Below it integers are exact as 64-bit floats, and rounding a quotient shifts it by less than half
-of 1 / denominator, that is by less than half a raw step (up to 2**53 it could be a whole one)."""
+"""Smaller integers are exact as 64-bit floats, and rounding a quotient shifts it by less than half
+of 1 / denominator, so by less than half a raw step (up to 2**53 it could be a whole one)."""
 
 NO_TEXT = Text("", "")
 
@@ -33,11 +32,10 @@ _NOT_A_NUMBER = Text("a finite number is needed", "нужно конечное �
 
 @dataclass(frozen=True, slots=True)
 class Conversion:
-    """One reading of raw bytes. `numerator`, `constant`, `denominator` are the normal form.
+    """One interpretation of raw bytes; `numerator`, `constant`, `denominator`: the normal form.
 
-    `unit` is a stable key (`rpm`), `unit_text` what a person reads (`об/мин`). A `mask` other
-    than 0 makes a flag: whether any of its bits is set. ValueError: scale is 0, or the numbers are
-    too fine to stay exact.
+    `unit` is a stable key (`rpm`), `unit_text` is for display (`об/мин`). A `mask` other than 0
+    makes a flag: any of its bits is set. ValueError: scale is 0, or the numbers are not exact.
     """
 
     size: int
@@ -77,7 +75,7 @@ class Conversion:
 
     @property
     def is_whole(self) -> bool:
-        """Whether every value is an int (or a flag), by construction."""
+        """Whether every value is an int or a flag by construction."""
         return self.denominator == 1
 
     @property
@@ -95,14 +93,14 @@ class Conversion:
         return low, high
 
     def value(self, number: int) -> float | int | bool:
-        """The value of a raw number (already signed, if the kind is)."""
+        """Return the value of a raw number, which is signed if the kind is."""
         if self.mask:
             return number & self.mask != 0
         exact = number * self.numerator + self.constant
         return exact if self.denominator == 1 else exact / self.denominator
 
     def decode(self, raw: bytes) -> float | int | bool:
-        """The value of the raw bytes. UsageError: there are not `size` of them."""
+        """Return the value of the raw bytes. UsageError: not `size` bytes."""
         if len(raw) != self.size:
             problem = Text(
                 f"{self.size} raw byte(s) are needed, not {len(raw)}",
@@ -112,9 +110,9 @@ class Conversion:
         return self.value(int.from_bytes(raw, "little", signed=self.signed))
 
     def encode(self, value: float | Fraction, name: str) -> bytes:
-        """The raw bytes nearest to `value` (halfway: the higher raw number).
+        """Return the raw bytes nearest to `value` (halfway: the higher raw number).
 
-        ValueDoesNotFit, which says `name`: a flag, not a finite number, or out of `limits`.
+        ValueDoesNotFit, with `name`: a flag, not a finite number, or out of `limits`.
         """
         if self.is_flag:
             raise ValueDoesNotFit(value=value, name=name, allowed=_SHARED_BYTE)
@@ -163,7 +161,7 @@ class Conversion:
 
 
 def decimal_text(number: Fraction) -> str:
-    """A rational number for a person: `−0.5`, `40`, or `1/3` where no short decimal is exact."""
+    """Return `−0.5`, `40`, or `1/3` if no short decimal is exact."""
     sign = "−" if number < 0 else ""
     size = abs(number)
     decimal = f"{float(size):.12g}"

@@ -1,10 +1,8 @@
-"""The text of a formula, checked and brought into its plain form, before anything is computed.
+"""The text of a formula, checked and converted into its plain form before any computation.
 
-A formula is an expression in Python's notation, of which only arithmetic is let in: numbers, names,
-`+ - * / **`, comparisons, `and or not`, `a if c else b`, and calls of the functions in `FUNCTIONS`.
-Everything else is refused by default (there is no list of what is forbidden), and so is what is too
-long or too deep: what passes is computed in a time that its length bounds, for all numbers in it
-become 64-bit floats.
+A formula is a Python expression of numbers, names, `+ - * / **`, comparisons, `and or not`,
+`a if c else b`, and calls of `FUNCTIONS`. Anything else is refused, and so is a formula that is too
+long or too deep. All numbers become 64-bit floats, so the length bounds the computing time.
 
 In the plain form every condition is a call of `where`, so that it works on arrays too:
 `a if c else b` is `where(c, a, b)`, `a and b` is `where(a, b, 0)`, `a or b` is `where(a, 1, b)`,
@@ -22,11 +20,8 @@ from math import isfinite
 from mikas.i18n import Text
 from mikas.options import nearest
 
-LONGEST = 1000
-"""Characters."""
-
-DEEPEST = 60
-"""Levels of nesting; `a + b + c` has two."""
+LONGEST = 1000  # characters
+DEEPEST = 60  # levels of nesting; `a + b + c` has two
 
 FUNCTIONS: Mapping[str, tuple[int, int]] = {
     "min": (2, LONGEST),
@@ -36,7 +31,7 @@ FUNCTIONS: Mapping[str, tuple[int, int]] = {
     "where": (3, 3),
     "clip": (3, 3),
 }
-"""What can be called, with the fewest and the most arguments."""
+"""Each function with its fewest and most arguments."""
 
 OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)
@@ -45,7 +40,7 @@ _SIGNS = {ast.Mod: "%", ast.FloorDiv: "//", ast.BitAnd: "&", ast.BitOr: "|", ast
 
 
 class FormulaError(Exception):
-    """The formula is wrong; who reads the file adds its name and the line."""
+    """The formula is wrong; the loader adds file and line."""
 
     def __init__(self, en: str, ru: str) -> None:
         self.problem = Text(en, ru)
@@ -54,16 +49,16 @@ class FormulaError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Parsed:
-    """The plain form, and the channels that it names (in capitals, in order of appearance)."""
+    """The plain form, and its channels (in capitals, in order of appearance)."""
 
     tree: ast.expr
     inputs: tuple[str, ...]
 
 
 def parse(text: str, constants: Mapping[str, float]) -> Parsed:
-    """Check a formula; its constants are put in. FormulaError: it is not one, or names nothing.
+    """Check a formula and insert its constants; any other name is a channel's, in any case.
 
-    A name that is no constant is a channel's, in either case.
+    FormulaError: not a formula, or one without a channel.
     """
     if len(text) > LONGEST:
         raise FormulaError(
@@ -83,7 +78,7 @@ def parse(text: str, constants: Mapping[str, float]) -> Parsed:
 
 
 def _syntax(line: str) -> ast.expr:
-    if "#" in line:  # it would hide the rest, of this line and of all that were joined to it
+    if "#" in line:  # a comment would hide the rest of the joined lines
         raise FormulaError("has a `#` in it", "содержит `#`")
     try:
         with warnings.catch_warnings():
@@ -100,7 +95,7 @@ def _syntax(line: str) -> ast.expr:
 
 
 class _PlainForm:
-    """Builds the plain form of an expression, out of nodes that it knows and of no others."""
+    """Builds the plain form of an expression, of known nodes only."""
 
     def __init__(self, line: str, constants: Mapping[str, float]) -> None:
         self._line = line.encode()
@@ -153,8 +148,8 @@ class _PlainForm:
         return ast.Name(name, ast.Load())
 
     def _bool_op(self, node: ast.BoolOp, depth: int) -> ast.expr:
-        # From the right: each value becomes the condition of what follows it. So the plain form
-        # is as deep as there are values.
+        # From the right: each value becomes the condition of the next one. So the depth of the
+        # plain form is the number of values.
         *before, last = self._all(node.values, depth + len(node.values) - 1)
         for value in reversed(before):
             if isinstance(node.op, ast.And):
@@ -181,14 +176,14 @@ class _PlainForm:
         return ast.Call(ast.Name(name, ast.Load()), self._all(arguments, depth), [])
 
     def _not_allowed(self, node: ast.expr) -> FormulaError:
-        what = self._line[node.col_offset : node.end_col_offset].decode()
-        what = what if len(what) <= 40 else f"{what[:40]}…"
+        part = self._line[node.col_offset : node.end_col_offset].decode()
+        part = part if len(part) <= 40 else f"{part[:40]}…"
         if isinstance(node, ast.BinOp):
-            what = _SIGNS.get(type(node.op), what)
+            part = _SIGNS.get(type(node.op), part)
         return FormulaError(
-            f"has `{what}` in it; there are numbers, names, + - * / **, comparisons, and, or, not, "
+            f"has `{part}` in it; there are numbers, names, + - * / **, comparisons, and, or, not, "
             f"if … else, {', '.join(FUNCTIONS)}",
-            f"содержит `{what}`; есть числа, имена, + - * / **, сравнения, and, or, not, "
+            f"содержит `{part}`; есть числа, имена, + - * / **, сравнения, and, or, not, "
             f"if … else, {', '.join(FUNCTIONS)}",
         )
 

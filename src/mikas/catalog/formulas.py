@@ -34,7 +34,7 @@ NO_VALUE = math.nan
 
 
 class Arithmetic(NamedTuple):
-    """What simpleeval needs: what each operator's node does, and each function."""
+    """The functions for simpleeval: by operator's node, and by name."""
 
     operators: Mapping[type[ast.AST], Callable[..., Any]]
     functions: Mapping[str, Callable[..., Any]]
@@ -42,7 +42,7 @@ class Arithmetic(NamedTuple):
 
 @cache
 def of_numbers() -> Arithmetic:
-    """The form for one number."""
+    """Return the arithmetic of single numbers."""
     return Arithmetic(
         operators={
             ast.Add: lambda a, b: _finite(a + b),
@@ -97,7 +97,7 @@ def _greater(a: float, b: float) -> float:
 
 @cache
 def of_columns() -> Arithmetic:
-    """The form for numpy's arrays; a number among them counts for each of their values."""
+    """Return the arithmetic of numpy arrays; a single number applies to each of their values."""
     import numpy as np
 
     def finite(numbers: Column) -> Column:
@@ -140,21 +140,21 @@ def of_columns() -> Arithmetic:
 
 
 class Calculation:
-    """Computes one formula, which `parse` has accepted. Not for several threads at once."""
+    """Computes one parsed formula; not for several threads at once."""
 
     def __init__(self, formula: Parsed) -> None:
         self._tree = formula.tree
         self.inputs = formula.inputs
 
     def number(self, values: Mapping[str, float]) -> float:
-        """The value of `values`, which has all `inputs`; NaN if one of them is NaN or infinite."""
+        """Return the formula's value for `inputs`; NaN if one of them is NaN or infinite."""
         named = {name: float(values[name]) for name in self.inputs}
         if not all(map(isfinite, named.values())):
             return NO_VALUE
         return float(self._evaluated(self._of_numbers, named))
 
     def column(self, values: Mapping[str, Column]) -> Column:
-        """The same for columns of one length, each value as `number` has it."""
+        """Return the values for columns of one length, each equal to that of `number`."""
         import numpy as np
 
         named = {name: np.asarray(values[name], dtype=np.float64) for name in self.inputs}
@@ -170,11 +170,7 @@ class Calculation:
     def _of_columns(self) -> SimpleEval:
         return _evaluator(of_columns())
 
-    def _evaluated(
-        self,
-        evaluator: SimpleEval,
-        names: Mapping[str, object],
-    ) -> Any:  # noqa: ANN401  (a number or a column, as the evaluator's arithmetic is)
+    def _evaluated(self, evaluator: SimpleEval, names: Mapping[str, object]) -> Any:  # noqa: ANN401  (a number or a column, as the evaluator's arithmetic is)
         evaluator.names = names
         return evaluator.eval("", self._tree)
 

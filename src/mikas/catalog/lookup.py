@@ -1,7 +1,7 @@
-"""The catalog as the rest of the program asks it: by name, by code, by number (§3, §4).
+"""The catalog: entries by name, by code, by number (§3, §4).
 
-A name that does not exist is an error with the nearest ones; a number that is not known is a value
-that says so (a fault with no text, an unknown model), for an ECU may answer anything.
+An unknown name is an error with the nearest names; an unknown number is a valid value (a fault
+without text, an unknown model), for an ECU may answer any number.
 """
 
 from __future__ import annotations
@@ -20,10 +20,9 @@ _RAW_SIZES = (1, 2, 3, 4)
 
 
 class Catalog:
-    """Everything that is defined as data. Immutable: the mappings are not to be changed.
+    """All definitions, immutable. Parameters and `derived` channels share one name space.
 
-    `derived` has the channels that are computed, by name; they share their names with the
-    parameters. `units` has the text of each unit by its key; `version` names all that was loaded.
+    `units` has the text of each unit by key; `version` identifies the loaded files.
     """
 
     def __init__(
@@ -53,27 +52,24 @@ class Catalog:
         return tuple(self._sizes.items())
 
     def size_of(self, code: int) -> int | None:
-        """The raw bytes of a code; None if the catalog does not have it."""
+        """Return the number of raw bytes of a code; None if unknown."""
         return self._sizes.get(code)
 
     def by_code(self, code: int) -> tuple[Parameter, ...]:
-        """The parameters that share a code (07 carries three flags); none: empty."""
+        """Return the parameters that share a code (07 has three flags)."""
         return tuple(each for each in self.parameters if each.code == code)
 
     def parameter(self, name: str) -> Parameter:
-        """By name in either case, or by code: `0x1A`, or with a size of 1 to 4, `0x3F:2`.
+        """Return a parameter by name in any case, or by code: `0x1A`, with 1 to 4 bytes `0x3F:2`.
 
-        A code gives the raw number with no unit; with no size named it has the catalog's, or 1.
-        UnknownParameter (with the nearest names) for anything else.
+        A code gives the raw number without unit; its default size is the catalog's, or 1.
+        UnknownParameter (with the nearest names) otherwise.
         """
         name = name.strip()
         return self._by_name.get(name.upper()) or self._by_code(name, self._by_name)
 
     def channel(self, name: str) -> Parameter | Derived:
-        """A parameter as by `parameter`, or a derived channel by name in either case.
-
-        UnknownParameter (with the nearest names of both) for anything else.
-        """
+        """As `parameter`, and also return a derived channel by name in any case."""
         name = name.strip()
         channels: dict[str, Parameter | Derived] = {**self._by_name, **self.derived}
         return channels.get(name.upper()) or self._by_code(name, channels)
@@ -85,21 +81,21 @@ class Catalog:
             raise UnknownParameter(name, (in_latin(name),))
         raise UnknownParameter(name, nearest(name, known, 3))
 
-    def _raw(self, name: str, code: int, asked: str | None) -> Parameter:
-        size = int(asked) if asked else self._sizes.get(code, 1)
+    def _raw(self, name: str, code: int, given: str | None) -> Parameter:
+        size = int(given) if given else self._sizes.get(code, 1)
         if size not in _RAW_SIZES:
             raise UnknownParameter(name, [f"0x{code:02X}:{size}" for size in _RAW_SIZES])
         return Parameter(
-            name=f"0x{code:02X}:{size}" if asked else f"0x{code:02X}",
+            name=f"0x{code:02X}:{size}" if given else f"0x{code:02X}",
             code=code,
             text=Text(f"raw number of code 0x{code:02X}", f"исходное число кода 0x{code:02X}"),
             conversion=Conversion(size),
         )
 
     def fault(self, code: int) -> Fault:
-        """The fault of that number; an unknown one has no text."""
+        """Return the fault of that number; an unknown one has no text."""
         return self.faults.get(code) or Fault(code)
 
     def model(self, code: int) -> Model:
-        """The model that answers 01 with `code`; an unknown one is named by its number."""
+        """Return the model with this answer to 01; an unknown one is named by the number."""
         return self.models.get(code) or Model.unknown(code)

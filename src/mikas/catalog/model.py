@@ -26,7 +26,7 @@ class Confidence(StrEnum):
 
 
 class Level(StrEnum):
-    """How bad it is."""
+    """The severity of an alarm."""
 
     NONE = "none"
     WARNING = "warning"
@@ -39,10 +39,10 @@ LIMITS = ("danger_low", "warning_low", "warning_high", "danger_high")
 
 @dataclass(frozen=True, slots=True)
 class AlarmLimits:
-    """Beyond a limit is an alarm; back inside by `hysteresis`, it is over. None: no such limit.
+    """Alarm limits in the unit of the corrected interpretation; None: no such limit.
 
-    In the unit of the corrected reading. `when_true` is for a flag, which has no other limits.
-    UsageError: the limits are not in order, or leave nothing between them.
+    An alarm ends when the value is back inside by `hysteresis`. `when_true` is for a flag, which
+    has no other limits. UsageError: the limits are not in order, or leave no range between them.
     """
 
     danger_low: float | None = None
@@ -73,22 +73,22 @@ class AlarmLimits:
 
     @property
     def lows(self) -> tuple[tuple[Level, float], ...]:
-        """The low limits that there are, the mildest first."""
+        """The existing low limits, the mildest first."""
         return _present((Level.WARNING, self.warning_low), (Level.DANGER, self.danger_low))
 
     @property
     def highs(self) -> tuple[tuple[Level, float], ...]:
-        """The high limits that there are, the mildest first."""
+        """The existing high limits, the mildest first."""
         return _present((Level.WARNING, self.warning_high), (Level.DANGER, self.danger_high))
 
     @property
     def for_number(self) -> bool:
-        """Whether there is a limit that only a number can cross."""
+        """Whether a number can cross a limit."""
         return bool(self.lows or self.highs)
 
     @property
     def for_flag(self) -> bool:
-        """Whether `when_true` alarms."""
+        """Whether a flag can raise the alarm."""
         return self.when_true is not Level.NONE
 
 
@@ -102,10 +102,10 @@ def _wrong(en: str, ru: str) -> UsageError:
 
 @dataclass(frozen=True, slots=True)
 class Derived:
-    """One derived channel. Its formula is sound, and takes parameters in the corrected reading.
+    """A channel computed by a valid formula from parameters (corrected) or derived channels.
 
-    `inputs` are the channels that the formula names, in capitals. If it `accumulates`, the formula
-    is what is added a second. `constants` are the formula's own, by name.
+    `inputs`: the channels in the formula, in capitals. `accumulates`: the formula's value is added
+    every second. `constants`: the formula's own, by name.
     """
 
     name: str
@@ -123,32 +123,34 @@ class Derived:
 
     @property
     def is_flag(self) -> bool:
-        """Never: a derived value is a number."""
+        """False: a derived value is a number."""
         return False
 
     def calculation(self) -> Calculation:
-        """The formula, ready to compute; each caller has its own."""
+        """Return the formula ready to compute, for one caller."""
         return Calculation(parse(self.formula, dict(self.constants)))
 
 
 def in_order(derived: Mapping[str, Derived], wanted: Iterable[str]) -> tuple[Derived, ...]:
-    """The derived channels that `wanted` need, themselves included, each after its inputs.
+    """Return the channels of `wanted` and their derived inputs, each after its inputs.
 
-    CycleError (graphlib): there is no such order.
+    CycleError (graphlib): no such order exists.
     """
     from graphlib import TopologicalSorter
 
     graph: dict[str, list[str]] = {}
-    to_see = list(wanted)
-    while to_see:
-        name = to_see.pop()
+    pending = list(wanted)
+    while pending:
+        name = pending.pop()
         if name not in graph:
             graph[name] = [each for each in derived[name].inputs if each in derived]
-            to_see += graph[name]
+            pending += graph[name]
     return tuple(derived[name] for name in TopologicalSorter(graph).static_order())
 
 
 INTERPRETATIONS = ("corrected", "literal", "alternative")
+"""corrected (default): the source's text, unless it is impossible; literal: the source's text;
+alternative: another sense of a text that is odd, but possible (E3)."""
 
 
 def check_interpretation(name: str) -> None:
@@ -163,13 +165,9 @@ def check_interpretation(name: str) -> None:
         )
 
 
-"""corrected: the letter, save where it is impossible (the default). literal: the letter of the
-source. alternative: another sense of a letter that is odd, but possible (E3)."""
-
-
 @dataclass(frozen=True, slots=True)
 class Lamp:
-    """What stands on a flag's lamp while it is set, and while it is not."""
+    """The texts of a flag's lamp while the flag is set, and while it is not."""
 
     on: Text
     off: Text
@@ -177,7 +175,7 @@ class Lamp:
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """What a value below or above its reference may mean, and what to check; empty: not said."""
+    """Causes of a value below or above its reference, and what to check; empty: unknown."""
 
     low: Text = NO_TEXT
     high: Text = NO_TEXT
@@ -187,12 +185,11 @@ class Meaning:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter of §4, or of a user's file, or a bare code (`0x1A`) with no meaning.
+    """One parameter of §4 or of a user's file, or a bare code (`0x1A`).
 
-    `conversion` is the corrected reading. `literal` and `alternative` are None where they would
-    be the same. `plausible`, `reference` (warm idle) and `alarm_limits` are in the unit of the
-    corrected reading. `lamp` is a flag's, `meaning` says what it means to be off the reference;
-    None: nothing is said.
+    `conversion` is the corrected interpretation; `literal` and `alternative` are None if equal to
+    it. `plausible`, `reference` (warm idle) and `alarm_limits` are in its unit. `lamp` is a flag's;
+    `meaning` explains values off the reference.
     """
 
     name: str
@@ -214,7 +211,7 @@ class Parameter:
 
     @property
     def size(self) -> int:
-        """Raw bytes; the same in every reading."""
+        """The number of raw bytes in every interpretation."""
         return self.conversion.size
 
     @property
@@ -224,7 +221,7 @@ class Parameter:
 
     @property
     def unit_text(self) -> Text:
-        """The corrected interpretation's unit, for a person."""
+        """The corrected interpretation's unit for display."""
         return self.conversion.unit_text
 
     @property
@@ -234,47 +231,50 @@ class Parameter:
 
     @property
     def interpretations(self) -> dict[str, Conversion]:
-        """By name: always `corrected` and `literal`; `alternative` where there is one."""
+        """By name: `corrected` and `literal`, and `alternative` if it exists."""
         named = {"corrected": self.conversion, "literal": self.literal or self.conversion}
         if self.alternative is not None:
             named["alternative"] = self.alternative
         return named
 
     def interpretation(self, name: str) -> Conversion:
-        """Return the interpretation `name`; the corrected one where this parameter lacks it.
+        """Return the interpretation `name`; the corrected one if this parameter lacks it.
 
-        So one name can be set for a whole session. UsageError: a name outside `INTERPRETATIONS`.
+        UsageError: a name outside `INTERPRETATIONS`.
         """
         check_interpretation(name)
         return self.interpretations.get(name, self.conversion)
 
     def decode(self, raw: bytes, interpretation: str = "corrected") -> float | int | bool:
-        """The value: int where it is whole by construction, bool for a flag, else float.
+        """Return the value: int if whole by construction, bool for a flag, else float.
 
         UsageError: not `size` bytes, or no such interpretation.
         """
         return self.interpretation(interpretation).decode(raw)
 
     def encode(self, value: float | Fraction, interpretation: str = "corrected") -> bytes:
-        """The raw bytes nearest to `value`. ValueDoesNotFit: a flag, no number, out of range."""
+        """Return the raw bytes nearest to `value`.
+
+        ValueDoesNotFit: a flag, no number, out of range.
+        """
         return self.interpretation(interpretation).encode(value, self.name)
 
     def formula(self, interpretation: str = "corrected") -> str:
-        """How the value is made of the raw number, as §4 prints it."""
+        """Return the conversion of the raw number as §4 prints it."""
         return self.interpretation(interpretation).formula
 
     def limits(self, interpretation: str = "corrected") -> tuple[float, float] | None:
-        """What the raw bytes can hold; None for a flag."""
+        """Return the range of the raw bytes; None for a flag."""
         return self.interpretation(interpretation).limits
 
     @property
     def range(self) -> tuple[float, float] | None:
-        """The plausible range where the catalog has one, else the limits; None for a flag."""
+        """The plausible range if the catalog has one, else the limits; None for a flag."""
         return self.plausible or self.limits()
 
     @property
     def range_kind(self) -> str:
-        """What `range` is: `plausible` or `representable`; empty for a flag."""
+        """The kind of `range`: `plausible` or `representable`; empty for a flag."""
         if self.plausible:
             return "plausible"
         return "" if self.is_flag else "representable"
@@ -282,7 +282,7 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A fault number of command 02. `check`: what to look at first. `parameters` bear on it.
+    """A fault number of command 02. `check`: the first thing to check. `parameters`: related ones.
 
     `informational`: the number is a message, not a fault (12). An unknown number has no text.
     """
@@ -304,7 +304,7 @@ class Fault:
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """What a unit answers to command 01. An unknown one is still usable (§3)."""
+    """A unit's answer to command 01. An unknown model is usable too (§3)."""
 
     code: int
     text: Text
@@ -313,20 +313,20 @@ class Model:
 
     @property
     def known(self) -> bool:
-        """Whether this is a model that the catalog names."""
+        """Whether the catalog has this model."""
         return self.confidence is not Confidence.UNKNOWN
 
     @classmethod
     def unknown(cls, code: int) -> Model:
-        """A unit that answers with another code than the known ones."""
+        """Return the model of an unknown code."""
         return cls(code, Text(f"unknown model 0x{code:02X}", f"неизвестная модель 0x{code:02X}"))
 
 
 @dataclass(frozen=True, slots=True)
 class Erratum:
-    """A doubtful place of the source: what is taken, what else it could mean, and why.
+    """A doubtful passage of the source: the default and alternative sense, and the reason.
 
-    `selected_by`: the reading that switches to `alternative`; empty if none does.
+    `selected_by`: the interpretation that selects `alternative`; empty if none does.
     """
 
     name: str

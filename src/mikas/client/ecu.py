@@ -27,14 +27,7 @@ from mikas.client.identity import (
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory import Memory
 from mikas.client.parameters import Parameters, Reading, Sample, WrittenParameter
-from mikas.client.polling import (
-    FixedMethod,
-    Method,
-    Poller,
-    Watcher,
-    create_poller,
-    fixed_method,
-)
+from mikas.client.polling import FixedMethod, Method, Poller, Watcher, create_poller, fixed_method
 from mikas.errors import NoResponse, NotSupported, UsageError
 from mikas.i18n import Text, counted
 from mikas.tester import Tester

@@ -251,11 +251,7 @@ class Memory:
     NAMES = tuple(_SPACES)
 
     def __init__(
-        self,
-        tester: Tester,
-        gate: Gate,
-        limits: Callable[[], Limits],
-        keep: Callable[[], None],
+        self, tester: Tester, gate: Gate, limits: Callable[[], Limits], keep: Callable[[], None]
     ) -> None:
         self.ram, self.xram, self.code, self.sfr = (
             MemorySpace(name, tester, gate, limits, keep) for name in _SPACES

@@ -163,9 +163,7 @@ class Parameters:
     def _write_list(self, wanted: tuple[Parameter, ...]) -> None:
         data = _list_of(wanted)
         parameters = counted(
-            len(data),
-            ("parameter", "parameters"),
-            ("параметр", "параметра", "параметров"),
+            len(data), ("parameter", "parameters"), ("параметр", "параметра", "параметров")
         )
         change = Change(
             what=Text(

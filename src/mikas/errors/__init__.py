@@ -44,13 +44,7 @@ added by the command line (`mikas.cli.advice`) or the dashboard (`mikas.dashboar
 error is also the matching builtin.
 """
 
-from mikas.errors.base import (
-    AdviceTable,
-    MikasError,
-    hex_dump,
-    reason_at,
-    reason_of,
-)
+from mikas.errors.base import AdviceTable, MikasError, hex_dump, reason_at, reason_of
 from mikas.errors.connection import (
     EchoOnly,
     LinkLost,

@@ -107,10 +107,7 @@ class AdviceTable:
         if entry is None:
             return error.advice
         hint = entry.filled(**error.fields)
-        return Text(
-            f"{error.advice.en} {hint.en}".strip(),
-            f"{error.advice.ru} {hint.ru}".strip(),
-        )
+        return Text(f"{error.advice.en} {hint.en}".strip(), f"{error.advice.ru} {hint.ru}".strip())
 
     def text(self, error: MikasError) -> Text:
         """Return the error's paragraph with this advice."""

@@ -125,10 +125,7 @@ class NotSupported(EcuRefused):
     """Unknown command or parameter: silence, or 01 where that can't be data (D10)."""
 
     what = Text("This ECU does not know {command}", "Этот блок не знает {command}")
-    advice = Text(
-        "Not every unit has every command.",
-        "Не каждый блок знает все команды.",
-    )
+    advice = Text("Not every unit has every command.", "Не каждый блок знает все команды.")
 
 
 class ReadBackDiffers(EcuRefused):

@@ -27,13 +27,7 @@ import serial
 from mikas.errors import LinkLost
 from mikas.i18n import Text
 from mikas.link.base import BITS_PER_BYTE, Chunk, Link, WallClock
-from mikas.link.failures import (
-    SYSTEM_ERRORS,
-    TAKES_NO_BYTES,
-    is_unable,
-    opening_failed,
-    why_lost,
-)
+from mikas.link.failures import SYSTEM_ERRORS, TAKES_NO_BYTES, is_unable, opening_failed, why_lost
 from mikas.link.network import Rfc2217Port, SocketPort, host_and_port
 from mikas.link.ports import find_ports
 from mikas.link.urls import parse

@@ -9,14 +9,7 @@ from typing import Self
 
 from mikas import commands as c
 from mikas.commands.base import lengths_in_words
-from mikas.errors import (
-    LineError,
-    MikasError,
-    NoConnection,
-    NoResponse,
-    NotSupported,
-    WrongLength,
-)
+from mikas.errors import LineError, MikasError, NoConnection, NoResponse, NotSupported, WrongLength
 from mikas.framing import Frame
 from mikas.tester.line import Line
 
@@ -167,12 +160,7 @@ class Stream:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: object,
-        error: BaseException | None,
-        traceback: object,
-    ) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
         try:
             self.close()
         except NoConnection:

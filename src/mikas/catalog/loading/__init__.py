@@ -1,4 +1,1 @@
-"""Read catalog files: TOML with its lines, entries laid over each other, checked values (§4).
-
-source ──► entries ──► fields ──► build, derived, limits, texts ──► loader: a Catalog
-"""
+"""Read catalog files (§4): source (TOML, lines) → entries (merged, by fields) → build → loader."""

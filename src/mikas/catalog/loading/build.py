@@ -36,11 +36,11 @@ ONLY_FOR_FLAGS = Text("makes sense for a flag only", "имеет смысл то
 
 
 def alarm_limits(entry: Entry, *, is_flag: bool) -> AlarmLimits | None:
-    """What its table `limits` says; None if no limit is left in it."""
+    """Build the table `limits`; None if no limit is left in it."""
     table = entry.values.get("limits", {})
     unfit, problem = (_OF_NUMBERS, NOT_FOR_FLAGS) if is_flag else (_OF_FLAGS, ONLY_FOR_FLAGS)
     for key in unfit:
-        # What an earlier file said, before a later one made a flag of it (or a number), is dropped.
+        # Keys of a file before the one that changed the parameter's kind are dropped.
         if key in table and entry.order(("limits", key)) >= entry.order(("mask",)):
             raise entry.wrong(("limits", key), problem)
     values: dict[str, Any] = {"source": PurePath(entry.source.name).name}
@@ -49,38 +49,35 @@ def alarm_limits(entry: Entry, *, is_flag: bool) -> AlarmLimits | None:
         limits = AlarmLimits(**values)
     except UsageError as error:
         written = [("limits", key) for key in reversed(_OF_NUMBERS) if key in table]
-        raise entry.wrong(max(written, key=entry.order), _problem(error)) from None
+        problem = Text(f"can't be: {error.reason.en}", f"не годится: {error.reason.ru}")
+        raise entry.wrong(max(written, key=entry.order), problem) from None
     return limits if limits.for_number or limits.for_flag else None
 
 
-def _problem(error: UsageError) -> Text:
-    return Text(f"can't be: {error.reason.en}", f"не годится: {error.reason.ru}")
-
-
 def optional(entry: Entry, *path: str) -> Text:
-    """The text at `path`, in both languages; empty if it is not there."""
+    """Return the text at `path` in both languages; empty if missing."""
     return entry.text(*path) if path in entry.places else NO_TEXT
 
 
 def lamp(entry: Entry, *, is_flag: bool) -> Lamp | None:
-    """Both texts of a flag's lamp; None if it has none."""
+    """Build the texts of a flag's lamp; None if it has none."""
     if not _fits(entry, "lamp", ONLY_FOR_FLAGS, fits=is_flag):
         return None
     return Lamp(on=entry.text("lamp", "on"), off=entry.text("lamp", "off"))
 
 
 def meaning(entry: Entry, *, is_flag: bool) -> Meaning | None:
-    """What its table `meaning` says; None if it says nothing."""
+    """Build the table `meaning`; None if it is missing."""
     if not _fits(entry, "meaning", NOT_FOR_FLAGS, fits=not is_flag):
         return None
-    said: dict[str, Any] = {"source": PurePath(entry.source.name).name}
-    said |= entry.values["meaning"]
-    said |= {side: optional(entry, "meaning", side) for side in ("low", "high")}
-    return Meaning(**said)
+    values: dict[str, Any] = {"source": PurePath(entry.source.name).name}
+    values |= entry.values["meaning"]
+    values |= {side: optional(entry, "meaning", side) for side in ("low", "high")}
+    return Meaning(**values)
 
 
 def _fits(entry: Entry, key: str, problem: Text, *, fits: bool) -> bool:
-    """Whether the key is there and makes sense; what an earlier file said no longer has to."""
+    """Whether the key exists and fits the kind; one of an earlier file need not fit any more."""
     if key not in entry.values:
         return False
     if not fits and entry.order((key,)) >= entry.order(("mask",)):
@@ -89,7 +86,7 @@ def _fits(entry: Entry, key: str, problem: Text, *, fits: bool) -> bool:
 
 
 def derived(entries: Entries, unit_texts: Mapping[str, Text]) -> dict[str, Derived]:
-    """The derived channels by name, in the order of the files' tables."""
+    """Build the derived channels by name, in the order of the files' tables."""
     _check_names(entries)
     known = (*entries["parameter"], *entries["derived"])
     built = {
@@ -129,7 +126,7 @@ def _derived(
 
 
 def _check_names(entries: Entries) -> None:
-    """Parameters and derived channels share their names. The later file is to blame."""
+    """Refuse a name of both a parameter and a derived channel, in the later file."""
     for name, entry in entries["derived"].items():
         if (parameter := entries["parameter"].get(name)) is None:
             continue
@@ -141,30 +138,27 @@ def _check_names(entries: Entries) -> None:
 
 
 def _check_cycles(entries: Mapping[str, Entry], built: Mapping[str, Derived]) -> None:
-    """No channel may need itself. The formula that was written last is to blame."""
+    """Refuse a channel that needs itself, at the formula that was written last."""
     try:
         in_order(built, built)
     except CycleError as error:
         circle = error.args[1]
-        to_blame = max(
-            (entries[name] for name in circle), key=lambda each: each.order(("formula",))
-        )
+        latest = max((entries[name] for name in circle), key=lambda each: each.order(("formula",)))
         shown = " → ".join(reversed(circle))
-        raise to_blame.wrong(
-            ("formula",), Text(f"goes in a circle: {shown}", f"замкнут в круг: {shown}")
-        ) from None
+        problem = Text(f"goes in a circle: {shown}", f"замкнут в круг: {shown}")
+        raise latest.wrong(("formula",), problem) from None
 
 
 _NUMERIC = ("signed", "scale", "bias", "offset", "unit")
 
 
 def units(entries: Entries) -> dict[str, Text]:
-    """The texts of the units."""
+    """Return the texts of the units."""
     return {name: entry.text("text") for name, entry in entries["unit"].items()}
 
 
 def parameters(entries: Entries, unit_texts: Mapping[str, Text]) -> tuple[Parameter, ...]:
-    """All parameters, in the order of the files' tables."""
+    """Build all parameters, in the order of the files' tables."""
     built = tuple(
         _parameter(name, entry, unit_texts, entries) for name, entry in entries["parameter"].items()
     )
@@ -173,13 +167,13 @@ def parameters(entries: Entries, unit_texts: Mapping[str, Text]) -> tuple[Parame
 
 
 def faults(entries: Entries) -> dict[int, Fault]:
-    """The faults by number."""
+    """Build the faults by number."""
     return {
         code: Fault(
             code=code,
             text=entry.text("text"),
             check=optional(entry, "check"),
-            check_confidence=_said_of(entry.values, "check"),
+            check_confidence=_confidence_of(entry.values, "check"),
             parameters=_names(entry, "parameters", entries["parameter"]),
             confidence=entry.values.get("confidence", Confidence.UNCONFIRMED),
             sources=entry.values.get("sources", ()),
@@ -190,7 +184,7 @@ def faults(entries: Entries) -> dict[int, Fault]:
 
 
 def models(entries: Entries) -> dict[int, Model]:
-    """The models by the code that 01 is answered with."""
+    """Build the models by their answer to 01."""
     return {
         code: Model(
             code=code,
@@ -203,7 +197,7 @@ def models(entries: Entries) -> dict[int, Model]:
 
 
 def errata(entries: Entries) -> dict[str, Erratum]:
-    """The errata by name."""
+    """Build the errata by name."""
     return {
         name: Erratum(
             name=name,
@@ -242,7 +236,7 @@ def _parameter(
         decimals=values.get("decimals", _decimals(conversion)),
         plausible=values.get("range"),
         reference=values.get("reference"),
-        reference_confidence=_said_of(values, "reference"),
+        reference_confidence=_confidence_of(values, "reference"),
         source=source_of(entry),
         confidence=values.get("confidence", Confidence.UNCONFIRMED),
         errata=_names(entry, "errata", entries["erratum"]),
@@ -255,7 +249,7 @@ def _parameter(
 def _conversion(
     entry: Entry, size: int, unit_texts: Mapping[str, Text], inside: KeyPath
 ) -> Conversion:
-    """The corrected reading, or the one `inside`, which takes from it what it does not say."""
+    """Build the corrected interpretation, or that of the table `inside`, which overrides it."""
     values = dict(entry.values)
     for reading in inside:
         values |= entry.values[reading]
@@ -283,7 +277,7 @@ def _conversion(
 
 
 def _refuse_for_flag(entry: Entry, inside: KeyPath, keys: Iterable[str]) -> None:
-    """A number's keys in the same file as the mask, or a later one; what is overridden is not."""
+    """Refuse a number's keys in the mask's file or a later one; earlier ones are overridden."""
     since = entry.order(_where(entry, inside, "mask"))
     for key in keys:
         if entry.order((*inside, key)) >= since:
@@ -291,7 +285,7 @@ def _refuse_for_flag(entry: Entry, inside: KeyPath, keys: Iterable[str]) -> None
 
 
 def _where(entry: Entry, inside: KeyPath, *keys: str) -> KeyPath:
-    """The first of these keys that is written, inside the reading before what it inherits."""
+    """Return the first existing of these keys, in `inside` before the entry itself."""
     places = [(*path, key) for path in (inside, ()) for key in keys]
     return next((place for place in places if place in entry.places), ())
 
@@ -302,19 +296,19 @@ def _decimals(conversion: Conversion) -> int:
     return next((places for places in (1, 2) if abs(conversion.scale) * 10**places >= 1), 3)
 
 
-def _said_of(values: Mapping[str, Any], key: str) -> Confidence:
-    """The confidence of `key`; where nothing is said, there is none to have."""
+def _confidence_of(values: Mapping[str, Any], key: str) -> Confidence:
+    """Return the confidence of `key`; UNKNOWN if the key is missing."""
     default = Confidence.UNCONFIRMED if key in values else Confidence.UNKNOWN
     return Confidence(values.get(f"{key}_confidence", default))
 
 
 def source_of(entry: Entry) -> str:
-    """What it says of its source; the last file that speaks of it, if nothing."""
+    """Return the entry's source; by default the name of its last file."""
     return str(entry.values.get("source", PurePath(entry.source.name).name))
 
 
 def _names(entry: Entry, key: str, known: Mapping[str, Entry]) -> tuple[str, ...]:
-    """A list of names of other entries, each of which must exist."""
+    """Return a list of names of other, existing entries."""
     names = tuple(name.upper() for name in entry.values.get(key, ()))
     for name in names:
         if name not in known:
@@ -323,7 +317,7 @@ def _names(entry: Entry, key: str, known: Mapping[str, Entry]) -> tuple[str, ...
 
 
 def does_not_exist(name: str, known: Iterable[str]) -> Text:
-    """The problem of an entry that names another that is not there."""
+    """Return the problem of a reference to a missing entry."""
     close = nearest(name, known)
     return Text(
         f"names {name}, which does not exist" + (f"; the nearest is {close[0]}" if close else ""),
@@ -332,18 +326,18 @@ def does_not_exist(name: str, known: Iterable[str]) -> Text:
 
 
 def _check_sizes(entries: Mapping[str, Entry]) -> None:
-    """One code has one size, whatever parameters share it. The later file is to blame."""
+    """Refuse two sizes of one code, in the later file."""
     first: dict[int, tuple[str, Entry]] = {}
     for name, entry in entries.items():
         code, size = entry.values["code"], entry.values["size"]
         other_name, other = first.setdefault(code, (name, entry))
         if size == (other_size := other.values["size"]):
             continue
-        to_blame, key = max(
+        latest, key = max(
             ((each, key) for each in (entry, other) for key in (("size",), ("code",))),
             key=lambda candidate: candidate[0].order(candidate[1]),
         )
-        raise to_blame.wrong(
+        raise latest.wrong(
             key,
             Text(
                 f"makes code 0x{code:02X} of two sizes in bytes: {other_name} has {other_size}, "

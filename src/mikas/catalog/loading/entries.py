@@ -1,7 +1,6 @@
-"""Entries of several files, laid over each other: a later file adds and overrides, key by key.
+"""Entries merged from several files: a later file adds and overrides, key by key.
 
-An entry remembers for each of its keys which file gave it, so that whatever is found wrong later
-is reported where it was written.
+An entry knows the file of each key, so that a mistake is reported at its place.
 """
 
 from __future__ import annotations
@@ -31,10 +30,10 @@ Entries: TypeAlias = "dict[str, dict[Any, Entry]]"
 
 @dataclass(slots=True)
 class Entry:
-    """One table, of one file or of several. `values` nests where the tables do.
+    """One table of one or several files. `values` nests like the tables.
 
-    `source` and `table` are the last file that speaks of it, `first` the one that brought it,
-    `places` who gave which key.
+    `source`, `table`: the last file with this entry; `first`: the first one; `places`: the file of
+    each key.
     """
 
     source: Source
@@ -44,26 +43,26 @@ class Entry:
     places: dict[KeyPath, tuple[Source, KeyPath]] = field(default_factory=dict)
 
     def wrong(self, key: KeyPath, problem: Text) -> CatalogError:
-        """The error for one of its keys (for the table, if the key is not written anywhere)."""
+        """Return the error for a key, or for the table if the key is missing."""
         source, path = self.places.get(key, (self.source, self.table))
         return source.wrong(path, _about(path, problem))
 
     def wrong_name(self, problem: Text) -> CatalogError:
-        """The error for its name, where it first stands."""
+        """Return the error for the entry's name, at its first place."""
         source, path = self.first
         return source.wrong(path, _about(path, problem))
 
     def order(self, key: KeyPath) -> int:
-        """Which file gave the key: the later, the greater; -1 for a key that is not there."""
+        """Return the number of the key's file, greater for a later one; -1 for a missing key."""
         return self.places[key][0].order if key in self.places else -1
 
     def require(self, key: str) -> None:
-        """CatalogError unless the key is there."""
+        """Raise CatalogError for a missing key."""
         if key not in self.values:
             raise self.wrong((), Text(f"has no `{key}`", f"нет `{key}`"))
 
     def text(self, *path: str) -> Text:
-        """A text that must be there, in both languages. `path`: its key, after those around it."""
+        """Return the required text at `path` in both languages."""
         found = self.values
         for depth, key in enumerate((*path, "en", "ru")):
             if key not in found:
@@ -73,7 +72,7 @@ class Entry:
 
 
 def merged(sources: Iterable[Source]) -> Entries:
-    """All entries of all files. CatalogError: a key is unknown, of a wrong type, or twice there."""
+    """Merge the entries of all files. CatalogError: an unknown key, a wrong type, a duplicate."""
     entries: Entries = {family: {} for family in FAMILIES}
     for source in sources:
         for family, tables in source.tables.items():
@@ -87,13 +86,13 @@ def merged(sources: Iterable[Source]) -> Entries:
 
 
 def _add_tables(known: dict[Any, Entry], source: Source, family: str, tables: object) -> None:
-    here = set()
+    names = set()
     for key, table in _table(source, (family,), tables).items():
         path = (family, key)
         name = _read(source, path, FAMILIES[family].key, key)
-        if name in here:
+        if name in names:
             raise source.wrong(path, _about(path, Text("is there twice", "есть дважды")))
-        here.add(name)
+        names.add(name)
         entry = known.setdefault(name, Entry(source, path, (source, path)))
         entry.source, entry.table = source, path
         _lay_over(entry, (), entry.values, table, FAMILIES[family].schema)
@@ -102,7 +101,7 @@ def _add_tables(known: dict[Any, Entry], source: Source, family: str, tables: ob
 def _lay_over(
     entry: Entry, inside: KeyPath, values: dict[str, Any], table: object, schema: Schema
 ) -> None:
-    """Check a table's keys, and put them into `values`; tables inside it likewise."""
+    """Check the keys of a table and its nested tables, and put them into `values`."""
     source, path = entry.source, (*entry.table, *inside)
     if schema is TEXT and isinstance(table, str):
         table = {"en": table, "ru": table}
@@ -148,6 +147,5 @@ def _unknown(key: str, known: Iterable[str]) -> Text:
         )
     listed = ", ".join(names)
     return Text(
-        f"unknown key `{key}`; known are {listed}",
-        f"неизвестный ключ `{key}`; есть: {listed}",
+        f"unknown key `{key}`; known are {listed}", f"неизвестный ключ `{key}`; есть: {listed}"
     )

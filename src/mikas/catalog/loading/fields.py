@@ -1,7 +1,7 @@
-"""Which tables and keys a catalog file may hold, and what each key may be.
+"""The tables and keys of a catalog file, and the values of each key.
 
-A reader takes what TOML gave and returns the catalog's own value, or raises `Unfit` with what was
-expected. It sees one key alone; what several keys must have in common is checked in `build`.
+A reader converts one TOML value into the catalog's own, or raises `Unfit` with the expectation.
+`build` checks several keys together.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _NUMBER_KEY = re.compile(r"0x[0-9a-f]{1,2}|0|[1-9]\d{0,2}", re.IGNORECASE | re.A
 
 
 class Unfit(Exception):
-    """The value of a key is not what the key needs; the loader adds file and line."""
+    """The value does not fit the key; the loader adds file and line."""
 
     def __init__(self, en: str, ru: str) -> None:
         self.problem = Text(en, ru)
@@ -37,42 +37,41 @@ class Unfit(Exception):
 
 
 def string(value: object) -> str:
-    """Any text."""
+    """Read any text."""
     if isinstance(value, str):
         return value
     raise Unfit("must be a text in quotes", "нужен текст в кавычках")
 
 
 def boolean(value: object) -> bool:
-    """`true` or `false`."""
+    """Read `true` or `false`."""
     if isinstance(value, bool):
         return value
     raise Unfit("must be true or false", "нужно true или false")
 
 
 def strings(value: object) -> tuple[str, ...]:
-    """A list of texts."""
+    """Read a list of texts."""
     if isinstance(value, list) and all(isinstance(item, str) for item in value):
         return tuple(value)
     raise Unfit('must be a list of texts, as ["E1"]', 'нужен список текстов, например ["E1"]')
 
 
 def integer(low: int, high: int) -> Reader:
-    """A whole number from `low` to `high`."""
+    """Return the reader of a whole number from `low` to `high`."""
 
     def read(value: object) -> int:
         if isinstance(value, int) and not isinstance(value, bool) and low <= value <= high:
             return value
         raise Unfit(
-            f"must be a whole number from {low} to {high}",
-            f"нужно целое число от {low} до {high}",
+            f"must be a whole number from {low} to {high}", f"нужно целое число от {low} до {high}"
         )
 
     return read
 
 
 def choice(make: Callable[[str], object], *allowed: str) -> Reader:
-    """One of a few words."""
+    """Return the reader of one of the words `allowed`."""
 
     def read(value: object) -> object:
         if isinstance(value, str) and value in allowed:
@@ -84,7 +83,7 @@ def choice(make: Callable[[str], object], *allowed: str) -> Reader:
 
 
 def rational(value: object) -> Fraction:
-    """An exact number: whole, decimal, or a fraction in quotes."""
+    """Read an exact number: whole, decimal, or a fraction in quotes."""
     if isinstance(value, str) and (match := _RATIO.fullmatch(value)):
         over, under = int(match[1]), int(match[2] or 1)
         if under:
@@ -98,21 +97,21 @@ def rational(value: object) -> Fraction:
 
 
 def nonzero(value: object) -> Fraction:
-    """A scale: exact, and not 0."""
+    """Read an exact number other than 0, for a scale."""
     if number := rational(value):
         return number
     raise Unfit("must not be 0", "не может быть 0")
 
 
 def number(value: object) -> float:
-    """Any number."""
+    """Read any number."""
     if (exact := _number(value)) is not None:
         return _plain(exact)
     raise Unfit("must be a number", "нужно число")
 
 
 def limit(value: object) -> float | None:
-    """A number, or `false` for none."""
+    """Read a number, or `false` for none."""
     if value is False:
         return None
     if (exact := _number(value)) is not None:
@@ -123,7 +122,7 @@ def limit(value: object) -> float | None:
 
 
 def span(value: object) -> tuple[float, float]:
-    """`[low, high]`."""
+    """Read `[low, high]`."""
     ends = [_number(item) for item in value] if isinstance(value, list) else []
     match ends:
         case [Fraction() as first, Fraction() as last]:
@@ -139,7 +138,7 @@ def span(value: object) -> tuple[float, float]:
 
 
 def _number(value: object) -> Fraction | None:
-    """Exactly, if it is a number, and of a size that has a meaning (1e-30 to 1e15)."""
+    """Return a number exactly; None if it is none, or outside 1e-30 to 1e15."""
     if isinstance(value, Decimal) and (
         not value or (value.is_finite() and -30 <= value.adjusted() < 15)
     ):
@@ -154,7 +153,7 @@ def _plain(number: Fraction) -> float:
 
 
 def mnemonic(key: object) -> str:
-    """A name as `TWAT`; upper and lower case are the same name."""
+    """Read a name as `TWAT` in any case."""
     if isinstance(key, str) and _NAME.fullmatch(key):
         return key.upper()
     raise Unfit(
@@ -164,7 +163,7 @@ def mnemonic(key: object) -> str:
 
 
 def constant(key: object) -> str:
-    """A constant's name: small letters, so that it is told from a channel's at a glance."""
+    """Read a constant's name: small letters, unlike a channel's."""
     if isinstance(key, str) and _CONSTANT.fullmatch(key):
         return key
     raise Unfit(
@@ -174,7 +173,7 @@ def constant(key: object) -> str:
 
 
 def byte_key(key: object) -> int:
-    """A number as `13` or `0x0D`."""
+    """Read a number as `13` or `0x0D`."""
     number = int(key, 0) if isinstance(key, str) and _NUMBER_KEY.fullmatch(key) else -1
     if 0 <= number <= 0xFF:
         return number
@@ -186,7 +185,7 @@ def byte_key(key: object) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Family:
-    """A kind of entry: how its name is read, and the keys that it may have."""
+    """A kind of entry: the reader of its name, and its keys."""
 
     key: Reader
     schema: Schema

@@ -1,8 +1,8 @@
-"""The shipped catalog, and a person's own files laid over it.
+"""The shipped catalog, overridden by a user's files.
 
 A file has tables named `[parameter.TWAT]`, `[derived.FUEL_USED]`, `[fault.13]`, `[model.0x09]`,
-`[erratum.E1]` and `[unit.rpm]`; an entry that exists already is overridden key by key, so two lines
-can change one text. Adding a parameter takes five lines:
+`[erratum.E1]` and `[unit.rpm]`; an existing entry is overridden key by key, so two lines can
+change one text. Adding a parameter takes five lines:
 
     [parameter.BOOST]
     code = 0x33
@@ -10,8 +10,7 @@ can change one text. Adding a parameter takes five lines:
     unit = "kPa"
     text = { en = "Boost pressure", ru = "Давление наддува" }
 
-All keys are described in docs/catalog.md. A file that is wrong in any way is refused as a whole,
-with the line (CatalogError).
+docs/catalog.md describes all keys. A file with any mistake is refused with the line (CatalogError).
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ _SHIPPED = (
 
 
 def load(*user_files: Path) -> Catalog:
-    """The shipped catalog with these files over it, each over those before.
+    """Return the shipped catalog, overridden by these files in order.
 
     CatalogError: a file can't be read or is wrong.
     """
@@ -49,7 +48,7 @@ def load(*user_files: Path) -> Catalog:
 
 @cache
 def shipped() -> Catalog:
-    """The catalog of this version, always the same object."""
+    """Return the catalog of this version, always the same object."""
     return _catalog(_shipped_sources())
 
 
@@ -74,9 +73,9 @@ def _catalog(sources: Sequence[Source]) -> Catalog:
 
 
 def _version(sources: Sequence[Source]) -> str:
-    """`1+3f2a90c1`: the last `version` given, and a CRC-32 of the texts of all files in order.
+    """Return `1+3f2a90c1`: the last `version` of the files and a CRC-32 of all texts in order.
 
-    It tells apart files that differ by accident; nobody is to be kept from forging it.
+    The checksum detects accidental differences, not forgery.
     """
     texts = "\0".join(source.text for source in sources)
     named = [source.tables["version"] for source in sources if "version" in source.tables]

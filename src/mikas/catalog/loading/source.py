@@ -35,10 +35,10 @@ _TOKEN = re.compile(
 
 
 def lines_of(text: str) -> dict[KeyPath, int]:
-    """The 1-based line where each table and key first appears, by its full path.
+    """Return the 1-based line of the first place of each table and key, by full path.
 
-    `text` is valid TOML with bare newlines. Tables that a dotted key implies are listed too; keys
-    of tables inside an array go by the array's path.
+    `text` is valid TOML with bare newlines. Tables implied by a dotted key are listed too; keys of
+    tables in an array have the array's path.
     """
     scanner = _Scanner()
     for token, is_name, line in _tokens(text):
@@ -50,7 +50,7 @@ def lines_of(text: str) -> dict[KeyPath, int]:
 
 
 class _Scanner:
-    """Either within a key (or a header, or between statements), or within a value."""
+    """The state: in a key, a header or between statements (`in_key`), or in a value."""
 
     def __init__(self) -> None:
         self.lines: dict[KeyPath, int] = {}
@@ -93,7 +93,7 @@ class _Scanner:
 
 
 def _tokens(text: str) -> Iterator[tuple[str, bool, int]]:
-    """Each token, whether it can be a name (a word or a string), and its line."""
+    """Yield each token, whether it can be a name (a word or a string), and its line."""
     line = 1
     for match in _TOKEN.finditer(text):
         if match.lastgroup != "skip":
@@ -107,13 +107,13 @@ def _unquoted(key: str) -> str:
     return key
 
 
-# Decimal numbers stay exact; one that is out of all bounds becomes infinite and is refused later.
+# Decimal numbers stay exact; one out of bounds becomes infinite and is refused later.
 _DECIMALS = Context(prec=60, traps=[])
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A file's name and text, and its tables as TOML has them. `order`: the later file wins."""
+    """A file's name, text and TOML tables. `order`: the later file wins."""
 
     name: str
     text: str
@@ -121,7 +121,7 @@ class Source:
     order: int
 
     def wrong(self, path: KeyPath, problem: Text) -> CatalogError:
-        """The error to raise for the key or table at `path`."""
+        """Return the error for the key or table at `path`."""
         lines = lines_of(self.text)
         known = (lines[path[:end]] for end in range(len(path), 0, -1) if path[:end] in lines)
         return CatalogError(self.name, next(known, 0), problem)
@@ -139,7 +139,7 @@ def read_source(path: Path, order: int = 0) -> Source:
 
 
 def parse_source(name: str, data: bytes, order: int = 0) -> Source:
-    """The same for bytes that are at hand."""
+    """Parse a file's bytes. CatalogError as for `read_source`."""
     try:
         text = data.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
