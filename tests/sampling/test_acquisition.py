@@ -40,7 +40,7 @@ def acquisition(plug: SimulatedPlug, *names: str, **settings: object) -> Acquisi
     return Acquisition(plug, ecu_factory(), shipped(), names, **settings)
 
 
-def test_the_plan_is_told_before_the_first_sample_and_once():
+def test_the_plan_is_reported_once_before_the_first_sample():
     made = acquisition(SimulatedPlug(make_bus()), "FREQ", "FUEL_FLOW", "TWAT/10")
     assert [c.name for c in made.channels] == ["FREQ", "FUEL_FLOW", "TWAT"]
     assert (made.plan, made.state, made.ecu, made.method) == (None, None, None, None)
@@ -119,7 +119,7 @@ def test_a_gap_is_counted_where_something_is_added_up():
 
 
 @pytest.mark.parametrize("method", ["batch", "stream"])
-def test_a_spoilt_response_does_not_interrupt_what_adds_up(method):
+def test_a_damaged_response_does_not_interrupt_accumulation(method):
     fault_injector = FaultInjector({LineFault.DAMAGED: 0.05}, seed=4)
     made = acquisition(
         SimulatedPlug(make_bus(fault_injector=fault_injector)), "FUEL_USED", method=method
@@ -134,7 +134,7 @@ def test_a_spoilt_response_does_not_interrupt_what_adds_up(method):
     assert used.value == pytest.approx(flow * (used.time - used.since) / 3600, rel=1e-6)
 
 
-def test_what_came_in_a_cycle_is_fresh_however_long_it_lasts():
+def test_values_of_a_cycle_are_fresh_however_long_it_lasts():
     """One request a parameter and a slow unit: the last response is seconds after the first."""
     limits = {"TAIR": AlarmLimits(warning_high=-30), "DUTY": AlarmLimits(warning_high=0.1)}
     made = acquisition(
@@ -152,7 +152,7 @@ def test_what_came_in_a_cycle_is_fresh_however_long_it_lasts():
     assert {alarm.name for alarm in of(AlarmChanged, told)} >= {"TAIR", "DUTY"}
 
 
-def test_it_says_whether_a_sample_has_alarms_behind_it():
+def test_has_more_while_alarms_follow_a_sample():
     """So that whoever has had enough still gets them, and sends nothing more."""
     plug = SimulatedPlug(make_bus())
     limits = {
@@ -172,7 +172,7 @@ def test_it_says_whether_a_sample_has_alarms_behind_it():
         assert not made.has_more
 
 
-def test_alarms_come_behind_the_sample_that_shows_them():
+def test_alarms_follow_their_sample():
     plug = SimulatedPlug(make_bus())
     limits = {"TWAT": AlarmLimits(warning_high=100, danger_high=110, hysteresis=2)}
     made = acquisition(plug, "FREQ", "TWAT/3", limits=limits)
@@ -213,7 +213,7 @@ class TestWanting:
         assert took / (len(samples) - 11) == pytest.approx(1 / 20, rel=0.05)
         assert_values_are_the_units(told)
 
-    def test_the_same_again_is_told_too(self):
+    def test_the_same_selection_again_is_reported(self):
         made = acquisition(SimulatedPlug(make_bus()), "FREQ")
         with closing(made.run()) as events:
             take(events, enough)
@@ -273,7 +273,7 @@ class TestWanting:
         assert not of(CycleFailed, told)
         assert_values_are_the_units(told)
 
-    def test_a_name_that_was_refused_is_asked_again_when_it_is_named_again(self):
+    def test_a_refused_parameter_is_requested_again_when_named_again(self):
         plug = SimulatedPlug(make_bus())
         data = plug.bus.ecu.responder.car._data
         del data[0x1A]
@@ -339,14 +339,14 @@ def test_what_is_refused_midway_takes_its_derived_channel_along():
 
 @pytest.mark.parametrize("method", ["single", "batch", "list", "stream"])
 @pytest.mark.parametrize("names", [["UOZ", "FUEL_FLOW/10"], ["UOZ", "FREQ/3", "FUEL_FLOW/10"]])
-def test_what_is_derived_less_often_still_comes(method, names):
+def test_slow_derived_channels_have_values(method, names):
     made = acquisition(SimulatedPlug(make_bus()), *names, "TWAT/10", method=method)
     with closing(made.run()) as events:
         samples = of(Sampled, take(events, enough))
     assert sum("FUEL_FLOW" in sample.derived for sample in samples) >= len(samples) // 10
 
 
-def test_a_second_run_tells_its_plan_too():
+def test_a_second_run_reports_its_plan():
     made = acquisition(SimulatedPlug(make_bus()), "FREQ", "TWAT/10")
     for _ in range(2):
         with closing(made.run()) as events:

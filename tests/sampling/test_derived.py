@@ -81,7 +81,7 @@ def test_a_value_is_never_bare() -> None:
     assert str(value) == "FUEL_FLOW 1.4 l/h"
 
 
-def test_what_it_needs_and_what_it_gives() -> None:
+def test_inputs_and_values() -> None:
     channels = DerivedChannels(shipped(), ["FUEL_USED", "filling", "Fuel_Used"])
     assert channels.requires == ("FREQ", "INJ", "JAIR")
     assert [each.name for each in channels.channels] == ["FUEL_USED", "FILLING"]
@@ -159,7 +159,7 @@ def test_a_gap_adds_nothing_and_is_counted(catalog: Catalog) -> None:
     assert channels.accumulated["REVS"] == Accumulated(20, 100.0, 2)
 
 
-def test_a_response_that_brought_nothing_is_no_gap_if_the_next_one_comes_in_time(
+def test_an_empty_response_is_no_gap_if_the_next_is_in_time(
     catalog: Catalog,
 ) -> None:
     """It was spoilt, and asked for again."""
@@ -180,7 +180,7 @@ def wanted(catalog: Catalog, before: DerivedChannels, *names: str, asked: str) -
     return channels
 
 
-def test_what_was_added_up_is_kept_while_it_is_not_wanted(catalog: Catalog) -> None:
+def test_totals_are_kept_while_not_requested(catalog: Catalog) -> None:
     channels = DerivedChannels(catalog, ["REVS_A_SECOND"])
     assert [revs(channels, time) for time in (100.0, 101.0)] == [None, None]  # of another's making
     channels = wanted(catalog, channels, "SUM", asked="INJ TWAT RXX")
@@ -193,7 +193,7 @@ def test_what_was_added_up_is_kept_while_it_is_not_wanted(catalog: Catalog) -> N
     assert channels.accumulated["SECONDS"] == Accumulated(1.5, 100.0, 1)
 
 
-def test_it_goes_on_adding_up_unseen_while_its_inputs_are_asked_for_others(
+def test_accumulation_continues_while_other_channels_need_the_inputs(
     catalog: Catalog,
 ) -> None:
     channels = DerivedChannels(catalog, ["REVS"])
@@ -206,7 +206,7 @@ def test_it_goes_on_adding_up_unseen_while_its_inputs_are_asked_for_others(
     assert channels.accumulated == {"REVS": Accumulated(20, 100.0, 0)}
 
 
-def test_what_comes_seldom_adds_up_as_well(catalog: Catalog) -> None:
+def test_slow_channels_accumulate(catalog: Catalog) -> None:
     channels = DerivedChannels(catalog, ["REVS"])
     for time in range(0, 50, 5):
         assert revs(channels, time) == max(0, time - 10) * 10  # two steps to know that it is usual
@@ -218,7 +218,7 @@ def test_what_comes_seldom_adds_up_as_well(catalog: Catalog) -> None:
     assert channels.accumulated["REVS"].gaps == 4
 
 
-def test_what_is_asked_less_often_is_no_gap(catalog: Catalog) -> None:
+def test_a_slower_request_is_no_gap(catalog: Catalog) -> None:
     channels = DerivedChannels(catalog, ["REVS"])
     for tenth in range(21):
         sample = readings(tenth / 10, TWAT=80)
@@ -228,7 +228,7 @@ def test_what_is_asked_less_often_is_no_gap(catalog: Catalog) -> None:
     assert channels.accumulated["REVS"] == Accumulated(20, 0, 0)
 
 
-def test_columns_of_what_was_not_recorded_are_missing() -> None:
+def test_columns_of_unrecorded_inputs_are_missing() -> None:
     rows = Rows(np.array([0.0, 1.0]), {"INJ": np.array([4.0, 4.0])})
     columns = DerivedChannels(shipped(), ["DUTY", "FUEL_STROKE", "FUEL_USED"]).columns(rows)
     assert list(columns) == ["DUTY", "FUEL_STROKE", "FUEL_USED"]

@@ -41,7 +41,7 @@ def test_a_broken_state_is_a_better_reason_than_a_failed_cycle():
     assert gap == Gap(9.0, 1.0, 9.0, LineState.NO_PORT.text)
 
 
-def test_a_line_that_breaks_begins_a_gap_only_where_values_came():
+def test_a_broken_line_begins_a_gap_only_after_values():
     tracker = GapTracker()
     assert tracker.take(StateChanged(1.0, LineState.NO_PORT)) == []
     tracker.take(StateChanged(2.0, LineState.SAMPLING))

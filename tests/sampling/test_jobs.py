@@ -98,7 +98,7 @@ def test_they_do_not_wait_for_a_slow_cycle(method, rate):
     assert max(waited) < 2
 
 
-def test_while_the_ecu_is_silent_they_fail_with_what_is_wrong():
+def test_while_the_ecu_is_silent_jobs_fail_with_its_error():
     bus = make_bus()
     car = bus.ecu.responder.car
     plug = SimulatedPlug(bus)
@@ -160,7 +160,7 @@ def test_the_end_of_sampling_fails_them():
     assert len(again.result(0)) == 4
 
 
-def test_what_ends_sampling_is_what_they_fail_with():
+def test_jobs_fail_with_the_error_that_ends_sampling():
     sampler = make_sampler(SimulatedPlug(make_bus()), "0x99", method="batch")
     waiting = sampler.call(lambda ecu: sampler.call(faults)), sampler.call(faults)
     with pytest.raises(NotSupported):
@@ -169,7 +169,7 @@ def test_what_ends_sampling_is_what_they_fail_with():
         assert isinstance(future.exception(0), NotSupported)
 
 
-def test_ctrl_c_in_a_job_leaves_nobody_waiting():
+def test_ctrl_c_in_a_job_fails_the_waiting_callers():
     sampler = make_sampler(SimulatedPlug(make_bus()), method="stream")
 
     def interrupted(ecu):

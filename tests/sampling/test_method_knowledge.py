@@ -100,7 +100,7 @@ class TestKept:
         assert [c.method for c in of(MethodChosen, told)] == ["batch"]
         assert told.index(of(MethodChosen, told)[0]) < told.index(of(Sampled, told)[0])
 
-    def test_relearn_measures_anew_and_says_so(self, tmp_path):
+    def test_relearn_measures_again_and_reports_the_method(self, tmp_path):
         plug = SimulatedPlug(make_bus())
         sampler = make_sampler(plug, state=tmp_path)
         with closing(sampler.run()) as events:
@@ -148,7 +148,7 @@ class TestKept:
         assert of(MethodChosen, told)[0].method == "stream"
         assert len(kept(tmp_path)["methods"]) == 1
 
-    def test_a_file_from_before_there_was_anything_of_methods_counts(self, tmp_path):
+    def test_a_file_without_methods_is_valid(self, tmp_path):
         session(make_bus(), state=tmp_path, until=settled)
         (file,) = tmp_path.glob("*.json")
         stored = kept(tmp_path) | {"max_list": 5}
@@ -162,7 +162,7 @@ class TestKept:
 
 
 class TestAdapters:
-    def test_one_that_lumps_is_measured_not_assumed(self):
+    def test_an_adapter_with_latency_is_measured_not_assumed(self):
         (plain,) = of(MethodChosen, session(make_bus(), until=settled))
         (chosen,) = of(MethodChosen, session(make_bus(adapter=LUMPS), until=settled))
         assert chosen.method == max(chosen.rates, key=lambda name: chosen.rates[name])
@@ -188,7 +188,7 @@ class TestAdapters:
             by[adapter.latency] = chosen.rates
         assert by[0.016]["list"] < 0.7 * by[0.0]["list"]
 
-    def test_a_promise_that_is_not_kept_is_measured_again(self, tmp_path):
+    def test_a_rate_estimate_that_is_not_reached_is_measured_again(self, tmp_path):
         """An adapter that looks like the other one, but is slower."""
         session(make_bus(), state=tmp_path, until=settled)
         (file,) = tmp_path.glob("*.json")
@@ -208,7 +208,7 @@ class TestAdapters:
         told = session(slow, state=tmp_path, until=lambda e: len(of(Sampled, e)) > 300)
         assert [c.method for c in of(MethodChosen, told)] == ["stream", "list"]
 
-    def test_the_kind_is_told_by_the_answers(self):
+    def test_the_kind_is_found_by_response_times(self):
         def kind(**settings):
             bus = make_bus(**settings)
             ecu = ecu_factory()(VirtualLink(bus))
@@ -219,7 +219,7 @@ class TestAdapters:
         assert kind(adapter=AdapterKind(latency=0.001)) == "virtual ECU, 2 ms"
         assert kind(adapter=LUMPS) == "virtual ECU, 8 ms"
 
-    def test_no_more_kinds_are_kept_than_anybody_has(self, tmp_path):
+    def test_the_number_of_saved_kinds_is_limited(self, tmp_path):
         bus = make_bus()
         ecu = ecu_factory(tmp_path)(VirtualLink(bus))
         ecu.tester.connect()
@@ -228,7 +228,7 @@ class TestAdapters:
         assert list(ecu.limits().methods) == [f"adapter {n}" for n in range(12, 20)]
 
 
-def test_on_a_bad_line_something_is_chosen_and_nothing_wrong_comes():
+def test_on_a_bad_line_a_method_is_chosen_and_no_value_is_wrong():
     rates = {LineFault.LOST: 0.03, LineFault.DAMAGED: 0.15, LineFault.LATE: 0.02}
     for seed in range(3):
         bus = make_bus(fault_injector=FaultInjector(rates, seed=seed))
@@ -251,7 +251,7 @@ def test_a_line_that_is_dead_for_a_while_makes_nothing_refused(tmp_path):
 
 
 @pytest.mark.parametrize("method", CANDIDATES)
-def test_one_lost_response_says_nothing_of_a_method(method):
+def test_one_lost_response_does_not_change_the_rate(method):
     def measured(*troubles):
         bus = make_bus()
         ecu = ecu_factory()(VirtualLink(bus))
@@ -289,7 +289,7 @@ class TestEnough:
 
 @pytest.mark.parametrize("method", CANDIDATES)
 @given(st.floats(0.0, 0.05), st.integers(1, 21))
-def test_what_was_measured_with_one_plan_tells_the_rate_of_it(method, delay, count):
+def test_a_measured_timing_gives_the_rate_of_its_plan(method, delay, count):
     plan = Plan(ALL[:count], method)
     price = plan.price(turn_round=delay, pause=delay)
     pace = timing_of(TrialResult(method, price.rate), plan, 9600)
@@ -312,7 +312,7 @@ def test_the_best_is_never_one_that_does_not_work_nor_slower_than_it_needs_to_be
         assert found not in STREAMS or max(rates.values()) > enough
 
 
-def test_prices_know_what_was_measured():
+def test_prices_use_the_measured_delay():
     sampler = make_sampler(SimulatedPlug(make_bus(adapter=LUMPS)))
     assumed = sampler.price(ALL, "batch")
     assert sampler.price(ALL).seconds == assumed.seconds  # nothing is known yet

@@ -33,7 +33,7 @@ def test_stop_does_not_wait_for_it(after):
     assert plug.now() - stop_at < CYCLE
 
 
-def test_another_wish_does_not_either():
+def test_another_request_does_not_wait_for_a_trial():
     plug, sampler = slow()
     with closing(sampler.run()) as events:
         take(events, lambda e: bool(of(PlanChanged, e)))
@@ -43,7 +43,7 @@ def test_another_wish_does_not_either():
     assert plug.now() - began < 2 * CYCLE  # all that is wanted was asked for once
 
 
-def test_jobs_go_in_between():
+def test_jobs_run_between_cycles_of_a_trial():
     plug, sampler = slow()
     waited = []
 
@@ -63,7 +63,7 @@ def test_jobs_go_in_between():
     assert not of(CycleFailed, told)
 
 
-def test_jobs_say_nothing_of_the_method():
+def test_jobs_do_not_change_the_measured_rate():
     """A steady flow of them neither keeps it from ending nor makes a method look slow."""
 
     def rates(*, busy: bool) -> dict[str, float]:

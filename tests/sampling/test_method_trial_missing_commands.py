@@ -69,7 +69,7 @@ def test_other_lists_cost_nothing_whatever_their_length(unknown, max_list):
 
 
 @pytest.mark.parametrize("unknown", Unknown)
-def test_what_it_lacks_is_remembered_and_with_any_adapter(unknown, tmp_path):
+def test_missing_commands_are_saved_for_every_adapter(unknown, tmp_path):
     with closing(make_sampler(SimulatedPlug(poor(unknown)), *MANY, state=tmp_path).run()) as events:
         take(events, settled)
     bus = make_bus(
@@ -82,7 +82,7 @@ def test_what_it_lacks_is_remembered_and_with_any_adapter(unknown, tmp_path):
     assert not METHODS.intersection(asked)
 
 
-def test_there_are_values_while_it_is_found_out():
+def test_values_come_during_the_trials():
     with closing(make_sampler(SimulatedPlug(poor(Unknown.SILENT)), *MANY).run()) as events:
         told = take(events, settled)
     stream, set_list = of(CycleFailed, told)
@@ -93,7 +93,7 @@ def test_there_are_values_while_it_is_found_out():
 
 @pytest.mark.parametrize("unknown", Unknown)
 @pytest.mark.parametrize("max_list", [255, 4])
-def test_finding_out_what_a_unit_lacks_is_no_trouble_of_the_line(unknown, max_list):
+def test_a_missing_command_is_no_line_error(unknown, max_list):
     bus = poor(unknown, max_list=max_list)
     del bus.ecu.responder.car._data[0x21]
     sampler = make_sampler(SimulatedPlug(bus), *MANY)
@@ -103,7 +103,7 @@ def test_finding_out_what_a_unit_lacks_is_no_trouble_of_the_line(unknown, max_li
     assert [each.name for each in of(ParameterDropped, told)] == ["JAIR"]
 
 
-def test_where_only_so_long_a_list_is_refused_a_shorter_one_is_not_given_up():
+def test_a_method_with_a_refused_long_list_is_kept_for_shorter_ones():
     bus = make_bus(quirks=EcuQuirks(max_list=8))
     sampler = make_sampler(SimulatedPlug(bus), *MANY)
     with closing(sampler.run()) as events:
@@ -152,7 +152,7 @@ class TestOneIsRefusedInTheMiddle:
         asked += heard
         return told
 
-    def test_what_was_learnt_of_methods_stays(self, missing, unknown, tmp_path):
+    def test_the_timings_of_methods_stay(self, missing, unknown, tmp_path):
         asked: list[int] = []
         told = self.told(missing, unknown, tmp_path, asked)
         assert [each.name for each in of(ParameterDropped, told)] == ["JAIR"]
@@ -162,7 +162,7 @@ class TestOneIsRefusedInTheMiddle:
         assert names == ["FREQ", "TWAT", "UACC", "TAIR"]
         assert_values_are_the_units(told)
 
-    def test_the_one_gap_tells_what_was_refused(self, missing, unknown, tmp_path):
+    def test_the_gap_names_the_refused_parameter(self, missing, unknown, tmp_path):
         (gap,) = of(CycleFailed, self.told(missing, unknown, tmp_path, []))
         text = gap.error.reason
         if unknown is Unknown.SILENT:

@@ -24,12 +24,12 @@ def plan(*names: str, method: str = "batch", **settings: int) -> Plan:
     return Plan(tuple(wanted), method, **settings)
 
 
-def test_parameters_that_share_a_byte_are_asked_once():
+def test_parameters_that_share_a_byte_are_requested_once():
     assert [d.code for d in plan("RXX", "BITPOW", "RDET").divisors] == [0x07]
     assert len(Plan(ALL).divisors) == 21
 
 
-def test_the_keenest_of_those_that_share_a_byte_decides():
+def test_the_smallest_divisor_of_a_shared_byte_applies():
     assert list(plan("RXX/10", "BITPOW/2").divisors.values()) == [2]
 
 
@@ -41,7 +41,7 @@ def test_the_laws_arithmetic(method, sets):
     assert Plan(ALL, method).price().rate == pytest.approx(sets, rel=0.025)
 
 
-def test_one_more_parameter_costs_what_its_bytes_take():
+def test_one_more_parameter_costs_its_bytes():
     before = plan("FREQ")
     after = before.with_parameter(PlannedParameter(shipped().parameter("TWAT")))
     extra = after.price().seconds - before.price().seconds
@@ -56,7 +56,7 @@ wishes = st.lists(
 
 
 @given(wishes, st.sampled_from(FIXED_METHODS), st.integers(1, 30))
-def test_every_code_comes_as_often_as_it_was_wanted(wanted, method, longest):
+def test_every_code_is_due_as_often_as_requested(wanted, method, longest):
     made = Plan(wanted, method, longest)
     cycles = 12 * max(made.divisors.values())
     came = Counter()

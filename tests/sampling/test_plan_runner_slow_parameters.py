@@ -72,7 +72,7 @@ def test_a_rate_is_that_of_the_cycles(method, ran):
     assert len(ran) <= len(of(Sampled, events))
 
 
-def test_what_is_measured_are_cycles_that_ask(ran):
+def test_only_cycles_with_requests_are_measured(ran):
     """Else a second of measuring would run through a million empty ones."""
     lacks = GROUPS["stream"]
     events = run(make_bus(quirks=EcuQuirks(missing=lacks)), "TWAT/1000", "TAIR/1000")
@@ -84,7 +84,7 @@ def test_what_is_measured_are_cycles_that_ask(ran):
     assert apart(after)[1] == pytest.approx(1000 / chosen.rates[chosen.method], rel=0.15)
 
 
-def test_others_requests_and_the_end_do_not_wait_for_the_next_turn():
+def test_jobs_and_stop_do_not_wait_for_the_next_cycle():
     plug = SimulatedPlug(make_bus())
     sampler = make_sampler(plug, "TWAT/100", method="batch", rate=1.0)
     asked = []
@@ -97,7 +97,7 @@ def test_others_requests_and_the_end_do_not_wait_for_the_next_turn():
     assert not of(CycleFailed, events)
 
 
-def test_a_failed_beginning_does_not_set_the_length_of_what_follows():
+def test_a_failed_first_cycle_does_not_set_the_length_of_the_next():
     bus = make_bus()
     plug = SimulatedPlug(bus)
     with closing(make_sampler(plug, "TWAT/10", method="batch").run()) as events:

@@ -31,12 +31,12 @@ def test_names_in_any_case_and_codes():
     assert asked(*names) == {"TWAT": 1, "0x1A": 1, "0x3F:2": 1, "FREQ": 10}
 
 
-def test_a_name_twice_is_wanted_as_often_as_the_keenest():
+def test_the_smallest_divisor_of_a_repeated_name_applies():
     assert asked("FREQ/10", "FREQ/2") == {"FREQ": 2}
     assert len(select(shipped(), ["FREQ", "freq"]).channels) == 1
 
 
-def test_what_a_derived_channel_is_made_of_is_asked_as_often_as_it():
+def test_inputs_are_requested_as_often_as_their_derived_channel():
     selection = select(shipped(), ["TWAT/10", "FUEL_FLOW/3", "FREQ/5"])
     assert [c.name for c in selection.channels] == ["TWAT", "FUEL_FLOW", "FREQ"]
     assert isinstance(selection.channels[1], Derived)
@@ -45,7 +45,7 @@ def test_what_a_derived_channel_is_made_of_is_asked_as_often_as_it():
 
 
 @pytest.mark.parametrize("name", ["TWTA", "", "/", "/10", "0x1A:9", "0xFFF"])
-def test_what_there_is_not(name):
+def test_unknown_names(name):
     with pytest.raises(UnknownParameter):
         select(shipped(), ["FREQ", name])
 
@@ -53,7 +53,7 @@ def test_what_there_is_not(name):
 @pytest.mark.parametrize(
     "name", ["FREQ/", "FREQ/0", "FREQ/-1", "FREQ/1.5", "FREQ/x", "FREQ/1001", "FREQ/²"]
 )
-def test_how_often_that_makes_no_sense(name):
+def test_invalid_divisors(name):
     with pytest.raises(UsageError):
         select(shipped(), [name])
 
@@ -63,7 +63,7 @@ def test_a_number_that_fills_the_screen_is_refused_like_any_other():
         select(shipped(), ["FREQ/" + "9" * 10_000])
 
 
-def test_one_code_with_two_sizes_could_not_be_told_apart():
+def test_one_code_with_two_sizes_is_ambiguous():
     with pytest.raises(UsageError, match="0x3F"):
         select(shipped(), ["INJ", "0x3F:1"])
 

@@ -35,7 +35,7 @@ from mikas.virtual.responder import Identity
 from virtual_harness import IDENTITY, make_bus
 
 
-def test_it_says_how_the_way_opened():
+def test_the_states_until_the_first_sample():
     events = run(make_bus(), method="batch")
     assert [e.state for e in of(StateChanged, events)] == [
         LineState.ECU_ALIVE,
@@ -47,7 +47,7 @@ def test_it_says_how_the_way_opened():
 
 
 @pytest.mark.parametrize("method", FIXED_METHODS)
-def test_every_method_brings_the_units_values(method):
+def test_every_method_gives_the_units_values(method):
     events = run(make_bus(rpm=5200), method=method)
     assert_values_are_the_units(events)
     assert len(of(Sampled, events)[-1].fresh) == 23
@@ -85,7 +85,7 @@ def test_a_unit_with_short_lists_gets_smaller_batches(long_list):
     assert len(of(Sampled, events)[-1].fresh) == 23
 
 
-def test_an_adapter_that_lumps_is_measured_not_assumed():
+def test_an_adapter_with_latency_is_measured_not_assumed():
     (chosen,) = of(MethodChosen, run(make_bus(adapter=AdapterKind(latency=0.016))))
     best = max(chosen.rates, key=lambda name: chosen.rates[name])
     assert chosen.method == best
@@ -117,7 +117,7 @@ def test_a_refused_parameter_is_dropped_with_a_notice_and_the_others_go_on():
     assert len(of(Sampled, events)[-1].fresh) == 22
 
 
-def test_if_everything_is_refused_it_says_so_instead_of_an_empty_log():
+def test_if_all_parameters_are_refused_an_error_is_raised():
     with pytest.raises(NotSupported):
         run(make_bus(), "0x99", method="batch")
 
@@ -136,7 +136,7 @@ def test_line_faults_make_gaps_and_no_wrong_value():
 
 
 @pytest.mark.parametrize(("method", "most"), [("batch", 3.0), ("stream", 4.0)])
-def test_ignition_off_is_told_by_its_name_as_soon_as_it_is_sure(method, most):
+def test_ignition_off_is_reported_as_soon_as_certain(method, most):
     """Ending a stream tells as much as asking anew would: nobody is asked twice over."""
     bus = make_bus()
     with closing(make_sampler(SimulatedPlug(bus), method=method).run()) as events:
@@ -178,7 +178,7 @@ def test_the_adapter_pulled_out_and_put_back():
     assert times == sorted(times)
 
 
-def test_another_car_is_noticed_and_its_method_found_out_anew():
+def test_another_car_is_detected_and_its_methods_are_measured():
     plug = SimulatedPlug(make_bus())
     with closing(make_sampler(plug).run()) as events:
         take(events, settled)

@@ -26,7 +26,7 @@ from virtual_harness import make_bus
 @pytest.mark.parametrize("lacking", [{0x29}, {0x29, 0x2C, 0x1A, 0x1E}])
 @pytest.mark.parametrize("unknown", Unknown)
 @pytest.mark.parametrize("long_list", LongList)
-def test_a_unit_without_what_most_have_is_sampled_by_its_best_method(lacking, unknown, long_list):
+def test_a_unit_that_lacks_commands_is_sampled_by_its_best_method(lacking, unknown, long_list):
     lacks = GROUPS["stream"] | GROUPS["list"]
     bus = make_bus(
         quirks=EcuQuirks(missing=lacks, unknown=unknown, max_list=3, long_list=long_list)
@@ -42,7 +42,7 @@ def test_a_unit_without_what_most_have_is_sampled_by_its_best_method(lacking, un
 
 @pytest.mark.parametrize("method", [None, "single", "batch"])
 @pytest.mark.parametrize("long_list", LongList)
-def test_a_refusal_that_nothing_tells_from_a_datum_is_dropped_as_well(method, long_list):
+def test_a_refusal_that_looks_like_a_datum_is_dropped(method, long_list):
     """A unit that takes one code at a time, and answers 01 to what it does not know."""
     bus = make_bus(
         quirks=EcuQuirks(
@@ -61,7 +61,7 @@ def test_a_refusal_that_nothing_tells_from_a_datum_is_dropped_as_well(method, lo
 
 
 @pytest.mark.parametrize("takes", [3, 7])
-def test_prices_know_how_long_a_list_the_unit_takes(takes):
+def test_prices_use_the_units_longest_list(takes):
     lacks = GROUPS["stream"] | GROUPS["list"]
     plug = SimulatedPlug(make_bus(quirks=EcuQuirks(max_list=takes, missing=lacks)))
     sampler = make_sampler(plug)
@@ -81,7 +81,7 @@ def test_prices_know_how_long_a_list_the_unit_takes(takes):
     assert few.seconds == pytest.approx(real, abs=0.004)  # the data are stuffed more than most
 
 
-def test_a_rate_is_enough_by_what_a_cycle_really_takes(tmp_path):
+def test_a_sufficient_rate_is_judged_by_measured_cycles(tmp_path):
     """A unit that takes three codes: what all of them took says nothing bad of two."""
     quirks = EcuQuirks(max_list=3, missing=GROUPS["list"])
     run(make_bus(quirks=quirks), state=tmp_path)

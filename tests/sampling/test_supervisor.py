@@ -104,7 +104,7 @@ def test_every_state_on_the_way():
     assert times == sorted(times)
 
 
-def test_the_same_state_for_another_reason_is_told():
+def test_the_same_state_with_another_error_is_reported():
     plug = SimulatedPlug(make_bus())
     problem = [PortNotFound(url="sim:", found=""), PortBusy(url="sim:"), PortBusy(url="sim:")]
     opened = plug.open
@@ -165,7 +165,7 @@ class TestAnotherCar:
         assert [(u.version_code, u.another) for u in of(UnitFound, told)] == [(0x09, True)]
         assert_values_are_the_units(told)
 
-    def test_the_same_again_though_its_passport_comes_damaged(self):
+    def test_the_same_unit_with_a_damaged_passport(self):
         plug = SimulatedPlug(make_bus())
         with closing(make_sampler(plug, method="batch").run()) as events:
             take(events, enough)
@@ -251,14 +251,14 @@ def test_it_can_be_stopped_while_it_samples(method):
     assert plug.bus.bytes_carried == carried
 
 
-def test_the_units_passport_is_told():
+def test_the_units_passport_is_reported():
     with closing(make_sampler(SimulatedPlug(make_bus()), method="batch").run()) as events:
         (found,) = of(UnitFound, take(events, enough))
     assert found.passport.pieces == IDENTITY.passports
 
 
 @pytest.mark.parametrize("spoil", ["pull", "unsupply"])
-def test_who_waits_sees_time_go_by(spoil):
+def test_the_wait_reports_an_error_each_second(spoil):
     """One gap an attempt, so that whoever runs it can stop; they are one hole in a recording."""
     plug = SimulatedPlug(make_bus())
     with closing(make_sampler(plug, method="batch").run()) as events:

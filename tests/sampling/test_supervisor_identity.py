@@ -48,7 +48,7 @@ def after_an_outage(method: str, seconds: float, identity: Identity) -> list[Eve
 
 @pytest.mark.parametrize("seconds", [1.5, 3])
 @pytest.mark.parametrize("method", METHODS)
-def test_another_version_after_a_short_outage_is_met(method: str, seconds: float) -> None:
+def test_another_version_after_a_short_outage_is_found(method: str, seconds: float) -> None:
     told = after_an_outage(method, seconds, Identity(0x09, PASSPORTS))
     assert [(u.version_code, u.another) for u in of(UnitFound, told)] == [(0x09, True)]
     assert of(Sampled, told)[-1].time > 24
@@ -56,7 +56,7 @@ def test_another_version_after_a_short_outage_is_met(method: str, seconds: float
 
 @pytest.mark.parametrize("seconds", [1.5, 3, 5])
 @pytest.mark.parametrize("method", METHODS)
-def test_another_passport_after_a_short_outage_is_told_before_its_values(
+def test_another_passport_after_a_short_outage_is_reported_before_its_values(
     method: str, seconds: float
 ) -> None:
     told = after_an_outage(method, seconds, Identity(0x0A, ("OTHER", *PASSPORTS[1:])))
@@ -129,7 +129,7 @@ class Forgetful(Responder):
 
 
 @pytest.mark.parametrize("code", [0x51, 0x53, 0x54, 0x57])
-def test_a_passport_of_which_noise_took_a_part_makes_no_other_car(code: int) -> None:
+def test_a_damaged_passport_makes_no_other_car(code: int) -> None:
     plug = SimulatedPlug(Bus(VirtualEcu(Forgetful(code))))
     car = plug.bus.ecu.responder.car
     with closing(make_sampler(plug, "FREQ", "INJ").run()) as events:
@@ -146,7 +146,7 @@ def test_a_passport_of_which_noise_took_a_part_makes_no_other_car(code: int) -> 
     assert not of(PlanChanged, again)
 
 
-def test_what_makes_two_units_the_same() -> None:
+def test_is_same_unit() -> None:
     whole = Passport(("A", "B", "C"), ("1", "2", "3", "4", "5"))
     part = Passport(("A", "B", "C"), (None,) * 5)
     none = Passport((None,) * 3, (None,) * 5)
@@ -158,7 +158,7 @@ def test_what_makes_two_units_the_same() -> None:
     assert not is_same_unit((9, part), (9, Passport((None,) * 3, whole.data)))
 
 
-def test_a_unit_that_can_not_be_brought_in_step_is_met_again_at_once() -> None:
+def test_a_unit_that_cannot_be_resynchronized_is_found_again_at_once() -> None:
     """No hand on the keyboard: two cycles at most, and the state says so."""
     plug = SimulatedPlug(make_bus())
     with closing(make_sampler(plug, "FREQ", method="batch").run()) as events:

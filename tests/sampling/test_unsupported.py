@@ -50,7 +50,7 @@ def test_requests_of_others_go_in_between(weeding):
     assert of(Sampled, told)  # and so do the values of the others
 
 
-def test_something_else_that_is_wanted_is_there_soon(weeding):
+def test_another_request_starts_soon(weeding):
     sampler, plug, events = weeding
     began = plug.now()
     sampler.reconfigure(wishes("FREQ", "TWAT"), "batch")
@@ -59,7 +59,7 @@ def test_something_else_that_is_wanted_is_there_soon(weeding):
     assert list(sampler.plan.parameters) == wishes("FREQ", "TWAT")
 
 
-def test_the_end_does_not_wait_for_it_either(weeding):
+def test_stop_does_not_wait(weeding):
     sampler, plug, events = weeding
     began = plug.now()
     sampler.stop()

@@ -91,7 +91,7 @@ def test_a_silent_one_among_many_is_found_soon():
 
 
 @pytest.mark.parametrize("method", ["single", "batch", "list", "stream"])
-def test_the_others_do_not_wait_while_it_is_found_out_who_is_silent(method):
+def test_the_other_parameters_do_not_wait_for_the_silent_one(method):
     plug = SimulatedPlug(make_bus(quirks=EcuQuirks(unknown=Unknown.SILENT)))
     sampler = make_sampler(plug, method=method)
     with closing(sampler.run()) as events:
@@ -114,7 +114,7 @@ def test_the_others_do_not_wait_while_it_is_found_out_who_is_silent(method):
         ("list", "TWAT/10"),  # asked for by itself, by 61
     ],
 )
-def test_a_one_that_means_no_is_no_datum(method, wanted):
+def test_a_refusal_01_is_no_datum(method, wanted):
     """D10 again: a unit that refuses with 01 refuses a one-byte parameter."""
     bus = make_bus(quirks=EcuQuirks(unknown=Unknown.ERROR))
     sampler = make_sampler(SimulatedPlug(bus), "FREQ", wanted, "THR", method=method)
@@ -128,7 +128,7 @@ def test_a_one_that_means_no_is_no_datum(method, wanted):
 
 @pytest.mark.parametrize("unknown", Unknown)
 @pytest.mark.parametrize("method", ["single", "batch"])
-def test_what_most_units_have_may_be_refused_as_well(method, unknown):
+def test_common_parameters_may_be_refused(method, unknown):
     """Neither FREQ nor any other is promised to anybody."""
     bus = make_bus(quirks=EcuQuirks(unknown=unknown))
     sampler = make_sampler(SimulatedPlug(bus), "FREQ", "TWAT", "UACC", "THR", method=method)
@@ -142,7 +142,7 @@ def test_what_most_units_have_may_be_refused_as_well(method, unknown):
 
 
 @pytest.mark.parametrize("unknown", Unknown)
-def test_auto_goes_down_step_by_step_as_methods_stop_working(unknown):
+def test_auto_falls_back_step_by_step_as_methods_fail(unknown):
     bus = make_bus(quirks=EcuQuirks(unknown=unknown))
     sampler = make_sampler(SimulatedPlug(bus))
     with closing(sampler.run()) as events:
@@ -185,7 +185,7 @@ def test_lists_that_became_too_long_make_smaller_batches(long_list):
 
 
 @pytest.mark.parametrize("method", ["list", "stream"])
-def test_a_method_that_was_asked_for_and_stops_is_replaced_too(method):
+def test_a_requested_method_that_fails_is_replaced(method):
     bus = make_bus()
     sampler = make_sampler(SimulatedPlug(bus), method=method)
     with closing(sampler.run()) as events:
@@ -246,7 +246,7 @@ def test_a_bad_line_is_no_refusal():
     assert_values_are_the_units(told)
 
 
-def test_when_nothing_is_left_it_says_so_and_waits_for_another_wish():
+def test_when_all_are_refused_it_reports_and_waits_for_another_request():
     bus = make_bus()
     sampler = make_sampler(SimulatedPlug(bus), "TWAT", "INJ", method="batch")
     with closing(sampler.run()) as events:

@@ -76,20 +76,20 @@ def test_doubled():
     assert struck(LineFault.DOUBLED).ask(ASK) == GOOD * 2
 
 
-def test_foreign_is_sound_and_of_a_length_that_was_not_asked_for():
+def test_foreign_is_a_valid_frame_of_another_length():
     (event,) = Decoder().feed(struck(LineFault.FOREIGN).ask(ASK))
     assert isinstance(event, Frame)
     assert len(event.body) > len(DATA[0x3F])
 
 
 @given(seed=st.integers(0, 10_000))
-def test_noise_comes_before(seed):
+def test_noise_precedes_the_response(seed):
     came = struck(LineFault.NOISE, seed).ask(ASK)
     assert came.endswith(GOOD)
     assert 1 <= len(came) - len(GOOD) <= 4
 
 
-def test_the_queued_ones_come_in_order_before_any_chance():
+def test_queued_faults_are_applied_in_order_before_any_chance():
     fault_injector = FaultInjector({LineFault.LOST: 1.0})
     fault_injector.next(None, LineFault.DOUBLED)
     tester = RawTester(make_bus(fault_injector=fault_injector))

@@ -61,7 +61,7 @@ def test_it_does_not_matter_how_often_it_is_advanced(stops: list[float], seed: i
 
 @settings(max_examples=30)
 @given(times, st.sampled_from([13, 21, 23, 41, 53]), st.floats(0, 15), st.floats(0, 5))
-def test_nor_when_faults_come_and_go(
+def test_reads_change_no_value_while_faults_change(
     stops: list[float], fault: int, begin: float, length: float
 ) -> None:
     def run(extra: list[float]) -> object:
@@ -111,7 +111,7 @@ def track(low: int, high: int):
     st.booleans(),
     st.sets(st.sampled_from([13, 17, 21, 23, 25, 26, 31, 41, 53]), max_size=3),
 )
-def test_any_scenario_stays_in_what_the_raw_bytes_can_tell(
+def test_any_scenario_stays_in_the_range_of_the_raw_bytes(
     timeline: dict[str, list[list[int]]],
     ambient: int,
     coolant: int,
@@ -137,7 +137,7 @@ def test_going_back_does_nothing() -> None:
     assert at(engine, 1) is later
 
 
-def test_a_state_is_made_once_a_moment() -> None:
+def test_a_state_is_computed_once_a_moment() -> None:
     engine = Engine(CITY)
     assert at(engine, 3) is at(engine, 3)
     assert at(engine, 3) is not at(engine, 3.001)
@@ -167,7 +167,7 @@ def test_strokes_are_where_the_crankshaft_is(name: str, stroke: int) -> None:
     assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))  # none left out
 
 
-def test_strokes_come_a_quarter_of_a_cycle_apart() -> None:
+def test_strokes_are_a_quarter_of_a_cycle_apart() -> None:
     engine = Engine()
     first = engine.next_cycle_time(1, 1.0)
     assert engine.next_cycle_time(0, 1.0) == first
@@ -175,7 +175,7 @@ def test_strokes_come_a_quarter_of_a_cycle_apart() -> None:
     assert following == pytest.approx([0.035, 0.071, 0.106, 0.141], rel=0.06)
 
 
-def test_a_stroke_may_be_asked_for_in_the_future() -> None:
+def test_strokes_in_the_future() -> None:
     ahead, there = Engine(CITY, 4), Engine(CITY, 4)
     ahead.advance(3)
     there.advance(21.7)
@@ -212,7 +212,7 @@ def test_a_crank_sensor_fault_ends_strokes_and_injection_and_can_be_cured() -> N
     assert 800 < at(engine, 40).rpm < 950
 
 
-def test_a_fault_set_from_the_start_is_there_from_the_start() -> None:
+def test_a_fault_at_the_start_has_its_substitute_at_the_start() -> None:
     assert Engine(faults=[53]).state.rpm == 0
     assert Engine(faults=(17,)).state.intake_air == 20
     assert Engine(faults={22}).state.coolant == 80

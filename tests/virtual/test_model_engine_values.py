@@ -199,14 +199,14 @@ def test_the_starter_pulls_the_voltage_down() -> None:
     assert 12 < states[0].voltage < 12.8
 
 
-def test_the_highway_costs_what_it_costs() -> None:
+def test_fuel_consumption_on_the_highway() -> None:
     states = run("highway", length=300)
     way = sum(s.speed / 3600 / 8 for s in states)
     assert 7 < states[-1].fuel_used / way * 100 < 11  # l/100 km
     assert any(s.injection == 0 and s.running for s in run("city"))
 
 
-def test_every_row_of_the_substitutes_changes_what_it_names() -> None:
+def test_every_row_of_the_substitutes_changes_its_parameters() -> None:
     sound = run("warm-idle", length=30)[-1]
     for row in TABLE:
         for fault in row.faults:

@@ -133,7 +133,7 @@ def test_everything_a_file_can_say() -> None:
         ("duration = ", 1, "this is not TOML"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_line(text: str, line: int, problem: str) -> None:
+def test_errors_name_their_line(text: str, line: int, problem: str) -> None:
     with pytest.raises(CatalogError) as caught:
         scenario(text)
     assert (caught.value.file, caught.value.line) == ("my.toml", line)

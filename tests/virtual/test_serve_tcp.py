@@ -65,7 +65,7 @@ def test_without_echo():
         assert ask(connection, count=3) == ANSWERED[3:]
 
 
-def test_bytes_come_no_faster_than_the_wire():
+def test_bytes_are_no_faster_than_the_wire():
     """All of a full set: 25 bytes out, 27 and what is stuffed back, never in less than 56 ms."""
     request = encode(b"\x61" + bytes(DATA))
     size = len(request) + 27
@@ -76,7 +76,7 @@ def test_bytes_come_no_faster_than_the_wire():
         assert heard.startswith(request)
 
 
-def test_they_come_one_by_one_and_not_in_one_piece():
+def test_bytes_arrive_one_by_one():
     with serving(a_tcp_port) as server, client(server.url) as connection:
         connection.sendall(ASKED)
         connection.settimeout(PATIENCE)
@@ -99,7 +99,7 @@ def test_a_second_tester_is_turned_away_and_the_first_one_goes_on():
         assert ask(first) == ANSWERED
 
 
-def test_a_tester_may_leave_and_come_back():
+def test_a_tester_may_reconnect():
     with serving(a_tcp_port) as server:
         for _ in range(3):
             with client(server.url) as connection:
@@ -129,7 +129,7 @@ def ask_when_free(connection: socket.socket) -> bytes:
     raise AssertionError("never let in")
 
 
-def test_a_wire_too_fast_for_this_computer_harms_nobody():
+def test_a_wire_too_fast_for_this_computer_does_not_block_others():
     """A stream at 400 kB a second, into a socket that nobody empties."""
     cars = ({"baud": "4000000", "turn_round": "0"}, {})
     with serving(a_tcp_port, *cars) as server, client(server.urls[1]) as other:
@@ -149,7 +149,7 @@ def test_closing_hangs_up_and_takes_the_port_away():
             pass
 
 
-def test_closing_with_nobody_there():
+def test_closing_without_a_tester():
     with serving(a_tcp_port) as server:
         server.close()
 
@@ -179,7 +179,7 @@ def test_many_units_on_one_loop():
         assert heard[number] == (ASKED + encode(bytes([code]))) * 5
 
 
-def test_an_elm327_on_tcp_is_seen_for_what_it_is(tmp_path):
+def test_an_elm327_on_tcp_is_recognized(tmp_path):
     with (
         serving(a_tcp_port, {"adapter": "elm327"}) as server,
         pytest.raises(NotAKLineAdapter),
@@ -206,7 +206,7 @@ def test_a_host_that_does_not_exist():
         serve.run(open_it())
 
 
-def test_what_was_overdue_comes_behind_what_the_tester_said():
+def test_the_testers_bytes_precede_overdue_ones():
     """The loop woke late: the unit's next response had not begun when the tester's byte came."""
     now = 0.0
     heard = bytearray()

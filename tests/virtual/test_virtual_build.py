@@ -104,7 +104,7 @@ def test_echo_on_is_an_echo_and_no_trouble_with_it(on):
         ("quux", "2", "scenario"),
     ],
 )
-def test_what_makes_no_sense_is_told_with_what_does(name, value, allowed):
+def test_an_invalid_value_is_reported_with_the_allowed_ones(name, value, allowed):
     with pytest.raises(UsageError) as caught:
         build_bus({name: value})
     assert allowed in caught.value.text.en
@@ -116,7 +116,7 @@ def test_what_makes_no_sense_is_told_with_what_does(name, value, allowed):
     assert "sim:" in caught.value.text.en
 
 
-def test_a_scenario_file_with_a_mistake_is_told_by_file_and_line(tmp_path):
+def test_an_invalid_scenario_file_is_reported_by_file_and_line(tmp_path):
     path = tmp_path / "bad.toml"
     path.write_text("duration = 60\nspeed = 3\n")
     with pytest.raises(CatalogError) as caught:

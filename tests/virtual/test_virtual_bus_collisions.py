@@ -121,7 +121,7 @@ def test_a_stream_that_any_byte_ends_still_ends_its_response():
 # Breaks
 
 
-def test_a_break_cuts_what_is_being_said():
+def test_a_break_cuts_the_bytes_on_the_wire():
     tester = RawTester(make_bus())
     tester.say(encode(b"\x51"))
     tester.listen(3 * BYTE + TURN + 4.5 * BYTE)
@@ -147,7 +147,7 @@ def test_a_break_without_an_echo_is_not_heard():
     assert tester.listen(1.0) == b""
 
 
-def test_what_is_said_in_a_break_comes_behind_it():
+def test_bytes_sent_during_a_break_follow_it():
     tester = RawTester(make_bus())
     tester.bus.send_break(0.05, 0.0)
     tester.say(b"\x01\xff\x0d", at=0.01)

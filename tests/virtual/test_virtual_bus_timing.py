@@ -51,7 +51,7 @@ def test_what_is_said_in_pieces_goes_out_without_gaps():
     assert tester.times[:3] == pytest.approx([BYTE, 2 * BYTE, 3 * BYTE], abs=EXACT)
 
 
-def test_a_byte_does_not_come_before_its_last_bit():
+def test_a_byte_does_not_arrive_before_its_last_bit():
     tester = RawTester(make_bus())
     tester.say(b"\x01")
     assert tester.listen(BYTE * 0.999) == b""
@@ -194,7 +194,7 @@ def test_the_table_cars_next_stroke_is_never_past_nor_more_than_a_cycle_away(rpm
 # D2
 
 
-def test_the_rest_of_a_request_may_come_late_but_not_for_ever():
+def test_the_rest_of_a_request_may_be_late_up_to_a_limit():
     for pause, answered in ((0.9, True), (1.2, False)):
         tester = RawTester(make_bus())
         tester.say(b"\x01\xff")

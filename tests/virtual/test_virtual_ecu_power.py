@@ -34,7 +34,7 @@ def turned_off_and_on(tester: RawTester) -> None:
     car.on = True
 
 
-def test_a_unit_without_supply_is_silent_and_forgets_what_it_was_about_to_say():
+def test_a_unit_without_supply_is_silent_and_forgets_pending_responses():
     bus = make_bus()
     tester = RawTester(bus)
     tester.say(b"\x01\xff\x0d")
@@ -43,7 +43,7 @@ def test_a_unit_without_supply_is_silent_and_forgets_what_it_was_about_to_say():
     assert tester.listen(1.0) == b""
 
 
-def test_what_a_power_cycle_undoes_and_what_it_leaves():
+def test_a_power_cycle_restores_volatile_data_only():
     tester = RawTester(make_bus())
     before = {read: tester.ask(read) for read in (b"\x11\x10", b"\x13\x10\x20", b"\x31\x10")}
     for write in ("12 10 99", "14 10 20 99", "16 10 20 99", "32 10 99", "62 1A 99", "64 1A"):
@@ -83,7 +83,7 @@ def test_the_supply_cuts_a_response_short():
     assert tester.times[-1] <= 20.0
 
 
-def test_a_late_response_does_not_come_from_a_unit_without_supply():
+def test_a_unit_without_supply_sends_no_late_response():
     tester = RawTester(build_bus({"scenario": "key-off", "late": "1", "late_by": "2"}))
     tester.say(b"\x01\xff\x0d", at=19.5)
     tester.listen(30.0)
@@ -110,7 +110,7 @@ def test_the_key_from_end_to_end():
     assert tester.request(c.ReadParameters((c.Datum(0x29, 1),)))[0] > b"\x0a"  # started again
 
 
-def test_the_watcher_is_told_what_happens():
+def test_the_watcher_receives_events():
     seen = []
     bus = build_bus({"scenario": "key-off"}, watcher=lambda h: seen.append((h.kind, h.data)))
     tester = RawTester(bus, now=0.0)
@@ -178,7 +178,7 @@ def test_more_faults_than_the_answer_can_count():
     assert tester.request(c.ReadFaults()) == tuple(range(255))
 
 
-def test_faults_are_told_once_each_those_of_the_scenario_first(tmp_path):
+def test_faults_are_listed_once_each_those_of_the_scenario_first(tmp_path):
     path = tmp_path / "faulty.toml"
     path.write_text("duration = 60\nfaults = [53, 13]\n[timeline]\nthrottle = 0\n")
     tester = Client(VirtualLink(build_bus({"scenario": str(path), "faults": "21 13"})))
@@ -213,7 +213,7 @@ def test_erasing_a_fault_takes_its_sensors_substitute_away():
     assert ask(tester, "TAIR") == pytest.approx(sound, abs=1)
 
 
-def test_a_fault_that_comes_later_is_noticed():
+def test_a_later_fault_is_applied():
     tester = engine_tester()
     tester.link.bus.ecu.responder.car.faults += [195, 53, 13]
     tester.wait(tester.link.now() + 1)
@@ -340,7 +340,7 @@ def connected_to(car):
 # Memory
 
 
-def test_every_space_shows_its_pattern_and_takes_what_is_written():
+def test_every_space_holds_its_pattern_and_written_bytes():
     tester = connected()
     blocks = {"ram": c.ReadRamBlock, "xram": c.ReadXramBlock, "code": c.ReadCodeBlock}
     for space, block in blocks.items():

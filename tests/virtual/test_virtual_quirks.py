@@ -151,7 +151,7 @@ def test_a_list_may_name_a_parameter_twice():
     assert a_tester().ask(b"\x61\x1a\x1a\x3f") == encode(DATA[0x1A] * 2 + DATA[0x3F])
 
 
-def test_the_longest_list_there_is():
+def test_the_longest_list():
     answer = a_tester().ask(b"\x61" + b"\x1a" * 255)
     assert answer == encode(DATA[0x1A] * 255)
 
@@ -311,7 +311,7 @@ def test_options_as_text(name, text, value):
         ("missing", "0x171", "0x71"),
     ],
 )
-def test_a_value_that_makes_no_sense_is_told_with_those_that_do(name, text, allowed):
+def test_an_invalid_value_is_reported_with_the_allowed_ones(name, text, allowed):
     with pytest.raises(UsageError) as caught:
         EcuQuirks().with_options({name: text})
     for language in (caught.value.text.en, caught.value.text.ru):

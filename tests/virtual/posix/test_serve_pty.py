@@ -49,7 +49,7 @@ def test_the_echo_and_the_answer():
         assert ask(port) == ANSWERED
 
 
-def test_bytes_come_no_faster_than_the_wire():
+def test_bytes_are_no_faster_than_the_wire():
     request = encode(b"\x61" + bytes(DATA))
     size = len(request) + 27
     with serving(a_pty_port) as server, opened(server.url) as port:
@@ -65,7 +65,7 @@ def test_control_characters_are_bytes_like_any_other():
         assert ask(port, every, 256)[:256] == every
 
 
-def test_a_tester_may_leave_and_come_back():
+def test_a_tester_may_reconnect():
     with serving(a_pty_port) as server:
         for _ in range(3):
             with opened(server.url) as port:

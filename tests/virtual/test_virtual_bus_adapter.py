@@ -26,7 +26,7 @@ def test_an_adapter_without_echo_gives_the_response_alone():
     assert tester.listen(1.0) == b"\x0a\xf6\x0d"
 
 
-def test_without_supply_nothing_goes_out_and_nothing_comes_back():
+def test_without_supply_no_byte_passes():
     bus = make_bus(adapter=AdapterKind(supplied=False))
     tester = RawTester(bus)
     tester.say(b"\x01\xff\x0d")
@@ -52,7 +52,7 @@ def test_the_latency_timer_hands_over_at_its_ticks():
     assert tester.times == [0.016] * 6
 
 
-def test_a_long_response_comes_in_packets_and_at_ticks():
+def test_a_long_response_arrives_in_packets_and_at_ticks():
     tester = RawTester(make_bus(adapter=LAZY))
     request = encode(b"\x23\x00\x00\xff")
     tester.say(request)
