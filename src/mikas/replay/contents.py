@@ -92,9 +92,9 @@ class Contents:
 
     def is_routine(self, series: Series, port: RecordedPort) -> bool:
         """Return whether one more response in `series` without 01s brings only data."""
-        for code, refused in self._data.refused.items():
-            if refused.values[-1] and series.layout.last_of(code) is not None:
-                return False
+        refused = (code for code, it in self._data.refused.items() if it.values[-1])
+        if any(series.layout.last_of(code) is not None for code in refused):
+            return False
         return port.resolver.is_quiet(series.layout)
 
     def sent(self, body: bytes, port: RecordedPort) -> None:
@@ -139,8 +139,7 @@ class Contents:
         time = began - ROUNDING if streamed else request.time
         doubtful = Doubtful(series, time, began, request)
         if port.resolver.take(doubtful, request.body, request.serial, series.layout, body):
-            self._accept(series, time)
-            self._add(doubtful, body)
+            self._accept(doubtful, body)
             return True
         if len(body) == series.size:
             return None
@@ -151,17 +150,20 @@ class Contents:
 
     def _decide(self, doubtful: Doubtful, counts: bool) -> None:
         """Keep or drop an `01`."""
-        series, time, _, request = doubtful
         if counts:
-            self._accept(series, time)
-            self._add(doubtful, ERROR)
+            self._accept(doubtful, ERROR)
             return
+        request = doubtful.request
         self._behaviour.failed(request.time, request.body, ERROR)
         if request.body[0] == _READ:
-            self._refuse(request.body[1], time)
+            self._refuse(request.body[1], doubtful.time)
 
-    def _add(self, response: Doubtful, body: bytes) -> None:
+    def _accept(self, response: Doubtful, body: bytes) -> None:
+        """Keep data; their codes are not refused now."""
         series, time, began, request = response
+        for code, refused in self._data.refused.items():
+            if series.layout.last_of(code) is not None:
+                refused.add(time, value=False)
         series.add(time, body)
         if request.body[0] in c.StreamAtStroke.CODES:
             stroke = c.StreamAtStroke.CODES.index(request.body[0])
@@ -172,12 +174,6 @@ class Contents:
         if not refused.values:
             refused.add(0.0, value=False)
         refused.add(time, value=True)
-
-    def _accept(self, series: Series, time: float) -> None:
-        """Note that the codes of `series` are not refused now."""
-        for code, refused in self._data.refused.items():
-            if series.layout.last_of(code) is not None:
-                refused.add(time, value=False)
 
     def _meaning(
         self, request: bytes, port: RecordedPort, body: bytes

@@ -29,7 +29,7 @@ Stretch = tuple[float, float]
 SILENT_FOR: Final = 2.0  # s of unanswered requests are a loss of supply
 _JUST_BEFORE: Final = 0.001  # s; the supply is there when a request comes
 _EARLY: Final = 0.05  # s; a hole ends earlier by this, as the time of its end is inexact
-_CYCLES: Final = 5  # a longer stretch without any packet is a hole, also without a note
+_CYCLES: Final = 5  # usual ones; a longer pause is a hole, also without a note
 _STEADY: Final = 20  # responses with the same parameters that show the usual cycle
 _MOST_STEPS: Final = 1000
 

@@ -60,8 +60,7 @@ class ResponseClassifier:
 
     def __init__(self, layouts: Layouts) -> None:
         self._layouts = layouts
-        self._setting: int | None = None  # the serial of the last 64
-        self._setting_request = b""
+        self._settings: list[tuple[int, bytes]] = []  # serial and body of the last 64
         self._list: Layout | None = None
 
     def groups(self, exchanges: ExchangeColumns) -> Iterator[ResponseGroup]:
@@ -71,9 +70,9 @@ class ResponseClassifier:
         for number in np.unique(responses.numbers).tolist():
             if number < 0 or not (request := bodies[number]):
                 continue
-            rows = (responses.numbers == number).nonzero()[0]
             if request.startswith(WRITE_LIST):
                 continue
+            rows = (responses.numbers == number).nonzero()[0]
             if request == READ_LIST:
                 edges = [since for since, _ in lists] + [len(responses.numbers)]
                 for (_, layout), start, stop in zip(lists, edges, edges[1:], strict=False):
@@ -89,14 +88,14 @@ class ResponseClassifier:
         lists = [(0, self._list)]
         sets_list = [n for n, body in enumerate(bodies) if body.startswith(WRITE_LIST)]
         sent = np.isin(requests.numbers, sets_list).nonzero()[0]
-        known = [] if self._setting is None else [(self._setting, self._setting_request)]
-        news = zip((sent + requests.first).tolist(), requests.numbers[sent].tolist(), strict=True)
-        settings = known + [(serial, bodies[number]) for serial, number in news]
+        new = zip((sent + requests.first).tolist(), requests.numbers[sent].tolist(), strict=True)
+        earlier, settings = len(self._settings), self._settings.copy()
+        settings += [(serial, bodies[number]) for serial, number in new]
         for at, (serial, request) in enumerate(settings):
             start = int(responses.after.searchsorted(serial))
             until = settings[at + 1][0] if at + 1 < len(settings) else np.inf
             stop = int(responses.after.searchsorted(until))
-            if serial != self._setting:
+            if at >= earlier:
                 lists.append((start, None))
             number = bodies.index(request)
             done = (responses.numbers[start:stop] == number) & (responses.lengths[start:stop] == 1)
@@ -104,8 +103,7 @@ class ResponseClassifier:
             lists += [
                 (start + row, self._layouts.of(request)) for row in done.nonzero()[0].tolist()
             ]
-        if settings:
-            self._setting, self._setting_request = settings[-1]
+        self._settings = settings[-1:]
         self._list = lists[-1][1]
         return lists
 
