@@ -7,7 +7,7 @@ from mikas.i18n import Text
 from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import note_of
 from mikas.sampling.events import Gap, Marker
-from session_header import write_session_header
+from session_header_harness import write_session_header
 
 SIM = "sim:?clock=simulated"
 

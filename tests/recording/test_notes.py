@@ -26,7 +26,7 @@ from mikas.recording import CaptureReader, CaptureWriter, Kind, Note
 from mikas.recording.annotations.events import catalog_note, faults_note, note_of, unit_of
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture import notes as blocks
-from mikas.recording.capture.index import index
+from mikas.recording.capture.notes import index
 from mikas.recording.capture.reader import Packet
 from mikas.recording.capture.scan import LARGEST
 from mikas.sampling.alarms import Alarms
@@ -42,7 +42,7 @@ from mikas.sampling.events import (
     UnitFound,
 )
 from mikas.sampling.plan import Plan, PlannedParameter
-from session_header import write_session_header
+from session_header_harness import write_session_header
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 

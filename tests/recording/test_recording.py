@@ -24,7 +24,7 @@ from mikas.recording.table.derived import FRESH, Deriver
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import MethodChosen, Sampled
 from mikas.sampling.plan import Plan, PlannedParameter
-from session_header import write_session_header
+from session_header_harness import write_session_header
 
 NAN = np.nan
 PORT = "sim:?clock=simulated"

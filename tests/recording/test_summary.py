@@ -12,7 +12,7 @@ from mikas.i18n import Text
 from mikas.recording import CaptureWriter, Coalescer, Note
 from mikas.recording import summary as summaries
 from mikas.recording.annotations.events import comment_note, events_of, note_of, unit_of
-from mikas.recording.capture import index as file_index
+from mikas.recording.capture import notes as file_index
 from mikas.recording.capture.writer import append_note
 from mikas.recording.summary import summarise
 from mikas.sampling.events import (
@@ -24,7 +24,7 @@ from mikas.sampling.events import (
     StateChanged,
     TextNote,
 )
-from session_header import write_session_header
+from session_header_harness import write_session_header
 
 PORT = "sim:?clock=simulated&faults=13,53"
 WHY = Text("no answer", "нет ответа")

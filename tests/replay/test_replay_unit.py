@@ -12,7 +12,7 @@ from mikas.framing import encode
 from mikas.recording import CaptureWriter
 from mikas.replay import load, playing
 from mikas.virtual.quirks import LongList, Unknown
-from session_header import write_session_header
+from session_header_harness import write_session_header
 
 # Who it was, and what it could do
 

@@ -18,7 +18,7 @@ from mikas.report.formatting import date_of
 from mikas.report.from_recording import find_in_recording
 from mikas.report.page import render
 from mikas.sampling.events import Gap, Marker, TextNote
-from session_header import write_session_header
+from session_header_harness import write_session_header
 
 IDLE = "sim:?clock=simulated&scenario=warm-idle"
 

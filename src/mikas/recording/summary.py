@@ -21,8 +21,7 @@ from mikas.i18n import Text
 from mikas.link.tee import Direction
 from mikas.recording.annotations.events import RecordedUnit, comment_of, events_of, unit_of
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.index import index
-from mikas.recording.capture.notes import Kind, Note
+from mikas.recording.capture.notes import Kind, Note, index
 from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, reason_of
 from mikas.recording.capture.scan import scan
 from mikas.recording.exchanges.scalar import ScalarMatcher

@@ -19,7 +19,7 @@ from typing import Final, Protocol, Self
 from mikas.framing import TERMINATOR
 from mikas.link.base import BITS_PER_BYTE
 from mikas.link.tee import Direction, Sink
-from mikas.recording.capture.notes import Note, NoteSink
+from mikas.recording.capture.notes import Note
 
 _MOST_BYTES: Final = 4096
 _LONGEST: Final = 1.0  # s
@@ -30,8 +30,11 @@ _CLOSE: Final = 0.5
 _LATE: Final = 1.0  # of the first chunk at most, as later ones show
 
 
-class NotedSink(Sink, NoteSink, Protocol):
-    """A sink that takes notes too, as `CaptureWriter` does."""
+class NotedSink(Sink, Protocol):
+    """A sink that takes notes, too, as `CaptureWriter` does."""
+
+    def note(self, note: Note) -> None:
+        """Write `note`."""
 
 
 class Coalescer:

@@ -19,8 +19,7 @@ from mikas.i18n import Text
 from mikas.link.base import BITS_PER_BYTE
 from mikas.link.tee import Direction
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.index import index
-from mikas.recording.capture.notes import Note
+from mikas.recording.capture.notes import Note, index
 from mikas.recording.capture.scan import (
     RawBlock,
     Unreadable,
@@ -309,14 +308,14 @@ _PACKET_CUT = Text(
     "the next packet was recorded without its last bytes ({count})",
     "следующий пакет записан без последних байтов ({count})",
 )
-_FULL = Text(
-    "there is no room left; what was recorded so far is whole",
-    "места больше нет; записанное до сих пор цело",
-)
 _REASONS: Final = {
-    errno.ENOSPC: _FULL,
-    errno.EDQUOT: _FULL,
-    errno.EFBIG: _FULL,
+    **dict.fromkeys(
+        (errno.ENOSPC, errno.EDQUOT, errno.EFBIG),
+        Text(
+            "there is no room left; what was recorded so far is whole",
+            "места больше нет; записанное до сих пор цело",
+        ),
+    ),
     errno.EEXIST: Text(
         "the file exists already; choose another name",
         "файл уже есть; выберите другое имя",

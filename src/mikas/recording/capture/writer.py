@@ -230,29 +230,31 @@ def _why_not_begun(error: OSError) -> Text:
     return _NOT_BEGUN.get(error.errno or 0) or reason_of(error)
 
 
-_NO_FOLDER = Text(
-    "its folder does not exist; make it, or choose another",
-    "такой папки нет; создайте её или выберите другую",
-)
-_NO_RIGHT = Text(
-    "the system does not let you write there; choose another folder, your own for one",
-    "система не даёт писать туда; выберите другую папку, например свою домашнюю",
-)
-_NO_ROOM = Text(
-    "there is no room left on that disk; make some, or choose another",
-    "на этом диске нет места; освободите его или выберите другой диск",
-)
-_TOO_LONG = Text("the name is too long; choose a shorter one", "имя длинное; выберите покороче")
-_NOT_BEGUN = {
-    errno.ENOENT: _NO_FOLDER,
-    errno.ENOTDIR: _NO_FOLDER,
-    errno.EACCES: _NO_RIGHT,
-    errno.EPERM: _NO_RIGHT,
-    errno.EROFS: _NO_RIGHT,
-    errno.ENOSPC: _NO_ROOM,
-    errno.EDQUOT: _NO_ROOM,
-    errno.EFBIG: _NO_ROOM,
-    errno.ENAMETOOLONG: _TOO_LONG,
+_NOT_BEGUN: Final = {
+    **dict.fromkeys(
+        (errno.ENOENT, errno.ENOTDIR),
+        Text(
+            "its folder does not exist; make it, or choose another",
+            "такой папки нет; создайте её или выберите другую",
+        ),
+    ),
+    **dict.fromkeys(
+        (errno.EACCES, errno.EPERM, errno.EROFS),
+        Text(
+            "the system does not let you write there; choose another folder, your own for one",
+            "система не даёт писать туда; выберите другую папку, например свою домашнюю",
+        ),
+    ),
+    **dict.fromkeys(
+        (errno.ENOSPC, errno.EDQUOT, errno.EFBIG),
+        Text(
+            "there is no room left on that disk; make some, or choose another",
+            "на этом диске нет места; освободите его или выберите другой диск",
+        ),
+    ),
+    errno.ENAMETOOLONG: Text(
+        "the name is too long; choose a shorter one", "имя длинное; выберите покороче"
+    ),
 }
 _DELETED = Text(
     "the file was deleted while being recorded; nothing more is kept",
