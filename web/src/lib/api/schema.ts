@@ -344,7 +344,7 @@ export interface components {
          */
         Level: "none" | "warning" | "danger";
         /**
-         * @description How far the way to the ECU is open, from worst to best.
+         * @description The state of the line to the ECU, from worst to best.
          * @enum {string}
          */
         LineState: "no-port" | "no-echo" | "echo-only" | "ecu-alive" | "sampling";
@@ -621,7 +621,7 @@ export interface components {
             failure: components["schemas"]["TwoTexts"] | null;
         };
         /**
-         * @description On which side the value is beyond its limit; a flag that is set is HIGH.
+         * @description The side on which the value is beyond its limit; a set flag is HIGH.
          * @enum {string}
          */
         Side: "low" | "high";
