@@ -9,7 +9,7 @@ from mikas.errors import BadPortUrl, CatalogError, NotAKLineAdapter, UsageError
 from mikas.link import open_link
 from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
 from mikas.virtual.build import MODELS, SETTINGS, build_bus
-from mikas.virtual.elm327 import LONGEST_LINE, Elm327
+from mikas.virtual.bus import LONGEST_LINE, Elm327
 from mikas.virtual.fault_injector import LATE_BY, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.scenarios.scenario import SCENARIOS

@@ -9,10 +9,9 @@ from collections.abc import Callable, Mapping
 
 from mikas.catalog import shipped
 from mikas.options import OptionParser, check_names, invalid_value
-from mikas.virtual.bus import AdapterKind, Bus
+from mikas.virtual.bus import AdapterKind, Bus, Elm327
 from mikas.virtual.cars import EngineCar
 from mikas.virtual.ecu import EcuEvent, VirtualEcu
-from mikas.virtual.elm327 import Elm327
 from mikas.virtual.fault_injector import LATE_BY, FaultInjector, LineFault, parse_rates
 from mikas.virtual.memory import EcuMemory
 from mikas.virtual.model.engine import Engine

@@ -120,19 +120,18 @@ class TcpPort:
     @classmethod
     async def open(cls, bus: Bus, clock: Callable[[], float], host: str, port: int) -> TcpPort:
         """Listen on `host:port`; port 0: the system chooses one. Raises `PortFailed`."""
-        served = cls(bus, clock)
-        await served._listen(host, port)
-        return served
-
-    async def _listen(self, host: str, port: int) -> None:
-        loop = asyncio.get_running_loop()
+        tcp_port = cls(bus, clock)
         try:
-            self._server = await loop.create_server(lambda: _Connection(self), host, port)
+            server = await asyncio.get_running_loop().create_server(
+                lambda: _Connection(tcp_port), host, port
+            )
         except OSError as error:
             raise PortFailed(url=f"{host}:{port}", problem=reason_of(error)) from error
         url_host = f"[{host}]" if ":" in host else host  # IPv6
-        self.url = f"socket://{url_host}:{self._server.sockets[0].getsockname()[1]}"
-        self._served.advance()
+        tcp_port.url = f"socket://{url_host}:{server.sockets[0].getsockname()[1]}"
+        tcp_port._server = server
+        tcp_port._served.advance()
+        return tcp_port
 
     def accept(self, tester: asyncio.Transport) -> bool:
         """Connect `tester` to the wire; False: another tester is connected."""

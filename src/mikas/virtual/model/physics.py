@@ -123,26 +123,26 @@ def demand(rpm: float) -> float:
     return air_flow(STROKE_AIR * FILLING(rpm), rpm)
 
 
-def manifold(inlet: float, wanted: float) -> float:
+def manifold(inlet: float, demand: float) -> float:
     """Return the steady manifold pressure against outside, for a choked inlet flow and a demand.
 
     Below `CHOKED` the inlet lets `inlet` through, above it less and less (an ellipse); the
-    cylinders take `wanted` times the pressure ratio: where the two meet is a quadratic.
+    cylinders take `demand` times the pressure ratio: where the two meet is a quadratic.
     """
-    if inlet <= CHOKED * wanted:
-        return inlet / wanted
+    if inlet <= CHOKED * demand:
+        return inlet / demand
     width = (inlet / (1 - CHOKED)) ** 2
-    height = width + wanted * wanted
+    height = width + demand * demand
     middle = width * CHOKED
     return (middle + sqrt(middle * middle - height * (middle * CHOKED - inlet * inlet))) / height
 
 
-def inlet_for(ratio: float, wanted: float) -> float:
+def inlet_for(ratio: float, demand: float) -> float:
     """Return the choked inlet flow for a manifold at `ratio`: the inverse of `manifold`."""
     if ratio <= CHOKED:
-        return ratio * wanted
+        return ratio * demand
     shape = 1 - ((ratio - CHOKED) / (1 - CHOKED)) ** 2
-    return ratio * wanted / sqrt(shape) if shape > 1e-4 else 100 * wanted
+    return ratio * demand / sqrt(shape) if shape > 1e-4 else 100 * demand
 
 
 def base_advance(rpm: float, filling: float) -> float:

@@ -156,16 +156,16 @@ class Plant:
         limit = ph.knock_limit(rpm, charge / ph.STROKE_AIR, heat.intake_air, heat.coolant)
         return limit - chance
 
-    def _breathe(self, rpm: float, wanted: float) -> tuple[float, float]:
+    def _breathe(self, rpm: float, demand: float) -> tuple[float, float]:
         """Set the manifold's pressure; return mg into a cylinder, kg/h through the throttle."""
         before = self.manifold
-        if wanted <= 0.05:
+        if demand <= 0.05:
             self.manifold += (1.0 - before) * 0.2
             return 0.0, 0.0
         inlet = ph.throttle_air(self.vehicle.throttle) + self.program.idle.valve * ph.VALVE_FLOW
         delay = EMPTYING * 120 / (rpm * ph.FILLING(rpm))
-        self.manifold += (ph.manifold(inlet, wanted) - before) * STEP / (delay + STEP)
-        thick = wanted * ph.density(self.heat.intake_air)
+        self.manifold += (ph.manifold(inlet, demand) - before) * STEP / (delay + STEP)
+        thick = demand * ph.density(self.heat.intake_air)
         taken = self.manifold * thick
         filled = (self.manifold - before) / STEP * delay * thick
         return ph.air_per_stroke(taken, rpm), taken + filled

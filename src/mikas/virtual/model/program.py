@@ -251,12 +251,12 @@ class SparkControl:
         self._control_knock(sensors, limit if firing else 90.0, filling)
         if sensors.throttle < 1.0:
             error = phase.target_speed - sensors.rpm
-            wanted = IDLE + max(-2.8, min(2.8, 0.05 * error))
-            wanted += max(0.0, min(16.0, -0.015 * (error + 150)))  # coasting
+            goal = IDLE + max(-2.8, min(2.8, 0.05 * error))
+            goal += max(0.0, min(16.0, -0.015 * (error + 150)))  # coasting
         else:
-            wanted = min(42.0, ph.base_advance(sensors.rpm, filling))
-        wanted += self.correction
-        self.advance += max(-3.0, min(2.0, wanted - self.advance))  # per step: 96 and 64 °/s
+            goal = min(42.0, ph.base_advance(sensors.rpm, filling))
+        goal += self.correction
+        self.advance += max(-3.0, min(2.0, goal - self.advance))  # per step: 96 and 64 °/s
 
     def _control_knock(self, sensors: Sensors, limit: float, filling: float) -> None:
         if sensors.lost.knock:

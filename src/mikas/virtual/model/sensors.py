@@ -123,20 +123,20 @@ class Sensors:
             self.intake_air = 20.0
         if lost.idle_co:
             self.idle_co = 0.0
-        wanted = signals.demand if self.rpm else 0.0
+        demand = signals.demand if self.rpm else 0.0
         bypass = valve * ph.VALVE_FLOW
         if lost.throttle:
-            self.throttle = 5.0 if lost.air_meter else _throttle(self.air, wanted, bypass)
+            self.throttle = 5.0 if lost.air_meter else _throttle(self.air, demand, bypass)
         if lost.air_meter:
             inlet = ph.throttle_air(self.throttle) + bypass
-            air = ph.manifold(inlet, wanted) * wanted if wanted else 0.0
+            air = ph.manifold(inlet, demand) * demand if demand else 0.0
             self.air += (air - self.air) * 0.15
 
 
-def _throttle(air: float, wanted: float, bypass: float) -> float:
-    """Return the opening in % that gives `air` of the `wanted`, with `bypass` by the idle valve."""
-    if wanted <= 0:
+def _throttle(air: float, demand: float, bypass: float) -> float:
+    """Return the opening in % that gives `air` of the `demand`, with `bypass` by the idle valve."""
+    if demand <= 0:
         return 0.0
-    inlet = ph.inlet_for(min(0.99, air / wanted), wanted) - bypass
+    inlet = ph.inlet_for(min(0.99, air / demand), demand) - bypass
     opening = ph.throttle_for(inlet - 2.0)
     return opening if opening > 5.0 else 0.0

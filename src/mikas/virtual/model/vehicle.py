@@ -144,19 +144,19 @@ class Vehicle:
         self.starter = inputs.key and rpm < START_DONE and (inputs.starter or restart)
         self._rolling_road = inputs.speed is not None and inputs.throttle is not None
         self._hill += (road * 0.8 - self._hill) * (STEP / 4)
-        wanted = 0.0
+        goal = 0.0
         self.brake = 0.0
         if inputs.speed is not None:
             self._choose_gear(inputs, rpm)
             if self._rolling_road:
                 self.speed = inputs.speed / 3.6
             else:
-                wanted = self._follow(inputs, rpm, coolant)
+                goal = self._follow(inputs, rpm, coolant)
         elif inputs.gear is not None:
             self.gear = inputs.gear
         if inputs.throttle is not None:
-            wanted = inputs.throttle
-        self._foot += (wanted - self._foot) * (STEP / (0.15 + STEP))
+            goal = inputs.throttle
+        self._foot += (goal - self._foot) * (STEP / (0.15 + STEP))
         self.throttle = self._foot if self._foot > 0.3 else 0.0
 
     def turn(self, omega: float, torque: float) -> float:
@@ -236,6 +236,6 @@ class Vehicle:
 def pedal(torque: float, rpm: float, coolant: float) -> float:
     """Return the throttle in % that gives about this torque at the clutch."""
     charge = (torque + ph.friction(rpm) * ph.VISCOSITY(coolant) + 8.0) / 0.41 * (rpm + 450) / rpm
-    wanted = ph.demand(rpm)
+    demand = ph.demand(rpm)
     ratio = charge / (ph.STROKE_AIR * ph.FILLING(rpm))
-    return ph.throttle_for(ph.inlet_for(min(0.985, ratio), wanted) - 12.0)
+    return ph.throttle_for(ph.inlet_for(min(0.985, ratio), demand) - 12.0)
