@@ -1,13 +1,11 @@
 """Bytes ⇄ frames: checksum, byte stuffing, terminator (§2).
 
-A frame on the wire is `[body][checksum][0D]`, body and checksum stuffed. This module is pure: it
-opens nothing, reads no clock, and never raises on input: damage is an event. It refuses to know
-what a body means, who sent it, or when.
+A frame on the wire is `[body][checksum][0D]`, body and checksum stuffed. The decoder never raises
+on input: damage is an event.
 
-The rule of D3, on which the decoder rests: stuffing does not change the sum modulo 256, so what
-stands before a `0D` can be checked as it came. Sum 0: a whole frame. Sum F3 and a second `0D` right
-behind: a frame whose checksum `0D` was sent raw. Anything else: damage, and the next frame starts
-behind that `0D`.
+Rule D3: stuffing does not change the sum modulo 256, so the bytes before a `0D` can be checked
+unchanged. Sum 0: a whole frame. Sum F3 followed by a second `0D`: a frame whose checksum `0D` was
+sent raw. Otherwise: damage, and the next frame starts after that `0D`.
 """
 
 from __future__ import annotations
@@ -24,7 +22,7 @@ _RAW_TERMINATOR_SUM = 0xF3  # -0D: all but a raw checksum 0D has been summed
 
 
 class DamageReason(Enum):
-    """Why a stretch of bytes is no frame."""
+    """The reason why bytes are no frame."""
 
     CHECKSUM = "checksum"
     TOO_LONG = "too long"
@@ -33,10 +31,9 @@ class DamageReason(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A sound frame. `wire`: as it came, terminator included; `offset`: its first byte in the
-    stream.
+    """A valid frame. `wire`: with the terminator; `offset`: of its first byte in the stream.
 
-    `raw_checksum`: the checksum was 0D or 40 and came unstuffed (D3). `irregular`: some escape was
+    `raw_checksum`: the checksum was 0D or 40 and not stuffed (D3). `irregular`: an escape was
     neither 40 CD nor 40 00 and was decoded by the sum rule (D4).
     """
 
@@ -49,9 +46,7 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Damage:
-    """Bytes that are no frame, without their terminator. `offset`: the first of them in the
-    stream.
-    """
+    """Bytes that are no frame, without their terminator. `offset`: of the first one."""
 
     reason: DamageReason
     data: bytes
@@ -62,30 +57,30 @@ Event = Frame | Damage
 
 
 def checksum(body: bytes) -> int:
-    """The byte that makes the sum of body and checksum 0 modulo 256 (§2.1). `01` → FF."""
+    """Return the byte that makes the sum with `body` 0 modulo 256 (§2.1). `01` → FF."""
     return -sum(body) & 0xFF
 
 
 def stuff(data: bytes) -> bytes:
-    """`0D` → `40 CD`, `40` → `40 00` (§2.2)."""
+    """Replace `0D` by `40 CD`, `40` by `40 00` (§2.2)."""
     # The escapes first: stuffing a terminator makes new ones.
     return data.replace(b"\x40", _STUFFED_ESCAPE).replace(b"\x0d", _STUFFED_TERMINATOR)
 
 
 def encode(body: bytes, *, raw_checksum: bool = False) -> bytes:
-    """The frame that carries `body`: `01` → `01 FF 0D` (§2).
+    """Return the frame of `body`: `01` → `01 FF 0D` (§2).
 
-    The checksum is stuffed like the body; with `raw_checksum` it is sent as it is (D3: the source
-    does not say, and some units may want it so).
+    `raw_checksum`: do not stuff the checksum (D3: the source does not specify it, and some units
+    may need it).
     """
     check = bytes([checksum(body)])
     return stuff(body) + (check if raw_checksum else stuff(check)) + b"\x0d"
 
 
 def unstuff(data: bytes) -> tuple[bytes, bool]:
-    """`data` without stuffing, and whether some escape was irregular (D4).
+    """Return `data` without stuffing, and whether an escape was irregular (D4).
 
-    A `40` adds to the byte behind it, whatever that is. One with nothing behind it stays a `40`.
+    A `40` is added to any following byte; at the end it stays a `40`.
     """
     escapes = data.count(ESCAPE)
     if not escapes:
@@ -106,11 +101,11 @@ def unstuff(data: bytes) -> tuple[bytes, bool]:
 
 
 class Decoder:
-    """Bytes in, frames and damage out, however the bytes are cut into chunks.
+    """Decodes chunks of bytes into frames and damage, independent of the chunks' sizes.
 
-    `limit`: longest frame in bytes on the wire, terminator not counted; what is longer is damage,
-    and memory stays bounded by it. `strict`: an irregular escape (D4) is damage. `noise` counts
-    bare terminators (D5), `discarded` the bytes thrown away behind the start of an over-long frame.
+    `limit`: bytes of the longest frame on the wire without terminator; a longer one is damage, so
+    memory is bounded. `strict`: an irregular escape (D4) is damage. `noise` counts bare terminators
+    (D5), `discarded` the dropped bytes of over-long frames.
     """
 
     def __init__(self, *, limit: int = 4096, strict: bool = False) -> None:
@@ -127,23 +122,23 @@ class Decoder:
 
     @property
     def pending(self) -> bytes:
-        """What came of a frame that is not finished."""
+        """The bytes of an unfinished frame."""
         return bytes(self._buffer)
 
     @property
     def offset(self) -> int:
-        """How many bytes were fed in all."""
+        """The number of bytes fed."""
         return self._offset + len(self._buffer)
 
     def reset(self) -> bytes:
-        """Forgets the unfinished frame and returns what there was of it."""
-        left = bytes(self._buffer)
-        self._drop(len(left))
+        """Drop the unfinished frame and return its bytes."""
+        dropped = bytes(self._buffer)
+        self._drop(len(dropped))
         self._overflowed = False
-        return left
+        return dropped
 
     def feed(self, data: bytes) -> list[Event]:
-        """The frames and the damage that `data` completes, in order. Never raises on any bytes."""
+        """Return the frames and the damage that `data` completes, in order. Never raises."""
         self._buffer += data
         events: list[Event] = []
         start = 0
@@ -180,8 +175,8 @@ class Decoder:
 
     def _frame(self, part: bytes, start: int) -> Event:
         plain, irregular = unstuff(part)
-        # A lone 40 at the end is a raw checksum. It is the only irregularity if everything before
-        # it is regular; in `40 40` the first escapes the second, and there is no lone one.
+        # A lone 40 at the end is a raw checksum, and no other irregularity; in `40 40` the first
+        # escapes the second.
         raw = part[-1] == ESCAPE and plain[-1] == ESCAPE
         if raw:
             irregular = unstuff(part[:-1])[1]
@@ -205,7 +200,7 @@ class Decoder:
         return Damage(DamageReason.TOO_LONG, data, self._offset + start)
 
     def _bound(self, events: list[Event]) -> None:
-        """Keeps the buffer within the limit, reporting a frame that outgrows it, once."""
+        """Keep the buffer within the limit; report a longer frame once."""
         # A terminator that waits for its successor (D3) does not count.
         if self._overflowed:
             self.discarded += len(self._buffer)

@@ -1,6 +1,4 @@
-"""The commands of §3: a class for every row, by family, and the way from a request's bytes to its
-class.
-"""
+"""The commands of §3, a class a row, and the parser of a request's bytes."""
 
 from __future__ import annotations
 
@@ -120,10 +118,10 @@ COMMANDS_BY_CODE: dict[int, type[Command[Any]]] = {
 
 
 def parse(body: bytes, size_of: SizeOf) -> Command[Any]:
-    """The request that `body` is.
+    """Parse a request's body.
 
-    Raises `MalformedRequest` for an unknown code, a wrong length, an impossible address or count,
-    a parameter that `size_of` does not know, and for 63, whose list only the ECU's side knows.
+    Raises `MalformedRequest` for an unknown code, a wrong length, an invalid address or count, a
+    parameter unknown to `size_of`, and for 63, whose list only the ECU's side knows.
     """
     if not body or (command := COMMANDS_BY_CODE.get(body[0])) is None:
         raise MalformedRequest("no such command")

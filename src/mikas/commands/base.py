@@ -1,14 +1,10 @@
-"""What every command is: its request, its response's length, how to read it, how dangerous it is
-(§3).
+"""The base of all commands: request, response lengths, decoding of the response, safety (§3).
 
-A command object is one request, complete and valid: an address or a value that does not fit is
-refused when it is made, so what exists can be sent. Bodies only; §2 adds the rest. Pure: no I/O, no
-clock.
-
-Both ends use the same class. The tester calls `body()` and `read()`, the virtual ECU `parse()` and
-`respond()`. Three bad responses are told apart: the ECU refused (`EcuRefused`), the frame is sound
-but not this request's (`WrongLength`, `WrongAddress`), or it makes no sense in itself
-(`WrongContent`).
+A command object is one valid request: its constructor refuses an invalid address or value. It
+handles bodies; `mikas.framing` adds the rest (§2). The tester calls `body()` and `read()`, the
+virtual ECU `parse()` and `respond()`. There are three kinds of bad response: the ECU refused
+(`EcuRefused`), the frame is valid but of another request (`WrongLength`, `WrongAddress`), or its
+content is invalid (`WrongContent`).
 """
 
 from __future__ import annotations
@@ -36,7 +32,7 @@ ERROR = b"\x01"
 
 
 class Safety(IntEnum):
-    """What a command can do to the ECU, from harmless to worst."""
+    """The possible effect of a command on the ECU, from harmless to worst."""
 
     READ = 0
     REVERSIBLE = 1  # a power cycle undoes it
@@ -45,7 +41,7 @@ class Safety(IntEnum):
 
 
 class MalformedRequest(ValueError):
-    """A body is not a well-formed request of this command; only the ECU's side meets it."""
+    """The body is no request of this command; raised on the ECU's side only."""
 
 
 class Command(ABC, Generic[T]):
@@ -67,7 +63,7 @@ class Command(ABC, Generic[T]):
 
     @property
     def repeatable(self) -> bool:
-        """Whether sending it twice does what sending it once does."""
+        """Whether sending the request twice has the same effect as once."""
         return self.SAFETY is Safety.READ and not self.STREAM
 
     @property
@@ -77,26 +73,26 @@ class Command(ABC, Generic[T]):
 
     @property
     def display_name(self) -> Text:
-        """`name` for people; where the source has no mnemonic, its name is English words."""
+        """`name` for display; the title in Russian if the source has no mnemonic."""
         in_russian = self.SOURCE_NAME if self.SOURCE_NAME.isupper() else f"«{self.TITLE.ru}»"
         return Text(self.name, f"{in_russian} ({self.code:02X})")
 
     @abstractmethod
     def body(self) -> bytes:
-        """The request's body."""
+        """Return the request's body."""
 
     @abstractmethod
     def response_lengths(self) -> Sequence[int]:
-        """Every length that the response's body can have, the usual one first."""
+        """Return the possible lengths of the response's body, the usual one first."""
 
     def read(self, body: bytes) -> T:
-        """What the response `body` says.
+        """Decode the response `body`.
 
-        Raises `WrongLength`, `WrongAddress` or `WrongContent` for a response that is not this
-        request's, `WriteRefused` or `NotSupported` when the ECU said no; anything else is a bug.
+        Raises `WrongLength`, `WrongAddress` or `WrongContent` for a response that does not fit,
+        `WriteRefused` or `NotSupported` for a refusal.
         """
         if len(body) not in self.response_lengths():
-            if body == ERROR:  # D10: one usual reply to a command that a unit does not know
+            if body == ERROR:  # D10: a usual reply to an unknown command
                 raise NotSupported(command=self.display_name, request=self.body(), received=body)
             raise WrongLength(
                 length=len(body),
@@ -108,20 +104,20 @@ class Command(ABC, Generic[T]):
 
     @abstractmethod
     def _read(self, body: bytes) -> T:
-        """`read`, for a body whose length fits."""
+        """Decode a body of a valid length."""
 
     @abstractmethod
     def respond(self, value: T) -> bytes:
-        """The response's body that says `value`: the ECU's side of `read`."""
+        """Return the response's body for `value`: the inverse of `read`."""
 
     @classmethod
     @abstractmethod
     def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        """The request that `body` is: the ECU's side of `body()`. Raises `MalformedRequest`."""
+        """Parse a request's body, the inverse of `body()`. Raises `MalformedRequest`."""
 
 
 class ReadNumber(Command[int]):
-    """A command of nothing but its code, answered by one byte."""
+    """A command without arguments, answered by one byte."""
 
     __slots__ = ()
 
@@ -170,20 +166,20 @@ class Write(Command[None]):
 
 
 def lengths_in_words(lengths: Sequence[int]) -> str:
-    """`4`, `5 or 6`, `1, 3, 5 …`."""
+    """Return `4`, `5 / 6`, `1, 3, 5 …`."""
     if len(lengths) > 3:
         return ", ".join(map(str, lengths[:3])) + " …"
     return " / ".join(map(str, lengths))
 
 
 def check_range(space: str, last: int, address: int, count: int = 1) -> None:
-    """Raises `AddressOutOfRange` unless `count` bytes at `address` lie within 0 … `last`."""
+    """Raise `AddressOutOfRange` unless `count` bytes at `address` lie within 0 … `last`."""
     if address < 0 or count < 1 or address + count - 1 > last:
         raise AddressOutOfRange(space=space, last=last, address=address, count=count)
 
 
 def check_byte(name: str, value: int) -> None:
-    """Raises `ValueDoesNotFit` unless `value` is a byte."""
+    """Raise `ValueDoesNotFit` unless `value` is a byte."""
     if not 0 <= value <= 0xFF:
         raise ValueDoesNotFit(
             value=value, name=name, allowed=Text("a byte is 0 to 255", "байт — от 0 до 255")
@@ -191,5 +187,5 @@ def check_byte(name: str, value: int) -> None:
 
 
 def low_high(address: int) -> bytes:
-    """An address as it travels: low byte first (§2)."""
+    """Return an address with the low byte first (§2)."""
     return address.to_bytes(2, "little")

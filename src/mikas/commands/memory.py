@@ -66,7 +66,7 @@ class _ByteCommand(Command[int]):
 
 @dataclass(frozen=True, slots=True)
 class _ByteWrite(_ByteCommand):
-    """Writes `value`; the response repeats address and byte, and `read` returns that byte."""
+    """Writes `value`; the response repeats address and byte, which `read` returns."""
 
     value: int
 
@@ -193,7 +193,9 @@ class _ReadBlock(Command[bytes]):
 
     SPACE: ClassVar[str]
     ADDRESS_BYTES: ClassVar[int]
-    COUNT_FORMS: ClassVar[tuple[bool, ...]]  # is the count repeated? the usual form first (D7)
+    COUNT_FORMS: ClassVar[
+        tuple[bool, ...]
+    ]  # whether the count is repeated, the usual form first (D7)
 
     def __post_init__(self) -> None:
         _check_block(self.SPACE, self.ADDRESS_BYTES, self.address, self.count)
@@ -243,9 +245,7 @@ class _ReadBlock(Command[bytes]):
 
 @dataclass(frozen=True, slots=True)
 class _WriteBlock(Write):
-    """Writes `data` from `address` on. D8: the data bytes are missing in the source's rows 24,
-    26.
-    """
+    """Writes `data` from `address` on. The source's rows 24, 26 lack the data bytes (D8)."""
 
     address: int
     data: bytes

@@ -1,7 +1,6 @@
 """Parameters by code: count, read, write, list, stream (§3, rows 60–64, 71, 7F–83; D15).
 
-A datum's size is its parameter's, and a response is nothing but data one behind another, so whoever
-asks has to know the sizes: they come with the codes, from the catalog.
+A response consists of data without lengths, so each code has its size from the catalog.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ Data = tuple[bytes, ...]  # one datum a parameter, in the order asked
 
 
 class Datum(NamedTuple):
-    """A parameter as the wire knows it: its code and how many bytes it has."""
+    """A parameter on the wire: its code and number of bytes."""
 
     code: int
     size: int
@@ -33,7 +32,7 @@ class Datum(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class CountParameters(ReadNumber):
-    """60 CNUMPAR: `60` → `B`, how many parameters the unit has."""
+    """60 CNUMPAR: `60` → `B`, the number of the unit's parameters."""
 
     CODES: ClassVar[tuple[int, ...]] = (0x60,)
     SOURCE_NAME: ClassVar[str] = "CNUMPAR"
@@ -42,7 +41,7 @@ class CountParameters(ReadNumber):
 
 @dataclass(frozen=True, slots=True)
 class _DataCommand(Command[Data]):
-    """Answered by the data of `parameters`, one behind another."""
+    """Answered by the data of `parameters` in order."""
 
     parameters: tuple[Datum, ...]
 
@@ -140,7 +139,7 @@ class ReadList(_DataCommand):
 
     @classmethod
     def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        """Not enough to know the list: the ECU's side keeps it, from `WriteList`."""
+        """Raise `MalformedRequest`: only the ECU's side has the list, from `WriteList`."""
         raise MalformedRequest("the list comes from 64")
 
 
@@ -168,7 +167,7 @@ class WriteList(Write):
 
 
 class StreamCyclic(_DataCommand):
-    """71 CREADPF: `71 P1 … PN` → `D1 … DN`, again and again, not tied to the crankshaft."""
+    """71 CREADPF: `71 P1 … PN` → `D1 … DN` repeatedly, independent of the crankshaft."""
 
     __slots__ = ()
     CODES: ClassVar[tuple[int, ...]] = (0x71,)

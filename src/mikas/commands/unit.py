@@ -45,7 +45,7 @@ class ReadFaults(Command[tuple[int, ...]]):
         return range(1, 2 * _MOST + 2, 2)
 
     def _read(self, body: bytes) -> tuple[int, ...]:
-        if body == ERROR:  # D10: one fault would have its number behind it
+        if body == ERROR:  # D10: the number of a single fault would follow
             raise NotSupported(command=self.display_name, request=self.body(), received=body)
         count, numbers, separators = body[0], body[1::2], body[2::2]
         if count != len(numbers):
@@ -78,9 +78,9 @@ class ReadFaults(Command[tuple[int, ...]]):
 
 @dataclass(frozen=True, slots=True)
 class GoTo(Command[bytes]):
-    """41 CGOTO: `41 AL AH`. D9: no response is expected; one that comes is shown.
+    """41 CGOTO: `41 AL AH`. No response is expected (D9). Wire for 8000: `41 00 80 3F 0D`.
 
-    The most dangerous of all: the ECU runs whatever stands there. Wire for 8000: `41 00 80 3F 0D`.
+    The most dangerous command: the ECU executes any bytes at the address.
     """
 
     address: int
@@ -101,7 +101,7 @@ class GoTo(Command[bytes]):
         return ()
 
     def read(self, body: bytes) -> bytes:
-        """Whatever came: no form is laid down for it."""
+        """Return the response, whose form is not specified."""
         return body
 
     _read = read
@@ -122,9 +122,9 @@ PASSPORT_ENCODING = "cp866"
 
 @dataclass(frozen=True, slots=True)
 class Availability(ReadNumber):
-    """01: is anybody there? `01` → the version code, `09` Mikas 5.4, `0A` Mikas 7.1.
+    """01: `01` → the version code, `09` Mikas 5.4, `0A` Mikas 7.1, or an unknown, usable model.
 
-    Any other code is an unknown model, still usable. Wire: `01 FF 0D` → `0A F6 0D`.
+    Wire: `01 FF 0D` → `0A F6 0D`.
     """
 
     CODES: ClassVar[tuple[int, ...]] = (0x01,)

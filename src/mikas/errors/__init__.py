@@ -1,4 +1,4 @@
-"""Everything that can go wrong, as one tree.
+"""The tree of all errors.
 
     MikasError
     ├── UsageError (ValueError)        wrong use; nothing was sent to the ECU

@@ -1,4 +1,4 @@
-"""The root of the tree, how an error shows the bytes on the wire, and advice by user interface."""
+"""The root of the tree, the display of bytes in errors, and the advice of a user interface."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from mikas.i18n import Language, Text
 class MikasError(Exception):
     """The root. `request` and `received` are bytes as on the wire, `time` is the link's clock.
 
-    `what` names the failure; `advice` lists the likely causes in order and what to try, in words
-    that hold for every user, of the library too. Both may hold `str.format` fields, filled from the
-    keyword arguments. What to try in a terminal or in the dashboard: `AdviceTable`.
+    `what` names the failure; `advice` lists likely causes in order and remedies for every user.
+    Both may have `str.format` fields, filled from the keyword arguments. `AdviceTable` has the
+    advice of a user interface.
     """
 
     what: ClassVar[Text] = Text("The operation failed", "Операция не выполнена")
@@ -40,12 +40,12 @@ class MikasError(Exception):
         super().__init__(self.reason.en)
 
     def __str__(self) -> str:
-        # Not fixed when raised: a higher layer may still add the bytes on the wire.
+        # Computed late: a higher layer may add the bytes on the wire.
         return self.text.en
 
     @property
     def text(self) -> Text:
-        """One short paragraph: the failure, bytes sent and received (hex), what to try."""
+        """One short paragraph: the failure, bytes sent and received (hex), advice."""
         return self.text_with(self.advice)
 
     def text_with(self, advice: Text) -> Text:
@@ -66,8 +66,9 @@ class MikasError(Exception):
         if self.request is not None:
             parts.append(f"{sent} {hex_dump(self.request, unit)}")
         if self.received is not None:
-            came = f"{received} {hex_dump(self.received, unit)}"
-            parts.append(came if self.received else nothing)
+            parts.append(
+                f"{received} {hex_dump(self.received, unit)}" if self.received else nothing
+            )
         return parts
 
 
@@ -92,10 +93,10 @@ def _paragraph(reason: str, advice: str, *wire: str) -> str:
 
 
 class AdviceTable:
-    """What else to try in one user interface, by the error's class: its commands, screens, keys.
+    """The advice of one user interface by error class: its commands, screens, keys.
 
-    An entry follows the class's own advice and holds for subclasses that inherit this advice. An
-    error with advice for its case (`has_class_advice` false) gets no entry.
+    An entry follows the class's own advice and applies to subclasses that inherit that. An error
+    with individual advice (`has_class_advice` false) gets no entry.
     """
 
     def __init__(self, entries: Mapping[type[MikasError], Text]) -> None:

@@ -7,7 +7,7 @@ from mikas.i18n import Text
 
 
 class LineError(MikasError):
-    """The ECU was there, but this exchange failed, and repeating it did not help."""
+    """The ECU is connected, but the exchange failed, also when repeated."""
 
     advice = Text(
         "Check ground and plug of the adapter, keep its cable away from the ignition leads.",
@@ -78,7 +78,7 @@ class WrongAddress(LineError):
 
 
 class WrongContent(LineError):
-    """A valid frame of the right length whose content breaks the response's own rules (§3)."""
+    """A valid frame of the right length with invalid content (§3)."""
 
     what = Text("Invalid response: {problem}", "Недопустимый ответ: {problem}")
 
