@@ -16,6 +16,7 @@ from typing import ClassVar, Generic, Self, TypeVar
 
 from mikas.errors import (
     AddressOutOfRange,
+    MikasError,
     NotSupported,
     ValueDoesNotFit,
     WriteRefused,
@@ -91,20 +92,20 @@ class Command(ABC, Generic[T]):
         Raises `WrongLength`, `WrongAddress` or `WrongContent` for a response that does not fit,
         `WriteRefused` or `NotSupported` for a refusal.
         """
-        if len(body) not in self.response_lengths():
+        try:
+            if len(body) in self.response_lengths():
+                return self._read(body)
             if body == ERROR:  # D10: a usual reply to an unknown command
-                raise NotSupported(command=self.display_name, request=self.body(), received=body)
-            raise WrongLength(
-                length=len(body),
-                expected=lengths_in_words(self.response_lengths()),
-                request=self.body(),
-                received=body,
-            )
-        return self._read(body)
+                raise NotSupported(command=self.display_name)
+            expected = lengths_in_words(self.response_lengths())
+            raise WrongLength(length=len(body), expected=expected)
+        except MikasError as error:
+            error.request, error.received = self.body(), body
+            raise
 
     @abstractmethod
     def _read(self, body: bytes) -> T:
-        """Decode a body of a valid length."""
+        """Decode a body of a valid length; `read` adds the bytes to an error."""
 
     @abstractmethod
     def respond(self, value: T) -> bytes:
@@ -150,16 +151,13 @@ class Write(Command[None]):
 
     def _read(self, body: bytes) -> None:
         if body == ERROR:
-            raise WriteRefused(request=self.body(), received=body)
+            raise WriteRefused
         if body != OK:
-            raise WrongContent(
-                problem=Text(
-                    f"{body.hex().upper()} is no completion code (00 or 01)",
-                    f"{body.hex().upper()} — не код завершения (00 или 01)",
-                ),
-                request=self.body(),
-                received=body,
+            problem = Text(
+                f"{body.hex().upper()} is no completion code (00 or 01)",
+                f"{body.hex().upper()} — не код завершения (00 или 01)",
             )
+            raise WrongContent(problem=problem)
 
     def respond(self, value: None = None) -> bytes:  # noqa: ARG002  (same shape as every command)
         return OK

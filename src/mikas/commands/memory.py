@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar, Self, TypeVar
 
 from mikas.commands.base import (
     Command,
@@ -22,15 +22,33 @@ from mikas.commands.base import (
 from mikas.errors import WrongAddress, WrongContent
 from mikas.i18n import Text
 
+T = TypeVar("T")
+
 
 @dataclass(frozen=True, slots=True)
-class _ByteCommand(Command[int]):
-    """A byte at `address`; both reading and writing answer `[address][byte]`."""
+class _AtAddress(Command[T]):
+    """A command at `address`, which its response repeats before the data."""
 
     address: int
 
     SPACE: ClassVar[str]
     ADDRESS_BYTES: ClassVar[int]
+
+    def _address(self) -> bytes:
+        return self.address.to_bytes(self.ADDRESS_BYTES, "little")
+
+    def _data_of(self, body: bytes) -> bytes:
+        address, data = body[: self.ADDRESS_BYTES], body[self.ADDRESS_BYTES :]
+        if address != self._address():
+            raise WrongAddress(
+                got=address[::-1].hex().upper(), asked=self._address()[::-1].hex().upper()
+            )
+        return data
+
+
+@dataclass(frozen=True, slots=True)
+class _ByteCommand(_AtAddress[int]):
+    """A byte at `address`; both reading and writing answer `[address][byte]`."""
 
     def __post_init__(self) -> None:
         check_range(self.SPACE, (1 << 8 * self.ADDRESS_BYTES) - 1, self.address)
@@ -38,21 +56,11 @@ class _ByteCommand(Command[int]):
     def body(self) -> bytes:
         return bytes([self.code]) + self._address()
 
-    def _address(self) -> bytes:
-        return self.address.to_bytes(self.ADDRESS_BYTES, "little")
-
     def response_lengths(self) -> Sequence[int]:
         return (self.ADDRESS_BYTES + 1,)
 
     def _read(self, body: bytes) -> int:
-        if body[:-1] != self._address():
-            raise WrongAddress(
-                got=body[:-1][::-1].hex().upper(),
-                asked=self._address()[::-1].hex().upper(),
-                request=self.body(),
-                received=body,
-            )
-        return body[-1]
+        return self._data_of(body)[0]
 
     def respond(self, value: int) -> bytes:
         return self._address() + bytes([value])
@@ -185,17 +193,12 @@ def _check_block(space: str, address_bytes: int, address: int, count: int) -> No
 
 
 @dataclass(frozen=True, slots=True)
-class _ReadBlock(Command[bytes]):
-    """`count` bytes from `address` on."""
+class _ReadBlock(_AtAddress[bytes]):
+    """`count` bytes from `address` on. `COUNT_FORMS`: whether the count is repeated (D7)."""
 
-    address: int
     count: int
 
-    SPACE: ClassVar[str]
-    ADDRESS_BYTES: ClassVar[int]
-    COUNT_FORMS: ClassVar[
-        tuple[bool, ...]
-    ]  # whether the count is repeated, the usual form first (D7)
+    COUNT_FORMS: ClassVar[tuple[bool, ...]]  # the usual form first
 
     def __post_init__(self) -> None:
         _check_block(self.SPACE, self.ADDRESS_BYTES, self.address, self.count)
@@ -203,33 +206,20 @@ class _ReadBlock(Command[bytes]):
     def body(self) -> bytes:
         return bytes([self.code]) + self._address() + bytes([self.count])
 
-    def _address(self) -> bytes:
-        return self.address.to_bytes(self.ADDRESS_BYTES, "little")
-
     def response_lengths(self) -> Sequence[int]:
         return tuple(self.ADDRESS_BYTES + counted + self.count for counted in self.COUNT_FORMS)
 
     def _read(self, body: bytes) -> bytes:
-        address, rest = body[: self.ADDRESS_BYTES], body[self.ADDRESS_BYTES :]
-        if address != self._address():
-            raise WrongAddress(
-                got=address[::-1].hex().upper(),
-                asked=self._address()[::-1].hex().upper(),
-                request=self.body(),
-                received=body,
-            )
-        if len(rest) > self.count:
-            if rest[0] != self.count:
-                raise WrongContent(
-                    problem=Text(
-                        f"it announces {rest[0]} bytes instead of {self.count}",
-                        f"объявлено байтов {rest[0]} вместо {self.count}",
-                    ),
-                    request=self.body(),
-                    received=body,
+        data = self._data_of(body)
+        if len(data) > self.count:
+            if data[0] != self.count:
+                problem = Text(
+                    f"it announces {data[0]} bytes instead of {self.count}",
+                    f"объявлено байтов {data[0]} вместо {self.count}",
                 )
-            rest = rest[1:]
-        return rest
+                raise WrongContent(problem=problem)
+            data = data[1:]
+        return data
 
     def respond(self, value: bytes, *, counted: bool | None = None) -> bytes:
         """`counted`: whether to repeat the count; the source's form by default (D7)."""

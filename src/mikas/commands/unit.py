@@ -46,23 +46,17 @@ class ReadFaults(Command[tuple[int, ...]]):
 
     def _read(self, body: bytes) -> tuple[int, ...]:
         if body == ERROR:  # D10: the number of a single fault would follow
-            raise NotSupported(command=self.display_name, request=self.body(), received=body)
+            raise NotSupported(command=self.display_name)
         count, numbers, separators = body[0], body[1::2], body[2::2]
         if count != len(numbers):
-            raise WrongContent(
-                problem=Text(
-                    f"it announces {count} and holds {len(numbers)} faults",
-                    f"объявлено ошибок {count}, а пришло {len(numbers)}",
-                ),
-                request=self.body(),
-                received=body,
+            problem = Text(
+                f"it announces {count} and holds {len(numbers)} faults",
+                f"объявлено ошибок {count}, а пришло {len(numbers)}",
             )
+            raise WrongContent(problem=problem)
         if any(byte != SEPARATOR for byte in separators):
-            raise WrongContent(
-                problem=Text("a fault is not followed by E0", "за номером ошибки нет E0"),
-                request=self.body(),
-                received=body,
-            )
+            problem = Text("a fault is not followed by E0", "за номером ошибки нет E0")
+            raise WrongContent(problem=problem)
         return tuple(numbers)
 
     def respond(self, value: tuple[int, ...]) -> bytes:
