@@ -1,6 +1,6 @@
 """Draws docs/live.svg, the picture in docs/cli.md: the live table over a virtual car warming up.
 
-CommandContext from the repository's root: python docs/live_picture.py
+Run from the repository's root: python docs/live_picture.py
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ WIDTH = 118
 
 
 def main() -> None:
-    """Writes the picture beside this file."""
+    """Write the picture next to this file."""
     console = Console(record=True, width=WIDTH, height=40, file=io.StringIO(), force_terminal=True)
     run = CommandContext(port="sim:?scenario=cold-start&seed=1&clock=simulated")
     asked = SamplingOptions(duration=SECONDS)
@@ -32,7 +32,7 @@ def main() -> None:
             table.take(event)
         console.print(table.drawing(table_layout.UNLIMITED))
     picture = console.export_svg(title="mikas watch")
-    # The picture must not fetch a font from elsewhere: whatever monospaced one there is will do.
+    # The picture must not fetch a font: any monospaced one of the system will do.
     picture = re.sub(r"@font-face \{.*?\}\s*", "", picture, flags=re.DOTALL)
     picture = picture.replace("Fira Code", "DejaVu Sans Mono, Menlo, Consolas")
     Path(__file__).with_name("live.svg").write_text(picture, "utf-8")

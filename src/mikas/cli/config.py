@@ -32,7 +32,7 @@ def path() -> Path:
     """Return the path of the config file, whether or not it exists."""
     if named := os.environ.get("MIKAS_CONFIG"):
         return Path(named)
-    if sys.platform not in ("win32", "darwin"):  # what platformdirs says, without its import
+    if sys.platform not in ("win32", "darwin"):  # as platformdirs, without its import
         base = os.environ.get("XDG_CONFIG_HOME", "").strip()
         folder = Path(base) if base else Path("~/.config").expanduser()
         return folder / "mikas" / "config.toml"

@@ -85,7 +85,7 @@ class CommandContext:
 
     @property
     def interpretation(self) -> str:
-        """Which interpretation of the errata decodes values."""
+        """The interpretation of the errata."""
         return self.options.interpretation
 
     def say(self, en: str, ru: str) -> None:
@@ -131,10 +131,10 @@ class CommandContext:
         """Print a note if the capture on `link` has failed."""
         failure = getattr(link, "failure", None)
         if failure is not None and failure is not sys.exception():  # else it is printed anyway
-            why = (
+            reason = (
                 localized(ADVICE.text(failure)) if isinstance(failure, MikasError) else str(failure)
             )
-            self.say(f"Recording stopped early: {why}", f"Запись прервалась: {why}")
+            self.say(f"Recording stopped early: {reason}", f"Запись прервалась: {reason}")
 
     def confirm(
         self, *, yes: bool, meaning: Callable[[str], str] | None = None
@@ -158,12 +158,12 @@ class CommandContext:
 
 
 def _confirmed() -> bool:
-    """The answer at the terminal; what is neither yes nor no is no."""
+    """Return whether the answer at the terminal is yes."""
     sys.stderr.write(tr("Do it? [y/N] ", "Выполнить? [д/Н] "))
     sys.stderr.flush()
     answer = sys.stdin.readline()
     if not answer.endswith("\n"):
-        sys.stderr.write("\n")  # Ctrl-D leaves the cursor behind the question
+        sys.stderr.write("\n")  # Ctrl-D leaves the cursor after the question
     return answer.strip().lower() in ("y", "yes", "д", "да")
 
 
@@ -174,8 +174,8 @@ def _described(change: Change, meaning: Callable[[str], str] | None) -> str:
         lines.append(tr(f"  before: {before}", f"  было:  {before}"))
     if change.after is not None and change.after not in change.what.en:
         after = (meaning(change.after) if meaning else change.after) or "–"
-        known = change.before is not None
-        label = tr("after: ", "будет:") if known else tr("bytes:", "байты:")
+        has_before = change.before is not None
+        label = tr("after: ", "будет:") if has_before else tr("bytes:", "байты:")
         lines.append(f"  {label} {after}")
     if change.safety.name == "DANGEROUS":
         lines.append(

@@ -13,9 +13,8 @@ _requested = False
 
 
 def set_language(language: Language) -> None:
-    """Print all texts in `language` from now on."""
-    global _chosen  # noqa: PLW0603  (one process speaks one language; passing it to every help
-    # text would be worse)
+    """Set the language of all texts."""
+    global _chosen  # noqa: PLW0603  (one language a process)
     _chosen = language
 
 
@@ -55,10 +54,9 @@ def decimal(text: str) -> str:
 
 
 def detect_language(argv: Sequence[str]) -> Language:
-    """`--lang` wherever it stands, else MIKAS_LANG, else the config file, else the locale.
+    """Return the language of `--lang`, else MIKAS_LANG, else the config file, else the locale.
 
-    Done before the arguments are parsed, because the help depends on it. An invalid `--lang` or
-    config file is reported when it is parsed.
+    The help needs it before the arguments are parsed; an invalid value is reported then.
     """
     global _requested  # noqa: PLW0603  (as `set_language`)
     named = _in_arguments(argv) or os.environ.get("MIKAS_LANG") or _in_config()
@@ -87,7 +85,7 @@ def _of_locale() -> str:
     for name in ("LC_ALL", "LC_MESSAGES", "LANG"):
         if value := os.environ.get(name):
             return value
-    if os.name == "nt":  # Windows keeps it elsewhere
+    if os.name == "nt":  # Windows has no such variables
         import locale
 
         return locale.getlocale()[0] or ""

@@ -76,7 +76,7 @@ def run(argv: list[str]) -> int:
     """Run one command line; return the exit status."""
     try:
         set_language(detect_language(argv))
-        # Not `cli.main`: it would end the process when a pipe's reader is gone.
+        # `cli.main` would end the process when a pipe's reader is gone.
         with cli.make_context("mikas", argv) as context:
             result = cli.invoke(context)
         sys.stdout.flush()
@@ -87,13 +87,13 @@ def run(argv: list[str]) -> int:
         _print_error("")
         return INTERRUPTED
     except BrokenPipeError:
-        # The reader of our output has closed it: no error, not at exit either.
+        # The reader of stdout has closed it: no error, not at exit either.
         _discard_output()
         return DONE
     except click.ClickException as error:
         _print_error(_usage(error))
         return USAGE
-    except Exception as error:  # one of ours, or a bug
+    except Exception as error:  # a MikasError or a bug
         return _failed(error, verbose=any(word in ("-v", "-vv", "--verbose") for word in argv))
 
 
@@ -127,10 +127,12 @@ def _message(error: click.ClickException) -> str:
     context = getattr(error, "ctx", None)
     match error:
         case click.NoSuchOption():
-            said = tr(f"There is no option {error.option_name}.", f"Ключа {error.option_name} нет.")
+            problem = tr(
+                f"There is no option {error.option_name}.", f"Ключа {error.option_name} нет."
+            )
             nearest = ", ".join(error.possibilities or ())
             hint = tr(f" Did you mean {nearest}?", f" Может быть, {nearest}?")
-            return said + (hint if nearest else "")
+            return problem + (hint if nearest else "")
         case click.MissingParameter():
             name = _name(error.param)
             return tr(f"{name} is missing.", f"Не указано: {name}.")
@@ -184,11 +186,11 @@ def _failed(error: Exception, *, verbose: bool) -> int:
         return BUG
     from mikas.cli.advice import ADVICE
 
-    said = localized(ADVICE.text(error))
+    text = localized(ADVICE.text(error))
     ours = error.what.en.startswith("{problem}") or not error.what.en.startswith("{")
-    if ours and re.match(r"[^\W\d_]+[ ,]", said):  # a word, not a file's name or a value
-        said = capital(said)
-    _print_error(said)
+    if ours and re.match(r"[^\W\d_]+[ ,]", text):  # a word, not a file's name or a value
+        text = capital(text)
+    _print_error(text)
     if verbose and error.__cause__:
         _print_error(
             f"  ({type(error).__name__} ← {type(error.__cause__).__name__}: {error.__cause__})"

@@ -1,8 +1,8 @@
 """Markers while recording: Enter sets one; the text typed before it is its name.
 
-A thread waits for lines until the end or Ctrl-C, whichever is first: later input is the shell's,
-also while a recording is still being closed. The thread reads the descriptor itself: blocked in
-`sys.stdin` it would keep the process from ending.
+A thread waits for lines until the end or Ctrl-C: later input is the shell's, also while the
+recording is being closed. It reads the descriptor, because a thread blocked in `sys.stdin` would
+keep the process from ending.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _END = b"\0"  # no signal has this number
 
 
 class Marking:
-    """Listens while in the `with`; only where stdin is a terminal of this process group."""
+    """Listens while in the `with`, if stdin is a terminal of this process group."""
 
     def __init__(self, recorder: Recorder, tell: Callable[[str], None]) -> None:
         self._recorder = recorder
@@ -42,8 +42,8 @@ class Marking:
     def __exit__(self, *_: object) -> None:
         self._ended = True
         if self._waking is None or self._thread is None:
-            return  # on Windows nothing wakes it: it goes with the process
-        with suppress(BlockingIOError):  # full of signals: they wake it too
+            return  # on Windows the thread ends with the process
+        with suppress(BlockingIOError):  # full of signals, which wake the thread too
             os.write(self._waking[1], _END)
         self._thread.join()
         signal.set_wakeup_fd(self._woken_before)

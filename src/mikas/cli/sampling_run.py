@@ -1,9 +1,9 @@
 """One session of `watch`, `log` or `demo`: the acquisition, the recorder beside it, and their end.
 
-    link ──► Acquisition.run ──► Recorder.take ──► events ──► what shows them
+    link ──► Acquisition.run ──► Recorder.take ──► events ──► display
 
-The first connection is strict: where nobody answers, the command ends with what to try. From there
-on it waits, for ever, for whatever went away.
+If the unit does not answer the first connection, the command ends with advice. Later the run waits
+without limit for a lost link or unit.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from mikas.client import Ecu
     from mikas.sampling.events import Event
 
-_SEARCH = 3  # lost cycles at the beginning that are not told: something better may follow
+_SEARCH = 3  # failed cycles at the start that are not shown: another method may follow
 
 
 @dataclass(frozen=True, slots=True)
 class SamplingOptions:
-    """What the command line says about sampling. `count` and `duration` None: until Ctrl-C."""
+    """The options of sampling. `count` and `duration` None: until Ctrl-C."""
 
     names: Sequence[str] = ()
     method: str = "auto"
@@ -44,7 +44,7 @@ class SamplingOptions:
     relearn: bool = False
 
     def with_count(self) -> SamplingOptions:
-        """With a count where rate and duration make one, lest it waits for one too late."""
+        """Return these with a count, if rate and duration give one: no wait for a late sample."""
         if self.rate is None or self.duration is None:
             return self
         most = int(self.rate * self.duration) + 1
@@ -52,7 +52,7 @@ class SamplingOptions:
 
 
 class SamplingRun:
-    """What `session` gives: `events` to be run through once, and what is known meanwhile."""
+    """The events of one run, to be iterated once, and its counters."""
 
     def __init__(
         self, acquisition: Acquisition, recorder: Recorder, port: str, asked: SamplingOptions
@@ -68,31 +68,31 @@ class SamplingRun:
         self.gap_cycles = 0
         self.seconds = 0.0
         self.recording_over: RecordingOver | None = None
-        """What was played is at its end, and so are the events."""
+        """The end of the played recording, which ended the events."""
         self._began: float | None = None
         self._ecu: Ecu | None = None
-        self._searched = 0  # lost cycles before the first sample
+        self._searched = 0  # failed cycles before the first sample
         self._failed_before = 0  # line errors on links that are gone
 
     @property
     def channels(self) -> Sequence[Parameter | Derived]:
-        """What was asked for, in order."""
+        """The requested channels, in order."""
         return self.acquisition.channels
 
     @property
     def errors(self) -> int:
-        """Exchanges that failed on the line, since the start."""
+        """The number of exchanges that failed on the line."""
         return self._failed_before + (self._ecu.tester.statistics.failed if self._ecu else 0)
 
     @property
     def rate(self) -> float:
-        """Samples a second, over all."""
+        """Samples a second, on average."""
         return self.samples / self.seconds if self.seconds > 0 else 0.0
 
     def events(self, asked: SamplingOptions) -> Generator[Event, None, None]:
-        """Events, recorded already, until `asked` has enough; a lost cycle counts as a sample.
+        """Yield events, after recording them, until `asked` is complete; failed cycles count.
 
-        A recording that is played may end before: `over` tells. Raises as `Acquisition.run` does.
+        The end of a played recording sets `recording_over`. Raises as `Acquisition.run` does.
         """
         asked = asked.with_count()
         period = 1 / asked.rate if asked.rate else 0.0
@@ -103,7 +103,7 @@ class SamplingRun:
                 if isinstance(event, CycleFailed) and self._is_searching(event):
                     continue
                 if isinstance(event, Sampled) and period:
-                    if event.time < due:  # methods are measured as fast as they go
+                    if event.time < due:  # methods are measured at full speed
                         continue
                     due = event.time + 0.75 * period
                 self._follow(event)
@@ -121,7 +121,7 @@ class SamplingRun:
                 self.recording_over = error
 
     def _is_searching(self, gap: CycleFailed) -> bool:
-        """Whether `gap` may only be the unit's refusal of a method, which is raised next."""
+        """Return whether `gap` may be the refusal of a method, which is raised next."""
         if isinstance(gap.error, EngineStopped):
             return False
         self._searched += not self.samples
@@ -152,7 +152,7 @@ class SamplingRun:
 def sampling_session(
     context: CommandContext, asked: SamplingOptions, out: Path | None = None, *, joined: bool = True
 ) -> Iterator[SamplingRun]:
-    """A session on this run's port, with everything on the wire recorded to `out`, if named."""
+    """Open a run on this command's port; everything on the wire is recorded to `out`, if given."""
     port = context.port or choose_port()
     recorder = Recorder(interpretation=context.interpretation, joined=joined)
     acquisition = Acquisition(

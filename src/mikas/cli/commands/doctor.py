@@ -9,7 +9,7 @@ from mikas.cli.click_extensions import command
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.cli.main import NO_CONNECTION
-from mikas.client.doctor import STEPS, Step, examine
+from mikas.client.doctor import Step, examine
 from mikas.i18n import Text
 from mikas.link import CaptureTee, Link, choose_port, find_ports, open_link
 
@@ -107,19 +107,13 @@ def _open(context: CommandContext, stack: ExitStack) -> Link:
 
 def _line(step: Step) -> str:
     mark = {True: "✓", False: "✗", None: "•"}[step.ok]
-    names = dict(
-        zip(
-            STEPS,
-            (
-                tr("port", "порт"),
-                tr("echo", "эхо"),
-                tr("baud", "скорость"),
-                tr("latency", "задержка"),
-                tr("line", "линия"),
-                tr("ECU", "блок"),
-                tr("commands", "команды"),
-            ),
-            strict=True,
-        )
-    )
+    names = {
+        "port": tr("port", "порт"),
+        "echo": tr("echo", "эхо"),
+        "baud": tr("baud", "скорость"),
+        "latency": tr("latency", "задержка"),
+        "line": tr("line", "линия"),
+        "ecu": tr("ECU", "блок"),
+        "commands": tr("commands", "команды"),
+    }
     return f"{mark} {names[step.name]}: {localized(_detail(step))}"

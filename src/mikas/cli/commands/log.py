@@ -15,6 +15,7 @@ from mikas.cli.main import USAGE
 from mikas.cli.markers import Marking
 from mikas.cli.parameter_types import File, Portion, PortionType
 from mikas.cli.render.notices import Notices
+from mikas.cli.render.output import CLEAR_LINE
 from mikas.cli.render.values import JsonLines
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
 from mikas.client import Ecu
@@ -187,7 +188,7 @@ class _ProgressLine:
         from shutil import get_terminal_size
 
         width = get_terminal_size().columns - 1
-        sys.stderr.write(f"\r\x1b[K{text[:width]}")
+        sys.stderr.write(f"{CLEAR_LINE}{text[:width]}")
         sys.stderr.flush()
 
     def _now(self) -> str:

@@ -23,7 +23,7 @@ from mikas.virtual.fault_injector import LineFault
 if TYPE_CHECKING:
     from mikas.replay import ReplayCar
 
-_TROUBLES = ", ".join(it.value for it in LineFault if it is not LineFault.DAMAGED)
+_LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAMAGED)
 
 
 @command(
@@ -85,7 +85,7 @@ _TROUBLES = ", ".join(it.value for it in LineFault if it is not LineFault.DAMAGE
     "line_faults",
     multiple=True,
     metavar="KIND=RATE",
-    text=Text(f"damaged=0.01; also {_TROUBLES}", f"damaged=0.01; ещё {_TROUBLES}"),
+    text=Text(f"damaged=0.01; also {_LINE_FAULTS}", f"damaged=0.01; ещё {_LINE_FAULTS}"),
 )
 @option(
     "--set",
@@ -144,16 +144,16 @@ def _recorded(context: CommandContext, path: Path, wanted: Mapping[str, str]) ->
 def _reporting_the_end(
     context: CommandContext, path: Path, car: ReplayCar | None
 ) -> Callable[[EcuEvent], None]:
-    """Return a watcher that also says, once, that the recording is over."""
-    watcher, told = _watcher(context), False
+    """Return a watcher that also reports, once, the end of the recording."""
+    watcher, is_reported = _watcher(context), False
 
-    def tell(event: EcuEvent) -> None:
-        nonlocal told
+    def watch(event: EcuEvent) -> None:
+        nonlocal is_reported
         if watcher is not None:
             watcher(event)
-        if told or event.kind != "power-off" or car is None or not car.is_over(event.time):
+        if is_reported or event.kind != "power-off" or car is None or not car.is_over(event.time):
             return
-        told = True
+        is_reported = True
         if context.output.json and watcher is not None:
             watcher(EcuEvent(event.time, "recording-over"))
         context.say(
@@ -163,7 +163,7 @@ def _reporting_the_end(
             "Повторить — той же командой; --set loop=1 повторяет запись по кругу.",
         )
 
-    return tell
+    return watch
 
 
 async def _serve(
@@ -190,7 +190,7 @@ async def _serve(
 
 
 def _watcher(context: CommandContext) -> Callable[[EcuEvent], None] | None:
-    def tell(event: EcuEvent) -> None:
+    def watch(event: EcuEvent) -> None:
         data = event.data.hex().upper()
         if context.output.json:
             context.output.data(
@@ -199,7 +199,7 @@ def _watcher(context: CommandContext) -> Callable[[EcuEvent], None] | None:
         else:
             context.output.detail(f"{event.time:.3f}", event.kind, data)
 
-    return tell if context.output.json or context.output.verbose else None
+    return watch if context.output.json or context.output.verbose else None
 
 
 def _pair(word: str) -> tuple[str, str]:

@@ -1,8 +1,8 @@
 """The live table of a sampling run, redrawn in place on a terminal.
 
-A value of this cycle is bright; one from an earlier cycle is faded, with its age; in a gap there
-are dashes. Without data, not even a gap, the last values fade after a second and are dashes after
-two. A channel in alarm has a colour, and the line above the table names it.
+A value of this cycle is bright; one from an earlier cycle is faded, with its age; in a gap values
+are dashes. Without any event, the values fade after 1 s and are dashes after 2 s. A channel in
+alarm has a colour and is named in the line above the table.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from mikas.sampling.derived import DerivedValue
     from mikas.sampling.events import Event
 
-_PER_SECOND = 5  # refreshes, as many as an eye can follow
+_PER_SECOND = 5  # refreshes
 _SPARK = "▁▂▃▄▅▆▇█"
-_MEMORY = 60  # samples that the small curve shows, joined to its width
+_MEMORY = 60  # samples in the trend curve
 _WIDTH = 20
 _OLD = 1.0  # s; a younger value is faded, without its age, which would only flicker
 
@@ -120,7 +120,7 @@ class LiveTable:
         self._times.append(event.time)
         self._arrivals.add(self._clock())
         for name, reading in fresh_values(event).items():
-            if name not in self._history:  # an input of something derived
+            if name not in self._history:  # an input of a derived channel
                 continue
             self._latest[name] = reading
             self._history[name].append(float(reading.value))
@@ -138,12 +138,12 @@ class LiveTable:
             silence = Silence() if ended else self._arrivals.silence(self._clock())
             rows = [self._row(channel, silence) for channel in self._session.channels]
             state = self._state(silence)
-            well = isinstance(self._cycle, Sampled) and not self._broken and not silence.seconds
+            is_well = isinstance(self._cycle, Sampled) and not self._broken and not silence.seconds
             alarms = self._in_alarm()
             notice = self._notices[-1] if self._notices else ""
         width, height = self._console.size
         head = table_layout.Head(
-            state, "green" if well or self._cycle is None else "red", alarms, notice
+            state, "green" if is_well or self._cycle is None else "red", alarms, notice
         )
         return table_layout.draw(head, rows, width, lines or height)
 
@@ -167,8 +167,8 @@ class LiveTable:
     def _value(self, channel: Parameter | Derived, silence: Silence) -> tuple[str, str]:
         """Return the text of the value and its style."""
         latest = self._latest.get(channel.name)
-        dead = self._broken is not None or silence.gone
-        if latest is None or dead or not isinstance(self._cycle, Sampled):
+        is_lost = self._broken is not None or silence.gone
+        if latest is None or is_lost or not isinstance(self._cycle, Sampled):
             return "–", ""
         alarm = self._alarms.get(channel.name)
         style = _STYLES[alarm.level] if alarm else ""
@@ -195,16 +195,16 @@ class LiveTable:
         model = localized(self._session.model.text) if self._session.model else "…"
         failed = tr(f"errors {self._session.errors}", f"ошибок {self._session.errors}")
         if self._broken is not None:
-            waits = tr("waiting, sampling resumes by itself", "ждём, опрос продолжится сам")
-            return f"○ {localized(self._broken.text)} · {waits} · {model}"
+            note = tr("waiting, sampling resumes by itself", "ждём, опрос продолжится сам")
+            return f"○ {localized(self._broken.text)} · {note} · {model}"
         if self._cycle is None:
             return f"… {tr('waiting for the first response', 'ждём первого ответа')} · {model}"
         if isinstance(self._cycle, CycleFailed):
             return f"○ {localized(self._cycle.error.reason)} · {model} · {failed}"
         if silence.seconds:
-            for_so_long = f"{silence.seconds:.0f}"
-            nothing = tr(f"no data for {for_so_long} s", f"нет данных {for_so_long} с")
-            return f"○ {nothing} · {model} · {failed}"
+            seconds = f"{silence.seconds:.0f}"
+            no_data = tr(f"no data for {seconds} s", f"нет данных {seconds} с")
+            return f"○ {no_data} · {model} · {failed}"
         sets = decimal(f"{self._rate():.1f}")
         rate = tr(f"{sets} readings/s", f"{sets} опр/с")
         parts = [
@@ -250,7 +250,7 @@ def sparkline(values: Sequence[float]) -> str:
     if len(values) < 2:
         return ""
     step = max(1, len(values) // _WIDTH)
-    shown_ones = list(values)[::-1][: _WIDTH * step : step][::-1]
-    low, high = min(shown_ones), max(shown_ones)
+    points = list(values)[::-1][: _WIDTH * step : step][::-1]
+    low, high = min(points), max(points)
     scale = (len(_SPARK) - 1) / (high - low) if high > low else 0.0
-    return "".join(_SPARK[round((value - low) * scale)] for value in shown_ones)
+    return "".join(_SPARK[round((value - low) * scale)] for value in points)

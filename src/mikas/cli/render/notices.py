@@ -1,7 +1,4 @@
-"""Events beside the values in one sentence each: the line's state, a drop, an alarm.
-
-On stderr for plain lines and JSON; in the live table's last line, and under it at its end.
-"""
+"""Sentences for events other than values: the state of the line, a dropped parameter, an alarm."""
 
 from __future__ import annotations
 
@@ -38,25 +35,22 @@ _LASTING = 3.0  # s without a sample on a working line that are worth a notice
 
 
 class Notices:
-    """Follows a session's events and hands each sentence to `tell`. `verbose`: more of them.
-
-    While all is well nothing is said: the values are enough.
-    """
+    """Follows a run's events and passes a sentence for each notable one to `tell`."""
 
     def __init__(self, session: SamplingRun, tell: Tell, *, verbose: bool = False) -> None:
         self._session = session
         self._show = tell
         self._verbose = verbose
         self._gaps = GapTracker()
-        self._well_since = -inf  # when the line was last found well
-        self._shown_state: str | None = None  # the state that was said; SAMPLING: no values on it
+        self._well_since = -inf  # when the line last worked
+        self._shown_state: str | None = None  # the state last shown; SAMPLING: cycles fail
         self._plan: Plan | None = None
         self._method: str | None = None  # the chosen one
         self._failure: MikasError | None = None
         session.recorder.on_file = self._new_file
 
     def take(self, event: Event) -> None:
-        """Say what there is to say of `event`."""
+        """Show the sentences for `event`."""
         for sentence in self._of(event):
             self._show(sentence)
         failure = self._session.recorder.failure
@@ -65,7 +59,7 @@ class Notices:
             self._show(stopped_sentence(failure))
 
     def end(self) -> None:
-        """Say why the session has ended, if it ended by itself."""
+        """Show why the run has ended, if its recording is over."""
         if self._session.recording_over is not None:
             self._show(f"{localized(self._session.recording_over.reason)}.")
 
@@ -79,7 +73,7 @@ class Notices:
             case StateChanged():
                 yield from self._state(event)
             case UnitFound(another=True):
-                self._shown_state = None  # what was there before is not back
+                self._shown_state = None  # the earlier unit is not back
                 yield tr(
                     f"Another unit answers: {self._model()}. The values are now its own.",
                     f"Отвечает другой блок: {self._model()}. Дальше показаны его значения.",
@@ -104,7 +98,7 @@ class Notices:
         self._shown_state = None
 
     def _failed(self, event: CycleFailed) -> Iterator[str]:
-        """Say why cycles fail, if they have failed for a while; a single one is no news."""
+        """Yield why cycles fail, once they have failed for `_LASTING`."""
         if (
             isinstance(event.error, NoConnection | SyncLost)
             or self._shown_state is LineState.SAMPLING
@@ -135,13 +129,13 @@ class Notices:
         self._method = event.method
         yield method_sentence(event, self._session.options.rate)
         if self._plan is not None and self._plan.method == event.method:
-            yield plan_sentence(self._plan)  # no event repeats it
+            yield plan_sentence(self._plan)  # no PlanChanged follows
 
     def _state(self, event: StateChanged) -> Iterator[str]:
         if not event.is_broken:
             self._well_since = event.time
         elif self._session.connected:
-            if event.state is not self._shown_state:  # the same with another reason is no news
+            if event.state is not self._shown_state:  # a new reason alone is not shown
                 yield waiting_sentence(event)
             self._shown_state = event.state
             if self._verbose and event.error is not None:
@@ -156,7 +150,7 @@ class Notices:
 
 
 def waiting_sentence(event: StateChanged) -> str:
-    """Return the state in words, and that sampling goes on by itself."""
+    """Return a sentence for a broken state: sampling resumes by itself."""
     state = capital(localized(event.text))
     state += "" if state.endswith("?") else "."
     return f"{state} {_waits()}"
@@ -167,7 +161,7 @@ def _waits() -> str:
 
 
 def stopped_sentence(failure: MikasError) -> str:
-    """Return that nothing more is recorded, and why."""
+    """Return a sentence for the end of recording, with the reason."""
     why = localized(failure.reason)
     return tr(
         f"RECORDING STOPPED. {why}. Sampling continues.",
@@ -176,7 +170,7 @@ def stopped_sentence(failure: MikasError) -> str:
 
 
 def plan_sentence(plan: Plan) -> str:
-    """Return the cost of a cycle of the plan in force."""
+    """Return a sentence for the cost of a cycle of `plan`."""
     price = plan.price()
     size, milliseconds = f"{price.bytes:.0f}", f"{price.seconds * 1000:.0f}"
     rate = decimal(f"{price.rate:.1f}")

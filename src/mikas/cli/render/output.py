@@ -98,7 +98,7 @@ def _plain(value: object) -> object:
 
 
 class StderrHandler(logging.Handler):
-    """Writes to whatever stderr is at the time: rich and tests replace it."""
+    """Writes to the current `sys.stderr`, which rich and tests replace."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.table import Table
 
-UNLIMITED = 1 << 20  # lines of what is printed once, and may scroll
+UNLIMITED = 1 << 20  # lines of a table that is printed once and may scroll
 _GAP = 2  # between columns
 _BETWEEN = 3  # between tables
-_HEAD = 3  # lines that are no parameter: the state, the headings, Ctrl-C
+_HEAD = 3  # lines without a parameter: the state, the headings, Ctrl-C
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class _Column:
-    """`narrowest`: with less it is left out; 0: as wide as what is in it. `right`: as digits."""
+    """`narrowest`: left out if there is less room; 0: as wide as its cells. `right`: alignment."""
 
     title: str
     cell: Callable[[Row], str]
@@ -59,7 +59,7 @@ class _Column:
 
 
 def _columns() -> list[_Column]:
-    """All, the most important first; the first three are never left out."""
+    """Return all columns, the most important first; the first three are never left out."""
     return [
         _Column(tr("name", "имя"), lambda row: row.name),
         _Column(tr("value", "значение"), lambda row: row.value, right=True, min_length=6),
@@ -74,11 +74,11 @@ def _columns() -> list[_Column]:
 
 _ORDER = (0, 1, 2, 5, 6, 7, 3, 4)  # from left to right
 _NEEDED = 3
-_VALUE = 1  # the column whose style is the row's own
+_VALUE = 1  # the column with the row's style
 
 
 def draw(head: Head, rows: Sequence[Row], width: int, height: int) -> RenderableType:
-    """`head`, then `rows`, in `width` by `height` characters."""
+    """Return `head`, then `rows`, in `width` by `height` characters."""
     from rich.console import Group
     from rich.table import Table
 
@@ -110,7 +110,7 @@ def _line(text: str, style: str) -> RenderableType:
 
 
 def _tables(rows: Sequence[Row], width: int, room: int) -> int:
-    """How many side by side: as few as show all rows, and no more than there is width for."""
+    """Return the number of tables side by side: as few as show all rows, at most what fits."""
     least = sum(_width(column, rows) + _GAP for column in _columns()[:_NEEDED]) - _GAP
     most = max(1, (width + _BETWEEN) // (least + _BETWEEN))
     return min(most, max(1, -(-len(rows) // room)))
@@ -122,7 +122,7 @@ def _width(column: _Column, rows: Sequence[Row]) -> int:
 
 
 def _table(part: Sequence[Row], rows: Sequence[Row], width: int) -> Table:
-    """One table of `part`; its columns are as wide as in those of the other `rows`."""
+    """Return a table of `part`, with columns as wide as all `rows` need."""
     from rich.table import Table
     from rich.text import Text as RichText
 
@@ -136,7 +136,7 @@ def _table(part: Sequence[Row], rows: Sequence[Row], width: int) -> Table:
             continue
         chosen[index] = needed - (_GAP if chosen else 0)
         free -= needed
-    for index, given in list(chosen.items()):  # what is left goes to those that could be wider
+    for index, given in list(chosen.items()):  # the rest of the width
         wider = min(_width(columns[index], rows) - given, free)
         chosen[index] = given + wider
         free -= wider

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -16,6 +15,7 @@ from mikas.cli.language import current_language, decimal, localized, tr, usage_e
 from mikas.cli.options import OUT, OVERWRITE
 from mikas.cli.parameter_types import File, Number
 from mikas.cli.render.notices import Notices
+from mikas.cli.render.output import CLEAR_LINE
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
 from mikas.i18n import Text
 from mikas.sampling.events import UnitFound
@@ -78,7 +78,7 @@ def report(
     else:
         found = _measured_now(context, duration or _SECONDS)
     write_page(out, render(found, current_language()), overwrite=overwrite)
-    _tell(context, out, found)
+    _print_summary(context, out, found)
 
 
 def _measured_now(context: CommandContext, seconds: float) -> Findings:
@@ -108,8 +108,8 @@ def _measured_now(context: CommandContext, seconds: float) -> Findings:
 def _sample(
     context: CommandContext, current: SamplingRun, asked: SamplingOptions, seconds: float
 ) -> None:
-    progress = _Progress(seconds)
-    notices = Notices(current, progress.over(context.output.note), verbose=context.output.verbose)
+    progress = _ProgressLine(context, seconds)
+    notices = Notices(current, progress.note, verbose=context.output.verbose)
     try:
         for event in current.events(asked):
             notices.take(event)
@@ -123,10 +123,11 @@ def _sample(
         progress.clear()
 
 
-class _Progress:
+class _ProgressLine:
     """The progress line on a terminal."""
 
-    def __init__(self, seconds: float) -> None:
+    def __init__(self, context: CommandContext, seconds: float) -> None:
+        self._context = context
         self._seconds = seconds
         self._live = sys.stderr.isatty()
         self._shown = -1
@@ -136,30 +137,26 @@ class _Progress:
         if self._live and int(current.seconds) != self._shown:
             self._shown = int(current.seconds)
             rate = decimal(f"{current.rate:.1f}")
-            said = tr(
+            text = tr(
                 f"measuring: {self._shown} of {self._seconds:g} s, {rate} samples/s",
                 f"измерение: {self._shown} из {self._seconds:g} с, {rate} отсчёт/с",
             )
-            sys.stderr.write(f"\r\x1b[K{said}")
+            sys.stderr.write(f"{CLEAR_LINE}{text}")
             sys.stderr.flush()
 
     def clear(self) -> None:
         """Leave an empty line."""
         if self._live:
-            sys.stderr.write("\r\x1b[K")
+            sys.stderr.write(CLEAR_LINE)
             sys.stderr.flush()
 
-    def over(self, tell: Callable[[str], None]) -> Callable[[str], None]:
-        """Return `tell` that clears the progress line first."""
-
-        def on_its_own(sentence: str) -> None:
-            self.clear()
-            tell(sentence)
-
-        return on_its_own
+    def note(self, sentence: str) -> None:
+        """Print a notice in place of the line."""
+        self.clear()
+        self._context.output.note(sentence)
 
 
-def _tell(context: CommandContext, out: Path, found: Findings) -> None:
+def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
     from mikas.report.summary import summary_sentence
 
     verdict = summary_sentence(found)

@@ -109,13 +109,13 @@ def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
         )
     for adapter, rates in _rates(found, catalog).items():
         order = sorted(rates, key=lambda method: -rates[method])
-        told = ", ".join(f"{m} {rates[m]:.1f}" if rates[m] else f"{m} –" for m in order)
+        listed = ", ".join(f"{m} {rates[m]:.1f}" if rates[m] else f"{m} –" for m in order)
         rows.append(
             [
                 tr("sampling", "опрос"),
                 tr(
-                    f"all parameters, readings/s: {told} ({adapter})",
-                    f"все параметры, опр/с: {decimal(told)} ({adapter})",
+                    f"all parameters, readings/s: {listed} ({adapter})",
+                    f"все параметры, опр/с: {decimal(listed)} ({adapter})",
                 ),
             ]
         )
@@ -124,8 +124,8 @@ def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
 
 def _rates(found: Info, catalog: Catalog) -> dict[str, dict[FixedMethod, float]]:
     """Return readings of all parameters a second, by kind of adapter; 0: not supported."""
-    lacks = set(found.limits.refused)
-    wanted = tuple(PlannedParameter(p) for p in catalog.parameters if p.code not in lacks)
+    refused = set(found.limits.refused)
+    wanted = tuple(PlannedParameter(p) for p in catalog.parameters if p.code not in refused)
     if not wanted:
         return {}
     plan = Plan(wanted, max_list=found.limits.max_list)
