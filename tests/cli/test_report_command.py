@@ -106,14 +106,14 @@ def test_nobody_there(mikas, tmp_path) -> None:
 def test_ended_by_hand_it_reports_what_came(mikas, tmp_path, monkeypatch) -> None:
     from mikas.cli.commands.recordings import report
 
-    shown = report._Progress.show
+    shown = report._ProgressLine.show
 
     def stops(self, current) -> None:
         shown(self, current)
         if current.samples == 40:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(report._Progress, "show", stops)
+    monkeypatch.setattr(report._ProgressLine, "show", stops)
     ran = mikas("report", "-o", "car.html", sim="")
     assert ran.status == 0
     assert "Stopped early" in ran.err
@@ -128,6 +128,6 @@ def test_ended_before_anything_came(mikas, tmp_path, monkeypatch) -> None:
     def stops(self, current) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(report._Progress, "show", stops)
+    monkeypatch.setattr(report._ProgressLine, "show", stops)
     assert mikas("report", "-o", "car.html", sim="").status == 130
     assert not (tmp_path / "car.html").exists()
