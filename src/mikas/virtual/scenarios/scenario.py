@@ -89,7 +89,7 @@ def find(name: str) -> Scenario:
     known = ", ".join(SCENARIOS)
     raise UsageError(
         problem=Text(
-            f"no scenario and no file “{name}”; scenarios: {known}",
+            f"there is no scenario and no file “{name}”; scenarios: {known}",
             f"нет ни сценария, ни файла «{name}»; сценарии: {known}",
         )
     )
