@@ -17,7 +17,9 @@ def read_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem
     """
     try:
         from mikas.recording.exchanges.columnar import column_exchanges
-    except ImportError:
+    except ModuleNotFoundError as error:
+        if error.name != "numpy":
+            raise
         from mikas.recording.exchanges.scalar import scalar_exchanges
 
         return scalar_exchanges(path)
