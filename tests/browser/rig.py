@@ -20,10 +20,10 @@ from websockets.sync.client import connect
 
 from mikas.catalog import shipped
 from mikas.dashboard.app import create_app
-from mikas.dashboard.dashboard import Dashboard, SamplingRequest
+from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.server import Server, listen
-from mikas.dashboard.settings import Settings
+from mikas.dashboard.settings import PlanSettings, Settings
 from mikas.errors import PortNotFound
 from mikas.link import open_link
 from mikas.link.ports import Port
@@ -227,7 +227,7 @@ def dashboard(
     )
     every = dashboard.plan.request.every
     # The methods need not be tested, and sampling is not as fast as possible.
-    dashboard.plan.request = SamplingRequest(every, "batch", 12)
+    dashboard.plan.request = PlanSettings(every, "batch", 12)
     with listen(port, lan=False) as own:
         hosts = (LAPTOP,) if lan else ()
         access = Access(own.getsockname()[1], lan=lan, lan_control=lan_control, hosts=hosts)
