@@ -6,7 +6,7 @@ from contextlib import suppress
 
 import pytest
 from client_harness import bench, ecu_on
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mikas.client import Limits
@@ -119,6 +119,8 @@ class TestAUnitWithoutWhatIsCommon:
     st.sampled_from(["silent", "short"]),
     st.sampled_from([b"\x7d", b"\x01"]),
 )
+@example([LineFault.DOUBLED, None, LineFault.LOST, None, LineFault.LOST], 1, "silent", b"}")
+@example([None, LineFault.LOST] * 3, 1, "silent", b"}")
 def test_whatever_happens_on_the_line_a_refusal_is_no_value(troubles, takes, long_list, before):
     it = bench(DATA | {0x1A: before}, unknown="01", max_list=takes, long_list=long_list)
     ecu = ecu_on(it)

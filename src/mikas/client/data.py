@@ -234,9 +234,20 @@ class _Requests:
             except (NotSupported, NoResponse) as error:
                 if self._accepts_two(datum):
                     raise
-                self._silent = isinstance(error, NoResponse)
+                self._silent = isinstance(error, NoResponse) and self._ignores_pair(datum)
         # A unit that refuses by silence does not refuse by 01.
         return self._record([datum], [_ONE], reply) if self._silent else {}
+
+    def _ignores_pair(self, datum: Datum) -> bool:
+        """Whether `datum` twice in one list is never answered; a response may have been lost."""
+        for _ in range(_PAIR_TRIES):
+            with suppress(NoResponse):
+                try:
+                    self._send_twice(datum, retries=0)
+                except (NotSupported, WrongLength):
+                    pass
+                return False
+        return True
 
     def _accepts_two(self, wanted: Datum) -> bool:
         """Whether the unit accepts two known codes in a list; learn if it does not."""
