@@ -242,10 +242,8 @@ class _Requests:
         """Whether `datum` twice in one list is never answered; a response may have been lost."""
         for _ in range(_PAIR_TRIES):
             with suppress(NoResponse):
-                try:
+                with suppress(NotSupported, WrongLength):
                     self._send_twice(datum, retries=0)
-                except (NotSupported, WrongLength):
-                    pass
                 return False
         return True
 
