@@ -27,8 +27,7 @@ def test_a_language_that_was_named_reaches_the_page(argv, wished, monkeypatch):
     for name in ("MIKAS_LANG", "LC_ALL", "LC_MESSAGES"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("LANG", "ru_RU.UTF-8")
-    monkeypatch.setattr("mikas.cli.config.language", lambda: "")
-    set_language(detect_language(argv))
+    set_language(detect_language(argv, lambda: ""))
     assert requested_language() == wished
     set_language("en")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from mikas.errors import UsageError
 from mikas.i18n import Language, Text
@@ -53,13 +53,13 @@ def decimal(text: str) -> str:
     return text.replace(".", ",") if _chosen == "ru" else text
 
 
-def detect_language(argv: Sequence[str]) -> Language:
-    """Return the language of `--lang`, else MIKAS_LANG, else the config file, else the locale.
+def detect_language(argv: Sequence[str], configured: Callable[[], str]) -> Language:
+    """Return the language of `--lang`, else MIKAS_LANG, else `configured()`, else the locale's.
 
     The help needs it before the arguments are parsed; an invalid value is reported then.
     """
     global _requested  # noqa: PLW0603  (as `set_language`)
-    named = _in_arguments(argv) or os.environ.get("MIKAS_LANG") or _in_config()
+    named = _in_arguments(argv) or os.environ.get("MIKAS_LANG") or configured()
     _requested = bool(named)
     return "ru" if (named or _of_locale()).lower().startswith("ru") else "en"
 
@@ -73,12 +73,6 @@ def _in_arguments(argv: Sequence[str]) -> str:
         if wanted != word and wanted.lower() in ("en", "ru"):
             named = wanted
     return named
-
-
-def _in_config() -> str:
-    from mikas.cli import config
-
-    return config.language()
 
 
 def _of_locale() -> str:

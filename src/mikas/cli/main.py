@@ -14,6 +14,7 @@ from pathlib import Path
 
 import click
 
+from mikas.cli import config
 from mikas.cli.click_extensions import LocalizedGroup, LocalizedOption, common_options
 from mikas.cli.commands import COMMANDS
 from mikas.cli.language import capital, detect_language, localized, set_language, tr
@@ -75,7 +76,7 @@ def _make_writable() -> None:
 def run(argv: list[str]) -> int:
     """Run one command line; return the exit status."""
     try:
-        set_language(detect_language(argv))
+        set_language(detect_language(argv, config.language))
         # `cli.main` would end the process when a pipe's reader is gone.
         with cli.make_context("mikas", argv) as context:
             result = cli.invoke(context)
