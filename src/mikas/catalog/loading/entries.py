@@ -19,7 +19,7 @@ from mikas.catalog.loading.fields import (
     constant,
     string,
 )
-from mikas.catalog.loading.source import KeyPath, Source
+from mikas.catalog.loading.source import CatalogFile, KeyPath
 from mikas.errors import CatalogError
 from mikas.i18n import Text
 from mikas.options import nearest
@@ -36,11 +36,11 @@ class Entry:
     each key.
     """
 
-    source: Source
+    source: CatalogFile
     table: KeyPath
-    first: tuple[Source, KeyPath]
+    first: tuple[CatalogFile, KeyPath]
     values: dict[str, Any] = field(default_factory=dict)
-    places: dict[KeyPath, tuple[Source, KeyPath]] = field(default_factory=dict)
+    places: dict[KeyPath, tuple[CatalogFile, KeyPath]] = field(default_factory=dict)
 
     def wrong(self, key: KeyPath, problem: Text) -> CatalogError:
         """Return the error for a key, or for the table if the key is missing."""
@@ -71,7 +71,7 @@ class Entry:
         return Text(**found)
 
 
-def merged(sources: Iterable[Source]) -> Entries:
+def merged(sources: Iterable[CatalogFile]) -> Entries:
     """Merge the entries of all files. CatalogError: an unknown key, a wrong type, a duplicate."""
     entries: Entries = {family: {} for family in FAMILIES}
     for source in sources:
@@ -85,7 +85,7 @@ def merged(sources: Iterable[Source]) -> Entries:
     return entries
 
 
-def _add_tables(known: dict[Any, Entry], source: Source, family: str, tables: object) -> None:
+def _add_tables(known: dict[Any, Entry], source: CatalogFile, family: str, tables: object) -> None:
     names = set()
     for key, table in _table(source, (family,), tables).items():
         path = (family, key)
@@ -118,14 +118,14 @@ def _lay_over(
             _lay_over(entry, (*inside, key), values.setdefault(key, {}), value, rule)
 
 
-def _read(source: Source, path: KeyPath, reader: Reader, value: object) -> object:
+def _read(source: CatalogFile, path: KeyPath, reader: Reader, value: object) -> object:
     try:
         return reader(value)
     except Unfit as unfit:
         raise source.wrong(path, _about(path, unfit.problem)) from None
 
 
-def _table(source: Source, path: KeyPath, value: object) -> dict[str, Any]:
+def _table(source: CatalogFile, path: KeyPath, value: object) -> dict[str, Any]:
     if isinstance(value, dict):
         return value
     header = f"[{path[0]}.NAME]" if len(path) == 1 else f"[{'.'.join(path)}]"

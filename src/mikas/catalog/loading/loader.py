@@ -22,7 +22,7 @@ from zlib import crc32
 
 from mikas.catalog.loading import build
 from mikas.catalog.loading.entries import merged
-from mikas.catalog.loading.source import Source, parse_source, read_source
+from mikas.catalog.loading.source import CatalogFile, parse_source, read_source
 from mikas.catalog.lookup import Catalog
 
 _SHIPPED = (
@@ -53,12 +53,12 @@ def shipped() -> Catalog:
 
 
 @cache
-def _shipped_sources() -> tuple[Source, ...]:
+def _shipped_sources() -> tuple[CatalogFile, ...]:
     folder = Path(__file__).parents[1]  # the package `mikas.catalog`
     return tuple(parse_source(name, (folder / name).read_bytes()) for name in _SHIPPED)
 
 
-def _catalog(sources: Sequence[Source]) -> Catalog:
+def _catalog(sources: Sequence[CatalogFile]) -> Catalog:
     entries = merged(sources)
     units = build.units(entries)
     return Catalog(
@@ -72,7 +72,7 @@ def _catalog(sources: Sequence[Source]) -> Catalog:
     )
 
 
-def _version(sources: Sequence[Source]) -> str:
+def _version(sources: Sequence[CatalogFile]) -> str:
     """Return `1+3f2a90c1`: the last `version` of the files and a CRC-32 of all texts in order.
 
     The checksum detects accidental differences, not forgery.

@@ -112,7 +112,7 @@ _DECIMALS = Context(prec=60, traps=[])
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class CatalogFile:
     """A file's name, text and TOML tables. `order`: the later file wins."""
 
     name: str
@@ -127,7 +127,7 @@ class Source:
         return CatalogError(self.name, next(known, 0), problem)
 
 
-def read_source(path: Path, order: int = 0) -> Source:
+def read_source(path: Path, order: int = 0) -> CatalogFile:
     """Read a file. CatalogError: it can't be read, is not UTF-8, or not TOML."""
     try:
         data = path.read_bytes()
@@ -138,7 +138,7 @@ def read_source(path: Path, order: int = 0) -> Source:
     return parse_source(str(path), data, order)
 
 
-def parse_source(name: str, data: bytes, order: int = 0) -> Source:
+def parse_source(name: str, data: bytes, order: int = 0) -> CatalogFile:
     """Parse a file's bytes. CatalogError as for `read_source`."""
     try:
         text = data.decode("utf-8-sig").replace("\r\n", "\n")
@@ -156,7 +156,7 @@ def parse_source(name: str, data: bytes, order: int = 0) -> Source:
         line = int(place[1]) if place else text.count("\n") + 1 if "at end" in str(error) else 0
         problem = Text(f"this is not TOML: {error}", "здесь ошибка записи TOML")
         raise CatalogError(name, line, problem) from error
-    return Source(name, text, tables, order)
+    return CatalogFile(name, text, tables, order)
 
 
 def _decimal(number: str) -> Decimal:

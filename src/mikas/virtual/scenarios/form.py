@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import Any, TypeGuard
 
 from mikas.catalog.loading.fields import TEXT, Reader, Schema, Unfit, boolean, choice, string
-from mikas.catalog.loading.source import KeyPath, Source
+from mikas.catalog.loading.source import CatalogFile, KeyPath
 from mikas.i18n import Text
 from mikas.options import nearest
 from mikas.virtual.memory import SIZES
@@ -150,7 +150,7 @@ FORM: Schema = {
 }
 
 
-def read_form(source: Source) -> dict[str, Any]:
+def read_form(source: CatalogFile) -> dict[str, Any]:
     """Return the file's tables, every value checked. Raises `CatalogError`."""
     form = _read_table(source, (), source.tables, FORM)
     form["memory"] = {
@@ -161,7 +161,7 @@ def read_form(source: Source) -> dict[str, Any]:
     return form
 
 
-def _check_times(source: Source, form: dict[str, Any]) -> None:
+def _check_times(source: CatalogFile, form: dict[str, Any]) -> None:
     duration = form.get("duration")
     if duration is None:
         problem = Text(
@@ -184,7 +184,9 @@ def _check_times(source: Source, form: dict[str, Any]) -> None:
         raise source.wrong(("loop_from",), problem)
 
 
-def _read_table(source: Source, path: KeyPath, table: object, schema: Schema) -> dict[str, Any]:
+def _read_table(
+    source: CatalogFile, path: KeyPath, table: object, schema: Schema
+) -> dict[str, Any]:
     if schema is TEXT and isinstance(table, str):
         table = {"en": table, "ru": table}
     if not isinstance(table, dict):
@@ -208,7 +210,7 @@ def _read_table(source: Source, path: KeyPath, table: object, schema: Schema) ->
     return values
 
 
-def _address(source: Source, space: str, key: str, data: bytes) -> int:
+def _address(source: CatalogFile, space: str, key: str, data: bytes) -> int:
     try:
         address = int(key, 16)
     except ValueError:

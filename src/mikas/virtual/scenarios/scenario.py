@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mikas.catalog.loading.source import Source, read_source
+from mikas.catalog.loading.source import CatalogFile, read_source
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.virtual.scenarios.form import read_form
@@ -61,7 +61,7 @@ def load(path: Path) -> Scenario:
     return from_source(read_source(path))
 
 
-def from_source(source: Source) -> Scenario:
+def from_source(source: CatalogFile) -> Scenario:
     """Return the scenario in `source`. Raises `CatalogError`."""
     form = read_form(source)
     name = form.get("name") or Path(source.name).stem
