@@ -339,7 +339,7 @@ export interface components {
             off: components["schemas"]["TwoTexts"];
         };
         /**
-         * @description How bad it is.
+         * @description The severity of an alarm.
          * @enum {string}
          */
         Level: "none" | "warning" | "danger";
