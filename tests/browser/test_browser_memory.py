@@ -130,7 +130,7 @@ def test_a_dump_is_deleted_once_that_was_confirmed(fast, visitor):
     expect(card).to_contain_text("complete")
     card.get_by_role("button", name="Delete…").click()
     sheet = tab.page.get_by_role("dialog")
-    expect(sheet).to_contain_text("removed for good")
+    expect(sheet).to_contain_text("deleted permanently")
     sheet.get_by_role("button", name="Cancel").click()
     expect(card).to_be_visible()
     file = card.get_attribute("aria-label")
