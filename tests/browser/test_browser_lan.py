@@ -81,8 +81,8 @@ def test_without_the_token_a_page_in_words_says_what_to_do(lan, visitor, query):
     tab.refused = True
     answer = tab.page.goto(f"http://{LAPTOP}:{lan.port}/{query}")
     assert answer.status == 401
-    tab.says("scan the QR code")
-    tab.says("снимите QR-код")
+    tab.says("scan its QR code")
+    tab.says("отсканируйте QR-код")
     assert tab.find("header[data-line]").count() == 0
 
 
@@ -122,7 +122,7 @@ def test_a_key_that_would_change_something_says_why_it_does_not(lan, visitor):
     tab.show("live")
     tab.is_line("sampling")
     tab.page.keyboard.press("r")
-    tab.says("This viewer may look, not touch")
+    tab.says("This client may view but not control")
     assert lan.state()["recording"] is None
 
 

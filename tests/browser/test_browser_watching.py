@@ -79,7 +79,7 @@ def test_the_loop_has_its_key_on_the_chart_too(own, visitor):
     expect(player).to_contain_text("loop from")
     player.get_by_role("slider").press("End")
     tab.page.keyboard.press("l")
-    expect(player).to_contain_text("repeats")
+    expect(player).to_contain_text("loops")
     tab.page.keyboard.press("l")
     expect(player.get_by_role("button", name="Loop from here")).to_be_visible()
 
@@ -107,7 +107,7 @@ def test_a_phone_shows_the_recording_while_the_line_is_in_trouble(own, visitor):
 
 @pytest.mark.parametrize(
     ("language", "model", "wire"),
-    [("en-GB", "Mikas 7.1", "wire"), ("ru-RU", "Микас 7.1", "шина")],
+    [("en-GB", "Mikas 7.1", "line load"), ("ru-RU", "Микас 7.1", "линия")],
 )
 def test_a_phone_tells_the_unit_and_the_wire(car, visitor, language, model, wire):
     tab = visitor(car.url, **PHONE | {"locale": language}).show("live")

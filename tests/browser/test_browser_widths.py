@@ -39,7 +39,7 @@ CUT = r"""
   while (walker.nextNode()) {
     const it = walker.currentNode.parentElement;
     const text = walker.currentNode.data.trim();
-    if (!text || it.closest(".aloud, script, option, [role=grid]")) continue;
+    if (!text || it.closest(".visually-hidden, script, option, [role=grid]")) continue;
     if (!it.checkVisibility()) continue;
     const range = document.createRange();
     range.selectNodeContents(walker.currentNode);
