@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     )
     from mikas.errors import MikasError
     from mikas.recording.recording import Recording
-    from mikas.recording.recording import open as open  # noqa: A004
+    from mikas.recording.recording import open as open  # noqa: A004  (read as `mikas.open`)
 
 __all__ = [
     "AsyncEcu",

@@ -54,7 +54,7 @@ class _ParsedType(ParamType[T]):
 
     def parse(self, text: str) -> T:
         """Return the value of `text`. Raises `_Invalid`."""
-        raise NotImplementedError
+        raise NotImplementedError  # each type has its own; click calls `convert`
 
 
 class HexBytes(_ParsedType[bytes]):
