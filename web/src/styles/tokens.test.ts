@@ -63,8 +63,7 @@ describe.each(["night", "day"] as const)("by %s", (name) => {
 
   it("stale values ≥ 4.5", () => {
     const stale = Number(/--stale: ([\d.]+);/.exec(css)![1]);
-    expect(of("text", "ground", stale)).toBeGreaterThanOrEqual(4.5);
-    expect(of("text", "raised", stale)).toBeGreaterThanOrEqual(4.5);
+    for (const ground of ["ground", "raised", "sunken", "hover"]) expect(of("text", ground, stale)).toBeGreaterThanOrEqual(4.5);
   });
 
   it("lines, bands and edges ≥ 3", () => {
