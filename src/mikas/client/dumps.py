@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from mikas.client.ecu import Ecu
-from mikas.client.memory import MemorySpace, last_of
+from mikas.client.memory import MemorySpace
 from mikas.commands.base import check_range
 from mikas.errors import UsageError, reason_at
 from mikas.i18n import Text
@@ -83,7 +83,7 @@ def read_manifest(file: Path) -> Manifest | None:
     try:
         stored = json.loads(path.read_text("utf-8"))
         manifest = Manifest(**{**stored, "passport": tuple(stored["passport"])})
-        check_range(manifest.space, last_of(manifest.space), manifest.first, manifest.size)
+        check_range(manifest.space, manifest.first, manifest.size)
         _complete_second_pass(manifest)
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise file_error(path, "it is no manifest of a dump", "это не описание дампа") from error
@@ -133,7 +133,7 @@ class Dump:
     def __init__(
         self, ecu: Ecu, space: MemorySpace, file: Path, *, first: int, last: int, resume: bool
     ) -> None:
-        check_range(space.name, space.last, first, last - first + 1)
+        check_range(space.name, first, last - first + 1)
         self._ecu = ecu
         self._space = space
         self._file = file

@@ -39,7 +39,6 @@ def writing(count: int, where: str) -> Text:
 class _Commands:
     """The command classes of one space."""
 
-    last: int
     read: type[c.ReadRamByte | c.ReadXramByte | c.ReadCodeByte | c.ReadSfr]
     write: type[c.WriteRamByte | c.WriteXramByte | c.WriteCodeByte | c.WriteSfr]
     read_block: type[c.ReadRamBlock | c.ReadXramBlock | c.ReadCodeBlock] | None = None
@@ -47,16 +46,11 @@ class _Commands:
 
 
 _SPACES = {
-    "ram": _Commands(0xFF, c.ReadRamByte, c.WriteRamByte, c.ReadRamBlock, c.WriteRamBlock),
-    "xram": _Commands(0xFFFF, c.ReadXramByte, c.WriteXramByte, c.ReadXramBlock, c.WriteXramBlock),
-    "code": _Commands(0xFFFF, c.ReadCodeByte, c.WriteCodeByte, c.ReadCodeBlock, c.WriteCodeBlock),
-    "sfr": _Commands(0xFF, c.ReadSfr, c.WriteSfr),
+    "ram": _Commands(c.ReadRamByte, c.WriteRamByte, c.ReadRamBlock, c.WriteRamBlock),
+    "xram": _Commands(c.ReadXramByte, c.WriteXramByte, c.ReadXramBlock, c.WriteXramBlock),
+    "code": _Commands(c.ReadCodeByte, c.WriteCodeByte, c.ReadCodeBlock, c.WriteCodeBlock),
+    "sfr": _Commands(c.ReadSfr, c.WriteSfr),
 }
-
-
-def last_of(space: str) -> int:
-    """Return the highest address of a space, equal in every unit."""
-    return _SPACES[space].last
 
 
 _SMALL_BLOCK = 2
@@ -88,7 +82,7 @@ class MemorySpace:
         keep: Callable[[], None],
     ) -> None:
         self.name = name
-        self.last = last_of(name)
+        self.last = c.Space(name).last
         self._commands = _SPACES[name]
         self._tester = tester
         self._gate = gate
@@ -115,7 +109,7 @@ class MemorySpace:
 
         Raises `AddressOutOfRange` and `UsageError` before the first request.
         """
-        check_range(self.name, self.last, address, count)
+        check_range(self.name, address, count)
         if largest is None:
             largest = c.LARGEST_BLOCK
         if not 1 <= largest <= c.LARGEST_BLOCK:
@@ -186,7 +180,7 @@ class MemorySpace:
         Raises `AddressOutOfRange`, `NotConfirmed`, `WriteRefused`, `NotSupported`,
         `ReadBackDiffers`.
         """
-        check_range(self.name, self.last, address, len(data))
+        check_range(self.name, address, len(data))
         where = f"{self.name} {address:04X}"
         what = writing(len(data), where)
         self._gate.refuse_unasked(what, self._commands.write.SAFETY)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mikas.commands.base import Command, MalformedRequest, Safety, SizeOf
+from mikas.commands.base import Command, MalformedRequest, Safety, SizeOf, Space
 from mikas.commands.memory import (
     LARGEST_BLOCK,
     ReadCodeBlock,
@@ -68,6 +68,7 @@ __all__ = [
     "ReadXramBlock",
     "ReadXramByte",
     "Safety",
+    "Space",
     "StreamAtStroke",
     "StreamCyclic",
     "WriteCodeBlock",
@@ -82,35 +83,10 @@ __all__ = [
     "parse",
 ]
 
-ALL_COMMANDS: tuple[type[Command[Any]], ...] = (
-    Availability,
-    ReadFaults,
-    ReadRamByte,
-    WriteRamByte,
-    ReadXramByte,
-    WriteXramByte,
-    ReadCodeByte,
-    WriteCodeByte,
-    ReadRamBlock,
-    WriteRamBlock,
-    ReadXramBlock,
-    WriteXramBlock,
-    ReadCodeBlock,
-    WriteCodeBlock,
-    ReadSfr,
-    WriteSfr,
-    GoTo,
-    ReadProgramPassport,
-    ReadDataPassport,
-    CountParameters,
-    ReadParameters,
-    WriteParameter,
-    ReadList,
-    WriteList,
-    StreamCyclic,
-    StreamAtStroke,
+ALL_COMMANDS: tuple[type[Command[Any]], ...] = tuple(
+    sorted((each for each in vars().values() if hasattr(each, "CODES")), key=lambda it: it.CODES)
 )
-"""In the order of §3's table."""
+"""The classes imported above, in the order of §3's table."""
 
 COMMANDS_BY_CODE: dict[int, type[Command[Any]]] = {
     code: command for command in ALL_COMMANDS for code in command.CODES

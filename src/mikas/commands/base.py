@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from enum import IntEnum
+from enum import IntEnum, StrEnum
 from typing import ClassVar, Generic, Self, TypeVar
 
 from mikas.errors import (
@@ -39,6 +39,25 @@ class Safety(IntEnum):
     REVERSIBLE = 1  # a power cycle undoes it
     LASTING = 2
     DANGEROUS = 3  # CODE writes, GOTO: may leave the unit unable to run
+
+
+class Space(StrEnum):
+    """A memory space."""
+
+    RAM = "ram"
+    XRAM = "xram"
+    CODE = "code"
+    SFR = "sfr"
+
+    @property
+    def address_bytes(self) -> int:
+        """The number of bytes of an address."""
+        return 2 if self in (Space.XRAM, Space.CODE) else 1
+
+    @property
+    def last(self) -> int:
+        """The highest address, equal in every unit."""
+        return (1 << 8 * self.address_bytes) - 1
 
 
 class MalformedRequest(ValueError):
@@ -170,8 +189,9 @@ def lengths_in_words(lengths: Sequence[int]) -> str:
     return " / ".join(map(str, lengths))
 
 
-def check_range(space: str, last: int, address: int, count: int = 1) -> None:
-    """Raise `AddressOutOfRange` unless `count` bytes at `address` lie within 0 … `last`."""
+def check_range(space: str, address: int, count: int = 1) -> None:
+    """Raise `AddressOutOfRange` unless `count` bytes at `address` lie within this `Space`."""
+    last = Space(space).last
     if address < 0 or count < 1 or address + count - 1 > last:
         raise AddressOutOfRange(space=space, last=last, address=address, count=count)
 
@@ -182,8 +202,3 @@ def check_byte(name: str, value: int) -> None:
         raise ValueDoesNotFit(
             value=value, name=name, allowed=Text("a byte is 0 to 255", "байт — от 0 до 255")
         )
-
-
-def low_high(address: int) -> bytes:
-    """Return an address with the low byte first (§2)."""
-    return address.to_bytes(2, "little")

@@ -7,7 +7,7 @@ address before the data; a response with another address is never accepted (D13)
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, fields
 from typing import ClassVar, Self, TypeVar
 
 from mikas.commands.base import (
@@ -15,6 +15,7 @@ from mikas.commands.base import (
     MalformedRequest,
     Safety,
     SizeOf,
+    Space,
     Write,
     check_byte,
     check_range,
@@ -26,50 +27,54 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class _AtAddress(Command[T]):
-    """A command at `address`, which its response repeats before the data."""
+class AtAddress(Command[T]):
+    """A command at `address` of its space, followed in the request by a byte for each other field.
+
+    Its response repeats the address before the data.
+    """
 
     address: int
 
-    SPACE: ClassVar[str]
-    ADDRESS_BYTES: ClassVar[int]
+    SPACE: ClassVar[Space]
+
+    def __post_init__(self) -> None:
+        check_range(self.SPACE, self.address)
+
+    def body(self) -> bytes:
+        return bytes([self.code]) + self._address() + bytes(astuple(self)[1:])
 
     def _address(self) -> bytes:
-        return self.address.to_bytes(self.ADDRESS_BYTES, "little")
+        return self.address.to_bytes(self.SPACE.address_bytes, "little")
 
     def _data_of(self, body: bytes) -> bytes:
-        address, data = body[: self.ADDRESS_BYTES], body[self.ADDRESS_BYTES :]
+        size = self.SPACE.address_bytes
+        address, data = body[:size], body[size:]
         if address != self._address():
             raise WrongAddress(
                 got=address[::-1].hex().upper(), asked=self._address()[::-1].hex().upper()
             )
         return data
 
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        end = 1 + cls.SPACE.address_bytes
+        if len(body) != end + len(fields(cls)) - 1:
+            raise MalformedRequest
+        return cls(int.from_bytes(body[1:end], "little"), *body[end:])
+
 
 @dataclass(frozen=True, slots=True)
-class _ByteCommand(_AtAddress[int]):
+class _ByteCommand(AtAddress[int]):
     """A byte at `address`; both reading and writing answer `[address][byte]`."""
 
-    def __post_init__(self) -> None:
-        check_range(self.SPACE, (1 << 8 * self.ADDRESS_BYTES) - 1, self.address)
-
-    def body(self) -> bytes:
-        return bytes([self.code]) + self._address()
-
     def response_lengths(self) -> Sequence[int]:
-        return (self.ADDRESS_BYTES + 1,)
+        return (self.SPACE.address_bytes + 1,)
 
     def _read(self, body: bytes) -> int:
         return self._data_of(body)[0]
 
     def respond(self, value: int) -> bytes:
         return self._address() + bytes([value])
-
-    @classmethod
-    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        if len(body) != 1 + cls.ADDRESS_BYTES:
-            raise MalformedRequest
-        return cls(int.from_bytes(body[1:], "little"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,17 +86,8 @@ class _ByteWrite(_ByteCommand):
     SAFETY: ClassVar[Safety] = Safety.REVERSIBLE
 
     def __post_init__(self) -> None:
-        check_range(self.SPACE, (1 << 8 * self.ADDRESS_BYTES) - 1, self.address)
+        check_range(self.SPACE, self.address)
         check_byte(self.SPACE, self.value)
-
-    def body(self) -> bytes:
-        return bytes([self.code]) + self._address() + bytes([self.value])
-
-    @classmethod
-    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        if len(body) != 2 + cls.ADDRESS_BYTES:
-            raise MalformedRequest
-        return cls(int.from_bytes(body[1:-1], "little"), body[-1])
 
 
 class ReadRamByte(_ByteCommand):
@@ -101,8 +97,7 @@ class ReadRamByte(_ByteCommand):
     CODES: ClassVar[tuple[int, ...]] = (0x11,)
     SOURCE_NAME: ClassVar[str] = "CREADI"
     TITLE: ClassVar[Text] = Text("read a RAM byte", "чтение байта RAM")
-    SPACE: ClassVar[str] = "ram"
-    ADDRESS_BYTES: ClassVar[int] = 1
+    SPACE: ClassVar[Space] = Space.RAM
 
 
 class WriteRamByte(_ByteWrite):
@@ -112,8 +107,7 @@ class WriteRamByte(_ByteWrite):
     CODES: ClassVar[tuple[int, ...]] = (0x12,)
     SOURCE_NAME: ClassVar[str] = "CWRTI"
     TITLE: ClassVar[Text] = Text("write a RAM byte", "запись байта RAM")
-    SPACE: ClassVar[str] = "ram"
-    ADDRESS_BYTES: ClassVar[int] = 1
+    SPACE: ClassVar[Space] = Space.RAM
 
 
 class ReadXramByte(_ByteCommand):
@@ -123,8 +117,7 @@ class ReadXramByte(_ByteCommand):
     CODES: ClassVar[tuple[int, ...]] = (0x13,)
     SOURCE_NAME: ClassVar[str] = "CREADX"
     TITLE: ClassVar[Text] = Text("read an XRAM byte", "чтение байта XRAM")
-    SPACE: ClassVar[str] = "xram"
-    ADDRESS_BYTES: ClassVar[int] = 2
+    SPACE: ClassVar[Space] = Space.XRAM
 
 
 class WriteXramByte(_ByteWrite):
@@ -134,8 +127,7 @@ class WriteXramByte(_ByteWrite):
     CODES: ClassVar[tuple[int, ...]] = (0x14,)
     SOURCE_NAME: ClassVar[str] = "CWRITX"
     TITLE: ClassVar[Text] = Text("write an XRAM byte", "запись байта XRAM")
-    SPACE: ClassVar[str] = "xram"
-    ADDRESS_BYTES: ClassVar[int] = 2
+    SPACE: ClassVar[Space] = Space.XRAM
 
 
 class ReadCodeByte(_ByteCommand):
@@ -145,8 +137,7 @@ class ReadCodeByte(_ByteCommand):
     CODES: ClassVar[tuple[int, ...]] = (0x15,)
     SOURCE_NAME: ClassVar[str] = "CREADC"
     TITLE: ClassVar[Text] = Text("read a CODE byte", "чтение байта CODE")
-    SPACE: ClassVar[str] = "code"
-    ADDRESS_BYTES: ClassVar[int] = 2
+    SPACE: ClassVar[Space] = Space.CODE
 
 
 class WriteCodeByte(_ByteWrite):
@@ -157,8 +148,7 @@ class WriteCodeByte(_ByteWrite):
     SOURCE_NAME: ClassVar[str] = "CWRITC"
     TITLE: ClassVar[Text] = Text("write a CODE byte", "запись байта CODE")
     SAFETY: ClassVar[Safety] = Safety.DANGEROUS
-    SPACE: ClassVar[str] = "code"
-    ADDRESS_BYTES: ClassVar[int] = 2
+    SPACE: ClassVar[Space] = Space.CODE
 
 
 class ReadSfr(_ByteCommand):
@@ -168,8 +158,7 @@ class ReadSfr(_ByteCommand):
     CODES: ClassVar[tuple[int, ...]] = (0x31,)
     SOURCE_NAME: ClassVar[str] = "CREADSFR"
     TITLE: ClassVar[Text] = Text("read an SFR", "чтение SFR")
-    SPACE: ClassVar[str] = "sfr"
-    ADDRESS_BYTES: ClassVar[int] = 1
+    SPACE: ClassVar[Space] = Space.SFR
 
 
 class WriteSfr(_ByteWrite):
@@ -179,21 +168,20 @@ class WriteSfr(_ByteWrite):
     CODES: ClassVar[tuple[int, ...]] = (0x32,)
     SOURCE_NAME: ClassVar[str] = "SWRITSFR"
     TITLE: ClassVar[Text] = Text("write an SFR", "запись SFR")
-    SPACE: ClassVar[str] = "sfr"
-    ADDRESS_BYTES: ClassVar[int] = 1
+    SPACE: ClassVar[Space] = Space.SFR
 
 
 LARGEST_BLOCK = 0xFF  # the count is one byte
 
 
-def _check_block(space: str, address_bytes: int, address: int, count: int) -> None:
-    check_range(space, (1 << 8 * address_bytes) - 1, address, count)
+def _check_block(space: Space, address: int, count: int) -> None:
+    check_range(space, address, count)
     if count > LARGEST_BLOCK:
         raise ValueError(f"a block has at most {LARGEST_BLOCK} bytes")
 
 
 @dataclass(frozen=True, slots=True)
-class _ReadBlock(_AtAddress[bytes]):
+class _ReadBlock(AtAddress[bytes]):
     """`count` bytes from `address` on. `COUNT_FORMS`: whether the count is repeated (D7)."""
 
     count: int
@@ -201,13 +189,11 @@ class _ReadBlock(_AtAddress[bytes]):
     COUNT_FORMS: ClassVar[tuple[bool, ...]]  # the usual form first
 
     def __post_init__(self) -> None:
-        _check_block(self.SPACE, self.ADDRESS_BYTES, self.address, self.count)
-
-    def body(self) -> bytes:
-        return bytes([self.code]) + self._address() + bytes([self.count])
+        _check_block(self.SPACE, self.address, self.count)
 
     def response_lengths(self) -> Sequence[int]:
-        return tuple(self.ADDRESS_BYTES + counted + self.count for counted in self.COUNT_FORMS)
+        size = self.SPACE.address_bytes
+        return tuple(size + counted + self.count for counted in self.COUNT_FORMS)
 
     def _read(self, body: bytes) -> bytes:
         data = self._data_of(body)
@@ -226,34 +212,24 @@ class _ReadBlock(_AtAddress[bytes]):
         repeated = self.COUNT_FORMS[0] if counted is None else counted
         return self._address() + (bytes([self.count]) if repeated else b"") + value
 
-    @classmethod
-    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        if len(body) != 2 + cls.ADDRESS_BYTES:
-            raise MalformedRequest
-        return cls(int.from_bytes(body[1:-1], "little"), body[-1])
-
 
 @dataclass(frozen=True, slots=True)
-class _WriteBlock(Write):
+class _WriteBlock(Write, AtAddress[None]):
     """Writes `data` from `address` on. The source's rows 24, 26 lack the data bytes (D8)."""
 
-    address: int
     data: bytes
 
-    SPACE: ClassVar[str]
-    ADDRESS_BYTES: ClassVar[int]
     SAFETY: ClassVar[Safety] = Safety.REVERSIBLE
 
     def __post_init__(self) -> None:
-        _check_block(self.SPACE, self.ADDRESS_BYTES, self.address, len(self.data))
+        _check_block(self.SPACE, self.address, len(self.data))
 
     def body(self) -> bytes:
-        address = self.address.to_bytes(self.ADDRESS_BYTES, "little")
-        return bytes([self.code]) + address + bytes([len(self.data)]) + self.data
+        return bytes([self.code]) + self._address() + bytes([len(self.data)]) + self.data
 
     @classmethod
     def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        count_at = 1 + cls.ADDRESS_BYTES
+        count_at = 1 + cls.SPACE.address_bytes
         if len(body) <= count_at or len(body) != count_at + 1 + body[count_at]:
             raise MalformedRequest
         return cls(int.from_bytes(body[1:count_at], "little"), body[count_at + 1 :])
@@ -266,8 +242,7 @@ class ReadRamBlock(_ReadBlock):
     CODES: ClassVar[tuple[int, ...]] = (0x21,)
     SOURCE_NAME: ClassVar[str] = "CREADDI"
     TITLE: ClassVar[Text] = Text("read RAM bytes", "чтение байтов RAM")
-    SPACE: ClassVar[str] = "ram"
-    ADDRESS_BYTES: ClassVar[int] = 1
+    SPACE: ClassVar[Space] = Space.RAM
     COUNT_FORMS: ClassVar[tuple[bool, ...]] = (True,)
 
 
@@ -278,8 +253,7 @@ class WriteRamBlock(_WriteBlock):
     CODES: ClassVar[tuple[int, ...]] = (0x22,)
     SOURCE_NAME: ClassVar[str] = "CWRITDI"
     TITLE: ClassVar[Text] = Text("write RAM bytes", "запись байтов RAM")
-    SPACE: ClassVar[str] = "ram"
-    ADDRESS_BYTES: ClassVar[int] = 1
+    SPACE: ClassVar[Space] = Space.RAM
 
 
 class ReadXramBlock(_ReadBlock):
@@ -289,8 +263,7 @@ class ReadXramBlock(_ReadBlock):
     CODES: ClassVar[tuple[int, ...]] = (0x23,)
     SOURCE_NAME: ClassVar[str] = "CREADDX"
     TITLE: ClassVar[Text] = Text("read XRAM bytes", "чтение байтов XRAM")
-    SPACE: ClassVar[str] = "xram"
-    ADDRESS_BYTES: ClassVar[int] = 2
+    SPACE: ClassVar[Space] = Space.XRAM
     COUNT_FORMS: ClassVar[tuple[bool, ...]] = (False, True)
 
 
@@ -301,8 +274,7 @@ class WriteXramBlock(_WriteBlock):
     CODES: ClassVar[tuple[int, ...]] = (0x24,)
     SOURCE_NAME: ClassVar[str] = "CWRITDX"
     TITLE: ClassVar[Text] = Text("write XRAM bytes", "запись байтов XRAM")
-    SPACE: ClassVar[str] = "xram"
-    ADDRESS_BYTES: ClassVar[int] = 2
+    SPACE: ClassVar[Space] = Space.XRAM
 
 
 class ReadCodeBlock(_ReadBlock):
@@ -312,8 +284,7 @@ class ReadCodeBlock(_ReadBlock):
     CODES: ClassVar[tuple[int, ...]] = (0x25,)
     SOURCE_NAME: ClassVar[str] = "CREADDC"
     TITLE: ClassVar[Text] = Text("read CODE bytes", "чтение байтов CODE")
-    SPACE: ClassVar[str] = "code"
-    ADDRESS_BYTES: ClassVar[int] = 2
+    SPACE: ClassVar[Space] = Space.CODE
     COUNT_FORMS: ClassVar[tuple[bool, ...]] = (False, True)
 
 
@@ -325,5 +296,4 @@ class WriteCodeBlock(_WriteBlock):
     SOURCE_NAME: ClassVar[str] = "CWRITDC"
     TITLE: ClassVar[Text] = Text("write CODE bytes", "запись байтов CODE")
     SAFETY: ClassVar[Safety] = Safety.DANGEROUS
-    SPACE: ClassVar[str] = "code"
-    ADDRESS_BYTES: ClassVar[int] = 2
+    SPACE: ClassVar[Space] = Space.CODE

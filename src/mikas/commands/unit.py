@@ -16,9 +16,9 @@ from mikas.commands.base import (
     ReadNumber,
     Safety,
     SizeOf,
-    check_range,
-    low_high,
+    Space,
 )
+from mikas.commands.memory import AtAddress
 from mikas.errors import NotSupported, WrongContent
 from mikas.i18n import Text
 
@@ -71,25 +71,18 @@ class ReadFaults(Command[tuple[int, ...]]):
 
 
 @dataclass(frozen=True, slots=True)
-class GoTo(Command[bytes]):
+class GoTo(AtAddress[bytes]):
     """41 CGOTO: `41 AL AH`. No response is expected (D9). Wire for 8000: `41 00 80 3F 0D`.
 
     The most dangerous command: the ECU executes any bytes at the address.
     """
-
-    address: int
 
     CODES: ClassVar[tuple[int, ...]] = (0x41,)
     SOURCE_NAME: ClassVar[str] = "CGOTO"
     TITLE: ClassVar[Text] = Text("go to an address", "переход по адресу")
     SAFETY: ClassVar[Safety] = Safety.DANGEROUS
     ANSWERED: ClassVar[bool] = False
-
-    def __post_init__(self) -> None:
-        check_range("code", 0xFFFF, self.address)
-
-    def body(self) -> bytes:
-        return bytes([self.code]) + low_high(self.address)
+    SPACE: ClassVar[Space] = Space.CODE
 
     def response_lengths(self) -> Sequence[int]:
         return ()
@@ -102,12 +95,6 @@ class GoTo(Command[bytes]):
 
     def respond(self, value: bytes) -> bytes:
         return value
-
-    @classmethod
-    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        if len(body) != 3:
-            raise MalformedRequest
-        return cls(int.from_bytes(body[1:], "little"))
 
 
 PASSPORT_LENGTH = 16

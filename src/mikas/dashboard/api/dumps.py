@@ -16,7 +16,6 @@ from pydantic import BaseModel, Field
 
 from mikas.client import Ecu
 from mikas.client.dumps import Manifest, differences
-from mikas.client.memory import last_of
 from mikas.commands.base import check_range
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
 from mikas.dashboard.api.errors import content, errors
@@ -94,7 +93,7 @@ class DifferencesResponse(BaseModel):
 @router.post("/dumps", responses=errors(409, 502, 503))
 async def start(dashboard: TheDashboard, _: Controller, body: DumpRequest) -> DumpResponse:
     """Start reading a range of memory into a file."""
-    check_range(body.space, last_of(body.space), body.first, body.last - body.first + 1)
+    check_range(body.space, body.first, body.last - body.first + 1)
     manifest = await dashboard.connection.ask(lambda ecu: _manifest(ecu, body))
     stamp = time.strftime("%Y%m%d-%H%M%S")
     name = f"{body.space}-{body.first:04X}-{body.last:04X}-{stamp}"

@@ -12,7 +12,7 @@ from mikas.client import Ecu, Reading
 from mikas.client.connecting import ConnectionOptions
 from mikas.client.ecu import erasing
 from mikas.client.gate import hex_or_none as spaced_hex
-from mikas.client.memory import last_of, writing
+from mikas.client.memory import writing
 from mikas.client.parameters import decode
 from mikas.commands.base import check_range
 from mikas.dashboard.error_responses import hex_or_none
@@ -107,7 +107,7 @@ class UnitChanges:
 
     async def write_memory(self, space: str, address: int, data: bytes) -> PendingChange:
         """Prepare writing bytes. Raises for a range that the space does not have."""
-        check_range(space, last_of(space), address, len(data))
+        check_range(space, address, len(data))
         before = await self._connection.ask(
             lambda ecu: ecu.memory[space].read_block(address, len(data))
         )
