@@ -12,7 +12,7 @@ from enum import Enum
 from math import inf
 from typing import TypeVar
 
-from mikas.errors import UsageError
+from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text
 
 E = TypeVar("E", bound=Enum)
@@ -27,11 +27,9 @@ def invalid_value(name: str, value: object, allowed: Text | str) -> UsageError:
     """Return the error for an option whose value is not `allowed`."""
     if isinstance(allowed, str):
         allowed = Text(allowed, allowed)
-    return UsageError(
-        problem=Text(
-            f"“{value}” is not a valid value for {name}; allowed: {allowed.en}",
-            f"«{value}» не подходит для {name}; можно: {allowed.ru}",
-        )
+    return usage_error(
+        f"“{value}” is not a valid value for {name}; allowed: {allowed.en}",
+        f"«{value}» не подходит для {name}; можно: {allowed.ru}",
     )
 
 

@@ -12,7 +12,7 @@ from math import isfinite
 from mikas.catalog.conversion import NO_TEXT, Conversion
 from mikas.catalog.formula_syntax import parse
 from mikas.catalog.formulas import Calculation
-from mikas.errors import UsageError
+from mikas.errors import usage_error
 from mikas.i18n import Text
 
 
@@ -58,14 +58,14 @@ class AlarmLimits:
         given = [(name, limit) for name in LIMITS if (limit := getattr(self, name)) is not None]
         for name, number in (*given, ("hysteresis", self.hysteresis)):
             if not isfinite(number):
-                raise _wrong(f"{name} is no finite number", f"{name} — не конечное число")
+                raise usage_error(f"{name} is no finite number", f"{name} — не конечное число")
         if self.hysteresis < 0:
-            raise _wrong("hysteresis is below 0", "hysteresis меньше 0")
+            raise usage_error("hysteresis is below 0", "hysteresis меньше 0")
         for (lower, low), (upper, high) in pairwise(given):
             across = lower.endswith("low") and upper.endswith("high")
             if low > high or (across and low + self.hysteresis >= high):
                 more = " and the hysteresis" if across else ""
-                raise _wrong(
+                raise usage_error(
                     f"{upper} {high:g} must be above {lower} {low:g}{more}",
                     f"{upper} {high:g} должен быть выше {lower} {low:g}"
                     + (" с учётом hysteresis" if across else ""),
@@ -94,10 +94,6 @@ class AlarmLimits:
 
 def _present(*limits: tuple[Level, float | None]) -> tuple[tuple[Level, float], ...]:
     return tuple((level, limit) for level, limit in limits if limit is not None)
-
-
-def _wrong(en: str, ru: str) -> UsageError:
-    return UsageError(problem=Text(en, ru))
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,11 +153,9 @@ def check_interpretation(name: str) -> None:
     """Raise `UsageError` for a name outside `INTERPRETATIONS`."""
     if name not in INTERPRETATIONS:
         known = ", ".join(INTERPRETATIONS)
-        raise UsageError(
-            problem=Text(
-                f"There is no interpretation “{name}”; there are: {known}",
-                f"Толкования «{name}» нет; есть: {known}",
-            )
+        raise usage_error(
+            f"There is no interpretation “{name}”; there are: {known}",
+            f"Толкования «{name}» нет; есть: {known}",
         )
 
 

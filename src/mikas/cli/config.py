@@ -14,8 +14,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from mikas.cli.language import usage_error
-from mikas.errors import UsageError, reason_of
+from mikas.errors import UsageError, reason_of, usage_error
 from mikas.i18n import Text
 
 ECHO = ("auto", "on", "off")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 
-from mikas.errors import UsageError
 from mikas.i18n import Language, Text
 
 _chosen: Language = "en"
@@ -36,11 +35,6 @@ def tr(en: str, ru: str) -> str:
 def localized(text: Text) -> str:
     """Return `text` in the current language."""
     return text.to(_chosen)
-
-
-def usage_error(en: str, ru: str) -> UsageError:
-    """Return an error for wrong usage, with its text."""
-    return UsageError(problem=Text(en, ru))
 
 
 def capital(text: str) -> str:

@@ -17,8 +17,7 @@ from typing import Any
 from mikas.client.ecu import Ecu
 from mikas.client.memory import MemorySpace
 from mikas.commands.base import check_range
-from mikas.errors import UsageError, reason_at
-from mikas.i18n import Text
+from mikas.errors import UsageError, reason_at, usage_error
 
 SCHEMA = 1
 
@@ -112,7 +111,7 @@ def _complete_second_pass(manifest: Manifest) -> None:
 
 def file_error(file: Path, en: str, ru: str) -> UsageError:
     """Return the error for `file`."""
-    return UsageError(problem=Text(f"{file}: {en}", f"{file}: {ru}"))
+    return usage_error(f"{file}: {en}", f"{file}: {ru}")
 
 
 Progress = Callable[[int], None]  # gets the number of bytes done since the last call

@@ -28,7 +28,7 @@ from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory import Memory
 from mikas.client.parameters import Parameters, Reading, Sample, WrittenParameter
 from mikas.client.polling import FixedMethod, Method, Poller, Watcher, create_poller, fixed_method
-from mikas.errors import NoResponse, NotSupported, UsageError
+from mikas.errors import NoResponse, NotSupported, usage_error
 from mikas.i18n import Text, counted
 from mikas.tester import Tester
 
@@ -238,7 +238,7 @@ class Ecu:
         `NoEcho`, or a `LineError` for a damaged or doubled response.
         """
         if not body:
-            raise UsageError(problem=Text("there is nothing to send", "нечего посылать"))
+            raise usage_error("there is nothing to send", "нечего посылать")
         command = c.COMMANDS_BY_CODE.get(body[0])
         if command and command.SAFETY is c.Safety.READ:
             return self.tester.raw(body)

@@ -19,10 +19,10 @@ from mikas.errors import (
     NoResponse,
     NotSupported,
     ReadBackDiffers,
-    UsageError,
     WriteRefused,
     WrongLength,
     hex_dump,
+    usage_error,
 )
 from mikas.i18n import Text, byte_count
 from mikas.tester import Tester
@@ -113,7 +113,7 @@ class MemorySpace:
         if largest is None:
             largest = c.LARGEST_BLOCK
         if not 1 <= largest <= c.LARGEST_BLOCK:
-            raise UsageError(problem=Text("a block has 1 to 255 bytes", "в блоке от 1 до 255 байт"))
+            raise usage_error("a block has 1 to 255 bytes", "в блоке от 1 до 255 байт")
         return self._walk(address, address + count, largest)
 
     def _walk(self, address: int, end: int, largest: int) -> Iterator[bytes]:
@@ -254,11 +254,9 @@ class Memory:
     def __getitem__(self, name: str) -> MemorySpace:
         if name not in _SPACES:
             known = ", ".join(_SPACES)
-            raise UsageError(
-                problem=Text(
-                    f"there is no memory space “{name}”; there are {known}",
-                    f"области памяти «{name}» нет; есть {known}",
-                )
+            raise usage_error(
+                f"there is no memory space “{name}”; there are {known}",
+                f"области памяти «{name}» нет; есть {known}",
             )
         space: MemorySpace = getattr(self, name)
         return space

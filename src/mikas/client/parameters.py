@@ -19,11 +19,11 @@ from mikas.errors import (
     NoResponse,
     NotSupported,
     ReadBackDiffers,
-    UsageError,
     ValueDoesNotFit,
     WriteRefused,
     WrongLength,
     hex_dump,
+    usage_error,
 )
 from mikas.i18n import Text, byte_count, counted
 from mikas.tester import StreamItem, Tester
@@ -113,11 +113,9 @@ class Parameters:
         """Return the parameters of these names; without names, all of the catalog."""
         for name in names:
             if not isinstance(name, str):
-                raise UsageError(
-                    problem=Text(
-                        f"names are given one by one, as in read('TWAT', 'FREQ'), not {name!r}",
-                        f"имена даются по одному: read('TWAT', 'FREQ'), а не {name!r}",
-                    )
+                raise usage_error(
+                    f"names are given one by one, as in read('TWAT', 'FREQ'), not {name!r}",
+                    f"имена даются по одному: read('TWAT', 'FREQ'), а не {name!r}",
                 )
         return tuple(map(self._catalog.parameter, names)) or self._catalog.parameters
 
@@ -209,7 +207,7 @@ class Parameters:
         """
         with self._holding_the_list():
             if not self._listed:
-                raise UsageError(problem=Text("set_list() comes first", "сначала нужен set_list()"))
+                raise usage_error("set_list() comes first", "сначала нужен set_list()")
             data = _list_of(self._listed)
             try:
                 values, reply = self._tester.exchange(c.ReadList(data))
@@ -287,9 +285,7 @@ class Parameters:
 
     def _datum(self, parameter: Parameter, value: float | None, raw: bytes | None) -> bytes:
         if (value is None) == (raw is None):
-            raise UsageError(
-                problem=Text("give a value or raw bytes", "нужно значение или исходные байты")
-            )
+            raise usage_error("give a value or raw bytes", "нужно значение или исходные байты")
         if raw is None:
             assert value is not None
             return parameter.encode(value, self._interpretation)
@@ -319,11 +315,9 @@ def distinct(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
     sizes: dict[int, int] = {}
     for p in parameters:
         if sizes.setdefault(p.code, p.size) != p.size:
-            raise UsageError(
-                problem=Text(
-                    f"code 0x{p.code:02X} can't have {sizes[p.code]} and {p.size} bytes at once",
-                    f"у кода 0x{p.code:02X} не может быть {sizes[p.code]} и {p.size} байта сразу",
-                )
+            raise usage_error(
+                f"code 0x{p.code:02X} can't have {sizes[p.code]} and {p.size} bytes at once",
+                f"у кода 0x{p.code:02X} не может быть {sizes[p.code]} и {p.size} байта сразу",
             )
     return tuple(c.Datum(code, size) for code, size in sizes.items())
 

@@ -28,10 +28,9 @@ from mikas.errors import (
     NoConnection,
     NoResponse,
     NotSupported,
-    UsageError,
     WrongLength,
+    usage_error,
 )
-from mikas.i18n import Text
 from mikas.options import check_choice
 from mikas.tester import Tester
 
@@ -59,9 +58,7 @@ def fixed_method(method: str) -> FixedMethod | None:
 def check_rate(rate: float | None) -> None:
     """Raise `UsageError` unless `rate`, cycles a second, is more than 0."""
     if rate is not None and not 0 < rate < inf:
-        raise UsageError(
-            problem=Text("a rate is more than 0 a second", "частота должна быть больше 0")
-        )
+        raise usage_error("a rate is more than 0 a second", "частота должна быть больше 0")
 
 
 def next_due(due: float, now: float, period: float) -> float:
@@ -196,7 +193,7 @@ class Watcher:
         Raises `LinkLost`, `NotSupported` if the unit refuses the method or every parameter.
         """
         if count is not None and count < 0:
-            raise UsageError(problem=Text("a count is 0 or more", "число отсчётов — от 0"))
+            raise usage_error("a count is 0 or more", "число отсчётов — от 0")
         samples = self._samples()
         return samples if count is None else _first(samples, count)
 

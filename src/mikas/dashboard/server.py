@@ -21,8 +21,7 @@ from types import FrameType
 import uvicorn
 from fastapi import FastAPI
 
-from mikas.errors import UsageError, reason_of
-from mikas.i18n import Text
+from mikas.errors import reason_of, usage_error
 
 FIRST_PORT = 8071
 _TRIED = 20
@@ -49,13 +48,11 @@ def listen(port: int | None, *, lan: bool) -> socket.socket:
                 break
     assert failure is not None
     why = reason_of(failure)
-    raise UsageError(
-        problem=Text(
-            f"The dashboard can't listen on port {port or FIRST_PORT}: {why.en}; choose another "
-            "with --host-port, or omit it to take a free one",
-            f"Панель не может занять порт {port or FIRST_PORT}: {why.ru}; укажите другой ключом "
-            "--host-port или уберите его, тогда найдётся свободный",
-        )
+    raise usage_error(
+        f"The dashboard can't listen on port {port or FIRST_PORT}: {why.en}; choose another "
+        "with --host-port, or omit it to take a free one",
+        f"Панель не может занять порт {port or FIRST_PORT}: {why.ru}; укажите другой ключом "
+        "--host-port или уберите его, тогда найдётся свободный",
     ) from failure
 
 

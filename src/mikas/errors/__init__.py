@@ -86,6 +86,7 @@ from mikas.errors.usage import (
     UnknownParameter,
     UsageError,
     ValueDoesNotFit,
+    usage_error,
 )
 
 __all__ = [
@@ -130,4 +131,5 @@ __all__ = [
     "hex_dump",
     "reason_at",
     "reason_of",
+    "usage_error",
 ]

@@ -14,6 +14,11 @@ class UsageError(MikasError, ValueError):
     what = Text("{problem}", "{problem}")
 
 
+def usage_error(en: str, ru: str) -> UsageError:
+    """Return the error of a wrong use, described in both languages."""
+    return UsageError(problem=Text(en, ru))
+
+
 class UnknownParameter(UsageError):
     """No parameter has this name or code. `suggestions`: the nearest names, best first."""
 

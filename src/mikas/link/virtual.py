@@ -10,7 +10,7 @@ from __future__ import annotations
 import threading
 from math import inf
 
-from mikas.errors import LinkLost, UsageError
+from mikas.errors import LinkLost, usage_error
 from mikas.i18n import Text
 from mikas.link.base import Chunk, Link, WallClock
 from mikas.link.ports import VIRTUAL
@@ -133,11 +133,9 @@ def open_sim(url: str, options: dict[str, str]) -> Link:
     settings = dict(options)
     simulated = take_clock(settings)
     if place := url.partition("?")[0].partition(":")[2].strip("/"):
-        raise UsageError(
-            problem=Text(
-                f"sim: has no address, only options; “{place}” may be a ?scenario={place}",
-                f"у sim: нет адреса, только параметры; может быть, ?scenario={place}",
-            )
+        raise usage_error(
+            f"sim: has no address, only options; “{place}” may be a ?scenario={place}",
+            f"у sim: нет адреса, только параметры; может быть, ?scenario={place}",
         )
     start = 0.0 if simulated else WallClock().now()
     bus = build_bus(settings, start=start)

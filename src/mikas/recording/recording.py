@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mikas.catalog import Catalog, load
-from mikas.errors import UsageError
-from mikas.i18n import Text
+from mikas.errors import usage_error
 from mikas.recording.annotations.events import RecordedUnit, events_of, unit_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
@@ -132,11 +131,9 @@ class Recording:
         wanted = known if names is None else [named(self.catalog, name) for name in names]
         for name in wanted:
             if name not in known:
-                raise UsageError(
-                    problem=Text(
-                        f"{name} is not among this recording's channels",
-                        f"{name} нет среди каналов этой записи",
-                    )
+                raise usage_error(
+                    f"{name} is not among this recording's channels",
+                    f"{name} нет среди каналов этой записи",
                 )
         return self._windows.window(begin, end, points, wanted)
 

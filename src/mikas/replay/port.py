@@ -13,8 +13,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Final
 
 from mikas.catalog import Catalog, shipped
-from mikas.errors import RecordingOver, UsageError
-from mikas.i18n import Text
+from mikas.errors import RecordingOver, usage_error
 from mikas.link.base import Link
 from mikas.link.tee import CaptureTee
 from mikas.link.urls import take_clock
@@ -62,11 +61,9 @@ def replay_bus(
     loop = given.switch("loop", default=False)
     if seek >= recorded.duration:
         length = f"{recorded.duration:.1f}"
-        raise UsageError(
-            problem=Text(
-                f"seek={seek:g} is behind the end: the recording has {length} s",
-                f"seek={seek:g} — за концом: в записи {length} с",
-            )
+        raise usage_error(
+            f"seek={seek:g} is behind the end: the recording has {length} s",
+            f"seek={seek:g} — за концом: в записи {length} с",
         )
     car = ReplayCar(recorded, catalog, start=start, seek=seek, speed=speed, loop=loop)
     wire = {"echo": "1" if recorded.echo else "0"}
@@ -86,9 +83,7 @@ def open_replay(url: str, options: dict[str, str]) -> Link:
     simulated = take_clock(settings)
     place = url.partition("?")[0].partition(":")[2].removeprefix("//")
     if not place:
-        raise UsageError(
-            problem=Text("it names no file: replay:FILE", "в нём нет файла: replay:ФАЙЛ")
-        )
+        raise usage_error("it names no file: replay:FILE", "в нём нет файла: replay:ФАЙЛ")
     bus = replay_bus(place, settings)
     if not simulated:
         return RealTimeReplayLink(bus, url=url, file=place)

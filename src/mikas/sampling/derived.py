@@ -23,8 +23,7 @@ from mikas.catalog import Catalog, Derived
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.model import in_order
 from mikas.client.parameters import Reading
-from mikas.errors import UsageError
-from mikas.i18n import Text
+from mikas.errors import usage_error
 
 if TYPE_CHECKING:
     import numpy as np
@@ -248,9 +247,7 @@ def _derived(catalog: Catalog, name: str) -> Derived:
     channel = catalog.channel(name)
     if isinstance(channel, Derived):
         return channel
-    raise UsageError(
-        problem=Text(
-            f"{channel.name} is a parameter, not a derived channel",
-            f"{channel.name} — параметр, а не производный канал",
-        )
+    raise usage_error(
+        f"{channel.name} is a parameter, not a derived channel",
+        f"{channel.name} — параметр, а не производный канал",
     )

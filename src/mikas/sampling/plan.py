@@ -22,9 +22,8 @@ from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client.parameters import distinct
 from mikas.client.polling import STREAMS, FixedMethod
 from mikas.commands import Datum
-from mikas.errors import UsageError
+from mikas.errors import usage_error
 from mikas.framing import encode
-from mikas.i18n import Text
 from mikas.sampling.derived import DerivedChannels
 
 _STUFFED = 2 / 256  # of random bytes: 0D and 40 take two bytes on the wire
@@ -49,13 +48,11 @@ class PlannedParameter:
 
     def __post_init__(self) -> None:
         if not 1 <= self.divisor <= _LARGEST_DIVISOR:
-            raise UsageError(
-                problem=Text(
-                    f"{self.parameter.name}: every {self.divisor} cycles; allowed: 1 to "
-                    f"{_LARGEST_DIVISOR}",
-                    f"{self.parameter.name}: раз в {self.divisor} циклов; можно от 1 до "
-                    f"{_LARGEST_DIVISOR}",
-                )
+            raise usage_error(
+                f"{self.parameter.name}: every {self.divisor} cycles; allowed: 1 to "
+                f"{_LARGEST_DIVISOR}",
+                f"{self.parameter.name}: раз в {self.divisor} циклов; можно от 1 до "
+                f"{_LARGEST_DIVISOR}",
             )
 
 
@@ -83,7 +80,7 @@ class Plan:
 
     def __post_init__(self) -> None:
         if not self.parameters:
-            raise UsageError(problem=Text("nothing is chosen", "ничего не выбрано"))
+            raise usage_error("nothing is chosen", "ничего не выбрано")
         if self.max_list < 1:
             raise ValueError("a list has at least one code")
 
@@ -241,11 +238,9 @@ def select(catalog: Catalog, names: Iterable[str]) -> Selection:
 
 def _parse(catalog: Catalog, text: str) -> tuple[Parameter | Derived, int]:
     if not isinstance(text, str):
-        raise UsageError(
-            problem=Text(
-                f"names are a list of words, as in ['TWAT', 'FREQ/10'], not {text!r}",
-                f"имена задаются списком: ['TWAT', 'FREQ/10'], а не {text!r}",
-            )
+        raise usage_error(
+            f"names are a list of words, as in ['TWAT', 'FREQ/10'], not {text!r}",
+            f"имена задаются списком: ['TWAT', 'FREQ/10'], а не {text!r}",
         )
     name, slash, divisor = text.partition("/")
     channel = catalog.channel(name)
@@ -253,10 +248,8 @@ def _parse(catalog: Catalog, text: str) -> tuple[Parameter | Derived, int]:
         return channel, 1
     divisor = divisor.strip()
     if not (divisor.isascii() and divisor.isdigit()):
-        raise UsageError(
-            problem=Text(
-                f"“{text}”: after the slash a whole number, as in TWAT/10 (every tenth cycle)",
-                f"«{text}»: после черты — целое число, как в TWAT/10 (раз в десять циклов)",
-            )
+        raise usage_error(
+            f"“{text}”: after the slash a whole number, as in TWAT/10 (every tenth cycle)",
+            f"«{text}»: после черты — целое число, как в TWAT/10 (раз в десять циклов)",
         )
     return channel, int(divisor[:9])

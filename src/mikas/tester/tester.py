@@ -19,10 +19,9 @@ from mikas.errors import (
     NoConnection,
     NoResponse,
     NotSupported,
-    UsageError,
+    usage_error,
 )
 from mikas.framing import encode
-from mikas.i18n import Text
 from mikas.link import Link
 from mikas.tester.exchange import Reply, Statistics, Timing
 from mikas.tester.handshake import Echo, handshake, refuse_elm
@@ -305,7 +304,7 @@ class Tester:
 
     def _ensure_in_sync(self) -> None:
         if self.version_code is None:
-            raise UsageError(problem=Text("connect() comes first", "сначала нужен connect()"))
+            raise usage_error("connect() comes first", "сначала нужен connect()")
         self._step.resynchronize(self.version_code)
 
     @contextmanager
@@ -319,11 +318,9 @@ class Tester:
     def check_free(self) -> None:
         """Raise `UsageError` if this thread runs a stream, which occupies the line."""
         if self._stream_thread == threading.get_ident():
-            raise UsageError(
-                problem=Text(
-                    "a stream is running in this thread; close it before asking for anything else",
-                    "в этом потоке выполнения идёт поток данных; сначала закройте его",
-                )
+            raise usage_error(
+                "a stream is running in this thread; close it before asking for anything else",
+                "в этом потоке выполнения идёт поток данных; сначала закройте его",
             )
 
     def _acquire(self) -> None:

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from enum import Enum
 from random import Random
 
-from mikas.errors import UsageError
+from mikas.errors import usage_error
 from mikas.framing import encode
-from mikas.i18n import Text
 
 
 class LineFault(Enum):
@@ -122,11 +121,9 @@ def parse_rates(words: Mapping[str, str]) -> dict[LineFault, float]:
             rate = -1.0
         if not 0 <= rate <= 1:
             kinds = ", ".join(t.value for t in LineFault)
-            raise UsageError(
-                problem=Text(
-                    f"“{name}={value}” is not a line fault: KIND=RATE, rate 0 … 1, kinds: {kinds}",
-                    f"«{name}={value}» — не помеха: ВИД=ДОЛЯ, доля 0 … 1, виды: {kinds}",
-                )
+            raise usage_error(
+                f"“{name}={value}” is not a line fault: KIND=RATE, rate 0 … 1, kinds: {kinds}",
+                f"«{name}={value}» — не помеха: ВИД=ДОЛЯ, доля 0 … 1, виды: {kinds}",
             )
         rates[fault] = rate
     return rates

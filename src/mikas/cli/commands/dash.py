@@ -12,10 +12,10 @@ from urllib.parse import urlencode
 from mikas.cli.advice import ADVICE
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.language import localized, requested_language, tr, usage_error
+from mikas.cli.language import localized, requested_language, tr
 from mikas.cli.options import grouped
 from mikas.cli.parameter_types import Whole
-from mikas.errors import UsageError
+from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text
 
 if TYPE_CHECKING:

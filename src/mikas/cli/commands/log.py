@@ -10,7 +10,7 @@ from pathlib import Path
 from mikas.cli.click_extensions import command, option
 from mikas.cli.commands.watch import sampling_options
 from mikas.cli.context import CommandContext
-from mikas.cli.language import capital, decimal, localized, tr, usage_error
+from mikas.cli.language import capital, decimal, localized, tr
 from mikas.cli.main import USAGE
 from mikas.cli.markers import Marking
 from mikas.cli.parameter_types import File, Portion, PortionType
@@ -19,7 +19,7 @@ from mikas.cli.render.output import CLEAR_LINE
 from mikas.cli.render.values import JsonLines
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
 from mikas.client import Ecu
-from mikas.errors import MikasError
+from mikas.errors import MikasError, usage_error
 from mikas.i18n import Text
 from mikas.recording.export import SUFFIXES
 from mikas.recording.recorder import RecordingStatus, ask_in_full

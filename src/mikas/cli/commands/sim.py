@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.language import usage_error
 from mikas.cli.parameter_types import File, OneOf
+from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.link import WallClock
 from mikas.virtual import serve

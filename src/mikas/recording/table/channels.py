@@ -13,7 +13,7 @@ from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Any, Final
 
 from mikas.catalog import Catalog, Derived
-from mikas.errors import UsageError
+from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.sampling.events import Event, Gap
 
@@ -70,13 +70,11 @@ def named(catalog: Catalog, name: str) -> str:
     """Return the channel's full name. Raises `UsageError` for a name without a column."""
     found = catalog.channel(name).name
     if found not in catalog.derived and all(found != each.name for each in catalog.parameters):
-        raise UsageError(
-            problem=Text(
-                f"{name}: a bare code has no column; name a parameter, or describe the code in a "
-                "catalog file of your own",
-                f"{name}: у голого кода нет столбца; назовите параметр или опишите код в своём "
-                "файле каталога",
-            )
+        raise usage_error(
+            f"{name}: a bare code has no column; name a parameter, or describe the code in a "
+            "catalog file of your own",
+            f"{name}: у голого кода нет столбца; назовите параметр или опишите код в своём "
+            "файле каталога",
         )
     return found
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from mikas.catalog.loading.source import CatalogFile, read_source
-from mikas.errors import UsageError
+from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.virtual.scenarios.form import read_form
 from mikas.virtual.scenarios.timeline import ScenarioTimeline, Track
@@ -87,11 +87,9 @@ def find(name: str) -> Scenario:
     if Path(name).is_file():
         return load(Path(name))
     known = ", ".join(SCENARIOS)
-    raise UsageError(
-        problem=Text(
-            f"there is no scenario and no file “{name}”; scenarios: {known}",
-            f"нет ни сценария, ни файла «{name}»; сценарии: {known}",
-        )
+    raise usage_error(
+        f"there is no scenario and no file “{name}”; scenarios: {known}",
+        f"нет ни сценария, ни файла «{name}»; сценарии: {known}",
     )
 
 

@@ -12,10 +12,11 @@ import click
 from mikas.cli.click_extensions import command, option
 from mikas.cli.commands.memory.cells import SPACE
 from mikas.cli.context import CommandContext
-from mikas.cli.language import tr, usage_error
+from mikas.cli.language import tr
 from mikas.cli.parameter_types import Address, Count, File
 from mikas.cli.render.output import stderr_console
 from mikas.client.dumps import Difference, Dump, compare, differences, read_manifest
+from mikas.errors import usage_error
 from mikas.i18n import Text
 
 FILE = File(exists=True)

@@ -11,9 +11,10 @@ import click
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.language import current_language, localized, usage_error
+from mikas.cli.language import current_language, localized
 from mikas.cli.options import OUT, OVERWRITE
 from mikas.cli.parameter_types import File, OneOf
+from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.recording.export import DIALECTS
 

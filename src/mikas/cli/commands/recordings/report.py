@@ -11,12 +11,13 @@ import click
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.language import current_language, decimal, localized, tr, usage_error
+from mikas.cli.language import current_language, decimal, localized, tr
 from mikas.cli.options import OUT, OVERWRITE
 from mikas.cli.parameter_types import File, Number
 from mikas.cli.render.notices import Notices
 from mikas.cli.render.output import CLEAR_LINE
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
+from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.sampling.events import UnitFound
 

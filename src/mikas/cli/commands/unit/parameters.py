@@ -10,11 +10,12 @@ import click
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.cli.click_extensions import YES, command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.language import localized, tr, usage_error
+from mikas.cli.language import localized, tr
 from mikas.cli.parameter_types import HexBytes
 from mikas.cli.render.values import reading_json, reference, unit_text, valid_reference, value_text
 from mikas.client import Reading
 from mikas.client.parameters import decode
+from mikas.errors import usage_error
 from mikas.i18n import Text
 
 
