@@ -13,12 +13,23 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from fastapi import APIRouter, FastAPI
+from fastapi import FastAPI
 
 from mikas.dashboard import page
-from mikas.dashboard.api import errors
-from mikas.dashboard.api.diagnosis import DiagnosisStep
-from mikas.dashboard.api.live import Broadcaster
+from mikas.dashboard.api import (
+    catalog,
+    changes,
+    connection,
+    diagnosis,
+    dumps,
+    errors,
+    exports,
+    live,
+    memory,
+    recordings,
+    report,
+    unit,
+)
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.security.access import Access
@@ -32,6 +43,9 @@ client gets. Times are UNIX seconds, bytes upper-case hex, texts `{"en", "ru"}`.
 Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 """
 
+_PARTS = (catalog, connection, diagnosis, live, unit, memory, dumps, changes, recordings, exports,
+          report)  # fmt: skip
+
 
 class _Application(FastAPI):
     def openapi(self) -> dict[str, Any]:
@@ -43,40 +57,11 @@ class _Application(FastAPI):
         schemas = described["components"]["schemas"]
         for name in ("HTTPValidationError", "ValidationError"):
             schemas.pop(name, None)
-        schemas.update(component_schemas(LiveMessage, PingMessage, FieldsMessage, DiagnosisStep))
+        schemas.update(
+            component_schemas(LiveMessage, PingMessage, FieldsMessage, diagnosis.DiagnosisStep)
+        )
         described["components"]["schemas"] = dict(sorted(schemas.items()))
         return described
-
-
-def _routers() -> list[APIRouter]:
-    from mikas.dashboard.api import (
-        catalog,
-        changes,
-        connection,
-        diagnosis,
-        dumps,
-        exports,
-        live,
-        memory,
-        recordings,
-        report,
-        unit,
-    )
-
-    return [
-        catalog.router,
-        connection.router,
-        diagnosis.router,
-        live.router,
-        unit.router,
-        memory.router,
-        dumps.router,
-        changes.router,
-        recordings.router,
-        exports.router,
-        report.router,
-        page.docs_router,
-    ]
 
 
 def create_app(dashboard: Dashboard, access: Access, *, folder: Path = page.FOLDER) -> FastAPI:
@@ -98,10 +83,11 @@ def create_app(dashboard: Dashboard, access: Access, *, folder: Path = page.FOLD
     )
     app.state.dashboard = dashboard
     app.state.access = access
-    app.state.broadcaster = Broadcaster(dashboard)
+    app.state.broadcaster = live.Broadcaster(dashboard)
     errors.install(app)
-    for router in _routers():
-        app.include_router(router, prefix="/api")
+    for part in _PARTS:
+        app.include_router(part.router, prefix="/api")
+    app.include_router(page.docs_router, prefix="/api")
     app.include_router(page.router(folder, dashboard.settings.language))
     app.add_middleware(AccessMiddleware, access=access)
     return app

@@ -18,11 +18,12 @@ from __future__ import annotations
 import hmac
 import ipaddress
 import secrets
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from http.cookies import CookieError, SimpleCookie
-from typing import Any, Literal
-from urllib.parse import parse_qs
+from typing import Literal
+
+from starlette.requests import HTTPConnection
+from starlette.types import Scope
 
 from mikas.dashboard.errors import Forbidden, NotFromNetwork, TokenRequired
 from mikas.i18n import Text
@@ -62,33 +63,34 @@ class Access:
         """The cookie's name; browsers share cookies between ports."""
         return f"mikas_{self.port}"
 
-    def judge(self, scope: Mapping[str, Any]) -> Rights:
+    def judge(self, scope: Scope) -> Rights:
         """Return the rights of the sender. Raises `Forbidden`, `TokenRequired`."""
-        headers = _headers(scope)
-        self._check_host(headers)
-        self._check_page(scope, headers)
+        request = HTTPConnection(scope)
+        self._check_host(request)
+        self._check_page(request)
         if self.is_local(scope):
             return "control"
-        if not self._has_token(scope, headers):
+        if not self._has_token(request):
             raise TokenRequired
         return "control" if self.lan_control else "view"
 
-    def is_local(self, scope: Mapping[str, Any]) -> bool:
+    def is_local(self, scope: Scope) -> bool:
         """Whether the request comes from this computer, which needs no token."""
-        local = _headers(scope).get("host", "").lower() in self._addresses(local=True)
-        return local and (not self.lan or _is_loopback(scope))
+        request = HTTPConnection(scope)
+        local = _host(request) in self._addresses(local=True)
+        return local and (not self.lan or _is_loopback(request))
 
-    def offers_token(self, scope: Mapping[str, Any]) -> bool:
+    def offers_token(self, scope: Scope) -> bool:
         """Whether the link with the right token is being opened; a cookie is to be set."""
         return (
             self.lan
             and scope["type"] == "http"
             and scope["path"] == "/"
-            and self._is_token(_query(scope).get("token", ""))
+            and self._is_token(HTTPConnection(scope).query_params.get("token", ""))
         )
 
-    def _check_host(self, headers: Mapping[str, str]) -> None:
-        host = headers.get("host", "").lower()
+    def _check_host(self, request: HTTPConnection) -> None:
+        host = _host(request)
         if host not in self._addresses():
             raise Forbidden(
                 problem=Text(f"unknown host “{host}”", f"неизвестное имя узла «{host}»")
@@ -101,7 +103,8 @@ class Access:
             found |= {host.lower() for host in hosts}
         return found
 
-    def _check_page(self, scope: Mapping[str, Any], headers: Mapping[str, str]) -> None:
+    def _check_page(self, request: HTTPConnection) -> None:
+        headers = request.headers
         origin = headers.get("origin")
         if origin is not None:
             scheme, _, address = origin.lower().partition("://")
@@ -110,19 +113,20 @@ class Access:
                     problem=Text(f"foreign page {origin}", f"посторонняя страница {origin}")
                 )
         site = headers.get("sec-fetch-site", "none")
-        opened = headers.get("sec-fetch-mode") == "navigate" and scope["path"] == "/"
+        opened = headers.get("sec-fetch-mode") == "navigate" and request["path"] == "/"
         if site not in ("none", "same-origin") and not opened:
             raise Forbidden(
                 problem=Text("a request of another site's page", "запрос со страницы другого сайта")
             )
 
-    def _has_token(self, scope: Mapping[str, Any], headers: Mapping[str, str]) -> bool:
-        scheme, _, given = headers.get("authorization", "").partition(" ")
+    def _has_token(self, request: HTTPConnection) -> bool:
+        scheme, _, given = request.headers.get("authorization", "").partition(" ")
         if scheme.lower() == "bearer" and self._is_token(given.strip()):
             return True
-        if self._is_token(_cookies(headers).get(self.cookie, "")):
+        if self._is_token(request.cookies.get(self.cookie, "")):
             return True
-        return scope["type"] == "websocket" and self._is_token(_query(scope).get("token", ""))
+        given = request.query_params.get("token", "")
+        return request["type"] == "websocket" and self._is_token(given)
 
     def _is_token(self, given: str) -> bool:
         return hmac.compare_digest(given.encode(), self.token.encode())
@@ -144,26 +148,13 @@ class PortPolicy:
             raise NotFromNetwork(url=url)
 
 
-def _headers(scope: Mapping[str, Any]) -> dict[str, str]:
-    return {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
+def _host(request: HTTPConnection) -> str:
+    return request.headers.get("host", "").lower()
 
 
-def _query(scope: Mapping[str, Any]) -> dict[str, str]:
-    query = parse_qs(scope.get("query_string", b"").decode("latin-1"))
-    return {name: values[0] for name, values in query.items()}
-
-
-def _cookies(headers: Mapping[str, str]) -> dict[str, str]:
+def _is_loopback(request: HTTPConnection) -> bool:
     try:
-        jar = SimpleCookie(headers.get("cookie", ""))
-    except CookieError:
-        return {}
-    return {name: morsel.value for name, morsel in jar.items()}
-
-
-def _is_loopback(scope: Mapping[str, Any]) -> bool:
-    try:
-        return ipaddress.ip_address((scope.get("client") or ("",))[0]).is_loopback
+        return ipaddress.ip_address(request.client.host if request.client else "").is_loopback
     except ValueError:
         return False
 
