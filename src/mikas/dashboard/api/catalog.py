@@ -20,7 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter
 from mikas.dashboard.api.dependencies import KnownClient, Names, TheDashboard, Viewer, split_names
 from mikas.dashboard.api.errors import TwoTexts, content, errors, two
-from mikas.dashboard.api.messages import LiveEvent
+from mikas.dashboard.api.messages import LiveEvent, LiveRows
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.session.event_log import page_json
@@ -131,12 +131,9 @@ class PresetList(BaseModel):
     presets: list[Preset] = Field(max_length=100)
 
 
-class HistoryResponse(BaseModel):
+class HistoryResponse(LiveRows):
     """Columns over time and events, as in live data; null: no new value in that row."""
 
-    names: list[str]
-    times: list[float]
-    values: list[list[float | None]]
     events: list[LiveEvent]
 
 

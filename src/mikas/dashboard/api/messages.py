@@ -1,21 +1,36 @@
 """Models of the live WebSocket's messages and of events, for the OpenAPI description only.
 
 Messages are built as text up to 20 times a second (`live`), without validation; a test validates
-real messages against these models.
+real messages against these models. The models of events are made of the event classes.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final, Literal
+from dataclasses import fields
+from typing import Annotated, Any, Final, Literal, Union, get_type_hints
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, GetPydanticSchema, create_model
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from mikas.catalog import Level
+from mikas.client import Passport
 from mikas.dashboard.api.errors import TwoTexts
 from mikas.dashboard.api.state import State
+from mikas.dashboard.session.event_log import ExchangeFailed, RecordingChanged
+from mikas.i18n import Text
 from mikas.sampling.alarms import Side
-from mikas.sampling.events import LineState
+from mikas.sampling.events import (
+    AlarmChanged,
+    Event,
+    Gap,
+    LineState,
+    Marker,
+    MethodChosen,
+    ParameterDropped,
+    StateChanged,
+    TextNote,
+    UnitFound,
+)
 
 
 def _optional(schema: dict[str, Any]) -> None:
@@ -28,128 +43,53 @@ def _optional(schema: dict[str, Any]) -> None:
                 del each["anyOf"]
 
 
-_MESSAGE: Final = ConfigDict(extra="forbid", json_schema_extra=_optional)
+_MESSAGE: Final = ConfigDict(extra="forbid", allow_inf_nan=False, json_schema_extra=_optional)
 
 
-class _Event(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-    time: float
+_FIELDS: Final[dict[Any, Any]] = {
+    Text: TwoTexts | None,
+    Text | None: TwoTexts | None,
+    Passport | None: list[str | None] | None,
+}
+"""The JSON of fields, where it is not the type itself."""
 
 
-class StateEvent(_Event):
-    """The line changed to `state`. `code`: the class of the error that caused it."""
-
-    kind: Literal["state"]
-    state: LineState
-    text: TwoTexts | None
-    reason: TwoTexts | None
-    code: Annotated[str | None, Field(description="not in recordings")] = None
-
-
-class GapEvent(_Event):
-    """No values were received. Sent when the gap begins (`ended` null) and when it has ended."""
-
-    kind: Literal["gap"]
-    began: float
-    ended: float | None
-    reason: TwoTexts | None
+def _model(event: type[Event], **other: Any) -> type[BaseModel]:
+    """Return the model of the event's JSON; `other`: fields that are not as in the class."""
+    hints = get_type_hints(event)
+    names = [each.name for each in fields(event) if each.metadata.get("json", True)]
+    described: dict[str, Any] = {name: _FIELDS.get(hints[name], hints[name]) for name in names}
+    return create_model(
+        f"{event.kind.title()}Event",
+        __config__=ConfigDict(extra="forbid"),
+        __doc__=(event.__doc__ or "").partition("\n\n")[0],
+        **({"kind": Literal[event.kind]} | described | other),
+    )
 
 
-class ErrorEvent(_Event):
-    """An exchange failed, also one that a repetition cured. `sent`, `received`: hex."""
-
-    kind: Literal["error"]
-    code: str
-    text: TwoTexts
-    sent: str | None
-    received: str | None
+def _one_of(*models: type[BaseModel]) -> GetPydanticSchema:
+    union: Any = Annotated[Union[models], Field(discriminator="kind")]  # noqa: UP007
+    return GetPydanticSchema(lambda _, handler: handler.generate_schema(union))
 
 
-class UnitEvent(_Event):
-    """A unit answers. `another`: not the one before, on this connection or the last."""
-
-    kind: Literal["unit"]
-    model: TwoTexts | None
-    version_code: int | None
-    passport: list[str | None] | None
-    another: bool
-
-
-class MethodEvent(_Event):
-    """The sampling method was chosen. `rates`: readings a second of each measured method."""
-
-    kind: Literal["method"]
-    method: str
-    rates: dict[str, float]
-
-
-class DroppedEvent(_Event):
-    """The unit does not support this parameter."""
-
-    kind: Literal["dropped"]
-    name: str
-
-
-class AlarmEvent(_Event):
-    """A value crossed a limit, in either direction. `level` none: the alarm is over."""
-
-    kind: Literal["alarm"]
-    name: str
-    level: Level
-    before: Level | None
-    side: Side | None
-    value: float | None
-    limit: float | None
-    text: TwoTexts | None
-
-
-class MarkerEvent(_Event):
-    """A person marked this moment."""
-
-    kind: Literal["marker"]
-    label: str
-
-
-class RecordingEvent(_Event):
-    """A recording began, ended or broke off (`failure`)."""
-
-    kind: Literal["recording"]
-    file: str
-    on: bool
-    failure: TwoTexts | None
-
-
-class NoteEvent(_Event):
-    """A person's note; in recordings only."""
-
-    kind: Literal["note"]
-    text: str
-
-
+_IN_BOTH: Final = (
+    _model(
+        StateChanged,
+        state=LineState,
+        code=(str | None, Field(None, description="the error's class; not in recordings")),
+    ),
+    _model(Gap),
+    _model(UnitFound),
+    _model(MethodChosen),
+    _model(ParameterDropped),
+    _model(AlarmChanged, level=Level, before=Level | None, side=Side | None),
+    _model(Marker),
+)
 LiveEvent = Annotated[
-    StateEvent
-    | GapEvent
-    | ErrorEvent
-    | UnitEvent
-    | MethodEvent
-    | DroppedEvent
-    | AlarmEvent
-    | MarkerEvent
-    | RecordingEvent,
-    Field(discriminator="kind"),
+    Any, _one_of(*_IN_BOTH, _model(ExchangeFailed, text=TwoTexts), _model(RecordingChanged))
 ]
 """Any event of the running connection."""
-RecordedEvent = Annotated[
-    StateEvent
-    | GapEvent
-    | UnitEvent
-    | MethodEvent
-    | DroppedEvent
-    | AlarmEvent
-    | MarkerEvent
-    | NoteEvent,
-    Field(discriminator="kind"),
-]
+RecordedEvent = Annotated[Any, _one_of(*_IN_BOTH, _model(TextNote))]
 """Any event of a recording."""
 
 
@@ -186,7 +126,7 @@ class FieldsMessage(BaseModel):
     """Send only these columns from now on; null: all."""
 
     model_config = _MESSAGE
-    fields: list[str] | None
+    fields: Annotated[list[str], Field(max_length=200)] | None
 
 
 def component_schemas(*models: type[BaseModel]) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from mikas.dashboard.api.dependencies import (
     split_names,
 )
 from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
-from mikas.dashboard.api.messages import RecordedEvent
+from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.errors import ADVICE
 from mikas.dashboard.library.folder import RecordingFile
@@ -112,14 +112,11 @@ class RecordingsResponse(BaseModel):
     problem: TwoTexts | None
 
 
-class RowsResponse(BaseModel):
+class RowsResponse(LiveRows):
     """Columns over time; null: no value in that row. `decimated`: only the minimum and maximum of
     each column in each interval.
     """
 
-    names: list[str]
-    times: list[float]
-    values: list[list[float | None]]
     decimated: bool
 
 

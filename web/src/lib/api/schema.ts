@@ -30,14 +30,14 @@ export interface components {
             limit: number;
             since: number;
         };
-        /** @description A value crossed a limit, in either direction. `level` none: the alarm is over. */
+        /** @description The alarm of the channel `name` changed from the level `before` to `level`. */
         AlarmEvent: {
-            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "alarm";
+            time: number;
             name: string;
             level: components["schemas"]["Level"];
             before: components["schemas"]["Level"] | null;
@@ -184,14 +184,14 @@ export interface components {
             differences: components["schemas"]["ByteDifference"][];
             count: number;
         };
-        /** @description The unit does not support this parameter. */
+        /** @description The unit refuses the parameter `name`; sampling of the others continues. */
         DroppedEvent: {
-            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "dropped";
+            time: number;
             name: string;
         };
         /** @description A cell of the map. */
@@ -260,14 +260,14 @@ export interface components {
             sent?: string | null;
             received?: string | null;
         };
-        /** @description An exchange failed, also one that a repetition cured. `sent`, `received`: hex. */
+        /** @description An exchange failed; it may have been repeated with success. */
         ErrorEvent: {
-            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "error";
+            time: number;
             code: string;
             text: components["schemas"]["TwoTexts"];
             sent: string | null;
@@ -293,14 +293,14 @@ export interface components {
         FieldsMessage: {
             fields: string[] | null;
         };
-        /** @description No values were received. Sent when the gap begins (`ended` null) and when it has ended. */
+        /** @description No values from `began` to `ended`; None: the gap continues, or the recording ended in it. */
         GapEvent: {
-            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "gap";
+            time: number;
             began: number;
             ended: number | null;
             reason: components["schemas"]["TwoTexts"] | null;
@@ -310,7 +310,7 @@ export interface components {
             names: string[];
             times: number[];
             values: (number | null)[][];
-            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["RecordingEvent"])[];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
         };
         /**
          * @description A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure.
@@ -356,7 +356,7 @@ export interface components {
             /** @description in the first, and when it has changed */
             state?: components["schemas"]["State"];
             data?: components["schemas"]["LiveRows"];
-            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["RecordingEvent"])[];
+            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
             pong?: number | string;
         };
         /** @description Columns over time. null: no value in that row. */
@@ -365,14 +365,14 @@ export interface components {
             times: number[];
             values: (number | null)[][];
         };
-        /** @description A person marked this moment. */
+        /** @description A moment marked by the user. */
         MarkerEvent: {
-            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "marker";
+            time: number;
             label: string;
         };
         /** @description A marker's label. */
@@ -393,27 +393,27 @@ export interface components {
             data: string;
             time: number;
         };
-        /** @description The sampling method was chosen. `rates`: readings a second of each measured method. */
+        /** @description The method changes. `rates`: cycles a second of each measured method; 0: it failed. */
         MethodEvent: {
-            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "method";
+            time: number;
             method: string;
             rates: {
                 [key: string]: number;
             };
         };
-        /** @description A person's note; in recordings only. */
+        /** @description The user's text at a moment. */
         NoteEvent: {
-            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "note";
+            time: number;
             text: string;
         };
         /** @description A note for the recording in progress. */
@@ -545,14 +545,14 @@ export interface components {
             problems: components["schemas"]["RecordingProblem"][];
             method: string | null;
         };
-        /** @description A recording began, ended or broke off (`failure`). */
+        /** @description A recording to `file` began (`on`), ended, or broke off with a `failure`. */
         RecordingEvent: {
-            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "recording";
+            time: number;
             file: string;
             on: boolean;
             failure: components["schemas"]["TwoTexts"] | null;
@@ -631,6 +631,17 @@ export interface components {
         };
         /** @description The state of everything. Times are UNIX seconds of the link's clock. */
         State: {
+            /** @default null */
+            controller: components["schemas"]["ControlHolder"] | null;
+            /**
+             * @default view
+             * @enum {string}
+             */
+            rights: "control" | "view";
+            /** @default 0 */
+            viewers: number;
+            /** @default 0 */
+            now: number;
             /** @enum {string} */
             line: "off" | "no-port" | "no-echo" | "echo-only" | "ecu-alive" | "sampling";
             text: components["schemas"]["TwoTexts"];
@@ -666,31 +677,20 @@ export interface components {
             unlocked_until: number | null;
             demo: boolean;
             lan: boolean;
-            /** @default null */
-            controller: components["schemas"]["ControlHolder"] | null;
-            /**
-             * @default view
-             * @enum {string}
-             */
-            rights: "control" | "view";
-            /** @default 0 */
-            viewers: number;
-            /** @default 0 */
-            now: number;
         };
-        /** @description The line changed to `state`. `code`: the class of the error that caused it. */
+        /** @description The line's state changed, by `error`. A file of a later version may have other states. */
         StateEvent: {
-            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "state";
+            time: number;
             state: components["schemas"]["LineState"];
             text: components["schemas"]["TwoTexts"] | null;
             reason: components["schemas"]["TwoTexts"] | null;
             /**
-             * @description not in recordings
+             * @description the error's class; not in recordings
              * @default null
              */
             code: string | null;
@@ -735,18 +735,18 @@ export interface components {
             source_name: string;
             supported: boolean | null;
         };
-        /** @description A unit answers. `another`: not the one before, on this connection or the last. */
+        /** @description A unit answers. `another`: not the unit before, so another car. */
         UnitEvent: {
-            time: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "unit";
-            model: components["schemas"]["TwoTexts"] | null;
+            time: number;
             version_code: number | null;
             passport: (string | null)[] | null;
             another: boolean;
+            model: components["schemas"]["TwoTexts"] | null;
         };
         /** @description The measured limits of this unit, and the codes it refuses. */
         UnitLimits: {
