@@ -12,7 +12,7 @@ from websockets.exceptions import ConnectionClosed
 
 from dashboard.rig import rig
 from mikas.dashboard.api.live import QUEUE, Broadcaster, Listener, _send, handle_request
-from mikas.dashboard.api.state import state_of
+from mikas.dashboard.api.state import shared_state
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.history import History
@@ -197,11 +197,11 @@ def test_a_bug_in_one_message_does_not_end_the_others(idle, monkeypatch, caplog)
         if not met.is_set():
             met.set()
             raise ValueError("the bug of this test")
-        return state_of(dashboard)
+        return shared_state(dashboard)
 
     with idle.live() as live:
         live.until(lambda it: "data" in it)
-        monkeypatch.setattr("mikas.dashboard.api.live.state_of", broken_once)
+        monkeypatch.setattr("mikas.dashboard.api.live.shared_state", broken_once)
         assert met.wait(60)
         live.until(lambda it: "data" in it)
     assert "the bug of this test" in caplog.text

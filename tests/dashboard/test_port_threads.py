@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mikas.dashboard.api.state import state_of
+from mikas.dashboard.api.state import shared_state
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.session.history import StoredFaults
 from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread
@@ -81,7 +81,7 @@ def test_a_lock_that_closes_while_it_is_looked_at_is_open_or_closed(tmp_path):
     dashboard, times = dashboard_of(tmp_path), iter((0.0, 59.0, 61.0))
     dashboard.write_lock.clock = lambda: next(times)
     dashboard.write_lock.open(60.0)
-    state = state_of(dashboard)
+    state = shared_state(dashboard)
     assert state.unlocked_until is not None
     assert state.unlocked_until > 0
 
@@ -93,4 +93,4 @@ def test_faults_that_are_forgotten_while_they_are_looked_at_are_counted_or_not(t
 
     dashboard = dashboard_of(tmp_path)
     dashboard.fault_history = Forgetful()
-    assert state_of(dashboard).fault_count == 0
+    assert shared_state(dashboard).fault_count == 0

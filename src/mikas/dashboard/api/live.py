@@ -13,12 +13,14 @@ import logging
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from typing import Any
+from typing import Any, Final
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from pydantic import TypeAdapter, ValidationError
 
 from mikas.dashboard.api.dependencies import client_of
-from mikas.dashboard.api.state import OWN, holder_of, state_of
+from mikas.dashboard.api.messages import FieldsMessage, PingMessage
+from mikas.dashboard.api.state import OwnState, own_state, shared_state
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import json_response
 from mikas.dashboard.errors import ApiRefusal
@@ -33,13 +35,13 @@ SPACING = 0.05  # for each client, so that a backlog shrinks
 STATE_EVERY = 0.5  # s, if only numbers in it change
 QUEUE = 10
 _MAX_MESSAGE = 4096
-_MAX_FIELDS = 200
 _MAX_CLIENTS = 32
 _MAX_PER_SECOND = 30
 _SEND_TIMEOUT = 30.0  # s that one message may take
 _POLICY_VIOLATION, _TRY_LATER = 1008, 1013
 
 Fields = frozenset[str] | None
+_REQUEST: Final = TypeAdapter[PingMessage | FieldsMessage](PingMessage | FieldsMessage)
 
 router = APIRouter()
 
@@ -90,23 +92,13 @@ def handle_request(listener: Listener, text: str | None) -> bool:
     if text is None or len(text) > _MAX_MESSAGE:
         return False
     try:
-        body = json.loads(text)
-    except (ValueError, RecursionError):
+        request = _REQUEST.validate_json(text, strict=True)
+    except ValidationError:
         return False
-    match body:
-        case {"ping": int() | float() | str() as ping, **rest} if not rest:
-            try:
-                listener.pong = dumps(ping)
-            except ValueError:
-                return False
-        case {"fields": None, **rest} if not rest:
-            listener.fields = None
-        case {"fields": list() as fields, **rest} if not rest:
-            if len(fields) > _MAX_FIELDS or not all(isinstance(name, str) for name in fields):
-                return False
-            listener.fields = frozenset(fields)
-        case _:
-            return False
+    if isinstance(request, PingMessage):
+        listener.pong = dumps(request.ping)
+    else:
+        listener.fields = None if request.fields is None else frozenset(request.fields)
     return True
 
 
@@ -147,17 +139,8 @@ class Broadcaster:
 
     def message(self, listener: Listener) -> str:
         """Return the next message of `listener`, with its own part of the state."""
-        client = listener.client
-        holder = holder_of(self._dashboard, client)
-        own = dumps(
-            {
-                "controller": holder.model_dump() if holder else None,
-                "rights": "control" if client.may_control else "view",
-                "viewers": self._dashboard.control.viewers,
-                "now": self._dashboard.connection.now(),
-            }
-        )
-        return listener.next(self._dashboard.connection.now(), own[1:-1], self._state)
+        own = own_state(self._dashboard, listener.client)
+        return listener.next(own.now, own.model_dump_json()[1:-1], self._state)
 
     def poke(self) -> None:
         """Wake the task: a client waits for a response."""
@@ -201,7 +184,7 @@ class Broadcaster:
 
     def _new_state(self) -> bool:
         self._stated = self._dashboard.clock()
-        shared = state_of(self._dashboard).model_dump(exclude=set(OWN))
+        shared = shared_state(self._dashboard).model_dump(exclude=set(OwnState.model_fields))
         self._state = (self._state[0] + 1, dumps(shared)[1:-1])
         return True
 

@@ -63,7 +63,16 @@ class ControlHolder(BaseModel):
     you: bool
 
 
-class State(BaseModel):
+class OwnState(BaseModel):
+    """The fields that differ between clients, or change at every moment."""
+
+    controller: ControlHolder | None = None
+    rights: Literal["control", "view"] = "view"
+    viewers: int = 0
+    now: float = 0.0
+
+
+class State(OwnState):
     """The state of everything. Times are UNIX seconds of the link's clock."""
 
     line: Line
@@ -92,14 +101,7 @@ class State(BaseModel):
     unlocked_until: float | None
     demo: bool
     lan: bool
-    controller: ControlHolder | None = None
-    rights: Literal["control", "view"] = "view"
-    viewers: int = 0
-    now: float = 0.0
 
-
-OWN = ("controller", "rights", "viewers", "now")
-"""The fields that differ between clients, or change at every moment."""
 
 _NO_LINE: Line = "off"
 _OFF = Text("not connected", "не подключено")
@@ -107,26 +109,25 @@ _OPENING = Text("opening the port", "открываем порт")
 _STOPPED = Text("stopped", "остановлено")
 
 
-def state_of(dashboard: Dashboard, client: Client | None = None) -> State:
+def state_of(dashboard: Dashboard, client: Client) -> State:
     """Return the state of everything, as `client` sees it."""
-    state = _shared(dashboard)
-    if client is not None:
-        state.rights = "control" if client.may_control else "view"
-        state.controller = holder_of(dashboard, client)
-    state.viewers = dashboard.control.viewers
-    state.now = dashboard.connection.now()
-    return state
+    return shared_state(dashboard).model_copy(update=dict(own_state(dashboard, client)))
 
 
-def holder_of(dashboard: Dashboard, client: Client) -> ControlHolder | None:
-    """Return the client in control; `you`: whether that is `client`."""
+def own_state(dashboard: Dashboard, client: Client) -> OwnState:
+    """Return the part of the state that `client` alone sees so, or only now."""
     held = dashboard.control.holder
-    if held is None:
-        return None
-    return ControlHolder(id=held.id, name=held.name, you=held.id == client.id)
+    return OwnState(
+        controller=ControlHolder(id=held.id, name=held.name, you=held.id == client.id)
+        if held
+        else None,
+        rights="control" if client.may_control else "view",
+        viewers=dashboard.control.viewers,
+        now=dashboard.connection.now(),
+    )
 
 
-def _shared(dashboard: Dashboard) -> State:
+def shared_state(dashboard: Dashboard) -> State:
     """Return the part of the state that is the same for all clients."""
     monitor, connection, request = dashboard.monitor, dashboard.connection, dashboard.plan.request
     # Read each of these once: another thread may set it to None.
