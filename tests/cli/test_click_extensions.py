@@ -62,11 +62,12 @@ def names(command: click.Command):
         *(trouble.value for trouble in LineFault),
         "missing",
         "stroke",
+        *("ram", "xram", "code", "sfr"),
     )
     yield from getattr(command, "homes", ())
     for parameter in command.params:
         yield from (opt.lstrip("-") for opt in parameter.opts)
-        yield from getattr(parameter.type, "words", ())
+        yield from re.findall(r"[\w.-]+", parameter.metavar or "")
 
 
 def test_the_contract_s_commands_are_all_there():

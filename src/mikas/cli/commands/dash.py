@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlencode
 
 from mikas.cli.advice import ADVICE
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import command, grouped, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, requested_language, tr
-from mikas.cli.options import grouped
-from mikas.cli.parameter_types import Whole
+from mikas.cli.parameter_types import whole
 from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text
 
@@ -52,7 +51,7 @@ dashboard_options = grouped(
     DashboardOptions,
     option(
         "--host-port",
-        type=Whole(1, 65535),
+        type=whole(1, 65535),
         metavar="N",
         text=Text(
             "TCP port of the page (8071, or the next free one)",
@@ -126,8 +125,8 @@ def dash(context: CommandContext, options: DashboardOptions) -> None:
 )
 @option(
     "--seed",
-    type=Whole(0),
-    default=1,
+    type=whole(0),
+    default="1",
     metavar="N",
     text=Text("seed of the random numbers (1)", "начальное число случайной последовательности (1)"),
 )

@@ -13,7 +13,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import capital, decimal, localized, tr
 from mikas.cli.main import USAGE
 from mikas.cli.markers import Marking
-from mikas.cli.parameter_types import File, Portion, PortionType
+from mikas.cli.parameter_types import Portion, any_file, portion
 from mikas.cli.render.notices import Notices
 from mikas.cli.render.output import CLEAR_LINE
 from mikas.cli.render.values import JsonLines
@@ -48,13 +48,13 @@ from mikas.sampling.events import Event, StateChanged
     "-o",
     "--out",
     required=True,
-    type=File(),
+    type=any_file,
     metavar="FILE",
     text=Text("file to record to; required", "файл записи; обязательно"),
 )
 @option(
     "--rotate",
-    type=PortionType(),
+    type=portion,
     metavar="SIZE|TIME",
     text=Text(
         "continue in FILE-2, FILE-3 … after this size or time: 100MB, 30min, 2h",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.parameter_types import File, OneOf
+from mikas.cli.parameter_types import any_file, choices, one_of
 from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.link import WallClock
@@ -43,7 +43,7 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
 )
 @option(
     "--replay",
-    type=File(),
+    type=any_file,
     metavar="FILE",
     text=Text(
         "a recorded unit that answers as it did; options: --set seek=600, speed=2, loop=1",
@@ -56,7 +56,10 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
     text=Text("on TCP instead of a pty (port 0: any)", "по TCP вместо pty (порт 0: любой)"),
 )
 @option(
-    "--model", type=OneOf(tuple(MODELS)), text=Text("model of the unit (7.1)", "модель блока (7.1)")
+    "--model",
+    type=one_of(MODELS),
+    metavar=choices(MODELS),
+    text=Text("model of the unit (7.1)", "модель блока (7.1)"),
 )
 @option(
     "--scenario",

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import command, grouped, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, tr
-from mikas.cli.options import grouped
-from mikas.cli.parameter_types import Number, OneOf, Whole
+from mikas.cli.parameter_types import number, one_of, whole
 from mikas.cli.render.live_table import LiveTable
 from mikas.cli.render.notices import Notices
 from mikas.cli.render.values import JsonLines, PlainLines
@@ -33,7 +32,7 @@ sampling_options = grouped(
     click.argument("names", metavar="[NAME[/N]]...", nargs=-1),
     option(
         "--method",
-        type=OneOf(METHODS),
+        type=one_of(METHODS),
         metavar="METHOD",
         default="auto",
         text=Text(
@@ -45,19 +44,19 @@ sampling_options = grouped(
     ),
     option(
         "--rate",
-        type=Number(above=0),
+        type=number(above=0),
         metavar="HZ",
         text=Text("at most this many readings/s", "опросов в секунду, не больше"),
     ),
     option(
         "--count",
-        type=Whole(1),
+        type=whole(1),
         metavar="N",
         text=Text("stop after this many samples", "остановиться после стольких отсчётов"),
     ),
     option(
         "--duration",
-        type=Number(above=0),
+        type=number(above=0),
         metavar="S",
         text=Text("stop after this many seconds", "остановиться через столько секунд"),
     ),

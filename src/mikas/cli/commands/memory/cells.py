@@ -8,11 +8,11 @@ import click
 
 from mikas.cli.click_extensions import YES, command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.parameter_types import Address, Count, HexBytes, OneOf
+from mikas.cli.parameter_types import hex_address, hex_bytes, one_of, size_in_bytes
 from mikas.errors import NotConfirmed
 from mikas.i18n import Text
 
-SPACE = OneOf(("ram", "xram", "code", "sfr"))
+SPACE = one_of(("ram", "xram", "code", "sfr"))
 
 
 @command(
@@ -25,8 +25,8 @@ SPACE = OneOf(("ram", "xram", "code", "sfr"))
     examples=("mikas mem read ram 40", "mikas mem read xram 0x1000 64 --json"),
 )
 @click.argument("space", metavar="SPACE", type=SPACE)
-@click.argument("address", metavar="ADDR", type=Address())
-@click.argument("count", metavar="[COUNT]", type=Count(), default=1)
+@click.argument("address", metavar="ADDR", type=hex_address)
+@click.argument("count", metavar="[COUNT]", type=size_in_bytes, default="1")
 def read(context: CommandContext, space: str, address: int, count: int) -> None:
     with context.ecu() as ecu:
         data = ecu.memory[space].read_block(address, count)
@@ -48,8 +48,8 @@ def read(context: CommandContext, space: str, address: int, count: int) -> None:
     examples=("mikas mem write ram 40 0D", "mikas mem write xram 1000 AABB --yes"),
 )
 @click.argument("space", metavar="SPACE", type=SPACE)
-@click.argument("address", metavar="ADDR", type=Address())
-@click.argument("data", metavar="HEX", type=HexBytes())
+@click.argument("address", metavar="ADDR", type=hex_address)
+@click.argument("data", metavar="HEX", type=hex_bytes)
 @YES
 def write(context: CommandContext, space: str, address: int, data: bytes, *, yes: bool) -> None:
     with context.ecu(context.confirm(yes=yes)) as ecu:
@@ -73,7 +73,7 @@ def write(context: CommandContext, space: str, address: int, data: bytes, *, yes
     ),
     examples=("mikas mem goto 8000",),
 )
-@click.argument("address", metavar="ADDR", type=Address())
+@click.argument("address", metavar="ADDR", type=hex_address)
 @YES
 @option(
     "--i-know-what-this-does",

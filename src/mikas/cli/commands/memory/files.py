@@ -13,16 +13,15 @@ from mikas.cli.click_extensions import command, option
 from mikas.cli.commands.memory.cells import SPACE
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
-from mikas.cli.parameter_types import Address, Count, File
+from mikas.cli.parameter_types import any_file, existing_file, hex_address, size_in_bytes
 from mikas.cli.render.output import stderr_console
 from mikas.client.dumps import Difference, Dump, compare, differences, read_manifest
 from mikas.errors import usage_error
 from mikas.i18n import Text
 
-FILE = File(exists=True)
 BLOCK = option(
     "--block",
-    type=Count(),
+    type=size_in_bytes,
     metavar="N",
     text=Text("bytes per request, at most (255)", "байт за запрос, не больше (255)"),
 )
@@ -47,22 +46,22 @@ BLOCK = option(
     "-o",
     "--out",
     required=True,
-    type=File(),
+    type=any_file,
     metavar="FILE",
     text=Text("the file to write; required", "файл для записи; обязательно"),
 )
 @option(
     "--from",
     "first",
-    type=Address(),
-    default=0,
+    type=hex_address,
+    default="0",
     metavar="ADDR",
     text=Text("first address (0)", "первый адрес (0)"),
 )
 @option(
     "--to",
     "last",
-    type=Address(),
+    type=hex_address,
     metavar="ADDR",
     text=Text("last address, inclusive", "последний адрес, включительно"),
 )
@@ -140,9 +139,9 @@ def _show_differences(context: CommandContext, found: Sequence[Difference], what
     examples=("mikas mem verify code code.bin", "mikas mem verify xram part.bin --from 1000"),
 )
 @click.argument("space", metavar="SPACE", type=SPACE)
-@click.argument("file", metavar="FILE", type=FILE)
+@click.argument("file", metavar="FILE", type=existing_file)
 @option(
-    "--from", "first", type=Address(), metavar="ADDR", text=Text("first address", "первый адрес")
+    "--from", "first", type=hex_address, metavar="ADDR", text=Text("first address", "первый адрес")
 )
 @BLOCK
 def verify(
@@ -171,8 +170,8 @@ def verify(
     ),
     examples=("mikas mem diff before.bin after.bin", "mikas mem diff a.bin b.bin --json"),
 )
-@click.argument("a", metavar="FILE", type=FILE)
-@click.argument("b", metavar="FILE", type=FILE)
+@click.argument("a", metavar="FILE", type=existing_file)
+@click.argument("b", metavar="FILE", type=existing_file)
 def diff(context: CommandContext, a: Path, b: Path) -> None:
     starts = [manifest.first if (manifest := read_manifest(file)) else 0 for file in (a, b)]
     found = list(differences(a.read_bytes(), starts[0], b.read_bytes(), starts[1]))

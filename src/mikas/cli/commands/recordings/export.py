@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import OUT, OVERWRITE, command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
-from mikas.cli.options import OUT, OVERWRITE
-from mikas.cli.parameter_types import File, OneOf
+from mikas.cli.parameter_types import choices, existing_file, one_of
 from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.recording.export import DIALECTS
@@ -46,12 +45,13 @@ MOST_PROBLEMS = 20
         "mikas export drive.pcapng -o drive.csv --dialect excel --lang ru",
     ),
 )
-@click.argument("file", metavar="FILE", type=File(exists=True))
+@click.argument("file", metavar="FILE", type=existing_file)
 @click.argument("names", metavar="[NAME]...", nargs=-1)
 @OUT
 @option(
     "--dialect",
-    type=OneOf(tuple(DIALECTS)),
+    type=one_of(DIALECTS),
+    metavar=choices(DIALECTS),
     text=Text(
         "form of a .csv: commas (plain), or for an Excel with a decimal comma (excel)",
         "вид файла .csv: через запятую (plain) или для таблиц с десятичной запятой (excel)",
@@ -156,7 +156,7 @@ def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Row
     ),
     examples=("mikas decode drive.pcapng", "mikas decode drive.pcapng --json"),
 )
-@click.argument("file", metavar="FILE", type=File(exists=True))
+@click.argument("file", metavar="FILE", type=existing_file)
 def decode(context: CommandContext, file: Path) -> None:
     describe = Describer(context.catalog(), context.interpretation)
     zero: float | None = None

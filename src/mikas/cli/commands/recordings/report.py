@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import OUT, OVERWRITE, command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, decimal, localized, tr
-from mikas.cli.options import OUT, OVERWRITE
-from mikas.cli.parameter_types import File, Number
+from mikas.cli.parameter_types import existing_file, number
 from mikas.cli.render.notices import Notices
 from mikas.cli.render.output import CLEAR_LINE
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
@@ -44,11 +43,11 @@ _SECONDS = 30.0
         "mikas report -o car.html --duration 60 --lang ru",
     ),
 )
-@click.argument("file", metavar="[FILE]", required=False, type=File(exists=True))
+@click.argument("file", metavar="[FILE]", required=False, type=existing_file)
 @OUT
 @option(
     "--duration",
-    type=Number(above=0),
+    type=number(above=0),
     metavar="S",
     text=Text(
         f"measure for so many seconds ({_SECONDS:g}); not with FILE",

@@ -11,7 +11,7 @@ from mikas.catalog import Confidence, Fault
 from mikas.cli.click_extensions import YES, command
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
-from mikas.cli.parameter_types import OneOf
+from mikas.cli.parameter_types import one_of
 from mikas.i18n import Text
 
 
@@ -25,7 +25,7 @@ from mikas.i18n import Text
     ),
     examples=("mikas faults", "mikas faults erase", "mikas faults erase --yes --json"),
 )
-@click.argument("action", metavar="[erase]", type=OneOf(["erase"]), required=False)
+@click.argument("action", metavar="[erase]", type=one_of(["erase"]), required=False)
 @YES
 def faults(context: CommandContext, action: str | None, *, yes: bool) -> None:
     if action == "erase":

@@ -8,7 +8,7 @@ from mikas.catalog import Catalog
 from mikas.cli.click_extensions import YES, command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, localized, tr
-from mikas.cli.parameter_types import HexBytes
+from mikas.cli.parameter_types import hex_bytes
 from mikas.client import Ecu, Info, Support
 from mikas.client.limits import STARTING_LIST
 from mikas.client.polling import FixedMethod
@@ -166,7 +166,7 @@ def _support_rows(supported: list[Support], unreported: str | None) -> list[list
     ),
     examples=("mikas raw 611A", 'mikas raw "02" --json', "mikas raw 620E08 --yes"),
 )
-@click.argument("body", metavar="HEX", type=HexBytes(), nargs=1)
+@click.argument("body", metavar="HEX", type=hex_bytes, nargs=1)
 @YES
 def raw(context: CommandContext, body: bytes, *, yes: bool) -> None:
     with context.ecu(context.confirm(yes=yes)) as ecu:

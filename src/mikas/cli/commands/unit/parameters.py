@@ -11,7 +11,7 @@ from mikas.catalog import Catalog, Derived, Parameter
 from mikas.cli.click_extensions import YES, command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
-from mikas.cli.parameter_types import HexBytes
+from mikas.cli.parameter_types import hex_bytes
 from mikas.cli.render.values import reading_json, reference, unit_text, valid_reference, value_text
 from mikas.client import Reading
 from mikas.client.parameters import decode
@@ -174,7 +174,7 @@ def _reading_row(name: str, reading: Reading) -> list[str]:
 @click.argument("value", metavar="[VALUE]", required=False)
 @option(
     "--raw",
-    type=HexBytes(),
+    type=hex_bytes,
     metavar="HEX",
     text=Text("raw bytes instead of VALUE", "байты вместо VALUE"),
 )
