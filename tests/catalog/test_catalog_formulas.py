@@ -11,8 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.catalog.formula_syntax import DEEPEST, FUNCTIONS, LONGEST, FormulaError, parse
+from mikas.catalog.formula_syntax import DEEPEST, FUNCTIONS, LONGEST, parse
 from mikas.catalog.formulas import Calculation
+from mikas.errors import UsageError
 
 NAN = math.nan
 
@@ -168,11 +169,11 @@ def test_inputs_in_order_of_appearance() -> None:
     ],
 )
 def test_refused(formula: str, problem: str) -> None:
-    with pytest.raises(FormulaError) as caught:
+    with pytest.raises(UsageError) as caught:
         parse(formula, {})
-    assert problem in caught.value.problem.en
-    assert any("а" <= letter <= "я" for letter in caught.value.problem.ru)
-    assert len(caught.value.problem.en) < 300
+    assert problem in caught.value.reason.en
+    assert any("а" <= letter <= "я" for letter in caught.value.reason.ru)
+    assert len(caught.value.reason.en) < 300
 
 
 def test_the_deepest_that_is_allowed_is_computed() -> None:
@@ -184,7 +185,7 @@ def test_the_deepest_that_is_allowed_is_computed() -> None:
 def computed_or_refused(text: str) -> None:
     try:
         inputs = parse(text, {}).inputs
-    except FormulaError:
+    except UsageError:
         return
     assert isinstance(number(text, **dict.fromkeys(inputs, 1.5)), float)
 
@@ -225,8 +226,8 @@ numbers = st.sampled_from([0.0, 1.0, -1.0, 0.1, 850.0, NAN, math.inf]) | st.floa
 def test_a_column_is_its_numbers(formula: str, rows: list[tuple[float, float]]) -> None:
     try:
         calculation = Calculation(parse(formula, {"k": 0.3}))
-    except FormulaError as error:
-        assert "names no parameter" in error.problem.en
+    except UsageError as error:
+        assert "names no parameter" in error.reason.en
         return
     one_by_one = [calculation.number({"X": x, "Y": y}) for x, y in rows]
     columns = np.array(rows, float).reshape(-1, 2)
@@ -239,7 +240,7 @@ def test_a_column_is_its_numbers(formula: str, rows: list[tuple[float, float]]) 
 def test_the_plain_form_is_no_longer_than_its_text(formula: str) -> None:
     try:
         tree = parse(formula, {"k": 0.3}).tree
-    except FormulaError:
+    except UsageError:
         return
     assert sum(isinstance(node, ast.Call | ast.BinOp) for node in ast.walk(tree)) <= len(formula)
 

@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
 
-from mikas.i18n import Text
+from mikas.errors import UsageError, usage_error
 from mikas.options import nearest
 
 LONGEST = 1000  # characters
@@ -39,14 +39,6 @@ COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)
 _SIGNS = {ast.Mod: "%", ast.FloorDiv: "//", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^"}
 
 
-class FormulaError(Exception):
-    """The formula is wrong; the loader adds file and line."""
-
-    def __init__(self, en: str, ru: str) -> None:
-        self.problem = Text(en, ru)
-        super().__init__(en)
-
-
 @dataclass(frozen=True, slots=True)
 class Parsed:
     """The plain form, and its channels (in capitals, in order of appearance)."""
@@ -58,10 +50,10 @@ class Parsed:
 def parse(text: str, constants: Mapping[str, float]) -> Parsed:
     """Check a formula and insert its constants; any other name is a channel's, in any case.
 
-    FormulaError: not a formula, or one without a channel.
+    UsageError: not a formula, or one without a channel; the loader adds file and line.
     """
     if len(text) > LONGEST:
-        raise FormulaError(
+        raise usage_error(
             f"is longer than {LONGEST} signs; split it into several channels",
             f"длиннее {LONGEST} знаков; разделите на несколько каналов",
         )
@@ -70,7 +62,7 @@ def parse(text: str, constants: Mapping[str, float]) -> Parsed:
     plain = _PlainForm(line, constants)
     tree = plain.expression(syntax, 0)
     if not plain.inputs:
-        raise FormulaError(
+        raise usage_error(
             "names no parameter, so it has no time and no value",
             "не называет ни одного параметра, значит, нет ни времени, ни значения",
         )
@@ -79,19 +71,19 @@ def parse(text: str, constants: Mapping[str, float]) -> Parsed:
 
 def _syntax(line: str) -> ast.expr:
     if "#" in line:  # a comment would hide the rest of the joined lines
-        raise FormulaError("has a `#` in it", "содержит `#`")
+        raise usage_error("has a `#` in it", "содержит `#`")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return ast.parse(line, mode="eval").body
     except SyntaxError as error:
         place = error.offset or 0
-        raise FormulaError(
+        raise usage_error(
             f"is no formula: {error.msg} (sign {place})",
             f"не формула: ошибка в записи (знак {place})",
         ) from None
     except (ValueError, RecursionError, MemoryError) as error:
-        raise FormulaError(f"is no formula: {error}", "не формула: ошибка в записи") from None
+        raise usage_error(f"is no formula: {error}", "не формула: ошибка в записи") from None
 
 
 class _PlainForm:
@@ -104,7 +96,7 @@ class _PlainForm:
 
     def expression(self, node: ast.expr, depth: int) -> ast.expr:
         if depth > DEEPEST:
-            raise FormulaError(
+            raise usage_error(
                 f"is nested more than {DEEPEST} levels deep; split it into several channels",
                 f"вложенность больше {DEEPEST} уровней; разделите на несколько каналов",
             )
@@ -124,7 +116,7 @@ class _PlainForm:
                 left, right = self._all([node.left, *node.comparators], depth)
                 return ast.Compare(left, [operator], [right])
             case ast.Compare(ops=[_, _, *_]):
-                raise FormulaError(
+                raise usage_error(
                     "has a chain of comparisons; write `a < b and b < c`",
                     "содержит цепочку сравнений; пишите `a < b and b < c`",
                 )
@@ -162,25 +154,25 @@ class _PlainForm:
         if name not in FUNCTIONS:
             close = nearest(name, FUNCTIONS)
             known = f"`{close[0]}`" if close else ", ".join(FUNCTIONS)
-            raise FormulaError(
+            raise usage_error(
                 f"calls `{name}`, which there is not; there is {known}",
                 f"вызывает `{name}`, чего нет; есть {known}",
             )
         fewest, most = FUNCTIONS[name]
         if not fewest <= len(arguments) <= most:
             count = f"{fewest}" if fewest == most else f"{fewest}+"
-            raise FormulaError(
+            raise usage_error(
                 f"gives `{name}` {len(arguments)} argument(s); it takes {count}",
                 f"даёт `{name}` аргументов: {len(arguments)}, а нужно {count}",
             )
         return ast.Call(ast.Name(name, ast.Load()), self._all(arguments, depth), [])
 
-    def _not_allowed(self, node: ast.expr) -> FormulaError:
+    def _not_allowed(self, node: ast.expr) -> UsageError:
         part = self._line[node.col_offset : node.end_col_offset].decode()
         part = part if len(part) <= 40 else f"{part[:40]}…"
         if isinstance(node, ast.BinOp):
             part = _SIGNS.get(type(node.op), part)
-        return FormulaError(
+        return usage_error(
             f"has `{part}` in it; there are numbers, names, + - * / **, comparisons, and, or, not, "
             f"if … else, {', '.join(FUNCTIONS)}",
             f"содержит `{part}`; есть числа, имена, + - * / **, сравнения, and, or, not, "
@@ -195,7 +187,7 @@ def _number(node: ast.Constant) -> ast.expr:
         number = float("inf")
     if isfinite(number):
         return _value(number)
-    raise FormulaError("has a number that is too large", "содержит слишком большое число")
+    raise usage_error("has a number that is too large", "содержит слишком большое число")
 
 
 def _value(number: float) -> ast.expr:

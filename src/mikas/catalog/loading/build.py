@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import fields
 from graphlib import CycleError
 from pathlib import PurePath
-from typing import Any
+from typing import Any, TypeVar
 
 from mikas.catalog.conversion import NO_TEXT, Conversion
-from mikas.catalog.formula_syntax import FormulaError, parse
+from mikas.catalog.formula_syntax import parse
 from mikas.catalog.loading.entries import Entries, Entry
+from mikas.catalog.loading.fields import constant, read_value
 from mikas.catalog.loading.source import KeyPath
 from mikas.catalog.model import (
     LIMITS,
@@ -28,6 +30,8 @@ from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.options import nearest
 
+T = TypeVar("T", Derived, Erratum, Fault, Model, Parameter)
+
 _OF_NUMBERS = (*LIMITS, "hysteresis")
 _OF_FLAGS = ("when_true",)
 
@@ -43,7 +47,7 @@ def alarm_limits(entry: Entry, *, is_flag: bool) -> AlarmLimits | None:
         # Keys of a file before the one that changed the parameter's kind are dropped.
         if key in table and entry.order(("limits", key)) >= entry.order(("mask",)):
             raise entry.wrong(("limits", key), problem)
-    values: dict[str, Any] = {"source": PurePath(entry.source.name).name}
+    values: dict[str, Any] = {"source": _file(entry)}
     values |= {key: value for key, value in table.items() if key not in unfit}
     try:
         limits = AlarmLimits(**values)
@@ -70,10 +74,8 @@ def meaning(entry: Entry, *, is_flag: bool) -> Meaning | None:
     """Build the table `meaning`; None if it is missing."""
     if not _fits(entry, "meaning", NOT_FOR_FLAGS, fits=not is_flag):
         return None
-    values: dict[str, Any] = {"source": PurePath(entry.source.name).name}
-    values |= entry.values["meaning"]
-    values |= {side: optional(entry, "meaning", side) for side in ("low", "high")}
-    return Meaning(**values)
+    sides = {side: optional(entry, "meaning", side) for side in ("low", "high")}
+    return Meaning(**{"source": _file(entry), **entry.values["meaning"], **sides})
 
 
 def _fits(entry: Entry, key: str, problem: Text, *, fits: bool) -> bool:
@@ -101,27 +103,25 @@ def _derived(
 ) -> Derived:
     entry.require("formula")
     values, constants = entry.values, entry.values.get("constants", {})
+    for each in constants:
+        read_value(*entry.places["constants", each], constant, each)
     try:
         inputs = parse(values["formula"], constants).inputs
-    except FormulaError as error:
-        raise entry.wrong(("formula",), error.problem) from None
+    except UsageError as error:
+        raise entry.wrong(("formula",), error.reason) from None
     for each in inputs:
         if each not in known:
             raise entry.wrong(("formula",), does_not_exist(each, (*known, *constants)))
     unit = values.get("unit", "")
-    return Derived(
+    return _built(
+        Derived,
+        entry,
         name=name,
         text=entry.text("text"),
-        formula=values["formula"],
         inputs=inputs,
         constants=tuple(constants.items()),
-        accumulates=values.get("accumulates", False),
-        unit=unit,
         unit_text=unit_texts.get(unit, Text(unit, unit)),
-        decimals=values.get("decimals", 2),
         alarm_limits=alarm_limits(entry, is_flag=False),
-        source=source_of(entry),
-        confidence=values.get("confidence", Confidence.UNCONFIRMED),
     )
 
 
@@ -169,15 +169,14 @@ def parameters(entries: Entries, unit_texts: Mapping[str, Text]) -> tuple[Parame
 def faults(entries: Entries) -> dict[int, Fault]:
     """Build the faults by number."""
     return {
-        code: Fault(
+        code: _built(
+            Fault,
+            entry,
             code=code,
             text=entry.text("text"),
             check=optional(entry, "check"),
             check_confidence=_confidence_of(entry.values, "check"),
             parameters=_names(entry, "parameters", entries["parameter"]),
-            confidence=entry.values.get("confidence", Confidence.UNCONFIRMED),
-            sources=entry.values.get("sources", ()),
-            informational=entry.values.get("informational", False),
         )
         for code, entry in entries["fault"].items()
     }
@@ -186,12 +185,7 @@ def faults(entries: Entries) -> dict[int, Fault]:
 def models(entries: Entries) -> dict[int, Model]:
     """Build the models by their answer to 01."""
     return {
-        code: Model(
-            code=code,
-            text=entry.text("text"),
-            source=source_of(entry),
-            confidence=entry.values.get("confidence", Confidence.UNCONFIRMED),
-        )
+        code: _built(Model, entry, code=code, text=entry.text("text"))
         for code, entry in entries["model"].items()
     }
 
@@ -199,14 +193,11 @@ def models(entries: Entries) -> dict[int, Model]:
 def errata(entries: Entries) -> dict[str, Erratum]:
     """Build the errata by name."""
     return {
-        name: Erratum(
+        name: _built(
+            Erratum,
+            entry,
             name=name,
-            title=entry.text("title"),
-            reason=entry.text("reason"),
-            default=entry.text("default"),
-            alternative=entry.text("alternative"),
-            selected_by=entry.values.get("selected_by", ""),
-            source=source_of(entry),
+            **{key: entry.text(key) for key in ("title", "reason", "default", "alternative")},
         )
         for name, entry in entries["erratum"].items()
     }
@@ -226,9 +217,10 @@ def _parameter(
     if conversion.is_flag:
         _refuse_for_flag(entry, (), ("range", "reference", "decimals"))
         values = {key: value for key, value in values.items() if key not in ("range", "reference")}
-    return Parameter(
+    return _built(
+        Parameter,
+        entry,
         name=name,
-        code=values["code"],
         text=entry.text("text"),
         conversion=conversion,
         literal=literal,
@@ -237,8 +229,6 @@ def _parameter(
         plausible=values.get("range"),
         reference=values.get("reference"),
         reference_confidence=_confidence_of(values, "reference"),
-        source=source_of(entry),
-        confidence=values.get("confidence", Confidence.UNCONFIRMED),
         errata=_names(entry, "errata", entries["erratum"]),
         alarm_limits=alarm_limits(entry, is_flag=conversion.is_flag),
         lamp=lamp(entry, is_flag=conversion.is_flag),
@@ -302,9 +292,18 @@ def _confidence_of(values: Mapping[str, Any], key: str) -> Confidence:
     return Confidence(values.get(f"{key}_confidence", default))
 
 
-def source_of(entry: Entry) -> str:
-    """Return the entry's source; by default the name of its last file."""
-    return str(entry.values.get("source", PurePath(entry.source.name).name))
+def _built(kind: type[T], entry: Entry, **given: object) -> T:
+    """Create the value of an entry: from `given`, and for other fields from the keys of the name.
+
+    By default its source is the name of its last file, and it is unconfirmed.
+    """
+    keys = {"source": _file(entry), "confidence": Confidence.UNCONFIRMED, **entry.values}
+    names = {field.name for field in fields(kind)}
+    return kind(**{key: value for key, value in keys.items() if key in names} | given)
+
+
+def _file(entry: Entry) -> str:
+    return PurePath(entry.source.name).name
 
 
 def _names(entry: Entry, key: str, known: Mapping[str, Entry]) -> tuple[str, ...]:

@@ -1,26 +1,29 @@
 """The tables and keys of a catalog file, and the values of each key.
 
-A reader converts one TOML value into the catalog's own, or raises `Unfit` with the expectation.
-`build` checks several keys together.
+A reader converts one TOML value into the catalog's own, or raises `UsageError` with the
+expectation; `read_value` and `read_table` add file and line. `build` checks several keys together.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
+from mikas.catalog.loading.source import CatalogFile, KeyPath
 from mikas.catalog.model import INTERPRETATIONS, LIMITS, Confidence, Level
+from mikas.errors import CatalogError, UsageError, usage_error
 from mikas.i18n import Text
+from mikas.options import nearest
 
 Reader: TypeAlias = Callable[[object], object]
 Schema: TypeAlias = "Mapping[str, Reader | Schema]"
 
 ANY = "*"
-"""In a schema: the rule for every key that is a constant's name."""
+"""In a schema: the rule for every other key."""
 
 _RATIO = re.compile(r"\s*([+-]?\d{1,15})\s*(?:/\s*(\d{1,15})\s*)?", re.ASCII)
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -28,33 +31,25 @@ _CONSTANT = re.compile(r"[a-z][a-z0-9_]*")
 _NUMBER_KEY = re.compile(r"0x[0-9a-f]{1,2}|0|[1-9]\d{0,2}", re.IGNORECASE | re.ASCII)
 
 
-class Unfit(Exception):
-    """The value does not fit the key; the loader adds file and line."""
-
-    def __init__(self, en: str, ru: str) -> None:
-        self.problem = Text(en, ru)
-        super().__init__(en)
-
-
 def string(value: object) -> str:
     """Read any text."""
     if isinstance(value, str):
         return value
-    raise Unfit("must be a text in quotes", "нужен текст в кавычках")
+    raise usage_error("must be a text in quotes", "нужен текст в кавычках")
 
 
 def boolean(value: object) -> bool:
     """Read `true` or `false`."""
     if isinstance(value, bool):
         return value
-    raise Unfit("must be true or false", "нужно true или false")
+    raise usage_error("must be true or false", "нужно true или false")
 
 
 def strings(value: object) -> tuple[str, ...]:
     """Read a list of texts."""
     if isinstance(value, list) and all(isinstance(item, str) for item in value):
         return tuple(value)
-    raise Unfit('must be a list of texts, as ["E1"]', 'нужен список текстов, например ["E1"]')
+    raise usage_error('must be a list of texts, as ["E1"]', 'нужен список текстов, например ["E1"]')
 
 
 def integer(low: int, high: int) -> Reader:
@@ -63,7 +58,7 @@ def integer(low: int, high: int) -> Reader:
     def read(value: object) -> int:
         if isinstance(value, int) and not isinstance(value, bool) and low <= value <= high:
             return value
-        raise Unfit(
+        raise usage_error(
             f"must be a whole number from {low} to {high}", f"нужно целое число от {low} до {high}"
         )
 
@@ -77,7 +72,7 @@ def choice(make: Callable[[str], object], *allowed: str) -> Reader:
         if isinstance(value, str) and value in allowed:
             return make(value)
         words = ", ".join(f'"{word}"' for word in allowed)
-        raise Unfit(f"must be one of {words}", f"нужно одно из: {words}")
+        raise usage_error(f"must be one of {words}", f"нужно одно из: {words}")
 
     return read
 
@@ -90,7 +85,7 @@ def rational(value: object) -> Fraction:
             return Fraction(over, under)
     elif (number := _number(value)) is not None and number.denominator <= 10**15:
         return number
-    raise Unfit(
+    raise usage_error(
         'must be a number, as 0.5, or a fraction in quotes, as "1/125"',
         'нужно число, например 0.5, или дробь в кавычках, например "1/125"',
     )
@@ -100,14 +95,14 @@ def nonzero(value: object) -> Fraction:
     """Read an exact number other than 0, for a scale."""
     if number := rational(value):
         return number
-    raise Unfit("must not be 0", "не может быть 0")
+    raise usage_error("must not be 0", "не может быть 0")
 
 
 def number(value: object) -> float:
     """Read any number."""
     if (exact := _number(value)) is not None:
         return _plain(exact)
-    raise Unfit("must be a number", "нужно число")
+    raise usage_error("must be a number", "нужно число")
 
 
 def limit(value: object) -> float | None:
@@ -116,7 +111,7 @@ def limit(value: object) -> float | None:
         return None
     if (exact := _number(value)) is not None:
         return _plain(exact)
-    raise Unfit(
+    raise usage_error(
         "must be a number, or false for no limit", "нужно число, либо false, если предела нет"
     )
 
@@ -128,9 +123,9 @@ def span(value: object) -> tuple[float, float]:
         case [Fraction() as first, Fraction() as last]:
             low, high = _plain(first), _plain(last)
         case _:
-            raise Unfit("must be two numbers, [low, high]", "нужны два числа: [низ, верх]")
+            raise usage_error("must be two numbers, [low, high]", "нужны два числа: [низ, верх]")
     if low > high:
-        raise Unfit(
+        raise usage_error(
             f"has its low end {low:g} above its high end {high:g}",
             f"нижний предел {low:g} выше верхнего {high:g}",
         )
@@ -156,7 +151,7 @@ def mnemonic(key: object) -> str:
     """Read a name as `TWAT` in any case."""
     if isinstance(key, str) and _NAME.fullmatch(key):
         return key.upper()
-    raise Unfit(
+    raise usage_error(
         "is no name of Latin letters, digits and _ that begins with a letter",
         "имя должно состоять из латинских букв, цифр и _ и начинаться с буквы",
     )
@@ -166,7 +161,7 @@ def constant(key: object) -> str:
     """Read a constant's name: small letters, unlike a channel's."""
     if isinstance(key, str) and _CONSTANT.fullmatch(key):
         return key
-    raise Unfit(
+    raise usage_error(
         "is no name of small Latin letters, digits and _ that begins with a letter",
         "имя должно состоять из строчных латинских букв, цифр и _ и начинаться с буквы",
     )
@@ -177,7 +172,7 @@ def byte_key(key: object) -> int:
     number = int(key, 0) if isinstance(key, str) and _NUMBER_KEY.fullmatch(key) else -1
     if 0 <= number <= 0xFF:
         return number
-    raise Unfit(
+    raise usage_error(
         "is not named by a number from 0 to 255, as 13 or 0x0D",
         "имя должно быть числом от 0 до 255, например 13 или 0x0D",
     )
@@ -269,3 +264,50 @@ FAMILIES: Mapping[str, Family] = {
     ),
     "unit": Family(string, {"text": TEXT}),
 }
+
+
+def read_value(source: CatalogFile, path: KeyPath, reader: Reader, value: object) -> object:
+    """Return the value as `reader` converts it. CatalogError: it does not fit."""
+    try:
+        return reader(value)
+    except UsageError as error:
+        raise source.wrong(path, error.reason) from None
+
+
+def read_table(source: CatalogFile, path: KeyPath, value: object, schema: Schema) -> dict[str, Any]:
+    """Return the table at `path` with all its values converted. CatalogError: an invalid one."""
+    if schema is TEXT and isinstance(value, str):
+        value = {"en": value, "ru": value}
+    table = {}
+    for key, item in as_table(source, path, value, ".".join(path)).items():
+        here = (*path, key)
+        rule = schema.get(key) or schema.get(ANY)
+        if rule is None:
+            raise unknown_key(source, here, schema)
+        if callable(rule):
+            table[key] = read_value(source, here, rule, item)
+        else:
+            table[key] = read_table(source, here, item, rule)
+    return table
+
+
+def as_table(source: CatalogFile, path: KeyPath, value: object, header: str) -> dict[str, Any]:
+    """Return `value` if it is a table, which `header` begins. CatalogError: it is none."""
+    if isinstance(value, dict):
+        return value
+    problem = Text(f"must be a table, as [{header}]", f"нужна таблица, например [{header}]")
+    raise source.wrong(path, problem)
+
+
+def unknown_key(source: CatalogFile, path: KeyPath, known: Iterable[str]) -> CatalogError:
+    """Return the error for a key that is not `known`."""
+    key, names = path[-1], list(known)
+    if close := nearest(key, names):
+        known_ones = Text(f"the nearest is `{close[0]}`", f"ближайший — `{close[0]}`")
+    else:
+        known_ones = Text("known are " + ", ".join(names), "есть: " + ", ".join(names))
+    return source.error(
+        path,
+        f"unknown key `{key}`; {known_ones.en}",
+        f"неизвестный ключ `{key}`; {known_ones.ru}",
+    )

@@ -121,10 +121,15 @@ class CatalogFile:
     order: int
 
     def wrong(self, path: KeyPath, problem: Text) -> CatalogError:
-        """Return the error for the key or table at `path`."""
+        """Return the error for the key or table at `path`, named before `problem`."""
+        name = ".".join(path)
+        return self.error(path, f"`{name}` {problem.en}", f"`{name}`: {problem.ru}")
+
+    def error(self, path: KeyPath, en: str, ru: str) -> CatalogError:
+        """Return the error at the line of `path`, in full."""
         lines = lines_of(self.text)
         known = (lines[path[:end]] for end in range(len(path), 0, -1) if path[:end] in lines)
-        return CatalogError(self.name, next(known, 0), problem)
+        return CatalogError(self.name, next(known, 0), Text(en, ru))
 
 
 def read_source(path: Path, order: int = 0) -> CatalogFile:

@@ -12,10 +12,19 @@ from decimal import Decimal
 from itertools import pairwise
 from typing import Any, TypeGuard
 
-from mikas.catalog.loading.fields import TEXT, Reader, Schema, Unfit, boolean, choice, string
-from mikas.catalog.loading.source import CatalogFile, KeyPath
+from mikas.catalog.loading.fields import (
+    ANY,
+    TEXT,
+    Reader,
+    Schema,
+    boolean,
+    choice,
+    read_table,
+    string,
+)
+from mikas.catalog.loading.source import CatalogFile
+from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text
-from mikas.options import nearest
 from mikas.virtual.memory import SIZES
 from mikas.virtual.scenarios.timeline import Track
 
@@ -29,7 +38,7 @@ def number(low: float, high: float, *, whole: bool = False) -> Callable[[object]
     def read(value: object) -> float:
         if _is_number(value) and low <= value <= high and not (whole and value % 1):
             return float(value)
-        raise Unfit(
+        raise usage_error(
             f"must be a {kind.en} from {low:g} to {high:g}",
             f"нужно {kind.ru} от {low:g} до {high:g}",
         )
@@ -44,13 +53,13 @@ def track(low: float, high: float, *, smooth: bool = True) -> Reader:
     def read(value: object) -> Track:
         points: Any = [[0, value]] if _is_number(value) else value
         if not isinstance(points, list) or not points or not all(map(_is_point, points)):
-            raise Unfit(
+            raise usage_error(
                 "must be a number or points [second, value], as [[0, 1], [30, 0]]",
                 "нужно число или точки [секунда, значение], например [[0, 1], [30, 0]]",
             )
         times = tuple(float(time) for time, _ in points)
         if times[0] != 0 or any(a >= b for a, b in pairwise(times)):
-            raise Unfit(
+            raise usage_error(
                 "must have its first point at second 0 and each one later than the one before",
                 "первая точка должна быть на секунде 0, каждая следующая позже предыдущей",
             )
@@ -63,9 +72,9 @@ def numbers(value: object) -> frozenset[int]:
     """Return fault numbers."""
     fault = number(0, 255, whole=True)
     if isinstance(value, list):
-        with suppress(Unfit):
+        with suppress(UsageError):
             return frozenset(int(fault(n)) for n in value)
-    raise Unfit(
+    raise usage_error(
         "must be a list of fault numbers from 0 to 255, as [13, 53]",
         "нужен список номеров неисправностей от 0 до 255, например [13, 53]",
     )
@@ -75,7 +84,7 @@ def passports(value: object) -> tuple[str, ...]:
     """Return eight texts; missing ones are empty."""
     if isinstance(value, list) and len(value) <= PASSPORTS and all(map(_is_passport, value)):
         return (*value, *[""] * (PASSPORTS - len(value)))
-    raise Unfit(
+    raise usage_error(
         "must be at most 8 texts (3 of the program, 5 of the data), each at most 16 characters of "
         "code page 866",
         "нужно не больше 8 строк (3 программы, 5 данных), в каждой до 16 знаков кодировки 866",
@@ -90,7 +99,7 @@ def hex_bytes(value: object) -> bytes:
         data = b""
     if data:
         return data
-    raise Unfit('must be bytes in hex, as "7D"', 'нужны байты в шестнадцатеричном виде: "7D"')
+    raise usage_error('must be bytes in hex, as "7D"', 'нужны байты в шестнадцатеричном виде: "7D"')
 
 
 def pinned(value: object) -> float | bool:
@@ -99,7 +108,7 @@ def pinned(value: object) -> float | bool:
         return value
     if _is_number(value):
         return float(value)
-    raise Unfit("must be a number, true or false", "нужно число, true или false")
+    raise usage_error("must be a number, true or false", "нужно число, true или false")
 
 
 def _is_number(value: object) -> TypeGuard[int | Decimal]:
@@ -142,17 +151,17 @@ FORM: Schema = {
     "text": TEXT,
     "start": START,
     "timeline": TIMELINE,
-    "values": {"*": pinned},
-    "raw": {"*": hex_bytes},
+    "values": {ANY: pinned},
+    "raw": {ANY: hex_bytes},
     "faults": numbers,
     "passports": passports,
-    "memory": {space: {"*": hex_bytes} for space in SIZES},
+    "memory": {space: {ANY: hex_bytes} for space in SIZES},
 }
 
 
 def read_form(source: CatalogFile) -> dict[str, Any]:
     """Return the file's tables, every value checked. Raises `CatalogError`."""
-    form = _read_table(source, (), source.tables, FORM)
+    form = read_table(source, (), source.tables, FORM)
     form["memory"] = {
         space: {_address(source, space, key, data): data for key, data in cells.items()}
         for space, cells in form.get("memory", {}).items()
@@ -164,50 +173,24 @@ def read_form(source: CatalogFile) -> dict[str, Any]:
 def _check_times(source: CatalogFile, form: dict[str, Any]) -> None:
     duration = form.get("duration")
     if duration is None:
-        problem = Text(
+        raise source.error(
+            (),
             "has no `duration` (seconds that the timeline lasts)",
             "нет `duration` (длительность сценария в секундах)",
         )
-        raise source.wrong((), problem)
     for name, points in form.get("timeline", {}).items():
         if points.times[-1] > duration:
             problem = Text(
-                f"`timeline.{name}` has a point after the end; `duration` is {duration:g} s",
-                f"`timeline.{name}`: точка после конца; `duration` — {duration:g} с",
+                f"has a point after the end; `duration` is {duration:g} s",
+                f"точка после конца; `duration` — {duration:g} с",
             )
             raise source.wrong(("timeline", name), problem)
     if form.get("loop_from", 0) > duration - 1:
         problem = Text(
-            f"`loop_from` must be at least 1 s before the end, which is at {duration:g} s",
-            f"`loop_from` должно быть хотя бы за 1 с до конца ({duration:g} с)",
+            f"must be at least 1 s before the end, which is at {duration:g} s",
+            f"должно быть хотя бы за 1 с до конца ({duration:g} с)",
         )
         raise source.wrong(("loop_from",), problem)
-
-
-def _read_table(
-    source: CatalogFile, path: KeyPath, table: object, schema: Schema
-) -> dict[str, Any]:
-    if schema is TEXT and isinstance(table, str):
-        table = {"en": table, "ru": table}
-    if not isinstance(table, dict):
-        header = f"[{'.'.join(path)}]"
-        raise source.wrong(
-            path, _about(path, f"must be a table, {header}", f"это таблица {header}")
-        )
-    values = {}
-    for key, value in table.items():
-        here = (*path, key)
-        rule = schema.get(key, schema.get("*"))
-        if rule is None:
-            raise source.wrong(here, _unknown(here, schema))
-        if callable(rule):
-            try:
-                values[key] = rule(value)
-            except Unfit as unfit:
-                raise source.wrong(here, _about(here, *unfit.problem)) from None
-        else:
-            values[key] = _read_table(source, here, value, rule)
-    return values
 
 
 def _address(source: CatalogFile, space: str, key: str, data: bytes) -> int:
@@ -217,27 +200,9 @@ def _address(source: CatalogFile, space: str, key: str, data: bytes) -> int:
         address = -1
     if 0 <= address <= SIZES[space] - len(data):
         return address
-    path, last = ("memory", space, key), SIZES[space] - 1
-    problem = _about(
-        path,
+    last = SIZES[space] - 1
+    problem = Text(
         f"must be an address in hex, and its bytes must end by {last:X}",
         f"нужен адрес в шестнадцатеричном виде, а байты — не дальше {last:X}",
     )
-    raise source.wrong(path, problem)
-
-
-def _about(path: KeyPath, en: str, ru: str) -> Text:
-    name = ".".join(path)
-    return Text(f"`{name}` {en}", f"`{name}`: {ru}")
-
-
-def _unknown(path: KeyPath, schema: Schema) -> Text:
-    name, listed = ".".join(path), ", ".join(schema)
-    if close := nearest(path[-1], schema, 1):
-        return Text(
-            f"unknown key `{name}`; did you mean `{close[0]}`?",
-            f"неизвестный ключ `{name}`; может быть, `{close[0]}`?",
-        )
-    return Text(
-        f"unknown key `{name}`; known are {listed}", f"неизвестный ключ `{name}`; есть: {listed}"
-    )
+    raise source.wrong(("memory", space, key), problem)
