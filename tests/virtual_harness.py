@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Mapping
+from math import ceil, inf
 from pathlib import Path
 
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
 from mikas.virtual.bus import AdapterKind, Bus
-from mikas.virtual.cars import TableCar
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector
 from mikas.virtual.quirks import EcuQuirks
@@ -30,6 +31,56 @@ PASSPORTS = tuple(
 )
 FAULTS = [0x0D, 0x35, 0x40, 0x0D]
 IDENTITY = Identity(0x0A, PASSPORTS)
+
+
+class TableCar:
+    """Data from a table, raw bytes by parameter code; `rpm` only paces streams by strokes (D15)."""
+
+    def __init__(
+        self, data: Mapping[int, bytes], *, faults: Iterable[int] = (), rpm: float = 0.0
+    ) -> None:
+        self.codes = tuple(data)
+        self.faults = list(faults)
+        self.rpm = rpm
+        self.on = True
+        self._data = dict(data)
+        self._untouched = dict(data)
+
+    def size_of(self, code: int) -> int | None:
+        """Return the size of the datum in bytes, or None."""
+        return len(self._data[code]) if code in self._data else None
+
+    def raw(self, code: int, now: float) -> bytes:
+        """Return the datum."""
+        return self._data[code]
+
+    def write(self, code: int, data: bytes) -> bool:
+        """Write any parameter."""
+        self._data[code] = data
+        return True
+
+    def powered(self, now: float) -> bool:
+        """Return `on`."""
+        return self.on
+
+    def next_change(self, after: float) -> float:
+        """Return infinity: the supply does not change by itself."""
+        return inf
+
+    def next_stroke(self, stroke: int, after: float) -> float:
+        """Return the next stroke of cycles of two turns that began at time 0."""
+        if self.rpm <= 0:
+            return inf
+        cycle = 120 / self.rpm
+        offset = max(0, stroke - 1) * cycle / 4
+        count = ceil((after - offset) / cycle)
+        time = count * cycle + offset
+        # The quotient of two floats may round to the previous stroke.
+        return time if time >= after else (count + 1) * cycle + offset
+
+    def power_cycle(self) -> None:
+        """Forget written data."""
+        self._data = dict(self._untouched)
 
 
 def make_bus(

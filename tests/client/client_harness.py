@@ -16,12 +16,11 @@ from mikas.client.limits import LimitsStore
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
 from mikas.virtual.bus import Bus
-from mikas.virtual.cars import TableCar
 from mikas.virtual.ecu import EcuEvent, VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
-from virtual_harness import DATA, FAULTS, IDENTITY
+from virtual_harness import DATA, FAULTS, IDENTITY, TableCar
 
 STROKES = [method for method in METHODS if method.startswith("stroke")]
 STREAMS = ["stream", *STROKES]

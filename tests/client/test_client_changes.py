@@ -19,9 +19,8 @@ from mikas.errors import (
     ValueDoesNotFit,
     WriteRefused,
 )
-from mikas.virtual.cars import TableCar
 from mikas.virtual.fault_injector import LineFault
-from virtual_harness import DATA, FAULTS
+from virtual_harness import DATA, FAULTS, TableCar
 
 
 class TestFaults:

@@ -9,9 +9,8 @@ from client_harness import ASKED, STROKES, bench, ecu_on
 
 from mikas.client import METHODS
 from mikas.errors import EchoOnly, LinkLost, UnknownParameter, UsageError
-from mikas.virtual.cars import TableCar
 from mikas.virtual.fault_injector import LineFault
-from virtual_harness import DATA
+from virtual_harness import DATA, TableCar
 
 
 class CountingCar(TableCar):

@@ -19,12 +19,11 @@ from mikas.sampling.events import (
 )
 from mikas.sampling.supervisor import is_same_unit
 from mikas.virtual.bus import Bus
-from mikas.virtual.cars import TableCar
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
-from virtual_harness import DATA, FAULTS, IDENTITY, PASSPORTS, make_bus
+from virtual_harness import DATA, FAULTS, IDENTITY, PASSPORTS, TableCar, make_bus
 
 OTHER_DATA = {code: bytes(byte + 1 & 0xFF for byte in raw) for code, raw in DATA.items()}
 METHODS = ["single", "batch", "list", "stream", "stroke0"]

@@ -13,11 +13,11 @@ from mikas.link import Chunk, Link
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
 from mikas.virtual.bus import AdapterKind, Bus
-from mikas.virtual.cars import TableCar
 from mikas.virtual.ecu import EcuEvent, VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault, Sent
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
+from virtual_harness import TableCar
 
 VERSION = 0x0A
 

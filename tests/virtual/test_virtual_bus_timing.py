@@ -11,11 +11,10 @@ from hypothesis import strategies as st
 from mikas import commands as c
 from mikas.framing import encode
 from mikas.virtual.bus import Bus
-from mikas.virtual.cars import TableCar
 from mikas.virtual.ecu import PARTIAL_REQUEST_LIFE, VirtualEcu
 from mikas.virtual.quirks import EcuQuirks, StreamEnd
 from mikas.virtual.responder import Responder
-from virtual_harness import DATA, IDENTITY, connected, make_bus
+from virtual_harness import DATA, IDENTITY, TableCar, connected, make_bus
 
 from .raw_tester import BYTE, TURN, RawTester
 

@@ -26,10 +26,10 @@ from mikas.recording.capture.writer import CaptureWriter
 from mikas.recording.table.reader import TableReader
 from mikas.tester.exchange import TimedDecoder
 from mikas.virtual.bus import AdapterKind, Bus
-from mikas.virtual.cars import TableCar
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.responder import Identity, Responder
+from virtual_harness import TableCar
 
 CATALOG = shipped()
 NAMES = [p.name for p in CATALOG.parameters]
