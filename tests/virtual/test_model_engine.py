@@ -221,11 +221,11 @@ def test_a_fault_at_the_start_has_its_substitute_at_the_start() -> None:
 def test_power_follows_the_key() -> None:
     engine = Engine(SCENARIOS["key-off"])
     assert engine.powered
-    assert engine.scenario.next_ignition_change(0.0) == 20
+    assert engine.scenario.timeline.next_key_change(0.0) == 20
     off = at(engine, 20)
     assert not engine.powered
     assert (off.ignition_on, off.running, off.rpm, off.injection) == (False, False, 0, 0)
-    assert engine.scenario.next_ignition_change(20.0) == 35
+    assert engine.scenario.timeline.next_key_change(20.0) == 35
     on = at(engine, 36)
     assert on.ignition_on
     assert not on.running

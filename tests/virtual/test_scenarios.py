@@ -92,7 +92,7 @@ def test_everything_a_file_can_say() -> None:
     inputs = own.timeline.at(5)
     assert inputs.throttle == pytest.approx(25, abs=1e-3)
     assert (inputs.gear, inputs.speed, inputs.load) == (None, None, 12.5)
-    assert [own.ignition_on(t) for t in (0, 89.9, 90, 99, 100, 149.9, 150, 160)] == [
+    assert [own.timeline.key_on(t) for t in (0, 89.9, 90, 99, 100, 149.9, 150, 160)] == [
         True, True, False, False, True, True, False, True,
     ]  # fmt: skip
 
@@ -192,20 +192,20 @@ def test_key_changes_are_met_one_after_the_other(
 def test_the_key_on_a_clock_that_counts_from_1970() -> None:
     key_off, start, now = SCENARIOS["key-off"], 1_790_000_000.123456, 0.0
     for _ in range(50):
-        now = start + key_off.next_ignition_change(now)
-        before = key_off.ignition_on(now - start - 0.001)
-        assert key_off.ignition_on(now - start) != before
+        now = start + key_off.timeline.next_key_change(now)
+        before = key_off.timeline.key_on(now - start - 0.001)
+        assert key_off.timeline.key_on(now - start) != before
         now -= start
 
 
 def test_a_hundred_laps_of_the_key() -> None:
     key_off, now = SCENARIOS["key-off"], 0.0
     for lap in range(100):
-        now = key_off.next_ignition_change(now)
+        now = key_off.timeline.next_key_change(now)
         assert now == pytest.approx(60 * lap + 20)
-        now = key_off.next_ignition_change(now)
+        now = key_off.timeline.next_key_change(now)
         assert now == pytest.approx(60 * lap + 35)
-    assert SCENARIOS["city"].next_ignition_change(5) == inf
+    assert SCENARIOS["city"].timeline.next_key_change(5) == inf
 
 
 def test_the_example_in_the_documentation_works() -> None:

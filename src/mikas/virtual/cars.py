@@ -31,7 +31,6 @@ class EngineCar:
     ) -> None:
         self.engine = engine
         self.faults = list(dict.fromkeys([*sorted(engine.scenario.faults), *faults]))
-        self._applied: list[int] = []  # the faults that the engine has
         self._start = start
         self._pinned = pinned(catalog, engine.scenario.raw, engine.scenario.values)
         self._written: dict[int, bytes] = {}
@@ -65,9 +64,7 @@ class EngineCar:
         fixed = self._written.get(code) or self._pinned.get(code)
         if fixed is not None:
             return fixed
-        if self._applied != self.faults:
-            self._applied = list(self.faults)
-            self.engine.faults = set(self.faults)
+        self.engine.faults = self.faults
         self.engine.advance(now - self._start)
         return self._encoders[code](self.engine.state)
 
@@ -78,12 +75,12 @@ class EngineCar:
 
     def powered(self, now: float) -> bool:
         """Return whether the ignition is on."""
-        return self.engine.scenario.ignition_on(now - self._start)
+        return self.engine.scenario.timeline.key_on(now - self._start)
 
     def next_change(self, after: float) -> float:
         """Return when the key is turned next."""
         since = max(0.0, after - self._start)  # the key is not turned before the engine's start
-        return self._start + self.engine.scenario.next_ignition_change(since)
+        return self._start + self.engine.scenario.timeline.next_key_change(since)
 
     def next_stroke(self, stroke: int, after: float) -> float:
         """Return when the engine next reaches this stroke."""

@@ -25,10 +25,7 @@ _MOST_OVERDUE = 64  # overdue bytes of one wire before the next wire's turn
 
 
 class ServedBus:
-    """Runs one bus in real time on an event loop; `write` takes the bytes for the tester.
-
-    `clock` is the bus's clock.
-    """
+    """A bus run in real time, by its own `clock`; `write` takes the bytes for the tester."""
 
     def __init__(
         self, bus: Bus, clock: Callable[[], float], write: Callable[[bytes], None]
@@ -44,11 +41,6 @@ class ServedBus:
         """Put `data` of the tester on the wire now, before any overdue event of a late loop."""
         overdue = nextafter(self._bus.next_event(), -inf)
         self._bus.send(data, min(self._clock(), max(self._latest, overdue)))
-        self.advance()
-
-    def send_break(self, seconds: float) -> None:
-        """Hold the line low, as the tester does."""
-        self._bus.send_break(seconds, self._clock())
         self.advance()
 
     def advance(self) -> None:
@@ -75,47 +67,46 @@ class ServedBus:
             self._timer.cancel()
 
 
-class PtyPort:
+class PtyPort(ServedBus):
     """A bus on a pseudo-terminal; `url` is the path that a tester opens. POSIX only."""
 
     def __init__(self, bus: Bus, clock: Callable[[], float]) -> None:
         import pty
         import tty
 
+        super().__init__(bus, clock, self._send)
         self._master, self._slave = pty.openpty()
         # The slave stays open here, so that the port remains when a tester closes it.
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
         self.url = os.ttyname(self._slave)
-        self._served = ServedBus(bus, clock, self._write)
-        self._loop = asyncio.get_running_loop()
         self._loop.add_reader(self._master, self._read)
-        self._served.advance()
+        self.advance()
 
     def _read(self) -> None:
         with suppress(BlockingIOError):
-            self._served.feed(os.read(self._master, _READ))
+            self.feed(os.read(self._master, _READ))
 
-    def _write(self, data: bytes) -> None:
+    def _send(self, data: bytes) -> None:
         with suppress(BlockingIOError):
             os.write(self._master, data)
 
     def close(self) -> None:
         """Remove the port: a tester sees an unplugged adapter."""
-        self._served.stop()
+        self.stop()
         self._loop.remove_reader(self._master)
         os.close(self._slave)
         os.close(self._master)
 
 
-class TcpPort:
+class TcpPort(ServedBus):
     """A bus on a TCP port, from `open`. One tester at a time; another connection is closed."""
 
     def __init__(self, bus: Bus, clock: Callable[[], float]) -> None:
+        super().__init__(bus, clock, self._send)
         self.url = ""
-        self._served = ServedBus(bus, clock, self._write)
+        self.tester: asyncio.Transport | None = None
         self._server: asyncio.Server | None = None
-        self._tester: asyncio.Transport | None = None
 
     @classmethod
     async def open(cls, bus: Bus, clock: Callable[[], float], host: str, port: int) -> TcpPort:
@@ -130,34 +121,18 @@ class TcpPort:
         url_host = f"[{host}]" if ":" in host else host  # IPv6
         tcp_port.url = f"socket://{url_host}:{server.sockets[0].getsockname()[1]}"
         tcp_port._server = server
-        tcp_port._served.advance()
+        tcp_port.advance()
         return tcp_port
 
-    def accept(self, tester: asyncio.Transport) -> bool:
-        """Connect `tester` to the wire; False: another tester is connected."""
-        if self._tester is not None:
-            return False
-        self._tester = tester
-        return True
-
-    def leave(self, tester: asyncio.Transport) -> None:
-        """Disconnect `tester`."""
-        if tester is self._tester:
-            self._tester = None
-
-    def feed(self, data: bytes) -> None:
-        """Put `data` of the tester on the wire."""
-        self._served.feed(data)
-
-    def _write(self, data: bytes) -> None:
-        if self._tester and self._tester.get_write_buffer_size() < _READ:
-            self._tester.write(data)
+    def _send(self, data: bytes) -> None:
+        if self.tester and self.tester.get_write_buffer_size() < _READ:
+            self.tester.write(data)
 
     def close(self) -> None:
         """Close the connection and stop listening."""
-        self._served.stop()
-        if self._tester:
-            self._tester.abort()
+        self.stop()
+        if self.tester:
+            self.tester.abort()
         if self._server:
             self._server.close()
 
@@ -171,14 +146,17 @@ class _Connection(asyncio.Protocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
-        if not self._port.accept(transport):
+        if self._port.tester is None:
+            self._port.tester = transport
+        else:
             transport.abort()
 
     def data_received(self, data: bytes) -> None:
         self._port.feed(data)
 
     def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002  (any reason)
-        self._port.leave(self._transport)
+        if self._port.tester is self._transport:
+            self._port.tester = None
 
 
 def run(main: Coroutine[Any, Any, T]) -> T:

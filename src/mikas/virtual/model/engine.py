@@ -15,7 +15,7 @@ seed and changes of faults give the same states at the same times, however often
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from math import floor, inf
 
@@ -144,7 +144,7 @@ class Engine:
         self, scenario: Scenario = SCENARIOS[DEFAULT], seed: int = 0, faults: Iterable[int] = ()
     ) -> None:
         self.scenario = scenario
-        self.faults = set(faults)
+        self.faults: Collection[int] = set(faults)
         self.time = 0.0
         self._applied = frozenset(self.faults)
         lost = Lost.by(self._applied)
@@ -177,7 +177,7 @@ class Engine:
     @property
     def powered(self) -> bool:
         """Whether the unit has supply now."""
-        return self.scenario.ignition_on(self.time)
+        return self.scenario.timeline.key_on(self.time)
 
     def next_cycle_time(self, stroke: int, after: float) -> float:
         """Return the next time later than `after` at which this stroke begins (D15).
@@ -219,7 +219,7 @@ class Engine:
         return ahead[steps]
 
     def _apply_faults(self) -> None:
-        if self._applied != self.faults:
-            self._applied = frozenset(self.faults)
+        if self._applied != (faults := frozenset(self.faults)):
+            self._applied = faults
             self._plant.program.sensors.lost = Lost.by(self._applied)
             self._ahead.clear()

@@ -47,14 +47,6 @@ class Scenario:
     passports: tuple[str, ...] | None = None  # eight
     memory: Mapping[str, Mapping[int, bytes]] = field(default_factory=dict)  # space, address
 
-    def ignition_on(self, time: float) -> bool:
-        """Return whether the key is on: without it the unit is silent."""
-        return self.timeline.key_on(time)
-
-    def next_ignition_change(self, after: float) -> float:
-        """Return when `ignition_on` changes next; infinity if never."""
-        return self.timeline.next_key_change(after)
-
 
 def load(path: Path) -> Scenario:
     """Return the scenario in a file. Raises `CatalogError`."""

@@ -84,7 +84,7 @@ class ScenarioTimeline:
         )
 
     def key_on(self, time: float) -> bool:
-        """Return whether the ignition is on."""
+        """Return whether the ignition is on: without it the unit is silent."""
         return self.key.at(self.place(time)) >= 0.5
 
     def next_key_change(self, after: float) -> float:
