@@ -16,8 +16,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from math import floor, inf
+from typing import Any
 
 from mikas.virtual.model import physics as ph
 from mikas.virtual.model.physics import STEP
@@ -25,38 +26,17 @@ from mikas.virtual.model.plant import Plant, plant_at_start
 from mikas.virtual.model.sensors import Lost
 from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS, Scenario
 
-FIELDS = {
-    "TWAT": "coolant",
-    "FREQ": "rpm",
-    "FREQX": "idle_rpm",
-    "UOZ": "advance",
-    "UACC": "voltage",
-    "INJ": "injection",
-    "JAIR": "air",
-    "JQT": "fuel",
-    "DET": "knock",
-    "RXX": "idle",
-    "BITPOW": "full_power",
-    "RDET": "knock_corrected",
-    "VALF": "mixture",
-    "THR": "throttle",
-    "RCOK": "fuel_correction",
-    "RCOD": "idle_co_correction",
-    "UOZOC": "advance_correction",
-    "SSM": "valve_set",
-    "FSM": "valve",
-    "UGB": "air_set",
-    "TAIR": "intake_air",
-    "TWATI": "coolant_at_start",
-}
-"""The field of `EngineState` by the parameter of §4."""
-
 NEUTRAL = -0.5  # E3: byte 128, no correction, by the letter of the formula
+
+
+def _of(parameter: str) -> Any:  # noqa: ANN401  (as `field`)
+    """Return the field that the unit gives as this parameter of §4."""
+    return field(metadata={"of": parameter})
 
 
 @dataclass(frozen=True, slots=True)
 class EngineState:
-    """One moment: the control unit's values, then some true values of the car.
+    """One moment: some true values of the car, then the control unit's values.
 
     The field of a failed sensor holds its substitute (`sensors.TABLE`).
     """
@@ -64,32 +44,36 @@ class EngineState:
     time: float  # s since the start
     ignition_on: bool
     running: bool
-    coolant: float  # °C
-    coolant_at_start: float  # °C
-    intake_air: float  # °C
-    rpm: float
-    idle_rpm: float  # the same, up to the 2550 that its finer byte can hold
-    voltage: float
-    throttle: float  # %
-    air: float  # kg/h
-    air_set: float  # kg/h
-    injection: float  # ms
-    fuel: float  # l/h
-    mixture: float  # λ
-    fuel_correction: float  # NEUTRAL: none; 0.1 above it: a tenth more petrol
-    idle_co_correction: float  # likewise
-    advance: float  # ° before top dead centre
-    advance_correction: float  # °, negative: later because of knock
-    knock: bool
-    knock_corrected: bool
-    idle: bool
-    full_power: bool
-    valve_set: float  # steps of the idle valve, 0 to 255
-    valve: float
     fan: bool
     cycles: float  # engine cycles (two turns each) since the start
     fuel_used: float  # l since the start
     speed: float  # km/h
+    coolant: float = _of("TWAT")  # °C
+    coolant_at_start: float = _of("TWATI")  # °C
+    intake_air: float = _of("TAIR")  # °C
+    rpm: float = _of("FREQ")
+    idle_rpm: float = _of("FREQX")  # the same, up to the 2550 that its finer byte can hold
+    voltage: float = _of("UACC")
+    throttle: float = _of("THR")  # %
+    air: float = _of("JAIR")  # kg/h
+    air_set: float = _of("UGB")  # kg/h
+    injection: float = _of("INJ")  # ms
+    fuel: float = _of("JQT")  # l/h
+    mixture: float = _of("VALF")  # λ
+    fuel_correction: float = _of("RCOK")  # NEUTRAL: none; 0.1 above it: a tenth more petrol
+    idle_co_correction: float = _of("RCOD")  # likewise
+    advance: float = _of("UOZ")  # ° before top dead centre
+    advance_correction: float = _of("UOZOC")  # °, negative: later because of knock
+    knock: bool = _of("DET")
+    knock_corrected: bool = _of("RDET")
+    idle: bool = _of("RXX")
+    full_power: bool = _of("BITPOW")
+    valve_set: float = _of("SSM")  # steps of the idle valve, 0 to 255
+    valve: float = _of("FSM")
+
+
+FIELDS = {each.metadata["of"]: each.name for each in fields(EngineState) if each.metadata}
+"""The field of `EngineState` by the parameter of §4."""
 
 
 def state_of(plant: Plant, time: float, *, powered: bool) -> EngineState:
