@@ -106,14 +106,15 @@ def test_nobody_there(mikas, tmp_path) -> None:
 def test_ended_by_hand_it_reports_what_came(mikas, tmp_path, monkeypatch) -> None:
     from mikas.cli.commands.recordings import report
 
-    shown = report._ProgressLine.show
+    events = report.SamplingRun.events
 
-    def stops(self, current) -> None:
-        shown(self, current)
-        if current.samples == 40:
-            raise KeyboardInterrupt
+    def stops(current):
+        for event in events(current):
+            yield event
+            if current.samples == 40:
+                raise KeyboardInterrupt
 
-    monkeypatch.setattr(report._ProgressLine, "show", stops)
+    monkeypatch.setattr(report.SamplingRun, "events", stops)
     ran = mikas("report", "-o", "car.html", sim="")
     assert ran.status == 0
     assert "Stopped early" in ran.err
@@ -125,9 +126,9 @@ def test_ended_by_hand_it_reports_what_came(mikas, tmp_path, monkeypatch) -> Non
 def test_ended_before_anything_came(mikas, tmp_path, monkeypatch) -> None:
     from mikas.cli.commands.recordings import report
 
-    def stops(self, current) -> None:
+    def stops(current):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(report._ProgressLine, "show", stops)
+    monkeypatch.setattr(report.SamplingRun, "events", stops)
     assert mikas("report", "-o", "car.html", sim="").status == 130
     assert not (tmp_path / "car.html").exists()

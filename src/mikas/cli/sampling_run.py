@@ -55,15 +55,15 @@ class SamplingRun:
     """The events of one run, to be iterated once, and its counters."""
 
     def __init__(
-        self, acquisition: Acquisition, recorder: Recorder, port: str, asked: SamplingOptions
+        self, acquisition: Acquisition, recorder: Recorder, options: SamplingOptions
     ) -> None:
         self.acquisition = acquisition
-        self.options = asked
+        self.options = options
         self.recorder = recorder
-        self.port = port
         self.model: Model | None = None
         self.method: str | None = None
         self.connected = False  # at least once
+        self.waiting: StateChanged | None = None  # the broken state of the line
         self.samples = 0
         self.gap_cycles = 0
         self.seconds = 0.0
@@ -89,13 +89,13 @@ class SamplingRun:
         """Samples a second, on average."""
         return self.samples / self.seconds if self.seconds > 0 else 0.0
 
-    def events(self, asked: SamplingOptions) -> Generator[Event, None, None]:
-        """Yield events, after recording them, until `asked` is complete; failed cycles count.
+    def events(self) -> Generator[Event, None, None]:
+        """Yield events, after recording them, until the run is complete; failed cycles count.
 
         The end of a played recording sets `recording_over`. Raises as `Acquisition.run` does.
         """
-        asked = asked.with_count()
-        period = 1 / asked.rate if asked.rate else 0.0
+        options = self.options.with_count()
+        period = 1 / options.rate if options.rate else 0.0
         due = -inf
         with closing(self._acquire()) as events:
             for event in events:
@@ -108,7 +108,7 @@ class SamplingRun:
                     due = event.time + 0.75 * period
                 self._follow(event)
                 yield event
-                if self._is_complete(asked) and not self.acquisition.has_more:
+                if self._is_complete(options) and not self.acquisition.has_more:
                     return
 
     def _acquire(self) -> Generator[Event, None, None]:
@@ -134,23 +134,29 @@ class SamplingRun:
         if isinstance(event, UnitFound):
             self.connected = True
             self.model = ecu.model if ecu else self.model
-        if isinstance(event, StateChanged) and event.state is LineState.SAMPLING:
-            self._began = event.time if self._began is None else self._began
+        if isinstance(event, StateChanged):
+            self.waiting = event if event.is_broken else None
+            if event.state is LineState.SAMPLING and self._began is None:
+                self._began = event.time
         self.method = self.acquisition.method
         self.samples += isinstance(event, Sampled)
         self.gap_cycles += isinstance(event, CycleFailed)
         if self._began is not None:
             self.seconds = max(self.seconds, event.time - self._began)
 
-    def _is_complete(self, asked: SamplingOptions) -> bool:
-        if asked.count is not None and self.samples + self.gap_cycles >= asked.count:
+    def _is_complete(self, options: SamplingOptions) -> bool:
+        if options.count is not None and self.samples + self.gap_cycles >= options.count:
             return True
-        return asked.duration is not None and self.seconds >= asked.duration
+        return options.duration is not None and self.seconds >= options.duration
 
 
 @contextmanager
 def sampling_session(
-    context: CommandContext, asked: SamplingOptions, out: Path | None = None, *, joined: bool = True
+    context: CommandContext,
+    options: SamplingOptions,
+    out: Path | None = None,
+    *,
+    joined: bool = True,
 ) -> Iterator[SamplingRun]:
     """Open a run on this command's port; everything on the wire is recorded to `out`, if given."""
     port = context.port or choose_port()
@@ -159,18 +165,17 @@ def sampling_session(
         ReconnectingPort(port, sink=recorder),
         context.options.create_ecu,
         context.catalog(),
-        asked.names,
-        method=asked.method,
-        rate=asked.rate,
+        options.names,
+        method=options.method,
+        rate=options.rate,
         strict=True,
     )
-    if asked.relearn:
+    if options.relearn:
         acquisition.relearn()
     if out is not None:
         recorder.start(out, url=port)
-    current = SamplingRun(acquisition, recorder, port, asked)
     context.output.detail(tr("port", "порт"), port)
     try:
-        yield current
+        yield SamplingRun(acquisition, recorder, options)
     finally:
         recorder.stop()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
@@ -15,15 +14,15 @@ from mikas.cli.main import USAGE
 from mikas.cli.markers import Marking
 from mikas.cli.parameter_types import Portion, any_file, portion
 from mikas.cli.render.notices import Notices
-from mikas.cli.render.output import CLEAR_LINE
-from mikas.cli.render.values import JsonLines
+from mikas.cli.render.output import StatusLine
+from mikas.cli.render.values import json_line
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
 from mikas.client import Ecu
 from mikas.errors import MikasError, usage_error
 from mikas.i18n import Text
 from mikas.recording.export import SUFFIXES
 from mikas.recording.recorder import RecordingStatus, ask_in_full
-from mikas.sampling.events import Event, StateChanged
+from mikas.sampling.events import Event
 
 
 @command(
@@ -63,7 +62,7 @@ from mikas.sampling.events import Event, StateChanged
 )
 @sampling_options
 def log(
-    context: CommandContext, asked: SamplingOptions, *, out: Path, rotate: Portion | None
+    context: CommandContext, options: SamplingOptions, *, out: Path, rotate: Portion | None
 ) -> int:
     if context.capture is not None:
         raise usage_error(
@@ -71,9 +70,9 @@ def log(
             "Команда log и так записывает, в файл после -o; уберите --capture",
         )
     _check_name(out)
-    with sampling_session(context, asked, out) as current:
+    with sampling_session(context, options, out) as current:
         try:
-            return _record(context, current, asked, rotate)
+            return _record(context, current, rotate)
         except MikasError:
             if not current.connected:
                 _remove_file(out)
@@ -98,25 +97,22 @@ def _check_name(out: Path) -> None:
         )
 
 
-def _record(
-    context: CommandContext, current: SamplingRun, asked: SamplingOptions, rotate: Portion | None
-) -> int:
-    lines = JsonLines(current, context.output) if context.output.json else None
-    progress = _ProgressLine(context, current)
-    notices = Notices(current, progress.note, verbose=context.output.verbose)
+def _record(context: CommandContext, current: SamplingRun, rotate: Portion | None) -> int:
+    output = context.output
+    progress = StatusLine(output, lambda: _progress(current))
     rotation = _FileRotation(current, rotate)
     try:
         with Marking(current.recorder, progress.note):
-            for event in current.events(asked):
-                notices.take(event)  # first: the notice that values are back comes before them
-                if lines is not None:
-                    lines.take(event)
-                progress.take(event)
+            for event in Notices(current, progress.note, verbose=output.verbose).watch():
+                if output.json:
+                    json_line(current, output, event)
+                progress.draw(event.time)
                 rotation.take(event)
-            notices.end()
     finally:
         status = current.recorder.stop()
-        progress.end(status)
+        progress.clear()
+        if current.connected and status is not None:  # else no ECU ever answered
+            output.note(_summary(current, status))
     return USAGE if status and status.failure else 0
 
 
@@ -152,70 +148,32 @@ class _FileRotation:
         self._current.recorder.next_file()
 
 
-class _ProgressLine:
-    """Rate, errors and file size: once a second on a terminal, and at the end."""
+def _progress(current: SamplingRun) -> str:
+    """Return rate, errors and file size, after the state of a broken line; empty without a file."""
+    status = current.recorder.status
+    if status is None:
+        return ""
+    if current.waiting is not None and status.failure is None:
+        return f"{capital(localized(current.waiting.text))} · {_summary(current, status)}"
+    return _summary(current, status)
 
-    def __init__(self, context: CommandContext, current: SamplingRun) -> None:
-        self._context = context
-        self._current = current
-        self._live = sys.stderr.isatty()
-        self._shown: float | None = None
-        self._waiting_state: StateChanged | None = None
 
-    def take(self, event: Event) -> None:
-        if isinstance(event, StateChanged):
-            self._waiting_state = event if event.is_broken else None
-        if self._live and (self._shown is None or not 0 <= event.time - self._shown < 1):
-            self._shown = event.time
-            self._write(self._now())
-
-    def note(self, sentence: str) -> None:
-        """Print a notice on a line of its own."""
-        if self._live:
-            self._write("")
-        self._context.output.note(sentence)
-        if self._live:
-            self._write(self._now())
-
-    def end(self, status: RecordingStatus | None) -> None:
-        """Print the last line, once the file is closed; none if no ECU ever answered."""
-        if self._current.connected and status is not None:
-            self.note(self._line(status))
-        elif self._live:
-            self._write("")
-
-    def _write(self, text: str) -> None:
-        from shutil import get_terminal_size
-
-        width = get_terminal_size().columns - 1
-        sys.stderr.write(f"{CLEAR_LINE}{text[:width]}")
-        sys.stderr.flush()
-
-    def _now(self) -> str:
-        status = self._current.recorder.status
-        if status is None:
-            return ""
-        if self._waiting_state is not None and status.failure is None:
-            return f"{capital(localized(self._waiting_state.text))} · {self._line(status)}"
-        return self._line(status)
-
-    def _line(self, status: RecordingStatus) -> str:
-        current = self._current
-        rate = f"{current.rate:.1f}"
-        size, seconds = status.bytes / 1024, current.seconds
-        lost = min(status.lost, current.samples)
-        but, ru_but = (
-            (f"{lost} of them not recorded, ", f"из них не записано: {lost}, ")
-            if status.failure is not None
-            else ("", "")
-        )
-        summary = tr(
-            f"{status.path}: {current.samples} samples, {but}{rate} readings/s, {status.gaps} "
-            f"gaps, {current.errors} line errors, {size:.0f} KiB, {seconds:.0f} s",
-            f"{status.path}: отсчётов: {current.samples}, {ru_but}{decimal(rate)} опр/с, "
-            f"пропусков: {status.gaps}, ошибок линии: {current.errors}, {size:.0f} КиБ, "
-            f"{seconds:.0f} с",
-        )
-        if status.failure is not None:
-            return f"{tr('NOT RECORDING', 'ЗАПИСЬ ПРЕКРАЩЕНА')} · {summary}"
-        return summary
+def _summary(current: SamplingRun, status: RecordingStatus) -> str:
+    rate = f"{current.rate:.1f}"
+    size, seconds = status.bytes / 1024, current.seconds
+    lost = min(status.lost, current.samples)
+    but, ru_but = (
+        (f"{lost} of them not recorded, ", f"из них не записано: {lost}, ")
+        if status.failure is not None
+        else ("", "")
+    )
+    summary = tr(
+        f"{status.path}: {current.samples} samples, {but}{rate} readings/s, {status.gaps} "
+        f"gaps, {current.errors} line errors, {size:.0f} KiB, {seconds:.0f} s",
+        f"{status.path}: отсчётов: {current.samples}, {ru_but}{decimal(rate)} опр/с, "
+        f"пропусков: {status.gaps}, ошибок линии: {current.errors}, {size:.0f} КиБ, "
+        f"{seconds:.0f} с",
+    )
+    if status.failure is not None:
+        return f"{tr('NOT RECORDING', 'ЗАПИСЬ ПРЕКРАЩЕНА')} · {summary}"
+    return summary

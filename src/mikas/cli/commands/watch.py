@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -14,8 +17,8 @@ from mikas.cli.language import decimal, tr
 from mikas.cli.parameter_types import number, one_of, whole
 from mikas.cli.render.live_table import LiveTable
 from mikas.cli.render.notices import Notices
-from mikas.cli.render.values import JsonLines, PlainLines
-from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
+from mikas.cli.render.values import json_line, plain_line
+from mikas.cli.sampling_run import SamplingOptions, sampling_session
 from mikas.client import METHODS
 from mikas.i18n import Text
 from mikas.sampling.plan import Plan, PlannedParameter, select
@@ -23,6 +26,7 @@ from mikas.sampling.plan import Plan, PlannedParameter, select
 if TYPE_CHECKING:
     from mikas.catalog import Catalog, Parameter
     from mikas.client.polling import FixedMethod
+    from mikas.sampling.events import Event
 
 _FIXED_METHODS: tuple[FixedMethod, ...] = ("single", "batch", "list", "stream")
 
@@ -99,45 +103,34 @@ sampling_options = grouped(
     ),
 )
 @sampling_options
-def watch(context: CommandContext, asked: SamplingOptions, *, price: bool) -> None:
+def watch(context: CommandContext, options: SamplingOptions, *, price: bool) -> None:
     if price:
-        _show_line_load(context, asked)
+        _show_line_load(context, options.names)
         return
-    with sampling_session(context, asked, context.capture, joined=False) as current:
-        show(context, current, asked)
-
-
-def show(context: CommandContext, current: SamplingRun, asked: SamplingOptions) -> None:
-    """Show the events as JSON lines, as a live table on a terminal, else as plain lines."""
-    with display_for(context, current) as display:
-        notices = Notices(current, display.note, verbose=context.output.verbose)
-        for event in current.events(asked):
-            notices.take(event)  # first: the notice that values are back comes before them
-            display.take(event)
-        notices.end()
-
-
-def display_for(
-    context: CommandContext, current: SamplingRun
-) -> LiveTable | JsonLines | PlainLines:
-    """Return the display that suits the output."""
-    if context.output.json:
-        return JsonLines(current, context.output)
-    log_on_screen = context.logs and sys.stderr.isatty()  # its lines would tear the table
+    output = context.output
+    log_on_screen = context.logs and sys.stderr.isatty()  # its lines would tear a live table
     drawable = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
-    if drawable and not log_on_screen:
-        return LiveTable(current, context.output)
-    return PlainLines(current, context.output)
+    with ExitStack() as stack:
+        run = stack.enter_context(sampling_session(context, options, context.capture, joined=False))
+        note: Callable[[str], None] = output.note
+        show: Callable[[Event], None] = partial(
+            json_line if output.json else plain_line, run, output
+        )
+        if drawable and not log_on_screen and not output.json:
+            table = stack.enter_context(LiveTable(run, output))
+            note, show = table.note, table.take
+        for event in Notices(run, note, verbose=output.verbose).watch():
+            show(event)
 
 
-def _show_line_load(context: CommandContext, asked: SamplingOptions) -> None:
+def _show_line_load(context: CommandContext, names: Sequence[str]) -> None:
     """Print the line load of each method, and of one more parameter of one byte.
 
     Computed from §5's figures: 960 bytes a second, 2 ms from a request to its response. The rates
     of the unit and the adapter in use are measured when `auto` chooses, and shown with `-v`.
     """
     catalog = context.catalog()
-    plan = Plan(select(catalog, asked.names).parameters)
+    plan = Plan(select(catalog, names).parameters)
     more = _another(catalog, plan)
     prices = [_price(plan.with_method(method), more) for method in _FIXED_METHODS]
     if context.output.json:
@@ -184,6 +177,6 @@ def _row(price: dict[str, Any]) -> list[str]:
 
 def _another(catalog: Catalog, plan: Plan) -> Parameter | None:
     """Return a parameter of one byte that is not in the plan."""
-    asked = {wanted.parameter.code for wanted in plan.parameters}
-    left = (p for p in catalog.parameters if p.code not in asked and p.size == 1)
+    planned = {wanted.parameter.code for wanted in plan.parameters}
+    left = (p for p in catalog.parameters if p.code not in planned and p.size == 1)
     return next(left, None)

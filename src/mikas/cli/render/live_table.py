@@ -10,7 +10,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol, Self
+from typing import TYPE_CHECKING, Self
 
 from mikas.catalog import Level
 from mikas.cli.language import current_language, decimal, localized, tr
@@ -26,7 +26,8 @@ from mikas.sampling.gaps import Arrivals, Silence
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from mikas.catalog import Derived, Model, Parameter
+    from mikas.catalog import Derived, Parameter
+    from mikas.cli.sampling_run import SamplingRun
     from mikas.client import Reading
     from mikas.sampling.derived import DerivedValue
     from mikas.sampling.events import Event
@@ -36,21 +37,6 @@ _SPARK = "▁▂▃▄▅▆▇█"
 _MEMORY = 60  # samples in the trend curve
 _WIDTH = 20
 _OLD = 1.0  # s; a younger value is faded, without its age, which would only flicker
-
-
-class Watched(Protocol):
-    """What the table needs of a sampling run."""
-
-    model: Model | None
-    method: str | None
-
-    @property
-    def channels(self) -> Sequence[Parameter | Derived]:
-        """The requested channels."""
-
-    @property
-    def errors(self) -> int:
-        """Exchanges that failed."""
 
 
 class LiveTable:
@@ -63,7 +49,7 @@ class LiveTable:
 
     def __init__(
         self,
-        session: Watched,
+        session: SamplingRun,
         output: Output,
         console: Console | None = None,
         clock: Callable[[], float] | None = None,

@@ -58,8 +58,11 @@ class Notices:
             self._failure = failure
             self._show(stopped_sentence(failure))
 
-    def end(self) -> None:
-        """Show why the run has ended, if its recording is over."""
+    def watch(self) -> Iterator[Event]:
+        """Yield the run's events, each after its notices; then show if its recording is over."""
+        for event in self._session.events():
+            self.take(event)  # first: the notice that values are back comes before them
+            yield event
         if self._session.recording_over is not None:
             self._show(f"{localized(self._session.recording_over.reason)}.")
 

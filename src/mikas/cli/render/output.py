@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import logging
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -57,6 +57,40 @@ class Output:
         else:
             for row in [headers, *rows] if headers else rows:
                 self.line("\t".join(row))
+
+
+class StatusLine:
+    """A line at the end of stderr, redrawn in place; on a terminal only."""
+
+    def __init__(self, output: Output, text: Callable[[], str]) -> None:
+        self._output = output
+        self._text = text
+        self._live = sys.stderr.isatty()
+        self._drawn: float | None = None
+
+    def draw(self, time: float) -> None:
+        """Draw the line, once a second of the link's clock, which may jump back."""
+        if self._live and (self._drawn is None or not 0 <= time - self._drawn < 1):
+            self._drawn = time
+            self._write(self._text())
+
+    def note(self, sentence: str) -> None:
+        """Print a notice above the line."""
+        self.clear()
+        self._output.note(sentence)
+        if self._live:
+            self._write(self._text())
+
+    def clear(self) -> None:
+        """Leave an empty line."""
+        self._write("")
+
+    def _write(self, text: str) -> None:
+        from shutil import get_terminal_size
+
+        if self._live:
+            sys.stderr.write(f"{CLEAR_LINE}{text[: get_terminal_size().columns - 1]}")
+            sys.stderr.flush()
 
 
 def make_table(headers: Sequence[str], rows: Sequence[Sequence[str]], right: str = "") -> Table:

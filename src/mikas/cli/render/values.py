@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from mikas.catalog import Derived, Parameter
 from mikas.cli.language import current_language, decimal, tr
@@ -55,62 +55,30 @@ def valid_reference(reading: Reading) -> str:
     return reference(reading.parameter) if reading.interpretation == "corrected" else ""
 
 
-class _Lines:
-    """The common part of both kinds of lines: notices on stderr."""
-
-    def __init__(self, session: SamplingRun, output: Output) -> None:
-        self._channels = session.channels
-        self._output = output
-
-    def note(self, sentence: str) -> None:
-        self._output.note(sentence)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        return None
+def json_line(session: SamplingRun, output: Output, event: Event) -> None:
+    """Print `{"time", "values", "gap"}`, one a cycle; in a gap one a try, with its `reason`."""
+    if not isinstance(event, Sampled | CycleFailed):
+        return
+    fresh, names = fresh_values(event), [channel.name for channel in session.channels]
+    line: dict[str, object] = {
+        "time": round(event.time, 6),
+        "values": {name: fresh[name].value if name in fresh else None for name in names},
+        "gap": isinstance(event, CycleFailed),
+    }
+    if isinstance(event, CycleFailed):
+        line["reason"] = event.error.reason._asdict()
+    output.data(line)
 
 
-class JsonLines(_Lines):
-    """`{"time", "values", "gap"}`, one a cycle; in a gap one a try, with its `reason`."""
-
-    def take(self, event: Event) -> None:
-        if not isinstance(event, Sampled | CycleFailed):
-            return
-        fresh = fresh_values(event)
-        values = {c.name: fresh[c.name].value if c.name in fresh else None for c in self._channels}
-        time = round(event.time, 6)
-        line: dict[str, object] = {
-            "time": time,
-            "values": values,
-            "gap": isinstance(event, CycleFailed),
-        }
-        if isinstance(event, CycleFailed):
-            line["reason"] = {"en": event.error.reason.en, "ru": event.error.reason.ru}
-        self._output.data(line)
-
-
-class PlainLines(_Lines):
-    """One line per sample, after a heading."""
-
-    def __init__(self, session: SamplingRun, output: Output) -> None:
-        super().__init__(session, output)
-        self._has_heading = False
-
-    def take(self, event: Event) -> None:
-        if not isinstance(event, Sampled | CycleFailed):
-            return
-        if not self._has_heading:  # not before there is something: an error needs no heading
-            self._has_heading = True
-            names = (channel.name for channel in self._channels)
-            self._output.line("\t".join([tr("time", "время"), *names]))
-        fresh = fresh_values(event)
-        cells = (
-            value_text(fresh[channel.name]) if channel.name in fresh else "–"
-            for channel in self._channels
-        )
-        self._output.line("\t".join([decimal(f"{event.time:.3f}"), *cells]))
+def plain_line(session: SamplingRun, output: Output, event: Event) -> None:
+    """Print one line per cycle, the first one after a heading: an error alone needs no heading."""
+    if not isinstance(event, Sampled | CycleFailed):
+        return
+    fresh, names = fresh_values(event), [channel.name for channel in session.channels]
+    if session.samples + session.gap_cycles == 1:
+        output.line("\t".join([tr("time", "время"), *names]))
+    cells = (value_text(fresh[name]) if name in fresh else "–" for name in names)
+    output.line("\t".join([decimal(f"{event.time:.3f}"), *cells]))
 
 
 def fresh_values(event: Sampled | CycleFailed) -> dict[str, Reading | DerivedValue]:

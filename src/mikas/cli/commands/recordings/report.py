@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -14,7 +13,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, decimal, localized, tr
 from mikas.cli.parameter_types import existing_file, number
 from mikas.cli.render.notices import Notices
-from mikas.cli.render.output import CLEAR_LINE
+from mikas.cli.render.output import StatusLine
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
 from mikas.errors import usage_error
 from mikas.i18n import Text
@@ -87,10 +86,9 @@ def _measured_now(context: CommandContext, seconds: float) -> Findings:
 
     with TemporaryDirectory(prefix="mikas-") as folder:
         path = context.capture or Path(folder) / "report.pcapng"
-        asked = SamplingOptions(duration=seconds)
-        with sampling_session(context, asked, path) as current:
+        with sampling_session(context, SamplingOptions(duration=seconds), path) as current:
             try:
-                _sample(context, current, asked, seconds)
+                _sample(context, current)
             except KeyboardInterrupt:
                 if not current.samples:
                     raise
@@ -105,55 +103,26 @@ def _measured_now(context: CommandContext, seconds: float) -> Findings:
         return find_in_recording(path, context.catalog(), name=name, errors=current.errors)
 
 
-def _sample(
-    context: CommandContext, current: SamplingRun, asked: SamplingOptions, seconds: float
-) -> None:
-    progress = _ProgressLine(context, seconds)
-    notices = Notices(current, progress.note, verbose=context.output.verbose)
+def _sample(context: CommandContext, current: SamplingRun) -> None:
+    progress = StatusLine(context.output, lambda: _progress(current))
     try:
-        for event in current.events(asked):
-            notices.take(event)
+        for event in Notices(current, progress.note, verbose=context.output.verbose).watch():
             if isinstance(event, UnitFound):
                 if event.another:
                     return  # the report is on the first car
                 current.acquisition.call(lambda ecu: ecu.faults())
-            progress.show(current)
-        notices.end()
+            progress.draw(event.time)
     finally:
         progress.clear()
 
 
-class _ProgressLine:
-    """The progress line on a terminal."""
-
-    def __init__(self, context: CommandContext, seconds: float) -> None:
-        self._context = context
-        self._seconds = seconds
-        self._live = sys.stderr.isatty()
-        self._shown = -1
-
-    def show(self, current: SamplingRun) -> None:
-        """Redraw the line, once a second."""
-        if self._live and int(current.seconds) != self._shown:
-            self._shown = int(current.seconds)
-            rate = decimal(f"{current.rate:.1f}")
-            text = tr(
-                f"measuring: {self._shown} of {self._seconds:g} s, {rate} samples/s",
-                f"измерение: {self._shown} из {self._seconds:g} с, {rate} отсчёт/с",
-            )
-            sys.stderr.write(f"{CLEAR_LINE}{text}")
-            sys.stderr.flush()
-
-    def clear(self) -> None:
-        """Leave an empty line."""
-        if self._live:
-            sys.stderr.write(CLEAR_LINE)
-            sys.stderr.flush()
-
-    def note(self, sentence: str) -> None:
-        """Print a notice in place of the line."""
-        self.clear()
-        self._context.output.note(sentence)
+def _progress(current: SamplingRun) -> str:
+    done, seconds = int(current.seconds), current.options.duration
+    rate = decimal(f"{current.rate:.1f}")
+    return tr(
+        f"measuring: {done} of {seconds:g} s, {rate} samples/s",
+        f"измерение: {done} из {seconds:g} с, {rate} отсчёт/с",
+    )
 
 
 def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
