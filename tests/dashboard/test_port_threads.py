@@ -30,7 +30,7 @@ def dashboard_of(tmp_path, **more):
 
 def test_what_a_session_of_before_tells_is_not_of_this_one(tmp_path):
     dashboard = dashboard_of(tmp_path)
-    dashboard.manager.state_known = lambda: None
+    dashboard.connection.state_known = lambda: None
     dashboard.connection.thread, before = OneThat(), OneThat()
     dashboard._on_event(before, StateChanged(1.0, LineState.NO_ECHO, None))
     dashboard._on_end(before, None)

@@ -25,7 +25,6 @@ from mikas.dashboard.session.changes import UnitChanges
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.session.dump_jobs import DumpJobs
 from mikas.dashboard.session.history import FaultHistory, History
-from mikas.dashboard.session.manager import ConnectionManager
 from mikas.dashboard.session.monitor import DIAGNOSIS, RECONNECTED, ConnectionMonitor
 from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread
 from mikas.dashboard.session.recorder import SessionRecorder
@@ -57,7 +56,11 @@ class Dashboard:
         self.monitor = ConnectionMonitor(self.history)
         self.fault_history = FaultHistory()
         self.connection = Connection(
-            self.monitor, PortSettings(port, options.echo) if port else None
+            settings,
+            self.monitor,
+            PortSettings(port, options.echo) if port else None,
+            create=self._create_thread,
+            on_end=self._on_request_end,
         )
         self.plan = SamplingPlanner(self.connection, self.monitor, options)
         folder = RecordingFolder(settings.recordings)
@@ -70,9 +73,6 @@ class Dashboard:
         self.dump_jobs = DumpJobs(self.connection, settings.dumps, clock)
         self._approval = WriteApproval()
         self.changes = UnitChanges(self.connection, self.fault_history, self._approval, options)
-        self.manager = ConnectionManager(
-            settings, self.connection, create=self._create_thread, on_end=self._on_request_end
-        )
         self.diagnosis: Diagnosis | None = None
         """The diagnosis that has the port."""
         self.info: Info | None = None
@@ -83,14 +83,14 @@ class Dashboard:
     async def running(self) -> AsyncIterator[None]:
         """Run as long as the application; at its end the recording and the port are closed."""
         await asyncio.to_thread(self.dump_jobs.find)
-        self.manager.start()
+        self.connection.start()
         try:
             yield
         finally:
             await self.dump_jobs.close()
             if self.diagnosis is not None:
                 await self.diagnosis.end()
-            await self.manager.close()
+            await self.connection.close()
             self.recorder.close()
 
     async def connect(
@@ -101,18 +101,18 @@ class Dashboard:
         method: FixedMethod | None = None,
         rate: float | None = None,
     ) -> None:
-        """Connect as `ConnectionManager.connect`, sampling by `method`, at most at `rate`."""
+        """Connect as `Connection.connect`, sampling by `method`, at most at `rate`."""
 
         def accepted(url: str) -> None:
             self.plan.request = replace(self.plan.request, method=method, rate=rate)
             if self.connection.port is None or url != self.connection.port.url:
                 self.recorder.change_port()
 
-        await self.manager.connect(url, echo=echo, accepted=accepted)
+        await self.connection.connect(url, echo=echo, accepted=accepted)
 
     async def disconnect(self) -> None:
         """End the recording and close the port."""
-        await self.manager.disconnect()
+        await self.connection.disconnect()
         self.recorder.stop()
 
     def refresh(self) -> None:
@@ -156,13 +156,13 @@ class Dashboard:
                 self.fault_history.clear()
             thread.call(self.fault_history.read)
         if isinstance(event, StateChanged):
-            self.manager.state_known()
+            self.connection.state_known()
 
     def _on_end(self, thread: SamplingThread, error: MikasError | None) -> None:
         """Note that sampling ended by itself; in the sampling thread."""
         if thread is self.connection.thread:
             self.monitor.end(thread.now(), error)
-            self.manager.state_known()
+            self.connection.state_known()
 
     def _clear_unit(self) -> None:
         """Drop the data read from the unit, and the confirmations for it."""

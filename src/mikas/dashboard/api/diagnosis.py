@@ -19,7 +19,7 @@ from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import ADVICE, Busy
-from mikas.dashboard.session.manager import CHANGING
+from mikas.dashboard.session.connection import CHANGING
 from mikas.dashboard.session.port_threads import Diagnosis
 from mikas.errors import MikasError
 from mikas.i18n import Text
@@ -70,9 +70,9 @@ async def doctor(
     await asyncio.to_thread(ports.check, body.port)
     port = body.port or (dashboard.connection.port.url if dashboard.connection.port else None)
     if port is None:
-        port = await asyncio.to_thread(dashboard.manager.likely)
+        port = await asyncio.to_thread(dashboard.connection.likely)
     parse(port)
-    if dashboard.manager.changing or dashboard.diagnosis is not None:
+    if dashboard.connection.changing or dashboard.diagnosis is not None:
         raise Busy(problem=CHANGING)
     steps: asyncio.Queue[DiagnosisStep | None] = asyncio.Queue()
     diagnosis = Diagnosis(port, dashboard.settings)
@@ -106,7 +106,7 @@ async def _run(
         loop.call_soon_threadsafe(steps.put_nowait, _line(step))
 
     try:
-        async with dashboard.manager.lent():
+        async with dashboard.connection.lent():
             await asyncio.to_thread(diagnosis.run, report)
     except MikasError as error:
         steps.put_nowait(_line(Step("port", False, ADVICE.text(error))))

@@ -1,7 +1,8 @@
-"""The connection to one unit: jobs on its line, and the channels that are sampled.
+"""The connection to one unit: its one sampling thread, jobs on its line, the sampled channels.
 
-Jobs take their turn on the line between two sampling cycles; the event loop awaits them and
-continues meanwhile.
+Connecting, disconnecting and lending the port exclude each other: the second request is refused,
+not queued. Jobs take their turn on the line between two sampling cycles; the event loop awaits them
+and continues meanwhile.
 """
 
 from __future__ import annotations
@@ -9,26 +10,38 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import asynccontextmanager
 from functools import cached_property
 from typing import TypeVar
 
 from mikas.client import Ecu
 from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import Busy, NotConnected
-from mikas.dashboard.session.monitor import ConnectionMonitor
+from mikas.dashboard.session.monitor import (
+    DIAGNOSIS,
+    DISCONNECTED,
+    OTHER_PORT,
+    RECONNECTED,
+    ConnectionMonitor,
+)
 from mikas.dashboard.session.port_threads import SamplingThread
-from mikas.dashboard.settings import PlanSettings, PortSettings
+from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
+from mikas.errors import NoPortGiven, UsageError
 from mikas.i18n import Text
+from mikas.link.ports import listed
 from mikas.link.reconnecting import ReconnectingPort
+from mikas.link.urls import parse
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import LineState
 from mikas.sampling.plan import Price
 
 T = TypeVar("T")
 
+_FIRST_STATE = 2.0  # s that `connect` waits for the port's first state
 _TURN = 30.0  # s that a job waits for its turn
 _ALIVE = (LineState.ECU_ALIVE, LineState.SAMPLING)
+CHANGING = Text("the connection is being changed", "соединение как раз меняется")
 _LINE_BUSY = Text("the line is busy; the request was cancelled", "линия занята; запрос отменён")
 
 
@@ -53,15 +66,100 @@ async def run_in_turn(thread: SamplingThread, job: Callable[[Ecu], T], seconds: 
 
 
 class Connection:
-    """`port` and `thread` are set by the `ConnectionManager`; None: not connected.
+    """`port` and `thread`: None while not connected; any thread may read them.
 
-    `port` stays while the thread is replaced or the port is lent to a diagnosis.
+    `port` stays while the thread is replaced or the port is lent to a diagnosis. `create` returns
+    the thread of a port, to be started; `on_end` is called with a thread that was ended by a
+    request, and the reason.
     """
 
-    def __init__(self, monitor: ConnectionMonitor, port: PortSettings | None = None) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        monitor: ConnectionMonitor,
+        port: PortSettings | None = None,
+        *,
+        create: Callable[[PortSettings], SamplingThread],
+        on_end: Callable[[SamplingThread, Text], None],
+    ) -> None:
         self.port = port
         self.thread: SamplingThread | None = None
-        self._monitor = monitor
+        self._settings, self._monitor = settings, monitor
+        self._create, self._on_end = create, on_end
+        self._changing = asyncio.Lock()
+        self._first_state = asyncio.Event()
+
+    def start(self) -> None:
+        """Connect to the port that is set at the start, if any."""
+        self._loop = asyncio.get_running_loop()
+        if self.port is not None:
+            self._open(self.port)
+
+    async def connect(
+        self,
+        url: str | None,
+        *,
+        echo: str = "auto",
+        accepted: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        """Connect to `url`, or to the one likely adapter; an existing connection ends.
+
+        `accepted` is called with the URL once the request is known to be valid. Raises the
+        request's errors; errors of the line are in the state.
+        """
+        async with self._alone():
+            if url is None:
+                url = await asyncio.to_thread(self.likely)
+            parse(url)
+            port = self.port
+            again = port is not None and port.url == url
+            await self.close(RECONNECTED if again else OTHER_PORT)
+            accepted(url)
+            self.port = PortSettings(url, echo)
+            self._open(self.port)
+            await self._wait_for_state()
+
+    async def disconnect(self) -> None:
+        """Close the port."""
+        async with self._alone():
+            await self.close()
+            self.port = None
+
+    @asynccontextmanager
+    async def lent(self) -> AsyncIterator[None]:
+        """Close the port meanwhile, and open it again."""
+        async with self._alone():
+            port = self.port
+            await self.close(DIAGNOSIS)
+            try:
+                yield
+            finally:
+                if port is not None:
+                    self._open(port)
+
+    async def close(self, why: Text = DISCONNECTED) -> None:
+        """End the sampling thread, if there is one; the connection keeps its port settings."""
+        thread, self.thread = self.thread, None
+        if thread is not None:
+            await asyncio.to_thread(thread.stop)
+            self._on_end(thread, why)
+
+    def likely(self) -> str:
+        """Return the URL of the one likely adapter. Raises `NoPortGiven`."""
+        ports = self._settings.find()
+        likely = [port.url for port in ports if port.likely]
+        if len(likely) != 1:
+            raise NoPortGiven(found=listed(ports))
+        return likely[0]
+
+    @property
+    def changing(self) -> bool:
+        """Whether the connection is being changed at this moment."""
+        return self._changing.locked()
+
+    def state_known(self) -> None:
+        """Note that the port has its first state; from any thread."""
+        self._loop.call_soon_threadsafe(self._first_state.set)
 
     async def ask(self, job: Callable[[Ecu], T], *, seconds: float = _TURN) -> T:
         """Return the result of `job(ecu)`, run between two cycles. Raises what `job` raises.
@@ -97,6 +195,30 @@ class Connection:
         """Return the error for a unit that does not answer, with the reason if it is known."""
         reason = self._monitor.reason
         return NotConnected(advice=reason) if reason else NotConnected()
+
+    @asynccontextmanager
+    async def _alone(self) -> AsyncIterator[None]:
+        if self._changing.locked():
+            raise Busy(problem=CHANGING)
+        async with self._changing:
+            yield
+
+    def _open(self, port: PortSettings) -> None:
+        self._first_state.clear()
+        thread = self._create(port)
+        self.thread = thread
+        thread.start()
+
+    async def _wait_for_state(self) -> None:
+        """Wait for the port's first state. Raises the errors of its address."""
+        try:
+            async with asyncio.timeout(_FIRST_STATE):
+                await self._first_state.wait()
+        except TimeoutError:
+            return  # the state will show the result
+        thread = self.thread
+        if thread is not None and isinstance(thread.failure, UsageError):
+            raise thread.failure
 
 
 class SamplingPlanner:
