@@ -138,8 +138,9 @@ def test_one_piece_of_heavy_work_at_a_time(desk, monkeypatch) -> None:
     from concurrent.futures import ThreadPoolExecutor
     from threading import Lock
 
+    from mikas.recording.export import export as write
+
     here, most, lock = [], [], Lock()
-    write = exports._export
 
     def watched(*args, **settings):
         with lock:
@@ -150,7 +151,7 @@ def test_one_piece_of_heavy_work_at_a_time(desk, monkeypatch) -> None:
         finally:
             here.pop()
 
-    monkeypatch.setattr(exports, "_export", watched)
+    monkeypatch.setattr("mikas.recording.export.export", watched)
     with ThreadPoolExecutor(6) as pool:
         ask = "/recordings/drive.pcapng/export"
         for done in [pool.submit(desk.get, ask, format="csv") for _ in range(6)]:
@@ -174,7 +175,7 @@ def test_a_queue_that_is_too_long_is_refused(desk, monkeypatch) -> None:
         raise ExportError("a", Text("so be it", "пусть так"))
 
     monkeypatch.setattr(service.RecordingService, "run_alone", counted)
-    monkeypatch.setattr(exports, "_export", waits)
+    monkeypatch.setattr("mikas.recording.export.export", waits)
     path = "/api/recordings/drive.pcapng/export"
     with ThreadPoolExecutor(8) as pool:
         waiting = [pool.submit(desk.client.get, path, headers=ME) for _ in range(8)]

@@ -137,7 +137,7 @@ class Dashboard:
 
     def _on_request_end(self, thread: SamplingThread, why: Text) -> None:
         if why in (RECONNECTED, DIAGNOSIS):
-            self.recorder.interrupt(thread.now(), why)
+            self.recorder.recorder.interrupt(thread.now(), why)
         self.monitor.end(thread.now(), None, why)
         self._clear_unit()
 

@@ -70,38 +70,31 @@ def two_or_none(text: Text | None) -> TwoTexts | None:
 
 def install(app: FastAPI) -> None:
     """Install the handlers that turn every exception into an `ErrorResponse`."""
-    app.add_exception_handler(MikasError, _expected)
-    app.add_exception_handler(RequestValidationError, _invalid)
-    app.add_exception_handler(HTTPException, _of_the_framework)
-    app.add_exception_handler(Exception, _bug)
 
+    @app.exception_handler(MikasError)
+    async def expected(_: Request, error: MikasError) -> JSONResponse:
+        return json_response(error)
 
-async def _expected(_: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, MikasError)
-    return json_response(error)
+    @app.exception_handler(RequestValidationError)
+    async def invalid(_: Request, error: RequestValidationError) -> JSONResponse:
+        return json_response(BadRequest(problem=validation_text(error.errors()[0])))
 
+    @app.exception_handler(HTTPException)
+    async def of_the_framework(request: Request, error: HTTPException) -> JSONResponse:
+        if isinstance(error.__cause__, MikasError):  # raised while the body was read
+            return json_response(error.__cause__)
+        if error.status_code == 404:
+            return json_response(NotFound.at(request.url.path))
+        detail = f"{request.method} {request.url.path}: {error.detail}"
+        response = json_response(BadRequest(problem=Text(detail, detail)))
+        response.status_code = error.status_code
+        response.headers.update(error.headers or {})
+        return response
 
-async def _invalid(_: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, RequestValidationError)
-    return json_response(BadRequest(problem=validation_text(error.errors()[0])))
-
-
-async def _of_the_framework(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, HTTPException)
-    if isinstance(error.__cause__, MikasError):  # raised while the body was read
-        return json_response(error.__cause__)
-    if error.status_code == 404:
-        return json_response(NotFound.at(request.url.path))
-    detail = f"{request.method} {request.url.path}: {error.detail}"
-    response = json_response(BadRequest(problem=Text(detail, detail)))
-    response.status_code = error.status_code
-    response.headers.update(error.headers or {})
-    return response
-
-
-async def _bug(request: Request, error: Exception) -> JSONResponse:
-    _log.error("a bug in %s %s", request.method, request.url.path, exc_info=error)
-    return json_response(InternalError(kind=f"{type(error).__name__}: {error}"))
+    @app.exception_handler(Exception)
+    async def bug(request: Request, error: Exception) -> JSONResponse:
+        _log.error("a bug in %s %s", request.method, request.url.path, exc_info=error)
+        return json_response(InternalError(kind=f"{type(error).__name__}: {error}"))
 
 
 _PROBLEMS = {

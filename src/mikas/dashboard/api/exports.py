@@ -21,7 +21,6 @@ from starlette.types import Receive, Scope, Send
 from mikas.dashboard.api.dependencies import Names, TheLibrary, split_names
 from mikas.dashboard.api.errors import content, errors
 from mikas.dashboard.library.folder import RecordingFile
-from mikas.dashboard.library.service import RecordingService
 from mikas.i18n import Language
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
@@ -79,10 +78,25 @@ async def export(
     folder = Path(await asyncio.to_thread(tempfile.mkdtemp, prefix="mikas-export-"))
     kind = "-excel" if (format, dialect) == ("csv", "excel") else ""
     out = folder / f"{source.path.stem}{kind}.{format}"
-    try:
-        await library.run_alone(
-            lambda: _export(library, source, out, names=wanted, dialect=dialect, language=lang)
+
+    def write() -> None:
+        from mikas.recording.export import DIALECTS
+        from mikas.recording.export import export as write_table
+        from mikas.recording.recording import Recording
+
+        recording = Recording(source.path, library.catalog, library.interpretation, wanted)
+        write_table(
+            out,
+            recording.channels,
+            recording.rows(),
+            events=recording.events,
+            about=recording.about,
+            language=lang,
+            dialect=DIALECTS[dialect],
         )
+
+    try:
+        await library.run_alone(write)
     except BaseException:
         await asyncio.shield(asyncio.to_thread(_remove, folder))
         raise
@@ -92,31 +106,6 @@ async def export(
 def attachment(name: str) -> str:
     """Return the header that makes a browser save the response as `name`."""
     return f"attachment; filename*=UTF-8''{quote(name, safe='')}"
-
-
-def _export(
-    library: RecordingService,
-    source: RecordingFile,
-    out: Path,
-    *,
-    names: tuple[str, ...],
-    dialect: str,
-    language: Language,
-) -> None:
-    from mikas.recording.export import DIALECTS
-    from mikas.recording.export import export as write
-    from mikas.recording.recording import Recording
-
-    recording = Recording(source.path, library.catalog, library.interpretation, names)
-    write(
-        out,
-        recording.channels,
-        recording.rows(),
-        events=recording.events,
-        about=recording.about,
-        language=language,
-        dialect=DIALECTS[dialect],
-    )
 
 
 async def _written_part(file: RecordingFile) -> AsyncIterator[bytes]:

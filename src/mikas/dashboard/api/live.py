@@ -13,6 +13,7 @@ import logging
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from math import nan
 from typing import Any, Final
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
@@ -26,6 +27,7 @@ from mikas.dashboard.error_responses import json_response
 from mikas.dashboard.errors import ApiRefusal
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.event_log import page_json
+from mikas.dashboard.session.history import plain
 from mikas.dashboard.session.monitor import Row
 
 _log = logging.getLogger("mikas.dashboard")
@@ -198,16 +200,12 @@ def _tail(
         data = {
             "names": shown,
             "times": [round(time, 6) for time, _ in rows],
-            "values": [[_plain(values.get(name)) for _, values in rows] for name in shown],
+            "values": [plain([values.get(name, nan) for _, values in rows]) for name in shown],
         }
         text += f',"data":{dumps(data)}'
     if events:
         text += f',"events":{dumps(events)}'
     return text
-
-
-def _plain(value: float | None) -> float | int | None:
-    return int(value) if value is not None and value.is_integer() else value
 
 
 @router.websocket("/live")

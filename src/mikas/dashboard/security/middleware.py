@@ -34,7 +34,6 @@ _HEADERS = {
 _LOCAL = {"Cross-Origin-Opener-Policy": "same-origin"}
 """Over plain HTTP browsers accept this header from their own computer only."""
 _YEAR = 365 * 24 * 3600
-_POLICY_VIOLATION = 1008
 _TOO_LARGE = Text(f"more than {MAX_BODY >> 20} MiB", f"больше {MAX_BODY >> 20} МиБ")
 
 
@@ -55,7 +54,10 @@ class AccessMiddleware:
             rights = {"rights": self.access.judge(scope), "local": self.access.is_local(scope)}
             scope.setdefault("state", {}).update(rights)
         except ApiRefusal as error:
-            await self._refuse(error, scope, receive, sending)
+            answer = refusal_response(error, scope)
+            if isinstance(error, TokenRequired) and self.access.offers_token(scope):
+                answer = self._set_cookie()
+            await answer(scope, receive, sending)
             return
         if scope["type"] == "websocket":
             await self.app(scope, receive, send)
@@ -63,27 +65,6 @@ class AccessMiddleware:
             await self._set_cookie()(scope, receive, sending)
         else:
             await self._limited(scope, receive, sending)
-
-    async def _refuse(self, error: ApiRefusal, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "http":
-            if isinstance(error, TokenRequired) and self.access.offers_token(scope):
-                await self._set_cookie()(scope, receive, send)
-                return
-            await refusal_response(error, scope)(scope, receive, send)
-            return
-        await receive()  # the handshake
-        if "websocket.http.response" in scope.get("extensions", {}):
-            response = json_response(error)
-            await send(
-                {
-                    "type": "websocket.http.response.start",
-                    "status": response.status_code,
-                    "headers": response.raw_headers,
-                }
-            )
-            await send({"type": "websocket.http.response.body", "body": response.body})
-            return
-        await send({"type": "websocket.close", "code": _POLICY_VIOLATION})
 
     def _set_cookie(self) -> Response:
         """Set the token as a cookie, and remove it from the address bar.

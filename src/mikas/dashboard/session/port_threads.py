@@ -42,23 +42,15 @@ class StoppablePort:
 
     def __init__(self, open_port: Callable[[str], Link]) -> None:
         self._open_port = open_port
-        self._lock = threading.Lock()
-        self._link: Link | None = None
-        self.stopping = threading.Event()
-
-    @property
-    def link(self) -> Link | None:
+        self.link: Link | None = None
         """The latest link; None: none was opened."""
-        with self._lock:
-            return self._link
+        self.stopping = threading.Event()
 
     def open(self, url: str) -> Link:
         """Open the port. Raises `Stopped`."""
         if self.stopping.is_set():
             raise Stopped
-        link = self._open_port(url)
-        with self._lock:
-            self._link = link
+        self.link = link = self._open_port(url)
         if self.stopping.is_set():
             link.close()
         return link

@@ -88,15 +88,9 @@ class SessionRecorder:
             else:
                 self._log_start(path)
 
-    def interrupt(self, time: float, why: Text) -> None:
-        """Note a gap in the recording: the connection pauses."""
-        self.recorder.interrupt(time, why)
-
     def change_port(self) -> None:
         """End the recording; it continues in a file of its own with the next unit found."""
-        status = self.recorder.status
-        runs = status is not None and status.failure is None
-        self._continues, continues = False, runs or self._continues
+        continues = self.file_name is not None or self._continues
         self.stop()
         self._continues = continues
 
