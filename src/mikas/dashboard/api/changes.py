@@ -156,7 +156,7 @@ async def confirm(
     """Make the change that was shown, once, if the content is still the same."""
     change = dashboard.confirmations.use(client, nonce)
     _check_lock(dashboard, change)
-    return ChangeResult(**await change.make())
+    return ChangeResult(before=change.before, after=await change.make())
 
 
 async def _prepared(dashboard: Dashboard, body: ChangeRequest) -> PendingChange:
@@ -172,9 +172,9 @@ async def _prepared(dashboard: Dashboard, body: ChangeRequest) -> PendingChange:
                 body.space, body.address, bytes.fromhex(body.data)
             )
         case DeleteRecordingRequest():
-            return await recording_deletion(dashboard.library, body.id).prepare()
+            return await recording_deletion(dashboard.library, body.id)
         case DeleteDumpRequest():
-            return await dashboard.dump_jobs.deletion(body.id).prepare()
+            return await dashboard.dump_jobs.deletion(body.id)
 
 
 def _check_lock(dashboard: Dashboard, change: PendingChange) -> None:

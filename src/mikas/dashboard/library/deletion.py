@@ -8,15 +8,13 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from functools import partial
+from typing import Any
 
 from mikas.dashboard.errors import Busy, ConfirmationOutdated, NotFound
-from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.security.confirmations import PendingChange
 from mikas.i18n import Text
-
-T = TypeVar("T")
 
 _MEANING = Text(
     "The file is deleted permanently. Download it first if you may need it.",
@@ -55,68 +53,60 @@ DUMP = DeletionTexts(
 
 
 @dataclass(frozen=True, slots=True)
-class Deletion(Generic[T]):
-    """How one file is deleted. `find` raises `NotFound`; `stamp` changes when the file does.
+class Found:
+    """A file as it was found. `shown`: as JSON; `stamp` changes when the file does."""
 
-    `shown`: the file as JSON. `find` and `remove` run in a thread if `blocking`; else in the event
-    loop, which alone changes dumps.
+    shown: dict[str, Any]
+    stamp: object
+    in_use: bool
+    remove: Callable[[], None]
+
+
+async def deletion(
+    texts: DeletionTexts, name: str, find: Callable[[], Found], *, blocking: bool
+) -> PendingChange:
+    """Return the deletion, to be confirmed. Raises `NotFound`, `Busy` for a file in use.
+
+    `find` raises `NotFound`. It and `remove` run in a thread if `blocking`; else in the event loop,
+    which alone changes dumps.
     """
 
-    texts: DeletionTexts
-    name: str
-    find: Callable[[], T]
-    in_use: Callable[[T], bool]
-    stamp: Callable[[T], object]
-    shown: Callable[[T], dict[str, Any]]
-    remove: Callable[[T], None]
-    blocking: bool
-
-    async def prepare(self) -> PendingChange:
-        """Return the deletion, to be confirmed. Raises `NotFound`, `Busy` for a file in use."""
-        found = await self._run(self._checked)
-        shown, stamp = self.shown(found), self.stamp(found)
-
-        def delete() -> None:
-            try:
-                now = self._checked()
-            except NotFound:
-                raise ConfirmationOutdated(self.texts.gone) from None
-            if self.stamp(now) != stamp:
-                raise ConfirmationOutdated(self.texts.changed)
-            self.remove(now)
-
-        async def make() -> dict[str, Any]:
-            await self._run(delete)
-            return {"before": shown, "after": None}
-
-        return PendingChange(
-            what=self.texts.what.filled(name=self.name),
-            before=shown,
-            after=None,
-            lost=(shown,),
-            meaning=_MEANING,
-            make=make,
-        )
-
-    def _checked(self) -> T:
-        found = self.find()
-        if self.in_use(found):
-            raise Busy(problem=self.texts.in_use)
+    def checked() -> Found:
+        found = find()
+        if found.in_use:
+            raise Busy(problem=texts.in_use)
         return found
 
-    async def _run(self, work: Callable[[], T] | Callable[[], None]) -> Any:  # noqa: ANN401  (either)
-        return await asyncio.to_thread(work) if self.blocking else work()
+    def delete() -> None:
+        try:
+            now = checked()
+        except NotFound:
+            raise ConfirmationOutdated(texts.gone) from None
+        if now.stamp != found.stamp:
+            raise ConfirmationOutdated(texts.changed)
+        now.remove()
 
+    async def make() -> None:
+        await asyncio.to_thread(delete) if blocking else delete()
 
-def recording_deletion(library: RecordingService, identity: str) -> Deletion[RecordingFile]:
-    """Return the deletion of a recording."""
-    return Deletion(
-        RECORDING,
-        identity,
-        find=lambda: library.folder.one(identity),
-        in_use=library.is_growing,
-        stamp=lambda file: file.stamp,
-        shown=lambda file: {"id": file.id, "bytes": file.bytes},
-        remove=library.folder.delete,
-        blocking=True,
+    found = await asyncio.to_thread(checked) if blocking else checked()
+    return PendingChange(
+        what=texts.what.filled(name=name),
+        before=found.shown,
+        after=None,
+        lost=(found.shown,),
+        meaning=_MEANING,
+        make=make,
     )
+
+
+async def recording_deletion(library: RecordingService, identity: str) -> PendingChange:
+    """Return the deletion of a recording."""
+
+    def find() -> Found:
+        file = library.folder.one(identity)
+        shown = {"id": file.id, "bytes": file.bytes}
+        remove = partial(library.folder.delete, file)
+        return Found(shown, file.stamp, library.is_growing(file), remove)
+
+    return await deletion(RECORDING, identity, find, blocking=True)

@@ -28,7 +28,7 @@ _MAX_KEPT: Final = 100
 
 @dataclass(frozen=True, slots=True)
 class PendingChange:
-    """A change, ready to be confirmed. `make` makes it, and returns the content before and after.
+    """A change, ready to be confirmed. `make` makes it, and returns the content after it.
 
     `make` checks once more whether `before` still holds, and raises `ConfirmationOutdated` if not.
     `lost`: the destroyed content, as JSON; `needs_unlock`: only while writing is unlocked.
@@ -37,7 +37,7 @@ class PendingChange:
     what: Text
     before: Any
     after: Any
-    make: Callable[[], Awaitable[dict[str, Any]]]
+    make: Callable[[], Awaitable[Any]]
     danger: bool = False
     lost: tuple[Any, ...] = ()
     meaning: Text | None = None

@@ -54,14 +54,11 @@ class UnitChanges:
         stored = await self._connection.ask(self._fault_history.read)
         codes = [fault.code for fault in stored.faults]
 
-        async def make() -> dict[str, Any]:
-            def erase(ecu: Ecu) -> list[int]:
-                with self._approval.given(spaced_hex(bytes(codes))):
-                    erased = ecu.erase_faults()
-                self._fault_history.add(erased.after, ecu.tester.link.now(), erased=True)
-                return [fault.code for fault in erased.after]
-
-            return {"before": codes, "after": await self._connection.ask(erase)}
+        def erase(ecu: Ecu) -> list[int]:
+            with self._approval.given(spaced_hex(bytes(codes))):
+                erased = ecu.erase_faults()
+            self._fault_history.add(erased.after, ecu.tester.link.now(), erased=True)
+            return [fault.code for fault in erased.after]
 
         return PendingChange(
             what=erasing(len(codes)),
@@ -71,7 +68,7 @@ class UnitChanges:
                 {"code": fault.code, "en": fault.text.en, "ru": fault.text.ru}
                 for fault in stored.faults
             ),
-            make=make,
+            make=lambda: self._connection.ask(erase),
         )
 
     async def write_parameter(
@@ -85,19 +82,16 @@ class UnitChanges:
         datum = self._datum(parameter, value, raw)
         before = await self._connection.ask(lambda ecu: _read(ecu, parameter))
 
-        async def make() -> dict[str, Any]:
-            def write(ecu: Ecu) -> Reading | None:
-                with self._approval.given(spaced_hex(before.raw) if before else None):
-                    return ecu.write_parameter(parameter.name, raw=datum).after
-
-            return {"before": _shown(before), "after": _shown(await self._connection.ask(write))}
+        def write(ecu: Ecu) -> dict[str, Any] | None:
+            with self._approval.given(spaced_hex(before.raw) if before else None):
+                return _shown(ecu.write_parameter(parameter.name, raw=datum).after)
 
         after = decode(parameter, datum, self._connection.now(), self._interpretation)
         return PendingChange(
             what=Text(f"write parameter {parameter.name}", f"записать параметр {parameter.name}"),
             before=_shown(before),
             after=_shown(after),
-            make=make,
+            make=lambda: self._connection.ask(write),
             meaning=Text(
                 f"{parameter.text.en}: {before or 'not readable'} → {after}",
                 f"{parameter.text.ru}: {before or 'не читается'} → {after}",
@@ -112,20 +106,16 @@ class UnitChanges:
             lambda ecu: ecu.memory[space].read_block(address, len(data))
         )
 
-        async def make() -> dict[str, Any]:
-            def write(ecu: Ecu) -> bytes:
-                with self._approval.given(spaced_hex(before)):
-                    return ecu.memory[space].write_block(address, data).after
-
-            after = await self._connection.ask(write)
-            return {"before": hex_or_none(before), "after": hex_or_none(after)}
+        def write(ecu: Ecu) -> str | None:
+            with self._approval.given(spaced_hex(before)):
+                return hex_or_none(ecu.memory[space].write_block(address, data).after)
 
         danger = space == "code"
         return PendingChange(
             what=writing(len(data), f"{space} {address:04X}"),
             before=hex_or_none(before),
             after=hex_or_none(data),
-            make=make,
+            make=lambda: self._connection.ask(write),
             danger=danger,
             meaning=_PROGRAM if danger else _WORKING,
             needs_unlock=True,

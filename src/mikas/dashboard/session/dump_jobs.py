@@ -14,13 +14,15 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from mikas.client import Ecu
 from mikas.client.dumps import Dump, Manifest, manifest_path, read_manifest
 from mikas.dashboard.errors import Busy, InternalError, NotConnected, NotFound
-from mikas.dashboard.library.deletion import DUMP, Deletion
+from mikas.dashboard.library.deletion import DUMP, Found, deletion
+from mikas.dashboard.security.confirmations import PendingChange
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import LineError, MikasError, NoConnection, UsageError, reason_at
@@ -158,18 +160,17 @@ class DumpJobs:
             stem, number = f"{name}-{number}", number + 1
         return self.folder / f"{stem}.bin"
 
-    def deletion(self, name: str) -> Deletion[DumpJob]:
-        """Return the deletion of that dump, file and manifest."""
-        return Deletion(
-            DUMP,
-            f"{name}.bin",
-            find=lambda: self.one(name),
-            in_use=lambda job: job.phase == "running",
-            stamp=lambda job: (id(job), _shown(job)),
-            shown=_shown,
-            remove=self._delete,
-            blocking=False,
-        )
+    async def deletion(self, name: str) -> PendingChange:
+        """Return the deletion of that dump, file and manifest. Raises `NotFound`, `Busy`."""
+
+        def find() -> Found:
+            job = self.one(name)
+            shown = {"id": name, "file": job.file.name, "done": job.done, "total": job.total}
+            return Found(
+                shown, (id(job), shown), job.phase == "running", partial(self._delete, job)
+            )
+
+        return await deletion(DUMP, f"{name}.bin", find, blocking=False)
 
     def _delete(self, job: DumpJob) -> None:
         """Delete the manifest last: a dump whose file could not be removed is still known."""
@@ -270,7 +271,3 @@ class DumpJobs:
         job.manifest = dump.manifest
         if dump.manifest.complete:  # else the file was cut: the missing part is read first
             dump.check(PIECE, block=job.block, progress=lambda _: None)
-
-
-def _shown(job: DumpJob) -> dict[str, Any]:
-    return {"id": job.id, "file": job.file.name, "done": job.done, "total": job.total}
