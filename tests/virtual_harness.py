@@ -18,7 +18,8 @@ from mikas.virtual.responder import Identity, Responder
 VECTORS = Path(__file__).parent / "vectors"
 EXCHANGES = json.loads((VECTORS / "exchanges.json").read_text("utf-8"))
 
-# The data that the exchange vectors were made with, by parameter code.
+# The raw bytes of each code of §4 (`protocol_codes`), by code, of a unit that has no other: the
+# responses to the requests for one parameter in vectors/exchanges.json.
 DATA = {
     bytes.fromhex(v["request"])[1]: bytes.fromhex(v["answer"])
     for v in EXCHANGES

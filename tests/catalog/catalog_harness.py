@@ -9,10 +9,15 @@ from typing import TypeAlias
 
 import pytest
 
-from mikas.catalog import load
+from mikas.catalog import load, shipped
 from mikas.errors import CatalogError, UsageError
 
 Write: TypeAlias = Callable[[str], Path]
+
+# Two codes that no shipped parameter has, as a file writes them.
+FREE, ALSO_FREE = (
+    f"0x{code:02X}" for code in sorted(set(range(0x33, 0x100)) - set(dict(shipped().codes)))[:2]
+)
 
 
 def refused(path: Path, *more: Path) -> CatalogError:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from catalog_harness import Write, assert_refused, refused
+from catalog_harness import FREE, Write, assert_refused, refused
 
 from mikas.catalog import Confidence, Derived, Level, Parameter, load, shipped
 from mikas.catalog.model import in_order
@@ -139,7 +139,7 @@ def test_a_formula_may_name_what_comes_later(write: Write) -> None:
         write(
             '[derived.A]\nformula = "b * 2"\ntext = ""\n'
             '[derived.b]\nformula = "p + DUTY"\ntext = ""\n'
-            '[parameter.P]\ncode = 0x33\nsize = 1\ntext = "p"\n'
+            f'[parameter.P]\ncode = {FREE}\nsize = 1\ntext = "p"\n'
         )
     )
     assert catalog.derived["A"].inputs == ("B",)
@@ -230,7 +230,7 @@ def test_a_wrong_file(write: Write, text: str, line: int, problem: str) -> None:
 
 
 def test_the_file_that_brought_a_name_last_is_to_blame(write: Write) -> None:
-    parameter = write("[parameter.D]\ncode = 0x33\nsize = 1\ntext = ''\n")
+    parameter = write(f"[parameter.D]\ncode = {FREE}\nsize = 1\ntext = ''\n")
     again = write("[parameter.D]\ntext.en = 'again'\n[derived.DUTY]\nunit = '1'\n")
     derived = write(NEW)
     for files, to_blame in [

@@ -6,14 +6,14 @@ import re
 from pathlib import Path
 
 import pytest
-from catalog_harness import Write, assert_refused, refused
+from catalog_harness import ALSO_FREE, FREE, Write, assert_refused, refused
 
 import mikas.catalog
 from mikas.catalog import Catalog, Confidence, load, shipped
 from mikas.catalog.loading.source import parse_source
 from mikas.i18n import Text
 
-NEW = '[parameter.P]\ncode = 0x33\nsize = 1\ntext = "p"\n'
+NEW = f'[parameter.P]\ncode = {FREE}\nsize = 1\ntext = "p"\n'
 
 
 # --- adding and overriding
@@ -151,7 +151,7 @@ def test_windows_line_ends_and_a_byte_order_mark(tmp_path: Path) -> None:
 def test_the_version_names_what_was_loaded(write: Write) -> None:
     plain = shipped().version
     assert re.fullmatch(r"1\+[0-9a-f]{8}", plain)
-    one, two = write(NEW), write(NEW.replace("0x33", "0x34"))
+    one, two = write(NEW), write(NEW.replace(FREE, ALSO_FREE))
     versions = {each.version for each in (load(one), load(two), load(one, two), load(two, one))}
     assert len(versions | {plain}) == 5
     assert load(one).version == load(one).version
@@ -218,10 +218,10 @@ def test_public_names() -> None:
         ("[unit.x]\n", 1, "`unit.x` has no `text`"),
         ("[erratum.X]\ntitle = ''\nreason = ''\n", 1, "`erratum.X` has no `default`"),
         # values
-        (NEW.replace("0x33", "256"), 2, "code` must be a whole number from 0 to 255"),
-        (NEW.replace("0x33", "-1"), 2, "code` must be a whole number from 0 to 255"),
-        (NEW.replace("0x33", "true"), 2, "code` must be a whole number from 0 to 255"),
-        (NEW.replace("0x33", "1.0"), 2, "code` must be a whole number from 0 to 255"),
+        (NEW.replace(FREE, "256"), 2, "code` must be a whole number from 0 to 255"),
+        (NEW.replace(FREE, "-1"), 2, "code` must be a whole number from 0 to 255"),
+        (NEW.replace(FREE, "true"), 2, "code` must be a whole number from 0 to 255"),
+        (NEW.replace(FREE, "1.0"), 2, "code` must be a whole number from 0 to 255"),
         (NEW.replace("size = 1", "size = 3"), 3, "size` must be a whole number from 1 to 2"),
         (NEW.replace("size = 1", "size = 0"), 3, "size` must be a whole number from 1 to 2"),
         (NEW + "unit = 1", 5, "`parameter.P.unit` must be a text in quotes"),
@@ -265,7 +265,7 @@ def test_public_names() -> None:
         # what does not fit the rest
         (NEW + 'errata = ["E9"]', 5, "`parameter.P.errata` names E9, which does not exist"),
         ('[fault.1]\ntext = ""\nparameters = ["TWAX"]', 3, "does not exist; the nearest is TWAT"),
-        (NEW.replace("0x33", "0x1A").replace("size = 1", "size = 2"), 3,
+        (NEW.replace(FREE, "0x1A").replace("size = 1", "size = 2"), 3,
          "`parameter.P.size` makes code 0x1A of two sizes in bytes: TWAT has 1, P has 2"),
         ("#\n[parameter.RXX]\nsize = 2", 3,
          "`parameter.RXX.size` makes code 0x07 of two sizes in bytes: RXX has 2, BITPOW has 1"),
@@ -281,7 +281,7 @@ def test_the_file_that_is_wrong_is_named(write: Write) -> None:
     good, bad = write(NEW), write("[parameter.P]\nsize = 1\nliteral.scale = 1e14\n")
     assert refused(good, bad).file == str(bad)
     assert refused(bad, good).file == str(bad)
-    conflicting = write("#\n\n[parameter.Q]\ncode = 0x33\nsize = 2\ntext = ''\n")
+    conflicting = write(f"#\n\n[parameter.Q]\ncode = {FREE}\nsize = 2\ntext = ''\n")
     error = refused(good, conflicting)
     assert (error.file, error.line) == (str(conflicting), 5)
     error = refused(conflicting, good)
@@ -318,4 +318,4 @@ def test_a_place_that_the_text_does_not_have_is_line_0() -> None:
 
 def test_nothing_of_a_wrong_file_stays(write: Write) -> None:
     refused(write(NEW + "scale = 0"))
-    assert shipped().size_of(0x33) is None
+    assert shipped().size_of(int(FREE, 16)) is None

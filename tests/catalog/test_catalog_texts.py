@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 
 import pytest
-from catalog_harness import Write, assert_refused
+from catalog_harness import ALSO_FREE, FREE, Write, assert_refused
 
 from mikas.catalog import Confidence, Lamp, Meaning, load, shipped
 from mikas.i18n import Text
 
-FLAG = '[parameter.F]\ncode = 0x33\nsize = 1\nmask = 1\ntext = "f"\n'
-NUMBER = '[parameter.N]\ncode = 0x34\nsize = 1\ntext = "n"\n'
+FLAG = f'[parameter.F]\ncode = {FREE}\nsize = 1\nmask = 1\ntext = "f"\n'
+NUMBER = f'[parameter.N]\ncode = {ALSO_FREE}\nsize = 1\ntext = "n"\n'
 LAMP = 'lamp = { on = "yes", off = "no" }\n'
 
 

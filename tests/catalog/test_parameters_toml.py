@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 
 from mikas.catalog import Confidence, shipped
 from mikas.i18n import Text
+from protocol_codes import CODE_OF, CODES, NAMES, TWO_BYTES
 
 # name, code, unit, Russian unit, formula, and raw bytes (as on the wire) with their values
 LAW = [
@@ -33,16 +37,19 @@ LAW = [
     ("TAIR", 0x1C, "°C", "°C", "b − 40", {"00": -40, "3C": 20}),
     ("TWATI", 0x19, "°C", "°C", "b − 40", {"00": -40, "14": -20}),
 ]
-NAMES = [row[0] for row in LAW]
-TWO_BYTES = {0x3F, 0x21, 0x40, 0x59}
-CODES = [
-    0x1A, 0x29, 0x2C, 0x26, 0x1E, 0x3F, 0x21, 0x40, 0x08, 0x07, 0x39,
-    0x20, 0x42, 0x41, 0x28, 0x5B, 0x5C, 0x72, 0x59, 0x1C, 0x19,
-]  # fmt: skip
+
+
+def test_the_fixed_set_is_the_table_of_the_document() -> None:
+    """`protocol_codes`, which other tests compute with, against docs/protocol.md."""
+    document = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([A-Z]+) \| ([0-9A-F]{2}) \| ([12]) ", document, re.MULTILINE)
+    assert [(name, int(code, 16)) for name, code, _ in rows] == list(CODE_OF.items())
+    assert {int(code, 16) for _, code, size in rows if size == "2"} == TWO_BYTES
+    assert [(row[0], row[1]) for row in LAW] == list(CODE_OF.items())
 
 
 def test_the_rows_stand_in_the_order_of_the_law() -> None:
-    assert [parameter.name for parameter in shipped().parameters] == NAMES
+    assert tuple(parameter.name for parameter in shipped().parameters) == NAMES
     assert len(NAMES) == 23
 
 

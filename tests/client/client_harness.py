@@ -9,7 +9,6 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mikas.catalog import shipped
 from mikas.client import METHODS, AsyncEcu, Ecu
 from mikas.client.gate import Journal
 from mikas.client.limits import LimitsStore
@@ -20,6 +19,7 @@ from mikas.virtual.ecu import EcuEvent, VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
+from protocol_codes import SECTION_4
 from virtual_harness import DATA, FAULTS, IDENTITY, TableCar
 
 STROKES = [method for method in METHODS if method.startswith("stroke")]
@@ -91,7 +91,7 @@ def ecu_on(
     tester.connect()
     ecu = Ecu(
         tester,
-        shipped(),
+        SECTION_4,
         interpretation=interpretation,
         confirm=confirm,
         journal=Journal(journal) if journal else None,

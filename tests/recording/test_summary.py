@@ -24,6 +24,7 @@ from mikas.sampling.events import (
     StateChanged,
     TextNote,
 )
+from protocol_codes import NAMES
 from session_header_harness import write_session_header
 
 PORT = "sim:?clock=simulated&faults=13,53"
@@ -41,7 +42,7 @@ def record(path, *, count=60, erase=False, append=False):
             sink, 0.5, version_code=10, passports=PASSPORT, catalog_version="1", adapter="cable"
         )
         ecu.faults()
-        for _ in ecu.watch(method="list", count=count):
+        for _ in ecu.watch(*NAMES, method="list", count=count):
             pass
         sink.note(note_of(Marker(2.0, "hill")))
         sink.note(note_of(Gap(1.0, 1.0, 1.5, WHY)))

@@ -13,6 +13,7 @@ from mikas.errors import UnknownParameter, UsageError
 from mikas.recording import CaptureWriter
 from mikas.recording.table.channels import Rows
 from mikas.recording.table.window import Windows
+from protocol_codes import NAMES
 
 NAN = np.nan
 PORT = "sim:?clock=simulated&scenario=city"
@@ -23,7 +24,7 @@ CONVERSIONS = {p.name: p.interpretation("corrected") for p in shipped().paramete
 def drive(tmp_path_factory):
     path = tmp_path_factory.mktemp("drive") / "a.pcapng"
     with CaptureWriter(path, url=PORT) as sink, mikas.connect(PORT, sink=sink) as ecu:
-        for _ in ecu.watch(method="list", count=300):
+        for _ in ecu.watch(*NAMES, method="list", count=300):
             pass
     return mikas.open(path)
 

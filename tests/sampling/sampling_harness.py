@@ -7,7 +7,6 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
-from mikas.catalog import shipped
 from mikas.client import Confirm, Ecu
 from mikas.client.limits import LimitsStore
 from mikas.errors import PortNotFound
@@ -18,6 +17,7 @@ from mikas.sampling.plan import PlannedParameter
 from mikas.sampling.sampler import Sampler
 from mikas.tester import Tester
 from mikas.virtual.bus import Bus
+from protocol_codes import SECTION_4
 from virtual_harness import DATA
 
 SAMPLES = 40
@@ -85,12 +85,12 @@ class WatchedLink(VirtualLink):
 
 
 def wishes(*words: str) -> list[PlannedParameter]:
-    """`FREQ`, `TWAT/10`; none: everything."""
+    """Return `FREQ`, `TWAT/10` as wanted parameters; without words, all of §4."""
     wanted = []
     for word in words:
         name, _, every = word.partition("/")
-        wanted.append(PlannedParameter(shipped().parameter(name), int(every or 1)))
-    return wanted or [PlannedParameter(parameter) for parameter in shipped().parameters]
+        wanted.append(PlannedParameter(SECTION_4.parameter(name), int(every or 1)))
+    return wanted or [PlannedParameter(parameter) for parameter in SECTION_4.parameters]
 
 
 def ecu_factory(
@@ -98,7 +98,7 @@ def ecu_factory(
 ) -> Callable[[Link], Ecu]:
     """What makes units; with `state`, of which something is kept."""
     store = LimitsStore(state) if state else None
-    return lambda link: Ecu(Tester(link, **settings), shipped(), confirm=confirm, store=store)
+    return lambda link: Ecu(Tester(link, **settings), SECTION_4, confirm=confirm, store=store)
 
 
 def make_sampler(

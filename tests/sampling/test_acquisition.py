@@ -15,7 +15,7 @@ from sampling_harness import (
     take,
 )
 
-from mikas.catalog import AlarmLimits, shipped
+from mikas.catalog import AlarmLimits
 from mikas.errors import NotSupported, UnknownParameter, UsageError
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import (
@@ -32,12 +32,13 @@ from mikas.sampling.plan import Plan, select
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity
+from protocol_codes import SECTION_4
 from virtual_harness import DATA, PASSPORTS, make_bus
 
 
 def acquisition(plug: SimulatedPlug, *names: str, **settings: object) -> Acquisition:
     settings.setdefault("method", "batch")
-    return Acquisition(plug, ecu_factory(), shipped(), names, **settings)
+    return Acquisition(plug, ecu_factory(), SECTION_4, names, **settings)
 
 
 def test_the_plan_is_reported_once_before_the_first_sample():
@@ -139,7 +140,7 @@ def test_values_of_a_cycle_are_fresh_however_long_it_lasts():
     limits = {"TAIR": AlarmLimits(warning_high=-30), "DUTY": AlarmLimits(warning_high=0.1)}
     made = acquisition(
         SimulatedPlug(make_bus(quirks=EcuQuirks(turn_round=0.3))),
-        *(each.name for each in shipped().parameters),
+        *(each.name for each in SECTION_4.parameters),
         "DUTY",
         method="single",
         limits=limits,
@@ -291,7 +292,7 @@ def test_prices():
     made = acquisition(SimulatedPlug(make_bus()))
     assert (
         made.price(["FREQ"], "stream")
-        == Plan(select(shipped(), ["FREQ"]).parameters, "stream").price()
+        == Plan(select(SECTION_4, ["FREQ"]).parameters, "stream").price()
     )
     assert made.price(["FUEL_FLOW"], "batch") == made.price(["FREQ", "INJ"], "batch")
     assert made.price([]).rate == pytest.approx(17.8, rel=0.025)  # nothing better is known yet

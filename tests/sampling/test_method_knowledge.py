@@ -21,7 +21,6 @@ from sampling_harness import (
     take,
 )
 
-from mikas.catalog import shipped
 from mikas.client.limits import LimitsStore, MethodTiming
 from mikas.client.polling import STREAMS
 from mikas.link.virtual import VirtualLink
@@ -39,10 +38,11 @@ from mikas.sampling.plan import Plan, PlannedParameter
 from mikas.virtual.bus import AdapterKind, Bus
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
+from protocol_codes import SECTION_4
 from virtual_harness import IDENTITY, make_bus
 
 LUMPS = AdapterKind(latency=0.016)
-ALL = tuple(map(PlannedParameter, shipped().parameters))
+ALL = tuple(map(PlannedParameter, SECTION_4.parameters))
 
 
 def session(bus: Bus, *words: str, until=None, **settings: object):

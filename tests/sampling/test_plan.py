@@ -12,8 +12,9 @@ from mikas.catalog import shipped
 from mikas.client.polling import FIXED_METHODS, STREAMS
 from mikas.errors import UsageError
 from mikas.sampling.plan import Plan, PlannedParameter
+from protocol_codes import SECTION_4
 
-ALL = tuple(map(PlannedParameter, shipped().parameters))
+ALL = tuple(map(PlannedParameter, SECTION_4.parameters))
 
 
 def plan(*names: str, method: str = "batch", **settings: int) -> Plan:

@@ -10,10 +10,10 @@ from time import monotonic
 import pytest
 
 import mikas
-from mikas.catalog import shipped
 from mikas.errors import LinkLost
 from mikas.framing import encode
 from mikas.virtual.memory import pattern
+from protocol_codes import NAMES, SECTION_4
 from virtual_harness import DATA
 
 from ..serving import PATIENCE, a_pty_port, read_until, serving
@@ -128,7 +128,7 @@ def pinned(tmp_path):
 
 
 def test_the_main_job_over_a_pty_with_echo_and_pacing(pinned, tmp_path):
-    expected = {p.name: p.decode(DATA[p.code]) for p in shipped().parameters}
+    expected = {p.name: p.decode(DATA[p.code]) for p in SECTION_4.parameters}
     assert len(expected) == 23
     with (
         serving(a_pty_port, {"scenario": pinned}) as server,
@@ -144,11 +144,11 @@ def test_the_main_job_over_a_pty_with_echo_and_pacing(pinned, tmp_path):
         # §5: seconds that a full set takes at least, by the wire alone.
         for method, least in (("single", 0.200), ("batch", 0.056), ("list", 0.033)):
             began = monotonic()
-            (sample,) = ecu.watch(method=method, count=1)
+            (sample,) = ecu.watch(*NAMES, method=method, count=1)
             assert monotonic() - began >= least * 0.99, method
             assert not sample.gap
             assert {name: r.value for name, r in sample.readings.items()} == expected, method
-        with ecu.stream() as readings:
+        with ecu.stream(*NAMES) as readings:
             began = monotonic()
             samples = [next(readings) for _ in range(5)]
             assert monotonic() - began >= 4 * 27 * BYTE * 0.9  # the first was under way
