@@ -6,12 +6,14 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from capture_harness import MICRO, RECEIVED, SENT, contents, read, small_capture
+from capture_harness import MICRO, RECEIVED, SENT, contents, read
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from appending_harness import appending
 from mikas.errors import CaptureError
 from mikas.link.tee import Direction
+from mikas.recording.capture.blocks import OUTBOUND, EnhancedPacket, Interface, Section, encode
 from mikas.recording.capture.reader import Source
 from mikas.recording.capture.writer import CaptureWriter
 
@@ -26,20 +28,20 @@ chunks = st.lists(
 words = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=40)
 
 
-@given(chunks, words, words)
-@example([(SENT, b"\x01\xff\x0d", 0.0)], "", "")
-@example([(RECEIVED, b"\r", -0.000001)], "sim:?имя=Волга", "K-Line №1")
-def test_what_was_recorded_is_read_back(recorded, url, description):
+@given(chunks, words)
+@example([(SENT, b"\x01\xff\x0d", 0.0)], "")
+@example([(RECEIVED, b"\r", -0.000001)], "sim:?имя=Волга")
+def test_what_was_recorded_is_read_back(recorded, url):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "запись.pcapng"
-        with CaptureWriter(path, url=url, description=description, baud=10400) as writer:
+        with CaptureWriter(path, url=url, baud=10400) as writer:
             for chunk in recorded:
                 writer.record(*chunk)
         packets, problems = read(path)
     assert not problems
     assert contents(packets) == recorded
     for packet in packets:
-        assert (packet.source.url, packet.source.description) == (url, description)
+        assert packet.source.url == url
         assert packet.source.baud == 10400
 
 
@@ -69,10 +71,14 @@ def test_a_chunk_too_long_for_other_tools_is_split(path):
 
 
 def test_the_source_says_who_recorded_and_where(path):
-    with CaptureWriter(path, url="/dev/ttyUSB0", hardware="FT232", application="test 1") as writer:
-        writer.record(SENT, b"\x01\xff\x0d", 1)
+    blocks = (
+        Section(hardware="FT232", application="test 1"),
+        Interface(name="/dev/ttyUSB0", description="K-Line Волга", speed=9600),
+        EnhancedPacket(0, 1, b"\x01\xff\x0d", OUTBOUND),
+    )
+    path.write_bytes(b"".join(map(encode, blocks)))
     (packet,), _ = read(path)
-    assert packet.source == Source(0, "/dev/ttyUSB0", "", 9600, "test 1", "FT232")
+    assert packet.source == Source(0, "/dev/ttyUSB0", "K-Line Волга", 9600, "test 1", "FT232")
 
 
 def test_the_program_names_itself(path):
@@ -115,11 +121,10 @@ def test_an_existing_file_is_overwritten_if_asked(path):
     assert contents(read(path)[0]) == [(SENT, b"\x01", 1.0)]
 
 
-def test_appending_begins_a_new_recording(path):
+def test_several_recordings_in_a_file(path):
     for number in range(3):
-        with CaptureWriter(path, url=f"sim:{number}", append=True) as writer:
+        with appending(path, url=f"sim:{number}") as writer:
             writer.record(SENT, bytes([number]), 10 - number)
-            assert writer.removed == 0
     packets, problems = read(path)
     assert not problems
     assert contents(packets) == [(SENT, b"\0", 10.0), (SENT, b"\1", 9.0), (SENT, b"\2", 8.0)]
@@ -128,39 +133,6 @@ def test_appending_begins_a_new_recording(path):
         (1, "sim:1"),
         (2, "sim:2"),
     ]
-
-
-def test_appending_to_an_empty_file(path):
-    path.touch()
-    with CaptureWriter(path, url="sim:", append=True) as writer:
-        writer.record(SENT, b"\1", 1)
-    assert contents(read(path)[0]) == [(SENT, b"\1", 1.0)]
-
-
-def test_appending_behind_an_interrupted_recording(path):
-    whole = small_capture(path)
-    for length in range(1, len(whole)):
-        path.write_bytes(whole[:length])
-        before, problems = read(path)
-        with CaptureWriter(path, url="sim:", append=True) as writer:
-            writer.record(SENT, b"new", 99)
-            assert bool(writer.removed) == bool(problems)
-        after, problems = read(path)
-        assert not problems
-        assert contents(after) == [*contents(before), (SENT, b"new", 99.0)]
-
-
-@pytest.mark.parametrize("content", [b"time;rpm\n0;850\n", bytes(100)])
-def test_appending_to_a_foreign_file_leaves_it_alone(path, content):
-    path.write_bytes(content)
-    with pytest.raises(CaptureError, match="not a recording"):
-        CaptureWriter(path, url="sim:", append=True)
-    assert path.read_bytes() == content
-
-
-def test_overwriting_and_appending_contradict_each_other(path):
-    with pytest.raises(ValueError, match="either"):
-        CaptureWriter(path, url="sim:", append=True, overwrite=True)
 
 
 # A file that can't be written

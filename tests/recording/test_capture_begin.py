@@ -44,11 +44,11 @@ def test_a_file_that_was_made_for_nothing_is_taken_away_and_one_that_was_there_i
         raise self._failure(OSError(errno.ENOSPC, "No space left on device"))
 
     monkeypatch.setattr(CaptureWriter, "_append", full)
-    for settings in ({}, {"append": True}, {"overwrite": True}):
+    for settings in ({}, {"overwrite": True}):
         with pytest.raises(CaptureError):
             CaptureWriter(tmp_path / "a.pcapng", url="sim:", **settings)
         assert not list(tmp_path.iterdir()) or settings
     (tmp_path / "b.pcapng").write_bytes(b"")
     with pytest.raises(CaptureError):
-        CaptureWriter(tmp_path / "b.pcapng", url="sim:", append=True)
+        CaptureWriter(tmp_path / "b.pcapng", url="sim:", overwrite=True)
     assert (tmp_path / "b.pcapng").exists()

@@ -11,6 +11,7 @@ import subprocess
 
 import pytest
 
+from appending_harness import appending
 from mikas.link.tee import Direction
 from mikas.recording.capture.writer import CaptureWriter
 
@@ -58,7 +59,7 @@ def expected(chunks, url):
 
 def test_tshark_sees_every_chunk_with_its_time_and_direction(tmp_path):
     path = tmp_path / "line.pcapng"
-    with CaptureWriter(path, url="/dev/ttyUSB0", description="K-Line Волга") as writer:
+    with CaptureWriter(path, url="/dev/ttyUSB0") as writer:
         for chunk in CHUNKS:
             writer.record(*chunk)
     assert shown_by_tshark(path) == expected(CHUNKS, "/dev/ttyUSB0")
@@ -72,12 +73,11 @@ def test_tshark_reads_a_file_that_is_still_being_written(tmp_path):
         assert shown_by_tshark(path) == expected(CHUNKS, "sim:")
 
 
-def test_tshark_reads_on_behind_an_interrupted_recording(tmp_path):
+def test_tshark_reads_several_recordings_in_a_file(tmp_path):
     path = tmp_path / "line.pcapng"
     with CaptureWriter(path, url="a") as writer:
         for chunk in CHUNKS:
             writer.record(*chunk)
-    path.write_bytes(path.read_bytes()[:-3])
-    with CaptureWriter(path, url="a", append=True) as writer:
+    with appending(path, url="a") as writer:
         writer.record(*CHUNKS[0])
-    assert shown_by_tshark(path) == expected([*CHUNKS[:-1], CHUNKS[0]], "a")
+    assert shown_by_tshark(path) == expected([*CHUNKS, CHUNKS[0]], "a")

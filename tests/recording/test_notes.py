@@ -17,6 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from appending_harness import appending
 from mikas.catalog import shipped
 from mikas.client import Limits, Passport
 from mikas.errors import CaptureError
@@ -146,7 +147,7 @@ def test_what_each_kind_holds():
 def test_the_head_of_each_session_in_a_file_is_found(path):
     plan = Plan((PlannedParameter(shipped().parameter("FREQ")),), "stream")
     for session in range(2):
-        with CaptureWriter(path, url="sim:", append=True) as writer:
+        with appending(path, url="sim:") as writer:
             write_session_header(
                 writer,
                 float(session),

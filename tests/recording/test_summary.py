@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mikas
+from appending_harness import appending
 from mikas.catalog import shipped
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter, Coalescer, Note
@@ -32,9 +33,9 @@ WHY = Text("no answer", "нет ответа")
 PASSPORT = ("MIKAS", None, "", "", "", "", "", "")
 
 
-def record(path, *, count=60, erase=False, append=False):
+def record(path, *, count=60, erase=False):
     with (
-        CaptureWriter(path, url=PORT, append=append) as writer,
+        appending(path, url=PORT) as writer,
         Coalescer(writer) as sink,
         mikas.connect(PORT, sink=sink, journal=path.parent / "journal") as ecu,
     ):
@@ -92,7 +93,7 @@ def test_a_persons_words_are_added_and_the_wire_stays(tmp_path):
 def test_sessions_in_one_file_are_added_up(tmp_path):
     path = record(tmp_path / "a.pcapng", count=20)
     once = summarise(path)
-    record(path, count=20, append=True)
+    record(path, count=20)
     both = summarise(path)
     assert both.recordings == 2
     assert both.length == pytest.approx(2 * once.length)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from contextlib import contextmanager
 from pathlib import Path
 
+from appending_harness import appending
 from mikas.client import connect
 from mikas.link.tee import Direction
-from mikas.recording import CaptureWriter, Coalescer
+from mikas.recording import Coalescer
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 METHODS = ["single", "batch", "list", "stream"]
@@ -24,7 +25,7 @@ def session(url, folder, path=None, *, joined=True, **options):
             yield ecu
         return
     with (
-        CaptureWriter(path, url=url, append=True) as writer,
+        appending(path, url=url) as writer,
         Coalescer(writer) as sink,
         connect(url, sink=sink if joined else writer, **common) as ecu,
     ):

@@ -60,7 +60,7 @@ def test_sessions_with_a_virtual_ecu(tmp_path_factory, plan, adapter, rate, seed
     path = tmp_path_factory.mktemp("session") / "line.pcapng"
     faults = FaultInjector(dict.fromkeys(LineFault, rate / len(LineFault)), seed=seed)
     record(path, plan, adapter=adapter, fault_injector=faults)
-    record(path, plan[:1], append=True)
+    record(path, plan[:1])
     same(path)
     data = bytearray(path.read_bytes())
     for place, bits in wounds:

@@ -13,6 +13,7 @@ from exchanges_reference import rows as reference_rows
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from appending_harness import appending
 from mikas import tester as testers
 from mikas.catalog import load, shipped
 from mikas.client import Ecu
@@ -51,12 +52,12 @@ class RestlessCar(TableCar):
         return b"\x02" if datum == b"\x01" else datum
 
 
-def record(path, steps, *, adapter=None, fault_injector=None, reading="corrected", append=False):
+def record(path, steps, *, adapter=None, fault_injector=None, reading="corrected"):
     """Runs the steps (method, names, count) and returns every reading that the client gave."""
     unit = VirtualEcu(Responder(RestlessCar(), Identity(0x0A)))
     link = VirtualLink(Bus(unit, adapter=adapter, fault_injector=fault_injector), start=1000.0)
     readings = []
-    with CaptureWriter(path, url="sim:", append=append) as writer:
+    with appending(path, url="sim:") as writer:
         tester = testers.Tester(CaptureTee(link, writer))
         with Ecu(tester, CATALOG, interpretation=reading) as ecu:
             try:
@@ -184,7 +185,7 @@ def test_a_damaged_file(tmp_path_factory, plan, wounds):
 def test_two_recordings_in_a_file_do_not_mix(tmp_path):
     path = tmp_path / "line.pcapng"
     record(path, [("batch", ["TWAT", "FREQ"], 3)])
-    record(path, [("list", ["UACC"], 3)], append=True)  # time begins anew
+    record(path, [("list", ["UACC"], 3)])  # time begins anew
     table = TableReader(path, CATALOG)
     (first, _), (second, rows) = table.stretches()
     assert (first.recording, second.recording) == (0, 1)

@@ -25,7 +25,6 @@ from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note, block_of
 from mikas.recording.capture.reader import FLAGS, CaptureReader, reason_of
-from mikas.recording.capture.scan import RawBlock, scan
 
 if TYPE_CHECKING:
     from mikas.link.tee import Direction
@@ -37,9 +36,8 @@ _MICROSECOND = 1_000_000
 class CaptureWriter:
     """Appends the bytes on the wire to `path`. Implements `mikas.link.tee.Sink`.
 
-    An existing file is refused, unless `overwrite` discards it or `append` adds a new recording at
-    its end, after removing a last block that an interruption cut short (`removed` counts its
-    bytes). An existing named pipe is written to: other programs can read along.
+    An existing file is refused, unless `overwrite` discards it. An existing named pipe is written
+    to: other programs can read along.
 
     Every method that touches the file raises `CaptureError` if it can't be written: no room, no
     right, medium gone, file deleted meanwhile. The file stays valid: a half-written packet is
@@ -51,20 +49,13 @@ class CaptureWriter:
         path: str | os.PathLike[str],
         *,
         url: str,
-        description: str = "",
-        application: str | None = None,
-        hardware: str = "",
         baud: int = 9600,
         overwrite: bool = False,
-        append: bool = False,
     ) -> None:
-        if overwrite and append:
-            raise ValueError("a capture is either overwritten or appended to")
         self.path = Path(path)
-        self.removed = 0
         self.deleted = False
         """The file was deleted while it was recorded; its contents are lost."""
-        self._interface = pcapng.Interface(name=url, description=description, speed=baud)
+        self._interface = pcapng.Interface(name=url, speed=baud)
         self._interfaces = 0
         self._end = 0  # of the last whole block
         self._checked = 0.0  # link's time of the last check that the file exists
@@ -72,13 +63,12 @@ class CaptureWriter:
         self._broken = False  # a half-written block could not be removed
         self._lock = threading.RLock()
         try:
-            self._file = self._open(overwrite=overwrite, append=append)
+            self._file = self._open(overwrite=overwrite)
             self._links = os.fstat(self._file.fileno()).st_nlink
         except OSError as error:
             raise CaptureError(str(self.path), _why_not_begun(error)) from error
         try:
-            application = f"mikas {version('mikas')}" if application is None else application
-            self._append(pcapng.Section(hardware=hardware, application=application))
+            self._append(pcapng.Section(application=f"mikas {version('mikas')}"))
             self._describe_interface(tsoffset=0)
         except BaseException as error:
             self._file.close()
@@ -137,20 +127,9 @@ class CaptureWriter:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _open(self, *, overwrite: bool, append: bool) -> BinaryIO:
-        if append and self.path.is_file() and self.path.stat().st_size:
-            self._end = _end_of_last_block(self.path)
-            file = self.path.open("r+b", buffering=0)
-            try:
-                self.removed = file.seek(0, os.SEEK_END) - self._end
-                file.truncate(self._end)
-                file.seek(self._end)
-            except OSError:
-                file.close()
-                raise
-            return file
+    def _open(self, *, overwrite: bool) -> BinaryIO:
         exists = self.path.exists() and not self.path.is_dir()
-        in_place = overwrite or append or (exists and not self.path.is_file())
+        in_place = overwrite or (exists and not self.path.is_file())
         file = self.path.open("wb" if in_place else "xb", buffering=0)
         self._made = not exists
         return file
@@ -216,13 +195,6 @@ def _write_all(file: BinaryIO, data: bytes) -> None:
     rest = memoryview(data)
     while rest:
         rest = rest[file.write(rest) :]
-
-
-def _end_of_last_block(path: Path) -> int:
-    """Return where a new recording can follow. Raises `CaptureError` if the file is no capture."""
-    CaptureReader(path)
-    with path.open("rb") as file:
-        return max((item.end for item in scan(file) if isinstance(item, RawBlock)), default=0)
 
 
 def _why_not_begun(error: OSError) -> Text:

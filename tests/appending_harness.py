@@ -1,0 +1,20 @@
+"""Files with several recordings, one behind the other, for the tests of reading them."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+
+from mikas.recording.capture.writer import CaptureWriter
+
+
+@contextmanager
+def appending(path, **settings):
+    """A writer, whose recording follows those in the file at its end."""
+    piece = path.with_name(f"{path.name}.next")
+    try:
+        with CaptureWriter(piece, **settings) as writer:
+            yield writer
+    finally:
+        with path.open("ab") as file:
+            file.write(piece.read_bytes())
+        piece.unlink()
