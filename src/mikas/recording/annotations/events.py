@@ -15,7 +15,7 @@ from math import isfinite
 from typing import Any, Final
 
 from mikas.catalog import Catalog
-from mikas.client import Limits, Passport
+from mikas.client import Passport
 from mikas.i18n import Text
 from mikas.recording.capture.notes import Kind, Note
 from mikas.sampling.events import (
@@ -45,10 +45,21 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
 
     Raises `ValueError` for an event that no recording keeps.
     """
-    data: dict[str, Any]
+    data = event.as_json()
+    del data["kind"], data["time"]
     match event:
+        case TextNote() | Marker() | Gap() | StateChanged():
+            time = event.began if isinstance(event, Gap) else event.time
+            return Note(Kind(event.kind), time, data)
         case UnitFound():
-            return Note(Kind.UNIT, event.time, _unit_data(event))
+            data = {
+                "version_code": event.version_code,
+                "passports": data["passport"],
+                "adapter": event.adapter,
+                "baud": event.baud,
+                "echo": event.echo,
+            }
+            return Note(Kind.UNIT, event.time, data)
         case PlanChanged(plan=plan):
             data = {
                 "method": plan.method,
@@ -58,28 +69,16 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
                 "reading": interpretation,
             }
             return Note(Kind.PLAN, event.time, data)
-        case TextNote():
-            return Note(Kind.NOTE, event.time, {"text": event.text})
-        case Marker():
-            return Note(Kind.MARKER, event.time, {"label": event.label})
-        case Gap():
-            data = {"began": event.began, "ended": event.ended, "reason": _both(event.reason)}
-            return Note(Kind.GAP, event.began, data)
-        case StateChanged():
-            data = {
-                "state": str(event.state),
-                "text": _both(event.text),
-                "reason": _both(event.reason),
-            }
-            return Note(Kind.STATE, event.time, data)
         case AlarmChanged():
-            return Note(Kind.ALARM, event.time, _alarm_data(event))
-        case MethodChosen():
-            data = {"method": event.method, "rates": dict(event.rates)}
-            return Note(Kind.LEARNT, event.time, _known(event.limits) | data)
-        case ParameterDropped():
-            data = {"dropped": event.name}
-            return Note(Kind.LEARNT, event.time, _known(event.limits) | data)
+            keys = ("level", "before", "better", "side", "value", "limit", "text")
+            data["better"] = event.better
+            form = {"channel": event.name} | {key: data[key] for key in keys}
+            return Note(Kind.ALARM, event.time, form)
+        case MethodChosen() | ParameterDropped():
+            limits = {} if event.limits is None else asdict(event.limits)
+            if isinstance(event, ParameterDropped):
+                data = {"dropped": event.name}
+            return Note(Kind.LEARNT, event.time, limits | data)
     raise ValueError(event.kind)
 
 
@@ -97,38 +96,6 @@ def faults_note(time: float, readings: Iterable[FaultReading]) -> Note:
 def comment_note(time: float, text: str) -> Note:
     """Return the note of a comment on the whole recording; it replaces the one before."""
     return Note(_COMMENT, time, {"text": text[:LONGEST_COMMENT]})
-
-
-def _unit_data(event: UnitFound) -> dict[str, Any]:
-    passport = event.passport
-    return {
-        "version_code": event.version_code,
-        "passports": [*passport.program, *passport.data] if passport else None,
-        "adapter": event.adapter,
-        "baud": event.baud,
-        "echo": event.echo,
-    }
-
-
-def _alarm_data(event: AlarmChanged) -> dict[str, Any]:
-    return {
-        "channel": event.name,
-        "level": str(event.level),
-        "before": None if event.before is None else str(event.before),
-        "better": event.better,
-        "side": None if event.side is None else str(event.side),
-        "value": event.value,
-        "limit": event.limit,
-        "text": _both(event.text),
-    }
-
-
-def _known(limits: Limits | None) -> dict[str, Any]:
-    return {} if limits is None else asdict(limits)
-
-
-def _both(text: Text | None) -> dict[str, str] | None:
-    return None if text is None else {"en": text.en, "ru": text.ru}
 
 
 # Notes to events
