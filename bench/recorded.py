@@ -68,7 +68,7 @@ def _session(
     """The head of the file, and the packets of the steady part of the session."""
     alarms: list[Note] = []
     with (
-        CaptureWriter(path, url=PORT, description="virtual unit", overwrite=True) as writer,
+        CaptureWriter(path, url=PORT, overwrite=True) as writer,
         Coalescer(_Shifted(writer)) as sink,
         mikas.connect(PORT, sink=sink) as ecu,
     ):

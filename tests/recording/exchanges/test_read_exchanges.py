@@ -70,27 +70,13 @@ def test_sessions_with_a_virtual_ecu(tmp_path_factory, plan, adapter, rate, seed
 
 
 def refused_by_columns(path):
-    """Serials of the requests whose doubtful responses do not count; by a list's pieces, too."""
-    verdicts = None
-    for _ in range(2):
-        state, counting, doubtful = None, set(), set()
-        for item in column_exchanges(path):
-            if state is None:
-                state = ResponseClassifier(LAYOUTS), RefusalColumns(item.bodies, verdicts)
-            classifier, refusals = state
-            responses = item.responses
-            for group in (groups := list(classifier.groups(item))):
-                fitting = [row for row in group.fitting.tolist() if group.layout.length == 1]
-                doubtful |= {(responses.requests[row], responses.times[row]) for row in fitting}
-            for group in refusals.resolve(groups, responses):
-                if group.layout.length == 1:
-                    fitting = group.fitting.tolist()
-                    counting |= {(responses.requests[r], responses.times[r]) for r in fitting}
-        if state is None:
-            return set()
-        if verdicts is None:
-            verdicts, _ = state[1].conclude()
-    return {time for _, time in doubtful - counting}
+    """Times of the doubtful responses that do not count."""
+    classifier, refusals, times = ResponseClassifier(LAYOUTS), None, []
+    for item in column_exchanges(path):
+        refusals = refusals or RefusalColumns(item.bodies)
+        refusals.take(list(classifier.groups(item)), item.responses)
+        times += item.responses.times.tolist()
+    return set() if refusals is None else {times[number] for number in refusals.conclude()[0]}
 
 
 def refused_in_order(path):

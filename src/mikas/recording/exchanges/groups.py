@@ -1,14 +1,13 @@
 """Responses of one port in groups of the same layout, as arrays; the rule of `refusals` over them.
 
-A recording is read twice: the first pass notes which doubtful responses do not count, the second
-leaves their values out.
+A recording is read twice: the first pass finds which doubtful responses do not count, the second
+leaves their values out. Responses are numbered through all stretches of a port.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -112,71 +111,61 @@ def _group(number: int, layout: Layout, rows: Index, responses: ResponseColumns)
     return ResponseGroup(number, layout, rows, rows[responses.lengths[rows] == layout.length])
 
 
-@dataclass(slots=True)
-class Verdicts:
-    """The doubtful responses of one port that do not count. `streams`: serials of their requests.
-    `lone`: by code, ranges of their numbers among the doubtful responses to a 61 with that code.
-    """
-
-    streams: set[int] = field(default_factory=set)
-    lone: dict[int, list[tuple[int, int]]] = field(default_factory=dict)
-
-
 class RefusalColumns:
-    """One port's responses with data: first without `verdicts`, then with them."""
+    """Finds one port's doubtful responses that do not count: the first pass of a recording."""
 
-    def __init__(self, bodies: list[bytes], verdicts: Verdicts | None = None) -> None:
+    def __init__(self, bodies: list[bytes]) -> None:
         self._bodies = bodies  # of requests, by number; grows
-        self._verdicts = verdicts
-        self._refused_streams: set[int] = set()
-        self._codes: dict[int, LoneResponses] = {}
-        self._counted: Counter[int] = Counter()  # doubtful responses, by code
-        self._stretches = 0
-        self._latest: dict[Layout, tuple[int, bytes]] = {}
+        self._taken = 0  # responses of earlier stretches
+        self._begun: dict[int, int] = {}  # streams that began with 01: serial, number of that
         self._last_serials: dict[int, int] = {}  # of streams, by the request's number
+        self._codes: dict[int, tuple[LoneResponses, list[Index]]] = {}  # numbers of the doubtful
+        self._latest: dict[Layout, tuple[int, bytes]] = {}
 
-    def resolve(
-        self, groups: list[ResponseGroup], responses: ResponseColumns
-    ) -> Iterator[ResponseGroup]:
-        """Yield the groups with the values that count; in the first pass, without doubtful ones."""
+    def take(self, groups: list[ResponseGroup], responses: ResponseColumns) -> set[int]:
+        """Take the next responses; return the codes that have a certain value in them."""
         certain: list[ResponseGroup] = []
         lone: dict[int, ResponseGroup] = {}
+        found: set[int] = set()
         for group in groups:
             request = self._bodies[group.request]
+            doubtful = _NOWHERE
             if not is_lone(request, group.layout):
                 if is_twice(request):
                     self._follow(request[1])
                 certain.append(group)
-                yield group
             elif request[0] in STREAMS:
                 doubtful = self._beginnings(group, responses)
-                others = group.only(np.setdiff1d(group.fitting, doubtful))
-                certain.append(others)
-                counting = self._continued(others, doubtful, responses)
-                yield group.only(np.union1d(others.fitting, counting))
+                certain.append(group.only(np.setdiff1d(group.fitting, doubtful)))
+                continued = np.unique(responses.requests[certain[-1].fitting]).tolist()
+                serials = responses.requests[doubtful].tolist()
+                self._begun.update(zip(serials, (doubtful + self._taken).tolist(), strict=True))
+                for serial in continued:
+                    self._begun.pop(serial, None)
             else:
                 lone[request[1]] = group
                 self._follow(request[1])
+                doubtful = group.fitting[_is_one(group, responses)]
+            if doubtful.size < group.fitting.size:
+                found.update(code for code, _, _ in group.layout.places)
         self._remember(certain, responses)
         for code in self._codes:
-            events = self._events(code, certain, lone.get(code), responses)
-            counting = self._lone(code, *events)
-            if code in lone:
-                certainly = lone[code].fitting[~_is_one(lone[code], responses)]
-                yield lone[code].only(np.union1d(certainly, counting))
+            self._decide(code, *self._events(code, certain, lone.get(code), responses))
+        self._taken += len(responses.starts)
+        return found
 
-    def conclude(self) -> tuple[Verdicts, set[int]]:
-        """Return, after the first pass, the verdicts, and codes whose last doubtful ones count."""
+    def conclude(self) -> tuple[Index, set[int]]:
+        """Return the numbers of the responses that do not count, and codes whose last ones do."""
         believed = set()
-        for code, lone in self._codes.items():
+        refused = [np.array(list(self._begun.values()), np.int64)]
+        for code, (lone, numbers) in self._codes.items():
             waits = lone.waiting < lone.count
             twice = any(is_twice(request) and request[1] == code for request in self._bodies)
             if lone.conclude(asked_twice=twice) and waits:
                 believed.add(code)
-        refused = {code: lone.refused for code, lone in self._codes.items()}
-        return Verdicts(self._refused_streams, refused), believed
-
-    # Streams
+            doubtful = np.concatenate([_NOWHERE, *numbers])
+            refused += [doubtful[start:stop] for start, stop in lone.refused]
+        return np.sort(np.concatenate(refused)), believed
 
     def _beginnings(self, group: ResponseGroup, responses: ResponseColumns) -> Index:
         """Return the doubtful responses of a stream of one byte."""
@@ -187,56 +176,33 @@ class RefusalColumns:
         doubtful: Index = group.fitting[first & _is_one(group, responses)]
         return doubtful
 
-    def _continued(
-        self, others: ResponseGroup, doubtful: Index, responses: ResponseColumns
-    ) -> Index:
-        """Return the doubtful ones that count. `others`: the certain ones of the same request."""
-        serials = responses.requests[doubtful]
-        if self._verdicts is not None:
-            counting: Index = doubtful[~np.isin(serials, list(self._verdicts.streams))]
-            return counting
-        self._refused_streams.update(serials.tolist())
-        continued = np.unique(responses.requests[others.fitting]).tolist()
-        self._refused_streams.difference_update(continued)
-        return _NOWHERE
-
     # The latest data before a code is followed
 
     def _follow(self, code: int) -> None:
         if code not in self._codes:
-            self._codes[code] = LoneResponses(is_sure=was_one(code, self._latest))
+            self._codes[code] = LoneResponses(is_sure=was_one(code, self._latest)), []
 
     def _remember(self, certain: list[ResponseGroup], responses: ResponseColumns) -> None:
-        count = len(responses.starts)
         for group in certain:
             if group.fitting.size:
                 last = int(group.fitting[-1])
                 start = int(responses.starts[last])
                 body = responses.bodies[start : start + group.layout.length].tobytes()
-                self._latest[group.layout] = self._stretches + last, body
-        self._stretches += count
+                self._latest[group.layout] = self._taken + last, body
 
     # A 61 with one code
 
-    def _lone(self, code: int, rows: Index, kinds: Index) -> Index:
-        """Return which of the doubtful rows count; in the first pass, none."""
-        doubtful = rows[kinds == _DOUBTFUL]
-        if self._verdicts is not None:
-            numbers = self._counted[code] + np.arange(doubtful.size)
-            self._counted[code] += doubtful.size
-            edges = np.array(self._verdicts.lone.get(code, []), np.int64).reshape(-1)
-            counting: Index = doubtful[edges.searchsorted(numbers, "right") % 2 == 0]
-            return counting
+    def _decide(self, code: int, rows: Index, kinds: Index) -> None:
+        lone, numbers = self._codes[code]
+        numbers.append(rows[kinds == _DOUBTFUL] + self._taken)
         # Where a kind repeats, the first one has decided.
         news = np.ones(kinds.size, np.bool_)
         news[1:] = (kinds[1:] != kinds[:-1]) | (kinds[1:] == _DOUBTFUL)
-        lone = self._codes[code]
         for kind in kinds[news].tolist():
             if kind == _DOUBTFUL:
                 lone.count += 1
             else:
                 lone.decide(kind)
-        return _NOWHERE
 
     def _events(
         self,

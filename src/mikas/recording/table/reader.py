@@ -12,6 +12,7 @@ whose length does not fit its request makes a row without a value.
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -22,13 +23,12 @@ import numpy as np
 from mikas.catalog import Catalog
 from mikas.catalog.conversion import Conversion
 from mikas.recording.capture.reader import Problem, Source
-from mikas.recording.exchanges.arrays import Bytes, Floats, side_by_side
-from mikas.recording.exchanges.columnar import ResponseColumns, column_exchanges
+from mikas.recording.exchanges.arrays import Bytes, Floats, Index, side_by_side
+from mikas.recording.exchanges.columnar import ExchangeColumns, ResponseColumns, column_exchanges
 from mikas.recording.exchanges.groups import (
     RefusalColumns,
     ResponseClassifier,
     ResponseGroup,
-    Verdicts,
 )
 from mikas.recording.exchanges.layouts import Layouts
 from mikas.recording.table.channels import Channel, Rows
@@ -63,7 +63,7 @@ class TableReader:
         self.problems: list[Problem] = []
         self.problem_count = 0
         self._definitions = Definitions(catalog, interpretation)
-        self._verdicts: dict[Source, Verdicts] = {}
+        self._refused: dict[Source, Index] = {}  # numbers of responses that do not count
         found = self._find_channels()
         if names is not None:
             found = {catalog.parameter(name).name for name in names}
@@ -80,45 +80,46 @@ class TableReader:
     def stretches(self, size: int = STRETCH) -> Iterator[tuple[Source, Rows]]:
         """Yield the rows, each stretch with the port and the recording that it comes from."""
         waiting: dict[Source, _PortRows] = {}
-        for source, responses, groups in self._groups({}):
+        taken: Counter[Source] = Counter()
+        for source, exchanges, groups in self._groups(lambda _: None):
             if source not in waiting:
                 for before in [each for each in waiting if each.recording != source.recording]:
                     yield from waiting.pop(before).rest()
                 waiting[source] = _PortRows(source, self.channels, self._definitions, size)
-            yield from waiting[source].add(responses, list(groups))
+            first, refused = taken[source], self._refused[source]
+            taken[source] += len(exchanges.responses.starts)
+            here = refused[slice(*refused.searchsorted([first, taken[source]]))] - first
+            counting = [
+                it.only(np.setdiff1d(it.fitting, here, assume_unique=True)) for it in groups
+            ]
+            yield from waiting[source].add(exchanges.responses, counting)
         for rows in waiting.values():
             yield from rows.rest()
 
     def _find_channels(self) -> set[str]:
         """Return the parameters that have a value; find problems and refusals."""
         found: set[int] = set()
-        lines: dict[Source, tuple[ResponseClassifier, RefusalColumns]] = {}
-        for _, _, groups in self._groups(lines, self._note):
-            for group in groups:
-                if group.fitting.size:
-                    found.update(code for code, _, _ in group.layout.places)
-        for source, (_, refusals) in lines.items():
-            self._verdicts[source], believed = refusals.conclude()
+        ports: dict[Source, RefusalColumns] = {}
+        for source, exchanges, groups in self._groups(self._note):
+            refusals = ports.setdefault(source, RefusalColumns(exchanges.bodies))
+            found |= refusals.take(groups, exchanges.responses)
+        for source, refusals in ports.items():
+            self._refused[source], believed = refusals.conclude()
             found |= believed
         return self._definitions.names(found)
 
     def _groups(
-        self,
-        lines: dict[Source, tuple[ResponseClassifier, RefusalColumns]],
-        note: Callable[[Problem], None] | None = None,
-    ) -> Iterator[tuple[Source, ResponseColumns, Iterator[ResponseGroup]]]:
-        """Yield the responses with data. `lines`: the state of each port; grows."""
+        self, note: Callable[[Problem], None]
+    ) -> Iterator[tuple[Source, ExchangeColumns, list[ResponseGroup]]]:
+        """Yield the exchanges, with their responses with data."""
+        ports: dict[Source, ResponseClassifier] = {}
         for item in column_exchanges(self.path):
             if isinstance(item, Problem):
-                if note is not None:
-                    note(item)
+                note(item)
                 continue
-            if item.source not in lines:
-                refusals = RefusalColumns(item.bodies, self._verdicts.get(item.source))
-                lines[item.source] = ResponseClassifier(self._definitions.layouts), refusals
-            classifier, refusals = lines[item.source]
-            groups = list(classifier.groups(item))
-            yield item.source, item.responses, refusals.resolve(groups, item.responses)
+            if item.source not in ports:
+                ports[item.source] = ResponseClassifier(self._definitions.layouts)
+            yield item.source, item, list(ports[item.source].groups(item))
 
     def _note(self, problem: Problem) -> None:
         self.problem_count += 1
