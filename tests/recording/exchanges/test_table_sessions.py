@@ -237,16 +237,6 @@ def test_channels_say_what_they_are(tmp_path):
     assert problems == []
 
 
-def test_only_the_parameters_that_are_wanted(tmp_path):
-    path = tmp_path / "line.pcapng"
-    record(path, [("batch", ["TWAT", "FREQ"], 2)])
-    table = TableReader(path, CATALOG, names=["freq", "UACC"])
-    assert [c.name for c in table.channels] == ["FREQ", "UACC"]
-    (stretch,) = table.rows()
-    assert np.isnan(stretch.values["UACC"]).all()
-    assert not np.isnan(stretch.values["FREQ"]).any()
-
-
 @given(
     held_up=st.lists(st.sampled_from([0.0, 0.0, 0.004, 0.05, 0.2]), min_size=1, max_size=9),
     lump=st.integers(1, 40),

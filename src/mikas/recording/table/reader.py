@@ -44,7 +44,7 @@ class TableReader:
     """The samples of a capture as rows of columns.
 
     A row is a response, its time the response's begin on the wire; a value not in it is NaN.
-    `channels`: the parameters with at least one value, or `names`, in the catalog's order.
+    `channels`: the parameters with at least one value, in the catalog's order.
     `problems`: the unreadable places of the file, up to a thousand; `problem_count` counts all.
 
     Raises `CaptureError` for a file that is no capture, `UsageError` for an unknown interpretation.
@@ -56,18 +56,13 @@ class TableReader:
         path: str | os.PathLike[str],
         catalog: Catalog,
         interpretation: str = "corrected",
-        *,
-        names: Collection[str] | None = None,
     ) -> None:
         self.path = Path(path)
         self.problems: list[Problem] = []
         self.problem_count = 0
         self._definitions = Definitions(catalog, interpretation)
         self._refused: dict[Source, Index] = {}  # numbers of responses that do not count
-        found = self._find_channels()
-        if names is not None:
-            found = {catalog.parameter(name).name for name in names}
-        self.channels: tuple[Channel, ...] = self._definitions.channels(found)
+        self.channels = self._definitions.channels(self._find_codes())
 
     def rows(self, size: int = STRETCH) -> Iterator[Rows]:
         """Yield the whole recording in stretches of at most `size` rows.
@@ -89,15 +84,13 @@ class TableReader:
             first, refused = taken[source], self._refused[source]
             taken[source] += len(exchanges.responses.starts)
             here = refused[slice(*refused.searchsorted([first, taken[source]]))] - first
-            counting = [
-                it.only(np.setdiff1d(it.fitting, here, assume_unique=True)) for it in groups
-            ]
+            counting = [it.only(it.fitting[~np.isin(it.fitting, here)]) for it in groups]
             yield from waiting[source].add(exchanges.responses, counting)
         for rows in waiting.values():
             yield from rows.rest()
 
-    def _find_channels(self) -> set[str]:
-        """Return the parameters that have a value; find problems and refusals."""
+    def _find_codes(self) -> set[int]:
+        """Return the codes that have a value; find problems and refusals."""
         found: set[int] = set()
         ports: dict[Source, RefusalColumns] = {}
         for source, exchanges, groups in self._groups(self._note):
@@ -106,7 +99,7 @@ class TableReader:
         for source, refusals in ports.items():
             self._refused[source], believed = refusals.conclude()
             found |= believed
-        return self._definitions.names(found)
+        return found
 
     def _groups(
         self, note: Callable[[Problem], None]
@@ -216,20 +209,16 @@ class Definitions:
         self._conversions = {p.name: p.interpretation(interpretation) for p in catalog.parameters}
         self.layouts = Layouts(catalog.size_of)
 
-    def names(self, codes: Collection[int]) -> set[str]:
-        """Return the parameters that have these codes."""
-        return {p.name for code in codes for p in self._catalog.by_code(code)}
-
     def conversions(self, code: int) -> list[tuple[str, Conversion]]:
         """Return the parameters that have this code, with their conversions."""
         return [(p.name, self._conversions[p.name]) for p in self._catalog.by_code(code)]
 
-    def channels(self, names: Collection[str]) -> tuple[Channel, ...]:
-        """Return the columns of these parameters, in the order of the catalog."""
+    def channels(self, codes: Collection[int]) -> tuple[Channel, ...]:
+        """Return the columns of the parameters with these codes, in the order of the catalog."""
         return tuple(
             Channel(p.name, self._conversions[p.name].unit, p.text, p.is_flag, p.decimals)
             for p in self._catalog.parameters
-            if p.name in names
+            if p.code in codes
         )
 
 
