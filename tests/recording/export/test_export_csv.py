@@ -38,11 +38,10 @@ def test_a_file_for_excel_in_russia(tmp_path):
     )
 
 
-@pytest.mark.parametrize(("start", "first"), [(None, "0"), (1.0, "1500"), (4.0, "-1500")])
-def test_time_counts_from_the_start_that_was_given(tmp_path, start, first):
+def test_time_counts_from_the_first_row(tmp_path):
     out = tmp_path / "log.csv"
-    export(out, [TWAT], [rows([2.5], TWAT=[1])], start=start)
-    assert out.read_text().splitlines()[1] == f"{first},1"
+    export(out, [TWAT], [rows([2.5, 4], TWAT=[1, 2])])
+    assert out.read_text().splitlines()[1:] == ["0,1", "1500,2"]
 
 
 def test_no_rows_are_a_header(tmp_path):

@@ -162,7 +162,7 @@ def test_a_mark_stands_before_the_first_row_that_is_not_older(
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sheets, "STRETCH", stretch)
         events = [Marker(START + time, str(time)) for time in times]
-        export(out, [TWAT], pieces, events=events, start=START, overwrite=True)
+        export(out, [TWAT], pieces, events=events, overwrite=True)
     lines = out.read_text("utf-8").splitlines()[4:]
     expected = sorted(
         [(time, 0) for time in times] + [(time, 1) for time in at],

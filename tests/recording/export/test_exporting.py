@@ -161,13 +161,6 @@ def test_values_that_do_not_match_their_times_are_a_mistake(tmp_path):
         export(tmp_path / "log.csv", [UACC], [rows([1.0], UACC=[1, 2])])
 
 
-def test_a_start_without_a_time_zone_is_a_mistake(tmp_path):
-    from datetime import datetime
-
-    with pytest.raises(ValueError, match="time zone"):
-        export(tmp_path / "log.csv", [TWAT], [], started=datetime(2026, 1, 2))
-
-
 @every_format
 @pytest.mark.parametrize("length", [1, 7, 64, 1000])
 def test_a_file_does_not_depend_on_how_its_rows_arrived(tmp_path, monkeypatch, suffix, length):

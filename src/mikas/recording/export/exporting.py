@@ -1,4 +1,4 @@
-"""Write a table to a file in the format of its suffix.
+"""Write a table to a file in the format of its suffix, or, in CSV, of a dialect.
 
 The file is written as `OUT.part` and renamed when it is complete and on the disk. After an error
 the part is removed; only a killed program leaves it. Rows are read and written in stretches, so ten
@@ -11,14 +11,12 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from datetime import datetime
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from mikas.errors import ExportError, MikasError, reason_of
+from mikas.errors import ExportError, MikasError, MissingExtra, reason_of
 from mikas.i18n import Language, Text
-from mikas.recording.export.formats import PLAIN, Dialect, format_of, require_library
 from mikas.recording.table.channels import Channel, Rows
 
 if TYPE_CHECKING:
@@ -26,6 +24,66 @@ if TYPE_CHECKING:
     from mikas.sampling.events import Event
 
 TIME = "time"  # a column of every format; no channel may have this name
+
+
+@dataclass(frozen=True, slots=True)
+class Dialect:
+    """`mark`: begin the file with a byte order mark, by which Excel recognises UTF-8."""
+
+    separator: str = ","
+    decimal: str = "."
+    mark: bool = False
+
+
+# For RomRaider's readers of logs, LibreOffice, pandas and an English Excel. These readers expect
+# the word `Time` at the file's start, where a mark would be.
+PLAIN = Dialect()
+
+# For Excel where the comma is the decimal sign (Russia, most of Europe), opened by a double click.
+EXCEL = Dialect(separator=";", decimal=",", mark=True)
+
+DIALECTS = {"plain": PLAIN, "excel": EXCEL}
+
+
+class Format(NamedTuple):
+    """A format's name, its module here, and the library that the extra `mikas[extra]` installs."""
+
+    name: str
+    module: str
+    extra: str = ""
+    library: str = ""
+
+
+_FORMATS = {
+    ".csv": Format("CSV", "csv"),
+    ".mf4": Format("MDF4", "mdf", "mdf", "asammdf"),
+    ".parquet": Format("Parquet", "parquet", "parquet", "duckdb"),
+    ".msl": Format("MegaLogViewer", "megalogviewer"),
+    ".mlg": Format("MegaLogViewer", "mlg"),
+}
+
+SUFFIXES = tuple(_FORMATS)
+
+
+def format_of(out: Path) -> Format:
+    """Return the format of the suffix. Raises `ExportError` for an unknown suffix."""
+    if found := _FORMATS.get(out.suffix.lower()):
+        return found
+    known = " ".join(SUFFIXES)
+    problem = Text(
+        f"the suffix must be one of {known}: it selects the format",
+        f"формат определяется расширением: {known}",
+    )
+    raise ExportError(str(out), problem)
+
+
+def require_library(wanted: Format) -> None:
+    """Raise `MissingExtra` if the format's library is not installed."""
+    if wanted.library:
+        try:
+            import_module(wanted.library)
+        except ImportError as error:
+            raise MissingExtra(feature=wanted.name, extra=wanted.extra) from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +101,6 @@ def export(
     rows: Iterable[Rows],
     *,
     events: Iterable[Event] = (),
-    start: float | None = None,
-    started: datetime | None = None,
     about: Mapping[str, str] | None = None,
     language: Language = "en",
     dialect: Dialect = PLAIN,
@@ -52,9 +108,7 @@ def export(
 ) -> Result:
     """Write `rows` to `out`, in the format of its suffix.
 
-    `start`: the link's time that is zero in the file; by default the first row's.
-    `started`: the date and time of `start`, with a time zone; by default `start` itself if that
-    counts from 1970, otherwise unknown.
+    Times count from the first row; its date is known if the link's clock counts from 1970.
     `about`: facts of the recording (unit, passport, catalog), by title.
     `events`: of the recording; all formats but CSV keep markers, notes, gaps and alarms.
     `language`: of a CSV's header line and of the marks in MegaLogViewer's formats; everything else
@@ -69,16 +123,7 @@ def export(
     require_library(wanted)
     from mikas.recording.export.sheet import Sheet
 
-    sheet = Sheet(
-        channels,
-        rows,
-        events,
-        start=start,
-        started=started,
-        about=about or {},
-        language=language,
-        dialect=dialect,
-    )
+    sheet = Sheet(channels, rows, events, about or {}, language=language, dialect=dialect)
     _write(out, import_module(f"mikas.recording.export.{wanted.module}").write, sheet, overwrite)
     return Result(sheet.stretches.rows, tuple(channel.name for channel in channels), out)
 

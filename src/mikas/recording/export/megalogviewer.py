@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
-from datetime import UTC
 from pathlib import Path
 from typing import NamedTuple
 
@@ -72,7 +71,7 @@ def _date(sheet: Sheet) -> str:
     """Return the date in TunerStudio's form, in English on any computer."""
     if sheet.started is None:
         return "unknown"
-    weekday, month, day, clock, year = sheet.started.astimezone(UTC).ctime().split()
+    weekday, month, day, clock, year = sheet.started.ctime().split()
     return f"{weekday} {month} {day:0>2} {clock} UTC {year}"
 
 

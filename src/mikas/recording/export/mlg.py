@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import math
 import struct
-from datetime import UTC
 from itertools import count
 from pathlib import Path
 
@@ -70,7 +69,7 @@ def _head(sheet: Sheet, layout: np.dtype[np.void]) -> bytes:
     begins = _HEADER.size + _FIELD.size * len(fields)
     started = 0
     if sheet.started is not None:
-        started = min(max(int(sheet.started.astimezone(UTC).timestamp()), 0), 0xFFFFFFFF)
+        started = min(max(int(sheet.started.timestamp()), 0), 0xFFFFFFFF)
     record = layout.itemsize - 5  # a block's type, number, clock and sum do not count
     header = _HEADER.pack(b"MLVLG", 1, started, begins, begins + len(info), record, len(fields))
     return header + b"".join(fields) + info

@@ -9,19 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from datetime import datetime
 from importlib.metadata import version
 from itertools import chain
 from operator import attrgetter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mikas.i18n import Language, Text
-from mikas.recording.export.formats import Dialect
 from mikas.recording.table.channels import Channel, Rows, calendar, with_gaps
 from mikas.sampling.events import AlarmChanged, Event, Gap, Marker, TextNote
+
+if TYPE_CHECKING:
+    from mikas.recording.export.exporting import Dialect
 
 STRETCH = 32_768  # × 24 columns × 8 bytes: 6 MB
 
@@ -98,25 +99,19 @@ class Sheet:
         channels: Sequence[Channel],
         rows: Iterable[Rows],
         events: Iterable[Event],
-        *,
-        start: float | None,
-        started: datetime | None,
         about: Mapping[str, str],
+        *,
         language: Language,
         dialect: Dialect,
     ) -> None:
         events = list(events)
         self.channels = tuple(channels)
         self.stretches = Stretches(channels, with_gaps(rows, events))
-        zero = start if start is not None else self.stretches.first
-        if zero is None and events:
-            zero = min(map(_begin, events))
-        if zero is not None:
-            self.stretches.zero = zero
-            started = started or calendar(zero)
-        if started is not None and started.tzinfo is None:
-            raise ValueError("`started` needs its time zone")
-        self.started = started
+        zero = self.stretches.first
+        if zero is None:
+            zero = min(map(_begin, events), default=None)
+        self.stretches.zero = zero or 0.0
+        self.started = None if zero is None else calendar(zero)
         moments = _moments(events, self.stretches.zero)
         self.moments = tuple(sorted(moments, key=attrgetter("time")))
         self.about = {without(title): without(text) for title, text in about.items()}
