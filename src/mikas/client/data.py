@@ -8,12 +8,12 @@ when a lone code answers `01`, and directly from then on, as long as the datum i
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
 
-from mikas.client.limits import Limits
+from mikas.client.limits import Limits, LimitsCache
 from mikas.commands import Datum, ReadParameters
 from mikas.errors import EcuRefused, LineError, NoResponse, NotSupported, WrongLength
 from mikas.i18n import Text
@@ -41,16 +41,12 @@ class DataReader:
     """Reads any number of data; learns how many fit one request, and which codes are refused.
 
     A single lost response teaches nothing: a list without a response is repeated after its halves
-    were answered, and a code that has answered before does not become unknown. `keep` stores the
-    limits after a change.
+    were answered, and a code that has answered before does not become unknown.
     """
 
-    def __init__(
-        self, tester: Tester, limits: Callable[[], Limits], keep: Callable[[], None]
-    ) -> None:
-        self._limits = limits
-        self._keep = keep
-        self._requests = _Requests(tester, limits, keep)
+    def __init__(self, tester: Tester, cache: LimitsCache) -> None:
+        self._cache = cache
+        self._requests = _Requests(tester, cache)
         self._ambiguous: Counter[int] = Counter()  # answers 01 by code: datum or refusal
         self._too_long = 0  # failures in a row of a list length that has worked before
 
@@ -60,12 +56,12 @@ class DataReader:
         The result lacks codes that the unit refuses; these are requested once more only with
         `again`. Raises a `LineError`, a `NoConnection`, or `NotSupported` if 61 is unknown.
         """
-        limits = self._limits()
+        limits = self._cache.limits()
         return self._read_all(self._not_refused(wanted, limits, again=again), limits)
 
     def single(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, RawDatum]:
         """As `batch`, one request for each code."""
-        limits = self._limits()
+        limits = self._cache.limits()
         found: dict[int, RawDatum] = {}
         for datum in self._not_refused(wanted, limits, again=again):
             found |= self._read([datum], limits)
@@ -73,7 +69,7 @@ class DataReader:
 
     def refuses(self, codes: Iterable[int]) -> bool:
         """Whether the unit refuses all `codes`, or answers them with ambiguous 01 only."""
-        refused = {*self._limits().refused}
+        refused = {*self._cache.limits().refused}
         for code, times in self._ambiguous.items():
             if times >= _AMBIGUOUS and not self._requests.has_answered(code):
                 refused.add(code)
@@ -85,7 +81,7 @@ class DataReader:
                 del self._ambiguous[datum.code]
         if again and (known := {d.code for d in wanted}.intersection(limits.refused)):
             limits.refused = [code for code in limits.refused if code not in known]
-            self._keep()
+            self._cache.keep()
         return [d for d in wanted if d.code not in limits.refused]
 
     def _read_all(self, wanted: list[Datum], limits: Limits) -> dict[int, RawDatum]:
@@ -134,7 +130,7 @@ class DataReader:
             requests.longest_list = (length + 1) // 2
         self._too_long = 0
         limits.max_list = requests.longest_list
-        self._keep()
+        self._cache.keep()
 
     def _refuse(
         self, datum: Datum, limits: Limits, error: NotSupported | NoResponse | WrongLength
@@ -143,7 +139,7 @@ class DataReader:
             raise error  # the parameter is known: another size than requested, or a bad line
         if datum.code not in limits.refused:
             limits.refused.append(datum.code)
-            self._keep()
+            self._cache.keep()
         return {}
 
     def _request(self, part: list[Datum], *, halved: bool = False) -> dict[int, RawDatum]:
@@ -158,13 +154,10 @@ class DataReader:
 class _Requests:
     """Sends single requests; keeps the facts about the unit that their responses show."""
 
-    def __init__(
-        self, tester: Tester, limits: Callable[[], Limits], keep: Callable[[], None]
-    ) -> None:
+    def __init__(self, tester: Tester, cache: LimitsCache) -> None:
         self.longest_list = 1  # that this unit has answered
         self._tester = tester
-        self._limits = limits
-        self._keep = keep
+        self._cache = cache
         self._answered: dict[int, Datum] = {}  # codes that have answered with a datum
         self._ones: set[int] = set()  # those of them whose latest datum was 01
         self._silent: bool | None = None  # whether the unit refuses a pair by silence, not by 01
@@ -249,7 +242,7 @@ class _Requests:
 
     def _accepts_two(self, wanted: Datum) -> bool:
         """Whether the unit accepts two known codes in a list; learn if it does not."""
-        limits = self._limits()
+        limits = self._cache.limits()
         if self.longest_list > 1 or limits.max_list == 1:
             return self.longest_list > 1
         if not self.answers_any([wanted]):
@@ -260,7 +253,7 @@ class _Requests:
                 self._send_twice(known, retries=0)
                 return True
         limits.max_list = 1
-        self._keep()
+        self._cache.keep()
         return False
 
 

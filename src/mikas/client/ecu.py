@@ -27,7 +27,8 @@ from mikas.client.identity import (
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory import Memory
 from mikas.client.parameters import Parameters, Reading, Sample, WrittenParameter
-from mikas.client.polling import FixedMethod, Method, Poller, Watcher, create_poller, fixed_method
+from mikas.client.polling import FixedMethod, Method, Poller, create_poller, fixed_method
+from mikas.client.watching import Watcher
 from mikas.errors import NoResponse, NotSupported, usage_error
 from mikas.i18n import Text, counted
 from mikas.tester import Tester
@@ -65,16 +66,10 @@ class Ecu:
         self.catalog = catalog
         self._passport: Passport | None = None
         self._limits = LimitsCache(store, lambda: self.version_code, lambda: self.passport().pieces)
-        self._gate = Gate(
-            confirm=confirm,
-            journal=journal,
-            clock=tester.link.now,
-            whose=self._whose,
-            ready=tester.check_free,
-        )
-        data = DataReader(tester, self._limits.limits, self._limits.keep)
+        self._gate = Gate(tester, self._whose, confirm, journal)
+        data = DataReader(tester, self._limits)
         self._parameters = Parameters(tester, catalog, self._gate, data, interpretation)
-        self.memory = Memory(tester, self._gate, self._limits.limits, self._limits.keep)
+        self.memory = Memory(tester, self._gate, self._limits)
 
     @property
     def version_code(self) -> int:
@@ -148,7 +143,7 @@ class Ecu:
         is closed or has yielded `count` samples. `mikas.sampling` measures the fastest method.
         """
         fixed = fixed_method(method) or "batch"
-        return Watcher(self.tester, self._parameters, names, fixed, rate).samples(count)
+        return Watcher(self._parameters, names, fixed, rate).samples(count)
 
     def stream(
         self, *names: str, stroke: int | None = None
@@ -290,4 +285,4 @@ def poller_of(
     `again`: also request parameters that the unit has refused before.
     """
     parameters = ecu._parameters  # noqa: SLF001  (a method in all but its place)
-    return create_poller(ecu.tester, parameters, method, streamed, again=again)
+    return create_poller(parameters, method, streamed, again=again)

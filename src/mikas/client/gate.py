@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 from mikas.commands import Safety
 from mikas.errors import JournalError, MikasError, NotConfirmed, reason_of
 from mikas.i18n import Text
+from mikas.tester import Tester
 
 T = TypeVar("T")
 
@@ -50,24 +51,20 @@ class Gate:
     """Confirms, makes and journals changes.
 
     Without `confirm` all but dangerous changes pass: a program that calls `write` has decided
-    already. `ready` raises if this thread can't make a change now; it is called before the wait for
-    another thread's change, which may wait for this thread's stream to end.
+    already. `whose` returns the journal's description of the unit.
     """
 
     def __init__(
         self,
-        *,
+        tester: Tester,
+        whose: Callable[[], dict[str, object]],
         confirm: Confirm | None,
         journal: Journal | None,
-        clock: Callable[[], float],
-        whose: Callable[[], dict[str, object]],
-        ready: Callable[[], None] = lambda: None,
     ) -> None:
+        self._tester = tester
+        self._whose = whose
         self._confirm = confirm
         self._journal = journal
-        self._clock = clock
-        self._whose = whose
-        self._ready = ready
         self._one_at_a_time = threading.RLock()
 
     def make(self, change: Change, act: Callable[[], T], read_back: Callable[[T], str | None]) -> T:
@@ -76,7 +73,8 @@ class Gate:
         Raises `NotConfirmed` or `JournalError` before the change, the errors of `act`, or a
         `JournalError` after the change, which says so.
         """
-        self._ready()
+        # First: another thread's change may wait for the end of a stream of this thread.
+        self._tester.check_free()
         with self._one_at_a_time:
             self._ask(change)
             self._note(change, "started", None)
@@ -115,7 +113,7 @@ class Gate:
             return
         self._journal.write(
             {
-                "time": self._clock(),
+                "time": self._tester.link.now(),
                 **self._whose(),
                 "change": change.what.en,
                 "change_ru": change.what.ru,

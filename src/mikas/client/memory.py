@@ -4,13 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 
 from mikas import commands as c
 from mikas.client.gate import Change, Gate, hex_or_none
-from mikas.client.limits import Limits
+from mikas.client.limits import LimitsCache
 from mikas.commands.base import check_byte, check_range
 from mikas.errors import (
     EcuRefused,
@@ -71,23 +71,15 @@ class Written:
 
 
 class MemorySpace:
-    """One of the spaces, with addresses 0 … `last`. `keep` stores changed `limits`."""
+    """One of the spaces, with addresses 0 … `last`."""
 
-    def __init__(
-        self,
-        name: str,
-        tester: Tester,
-        gate: Gate,
-        limits: Callable[[], Limits],
-        keep: Callable[[], None],
-    ) -> None:
+    def __init__(self, name: str, tester: Tester, gate: Gate, cache: LimitsCache) -> None:
         self.name = name
         self.last = c.Space(name).last
         self._commands = _SPACES[name]
         self._tester = tester
         self._gate = gate
-        self._limits = limits
-        self._keep = keep
+        self._cache = cache
         self._longest = 1  # block that this unit has returned
 
     def read(self, address: int) -> int:
@@ -128,7 +120,7 @@ class MemorySpace:
         A limit is learnt only if a smaller block succeeds and the larger one fails again, so not
         from a lost response or an unreadable address.
         """
-        wanted = count = min(count, self._limits().block(self.name))
+        wanted = count = min(count, self._cache.limits().block(self.name))
         refused = 0
         while self._commands.read_block and count > 1:
             try:
@@ -166,8 +158,8 @@ class MemorySpace:
 
     def _learn(self, count: int, wanted: int) -> None:
         if count < wanted and self._commands.read_block:
-            self._limits().max_block[self.name] = count
-            self._keep()
+            self._cache.limits().max_block[self.name] = count
+            self._cache.keep()
 
     def write(self, address: int, value: int) -> Written:
         """Write one byte and read it back. Raises as `write_block`."""
@@ -210,7 +202,7 @@ class MemorySpace:
 
     def _send(self, address: int, data: bytes) -> None:
         while data:
-            count = min(len(data), self._limits().block(self.name))
+            count = min(len(data), self._cache.limits().block(self.name))
             part, data = data[:count], data[count:]
             if self._commands.write_block is None or count == 1:
                 for offset, value in enumerate(part):
@@ -244,11 +236,9 @@ class Memory:
 
     NAMES = tuple(_SPACES)
 
-    def __init__(
-        self, tester: Tester, gate: Gate, limits: Callable[[], Limits], keep: Callable[[], None]
-    ) -> None:
+    def __init__(self, tester: Tester, gate: Gate, cache: LimitsCache) -> None:
         self.ram, self.xram, self.code, self.sfr = (
-            MemorySpace(name, tester, gate, limits, keep) for name in _SPACES
+            MemorySpace(name, tester, gate, cache) for name in _SPACES
         )
 
     def __getitem__(self, name: str) -> MemorySpace:

@@ -101,7 +101,7 @@ class Parameters:
     def __init__(
         self, tester: Tester, catalog: Catalog, gate: Gate, data: DataReader, interpretation: str
     ) -> None:
-        self._tester = tester
+        self.tester = tester
         self._catalog = catalog
         self._gate = gate
         self._data = data
@@ -176,7 +176,7 @@ class Parameters:
         def act() -> None:
             self.forget_list()
             try:
-                self._tester.request(c.WriteList(data))
+                self.tester.request(c.WriteList(data))
             except WriteRefused as error:
                 error.advice = _TOO_LONG
                 raise
@@ -184,7 +184,7 @@ class Parameters:
                 if error.received:
                     raise
                 # Perhaps only the answer was lost; setting the list twice has the same effect.
-                self._tester.request(c.WriteList(data))
+                self.tester.request(c.WriteList(data))
             self._listed = wanted
 
         with self._holding_the_list():
@@ -192,7 +192,7 @@ class Parameters:
 
     @contextmanager
     def _holding_the_list(self) -> Iterator[None]:
-        self._tester.check_free()  # the lock's holder may wait for a stream of this thread
+        self.tester.check_free()  # the lock's holder may wait for a stream of this thread
         with self._list_lock:
             yield
 
@@ -210,7 +210,7 @@ class Parameters:
                 raise usage_error("set_list() comes first", "сначала нужен set_list()")
             data = _list_of(self._listed)
             try:
-                values, reply = self._tester.exchange(c.ReadList(data))
+                values, reply = self.tester.exchange(c.ReadList(data))
             except (NoConnection, NoResponse, NotSupported, WrongLength):
                 self.forget_list()
                 raise
@@ -239,7 +239,7 @@ class Parameters:
         """Start the tester's stream of `wanted`; the caller closes it."""
         data = distinct(wanted)
         command = c.StreamCyclic(data) if stroke is None else c.StreamAtStroke(data, stroke)
-        return self._tester.stream(command)
+        return self.tester.stream(command)
 
     def of_item(self, wanted: Sequence[Parameter], item: StreamItem) -> dict[str, Reading]:
         """Decode the readings of one streamed response."""
@@ -267,7 +267,7 @@ class Parameters:
 
         def act() -> WrittenParameter:
             try:
-                self._tester.request(c.WriteParameter(parameter.code, data))
+                self.tester.request(c.WriteParameter(parameter.code, data))
             except (NoResponse, NotSupported) as error:
                 after = None if error.received else self._one(parameter)
                 if not (before and after and before.raw != data == after.raw):

@@ -11,17 +11,17 @@ cycle reads and how to continue after an error.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Generator, Sequence
-from contextlib import closing
+from collections.abc import Sequence
+from contextlib import suppress
 from math import inf
 from typing import Literal, get_args
 
 from mikas.catalog import Parameter
-from mikas.client.data import refused
-from mikas.client.parameters import Parameters, Reading, Sample
-from mikas.client.streaming import ReadingStream
+from mikas.client.parameters import Parameters, Reading
+from mikas.commands import Availability, StreamAtStroke, StreamCyclic
 from mikas.errors import (
     EcuRefused,
+    EngineStopped,
     LineError,
     LinkLost,
     MikasError,
@@ -31,8 +31,9 @@ from mikas.errors import (
     WrongLength,
     usage_error,
 )
+from mikas.i18n import Text
 from mikas.options import check_choice
-from mikas.tester import Tester
+from mikas.tester import Stream, StreamItem
 
 FixedMethod = Literal[
     "single", "batch", "list", "stream", "stroke0", "stroke1", "stroke2", "stroke3", "stroke4"
@@ -124,35 +125,128 @@ class RequestPoller(Poller):
 
 
 class StreamPoller(Poller):
-    """71, or 7F … 83 with `stroke`: the unit sends `streamed` on its own."""
+    """71, or 7F … 83 with `stroke`: the unit sends `wanted` on its own.
+
+    A stopped stream is started again (D12).
+    """
 
     def __init__(
-        self,
-        tester: Tester,
-        parameters: Parameters,
-        streamed: Sequence[Parameter],
-        stroke: int | None,
+        self, parameters: Parameters, wanted: Sequence[Parameter], stroke: int | None
     ) -> None:
         super().__init__(parameters)
-        self._stream = ReadingStream(tester, parameters, streamed, stroke)
+        self._tester = parameters.tester
+        self._wanted = tuple(wanted)
+        self._stroke = stroke
+        self._stream: Stream | None = None
+        self._heard = 0.0
+        self._works = False  # whether a response has ever been received
+        self._silent = 0  # silences in a row, though the unit answers and could have sent
 
     def cycle(
         self,
         requests: Requests = (),  # noqa: ARG002  (all cycles are equal)
         listed: Sequence[Parameter] = (),  # noqa: ARG002
     ) -> dict[str, Reading]:
-        response = self._stream.next(_SLICE)
-        return {} if response is None else response[1]
+        """As `Poller.cycle`. A damaged response does not end the stream.
+
+        Raises `NotSupported` if the unit does not start it, `NoResponse` if the unit answers, but
+        its stream has stopped, `EngineStopped` for a stream by strokes without strokes.
+        """
+        while True:
+            try:
+                item = self._next()
+            except StopIteration:
+                self._stream = None  # closed by another caller: start it again
+            except NoResponse as error:
+                reason = self._end() or self._why_silent(error)
+                if self._works or not self._silent or reason is not error:
+                    raise reason from error
+                if self._silent > 1:  # the request of the first may have been lost
+                    raise self._not_supported(error) from error
+            except MikasError as error:
+                if isinstance(error, LineError) and self._stream is not None:
+                    self._heard = self._tester.link.now()  # only one response was damaged
+                else:
+                    self._end()
+                raise
+            else:
+                if item is None:
+                    return {}
+                self._works, self._silent, self._heard = True, 0, self._tester.link.now()
+                return self._parameters.of_item(self._wanted, item)
 
     def is_refusal(self, error: MikasError) -> bool:
-        return isinstance(error, EcuRefused) or self._stream.silent > 1
+        return isinstance(error, EcuRefused) or self._silent > 1
 
     def close(self) -> None:
-        self._stream.close()
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            with suppress(NoConnection):  # no ECU, so no stream
+                stream.close()
+
+    def _next(self) -> StreamItem | None:
+        if self._stream is None:
+            self._stream = self._parameters.raw_stream(self._wanted, self._stroke)
+            self._heard = self._tester.link.now()
+        until = self._heard + self._stream.silence
+        deadline = min(until, self._tester.link.now() + _SLICE)
+        # Until a response has fitted, one that does not fit may be a refusal of so many parameters.
+        item = self._stream.read(deadline, raise_errors=self._works)
+        if item is None and not self._stream.running:
+            raise StopIteration
+        if item is None and self._tester.link.now() >= until:
+            raise self._stream.fallen_silent()
+        return item
+
+    def _end(self) -> NoConnection | None:
+        """End the stream after a failure; return a `NoConnection` met by that, or None."""
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            try:
+                stream.close()
+            except NoConnection as error:
+                return error
+            except MikasError:  # the same failure, or a consequence of it
+                pass
+        return None
+
+    def _why_silent(self, error: NoResponse) -> LineError | NoConnection:
+        """Return the reason of a silence; count the silence if the unit could have sent."""
+        try:
+            self._tester.request(Availability())
+            if self._stroke is None:
+                self._silent += 1
+                return error
+            rpm = self._parameters.read(["FREQ"])["FREQ"]
+        except LinkLost:
+            raise
+        except (LineError, NoConnection) as cause:
+            return cause
+        except NotSupported:
+            return error
+        if rpm.value:
+            self._silent += 1
+            return error
+        self._silent = 0
+        return EngineStopped(
+            seconds=error.fields["seconds"],
+            request=error.request,
+            received=error.received,
+            time=error.time,
+        )
+
+    def _not_supported(self, error: NoResponse) -> NotSupported:
+        cyclic = self._stroke is None
+        code = StreamCyclic.CODES[0] if cyclic else StreamAtStroke.CODES[self._stroke or 0]
+        count = len(self._wanted)
+        command = Text(
+            f"a stream ({code:02X}) of parameters ({count})",
+            f"потока ({code:02X}) с числом параметров {count}",
+        )
+        return NotSupported(command=command, request=error.request, received=b"", time=error.time)
 
 
 def create_poller(
-    tester: Tester,
     parameters: Parameters,
     method: FixedMethod,
     streamed: Sequence[Parameter] = (),
@@ -162,103 +256,5 @@ def create_poller(
     """Create the poller of `method`; `streamed`: the parameters of a stream."""
     if method in STREAMS:
         stroke = int(method[-1]) if method.startswith("stroke") else None
-        return StreamPoller(tester, parameters, streamed, stroke)
+        return StreamPoller(parameters, streamed, stroke)
     return RequestPoller(parameters, single=method == "single", again=again)
-
-
-class Watcher:
-    """One watch of the parameters of these names, at most `rate` samples a second."""
-
-    def __init__(
-        self,
-        tester: Tester,
-        parameters: Parameters,
-        names: Sequence[str],
-        method: FixedMethod,
-        rate: float | None,
-    ) -> None:
-        check_rate(rate)
-        self._tester = tester
-        self._parameters = parameters
-        self._wanted = parameters.named(names)
-        self._method = method
-        self._poller = create_poller(tester, parameters, method, self._wanted, again=bool(names))
-        self._period = 1 / rate if rate else 0.0
-        self._due: float | None = None
-        self._worked = False
-
-    def samples(self, count: int | None = None) -> Generator[Sample, None, None]:
-        """Yield `count` samples, or samples without end; a failed cycle is a sample with a gap.
-
-        Raises `LinkLost`, `NotSupported` if the unit refuses the method or every parameter.
-        """
-        if count is not None and count < 0:
-            raise usage_error("a count is 0 or more", "число отсчётов — от 0")
-        samples = self._samples()
-        return samples if count is None else _first(samples, count)
-
-    def _samples(self) -> Generator[Sample, None, None]:
-        with closing(self._poller):
-            while True:
-                try:
-                    readings = self._cycle()
-                except LinkLost:
-                    raise
-                except (LineError, NoConnection) as error:
-                    yield self._gap(error)
-                except NotSupported as error:
-                    if not (self._worked and self._method == "list"):
-                        raise
-                    yield self._gap(error)
-                else:
-                    if readings:
-                        self._worked = True
-                        yield Sample(min(r.time for r in readings.values()), readings)
-                    elif self._method not in STREAMS:
-                        yield self._gap(refused(self._wanted[0].name, self._wanted[0].code))
-
-    def _cycle(self) -> dict[str, Reading]:
-        """Run the next cycle when it is due; return {} without readings in time."""
-        if self._method in STREAMS:
-            readings = self._poller.cycle()
-            times = [reading.time for reading in readings.values()]
-            return readings if times and self._is_due(min(times)) else {}
-        self._wait()
-        if self._method == "list":
-            return self._poller.cycle(listed=self._wanted)
-        readings = self._poller.cycle([self._wanted])
-        if not readings and self._poller.refuses(self._wanted):
-            # Every request would be skipped, and a log would stay empty without an error.
-            raise refused(self._wanted[0].name, self._wanted[0].code)
-        return readings
-
-    def _wait(self) -> None:
-        if self._period:
-            if self._due is not None:
-                self._tester.wait(self._due)
-            now = self._tester.link.now()
-            self._due = next_due(now if self._due is None else self._due, now, self._period)
-
-    def _is_due(self, time: float) -> bool:
-        """Whether a stream's response of this time is due; if so, set the next due time."""
-        if self._due is not None and time < self._due:
-            return False
-        self._due = next_due(time if self._due is None else self._due, time, self._period)
-        return True
-
-    def _gap(self, error: MikasError) -> Sample:
-        if self._method == "list":
-            # After a power cycle the unit has lost its list.
-            self._parameters.forget_list()
-        return Sample(self._tester.link.now(), error=error)
-
-
-def _first(samples: Generator[Sample, None, None], count: int) -> Generator[Sample, None, None]:
-    """Yield the first `count` samples; end the method before the last one is yielded."""
-    with closing(samples):
-        for _ in range(count - 1):
-            yield next(samples)
-        if count == 0:
-            return
-        last = next(samples)
-    yield last
