@@ -27,8 +27,7 @@ class Manifest:
     """The description of a dump's file. `time`: the link's clock at the last change.
 
     `verify`: a second pass is wanted; `checked`: its bytes so far; `differences`: the number found
-    in them, None before its start; `verified`: whether it agreed, None before its end. Manifests of
-    an older program lack `verify`, `checked`, `differences`.
+    in them, None before its start; `verified`: whether it agreed, None before its end.
     """
 
     space: str
@@ -83,30 +82,19 @@ def read_manifest(file: Path) -> Manifest | None:
         stored = json.loads(path.read_text("utf-8"))
         manifest = Manifest(**{**stored, "passport": tuple(stored["passport"])})
         check_range(manifest.space, manifest.first, manifest.size)
-        _complete_second_pass(manifest)
+        _check_second_pass(manifest)
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise file_error(path, "it is no manifest of a dump", "это не описание дампа") from error
     return manifest
 
 
-def _complete_second_pass(manifest: Manifest) -> None:
-    """Check the second pass's fields, and derive those that an older program did not write.
-
-    An older program kept only whether the pass agreed. If not, the number of differences is unknown
-    and the pass is repeated. Raises `ValueError`, `TypeError`.
-    """
+def _check_second_pass(manifest: Manifest) -> None:
+    """Check the second pass's fields. Raises `ValueError`, `TypeError`."""
     found, checked = manifest.differences, manifest.checked
     if not isinstance(checked, int) or not isinstance(found, int | None):
         raise TypeError
     if not 0 <= checked <= manifest.size or (found is not None and found < 0):
         raise ValueError
-    manifest.verify = bool(manifest.verify) or manifest.verified is not None
-    if found is not None:
-        return
-    if manifest.verified is True:
-        manifest.differences, manifest.checked = 0, manifest.size
-    else:
-        manifest.checked = 0
 
 
 def file_error(file: Path, en: str, ru: str) -> UsageError:
@@ -174,15 +162,7 @@ class Dump:
                 "он длиннее, чем сказано в описании, значит это другой файл",
             )
         stored.set_bytes_read(self._file.stat().st_size)
-        self.manifest = replace(
-            wanted,
-            bytes_read=stored.bytes_read,
-            complete=stored.complete,
-            verified=stored.verified,
-            verify=stored.verify,
-            checked=stored.checked,
-            differences=stored.differences,
-        )
+        self.manifest = replace(stored, model=wanted.model, schema=SCHEMA)
 
     def _error(self, en: str, ru: str) -> UsageError:
         return file_error(self._file, en, ru)

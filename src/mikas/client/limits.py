@@ -96,8 +96,7 @@ class LimitsStore:
                     for adapter, each in stored.get("methods", {}).items()
                 },
             )
-            # An earlier version saved all limits of units without passports.
-            return limits if any(passports) else Limits(methods=_working(limits.methods))
+            return limits
         return Limits()
 
     def save(self, version_code: int, passports: tuple[str, ...], limits: Limits) -> None:
