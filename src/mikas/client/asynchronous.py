@@ -10,8 +10,8 @@ import asyncio
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import asynccontextmanager, suppress
-from functools import partial, update_wrapper
-from typing import Any, Concatenate, Generic, ParamSpec, Protocol, Self, TypeVar
+from functools import partial, update_wrapper, wraps
+from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
 
 from mikas.catalog import Catalog, Model
 from mikas.client.connecting import connect
@@ -27,45 +27,35 @@ T = TypeVar("T")
 _END = object()
 
 
-class _Remote(Protocol[T]):
-    """Something whose methods run in the worker thread of an `AsyncEcu`."""
+class _Remote(Generic[T]):
+    """An object whose methods are those of `_sync`, run in the worker thread of `_async_ecu`."""
 
     _async_ecu: AsyncEcu
     _sync: T
 
 
-class _Method(Generic[T, P, R]):
-    """A method of `T` that runs in the worker thread."""
+def _delegated(
+    method: Callable[Concatenate[T, P], R],
+) -> Callable[Concatenate[_Remote[T], P], asyncio.Future[R]]:
+    """Return `method` of the unit, awaited instead of called."""
 
-    def __init__(self, method: Callable[Concatenate[T, P], R]) -> None:
-        self._method = method
-        self.__doc__ = method.__doc__
+    @wraps(method)
+    def call(self: _Remote[T], /, *args: P.args, **kwargs: P.kwargs) -> asyncio.Future[R]:
+        return self._async_ecu.run(partial(method, self._sync, *args, **kwargs))
 
-
-class _Delegated(_Method[T, P, R]):
-    """A method of `T`, awaited instead of called."""
-
-    def __get__(
-        self, instance: _Remote[T], owner: type[_Remote[T]]
-    ) -> Callable[P, asyncio.Future[R]]:
-        def call(*args: P.args, **kwargs: P.kwargs) -> asyncio.Future[R]:
-            ecu, sync = instance._async_ecu, instance._sync  # noqa: SLF001  (of `_Remote`)
-            return ecu.run(partial(self._method, sync, *args, **kwargs))
-
-        update_wrapper(call, self._method)
-        return call
+    return call
 
 
-class _Iterated(_Method[T, P, Iterator[R]]):
-    """A method of `T` that returns an iterator, iterated with `async for`."""
+def _iterated(
+    method: Callable[Concatenate[T, P], Iterator[R]],
+) -> Callable[Concatenate[_Remote[T], P], AsyncItems[R]]:
+    """As `_delegated`, for a method whose iterator is iterated with `async for`."""
 
-    def __get__(self, instance: _Remote[T], owner: type[_Remote[T]]) -> Callable[P, AsyncItems[R]]:
-        def call(*args: P.args, **kwargs: P.kwargs) -> AsyncItems[R]:
-            ecu, sync = instance._async_ecu, instance._sync  # noqa: SLF001  (of `_Remote`)
-            return ecu.iterate(partial(self._method, sync, *args, **kwargs))
+    @wraps(method)
+    def call(self: _Remote[T], /, *args: P.args, **kwargs: P.kwargs) -> AsyncItems[R]:
+        return AsyncItems(self._async_ecu, partial(method, self._sync, *args, **kwargs))
 
-        update_wrapper(call, self._method)
-        return call
+    return call
 
 
 class _Connect(Generic[P]):
@@ -152,14 +142,14 @@ class _Items(Generic[R]):
             close()
 
 
-class AsyncMemorySpace:
+class AsyncMemorySpace(_Remote[MemorySpace]):
     """A `MemorySpace`, with its methods to be awaited."""
 
-    read = _Delegated(MemorySpace.read)
-    read_block = _Delegated(MemorySpace.read_block)
-    blocks = _Iterated(MemorySpace.blocks)
-    write = _Delegated(MemorySpace.write)
-    write_block = _Delegated(MemorySpace.write_block)
+    read = _delegated(MemorySpace.read)
+    read_block = _delegated(MemorySpace.read_block)
+    blocks = _iterated(MemorySpace.blocks)
+    write = _delegated(MemorySpace.write)
+    write_block = _delegated(MemorySpace.write_block)
 
     def __init__(self, ecu: AsyncEcu, sync: MemorySpace) -> None:
         self._async_ecu = ecu
@@ -182,29 +172,29 @@ class AsyncMemory:
         return space
 
 
-class AsyncEcu:
+class AsyncEcu(_Remote[Ecu]):
     """`async with await AsyncEcu.connect("sim:") as ecu: print(await ecu.read("TWAT"))`.
 
     `ecu.ecu` is the `Ecu`; `run` calls what has no method here.
     """
 
     connect = _Connect(connect)
-    info = _Delegated(Ecu.info)
-    passport = _Delegated(Ecu.passport)
-    read = _Delegated(Ecu.read)
-    set_list = _Delegated(Ecu.set_list)
-    read_list = _Delegated(Ecu.read_list)
-    forget_list = _Delegated(Ecu.forget_list)
-    write_parameter = _Delegated(Ecu.write_parameter)
-    faults = _Delegated(Ecu.faults)
-    erase_faults = _Delegated(Ecu.erase_faults)
-    goto = _Delegated(Ecu.goto)
-    raw = _Delegated(Ecu.raw)
-    limits = _Delegated(Ecu.limits)
-    keep_timings = _Delegated(Ecu.keep_timings)
-    forget_limits = _Delegated(Ecu.forget_limits)
-    watch = _Iterated(Ecu.watch)
-    supported = _Iterated(Ecu.supported)
+    info = _delegated(Ecu.info)
+    passport = _delegated(Ecu.passport)
+    read = _delegated(Ecu.read)
+    set_list = _delegated(Ecu.set_list)
+    read_list = _delegated(Ecu.read_list)
+    forget_list = _delegated(Ecu.forget_list)
+    write_parameter = _delegated(Ecu.write_parameter)
+    faults = _delegated(Ecu.faults)
+    erase_faults = _delegated(Ecu.erase_faults)
+    goto = _delegated(Ecu.goto)
+    raw = _delegated(Ecu.raw)
+    limits = _delegated(Ecu.limits)
+    keep_timings = _delegated(Ecu.keep_timings)
+    forget_limits = _delegated(Ecu.forget_limits)
+    watch = _iterated(Ecu.watch)
+    supported = _iterated(Ecu.supported)
 
     def __init__(self, ecu: Ecu, worker: ThreadPoolExecutor) -> None:
         self.ecu = ecu

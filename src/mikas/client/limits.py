@@ -84,7 +84,7 @@ class LimitsStore:
         """Load the limits of a unit; the starting values if its file is missing or invalid."""
         with suppress(OSError, *_NO_LIMITS):
             stored = json.loads(self._file(version_code, passports).read_text("utf-8"))
-            limits = Limits(
+            return Limits(
                 max_list=min(max(int(stored["max_list"]), 1), STARTING_LIST),
                 max_block={
                     str(space): min(max(int(count), 1), LARGEST_BLOCK)
@@ -96,7 +96,6 @@ class LimitsStore:
                     for adapter, each in stored.get("methods", {}).items()
                 },
             )
-            return limits
         return Limits()
 
     def save(self, version_code: int, passports: tuple[str, ...], limits: Limits) -> None:
