@@ -121,6 +121,7 @@ class TestAUnitWithoutWhatIsCommon:
 )
 @example([LineFault.DOUBLED, None, LineFault.LOST, None, LineFault.LOST], 1, "silent", b"}")
 @example([None, LineFault.LOST] * 3, 1, "silent", b"}")
+@example([None, LineFault.LOST, LineFault.ECHO, None, None, LineFault.FOREIGN], 1, "silent", b"}")
 def test_whatever_happens_on_the_line_a_refusal_is_no_value(troubles, takes, long_list, before):
     it = bench(DATA | {0x1A: before}, unknown="01", max_list=takes, long_list=long_list)
     ecu = ecu_on(it)

@@ -222,7 +222,9 @@ class _Requests:
         if self._silent is None:
             try:
                 return self._send_twice(datum)
-            except WrongLength:
+            except WrongLength as error:
+                if error.fields["length"] != 1:
+                    raise  # another transmitter's frame
                 return self._record([datum], [_ONE], reply)  # one byte, not 01: it just changed
             except (NotSupported, NoResponse) as error:
                 if self._accepts_two(datum):
