@@ -17,7 +17,7 @@ import numpy as np
 import mikas
 from mikas.client.polling import Method
 from mikas.i18n import Text
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording import CaptureWriter, Coalescer
 from mikas.recording.annotations.events import catalog_note, note_of
 from mikas.recording.capture import blocks as pcapng

@@ -165,7 +165,7 @@ def test_a_recording_can_be_read_alone_after_each_rotation(mikas, tmp_path, meth
 
 
 def test_what_is_recorded_is_byte_for_byte_what_passed(mikas, tmp_path, monkeypatch):
-    from mikas.link.tee import CaptureTee, Direction
+    from mikas.link.base import CaptureTee, Direction
 
     passed = dict.fromkeys(Direction, b"")
     record = CaptureTee._record

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem
 from mikas.recording.capture.writer import CaptureWriter
 

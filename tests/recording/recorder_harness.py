@@ -8,7 +8,7 @@ from pathlib import Path
 from mikas.catalog import load
 from mikas.client import Passport
 from mikas.errors import EchoOnly, NoResponse
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording import CaptureReader, CaptureWriter
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Packet, Problem

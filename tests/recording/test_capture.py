@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from appending_harness import appending
 from mikas.errors import CaptureError
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.capture.blocks import OUTBOUND, EnhancedPacket, Interface, Section, encode
 from mikas.recording.capture.reader import Source
 from mikas.recording.capture.writer import CaptureWriter

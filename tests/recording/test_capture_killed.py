@@ -16,7 +16,7 @@ pytestmark = pytest.mark.realtime
 
 RECORD_FOR_EVER = """
 import itertools, sys
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.capture.writer import CaptureWriter
 
 writer = CaptureWriter(sys.argv[1], url="sim:")

@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from mikas.errors import CaptureError
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader
 from mikas.recording.capture.writer import CaptureWriter
 

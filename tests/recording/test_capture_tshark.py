@@ -12,7 +12,7 @@ import subprocess
 import pytest
 
 from appending_harness import appending
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.capture.writer import CaptureWriter
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED

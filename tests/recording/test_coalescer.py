@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from mikas import tester as testers
 from mikas.framing import encode
-from mikas.link.tee import CaptureTee, Direction
+from mikas.link.base import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
 from mikas.recording import CaptureReader, CaptureWriter, Coalescer
 from mikas.recording.annotations.events import note_of

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mikas.errors import CaptureError
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording import CaptureReader, CaptureWriter
 from mikas.recording.annotations.events import LONGEST_COMMENT, comment_note, comment_of, note_of
 from mikas.recording.capture import blocks as pcapng

@@ -12,7 +12,7 @@ from mikas import commands as c
 from mikas import tester as tester_module
 from mikas.framing import encode
 from mikas.i18n import Text
-from mikas.link.tee import CaptureTee, Direction
+from mikas.link.base import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.capture.writer import CaptureWriter

@@ -22,7 +22,7 @@ from mikas.catalog import shipped
 from mikas.client import Limits, Passport
 from mikas.errors import CaptureError
 from mikas.i18n import Text
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording import CaptureReader, CaptureWriter, Kind, Note
 from mikas.recording.annotations.events import catalog_note, faults_note, note_of, unit_of
 from mikas.recording.capture import blocks as pcapng

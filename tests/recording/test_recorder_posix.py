@@ -12,7 +12,7 @@ from mikas.recording.recorder import Recorder
 
 _LIMITED = """
 import resource, sys
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.recorder import Recorder
 resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
 recorder = Recorder()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from appending_harness import appending
 from mikas.client import connect
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording import Coalescer
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED

@@ -13,7 +13,7 @@ from replay_harness import NAMES, RECEIVED, SENT, again, do, session, sim
 from mikas.errors import BadPortUrl, CaptureError, UsageError
 from mikas.framing import encode
 from mikas.link import open_link
-from mikas.link.tee import CaptureTee
+from mikas.link.base import CaptureTee
 from mikas.link.virtual import RealTimeVirtualLink
 from mikas.recording import CaptureWriter
 from mikas.replay import load, playing, replay_bus

@@ -3,9 +3,8 @@
 `find_ports` and `choose_port` find the URL. A scheme's libraries are imported when it is opened.
 """
 
-from mikas.link.base import Chunk, Link, WallClock
+from mikas.link.base import CaptureTee, Chunk, Direction, Link, Sink, WallClock
 from mikas.link.ports import Port, choose_port, find_ports
-from mikas.link.tee import CaptureTee, Direction, Sink
 from mikas.link.urls import open_link
 
 __all__ = [

@@ -11,10 +11,13 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from mikas.errors import NoPortGiven
 from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from serial.tools.list_ports_common import ListPortInfo
 
 _SYSFS = Path("/sys/bus/usb-serial/devices")  # Linux
 
@@ -78,18 +81,7 @@ _CHIPS: dict[tuple[int, int], tuple[str, tuple[Text, ...]]] = {
 _RANK = {chip: rank for rank, chip in enumerate(_CHIPS.values())}
 
 
-class Listed(Protocol):
-    """A port as pyserial's `ListPortInfo` describes it."""
-
-    device: str
-    description: str
-    vid: int | None
-    pid: int | None
-    serial_number: str | None
-    manufacturer: str | None
-
-
-Lister = Callable[[], Iterable[Listed]]
+Lister = Callable[[], "Iterable[ListPortInfo]"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +105,7 @@ class Port:
     latency_ms: int | None = None
 
 
-def system_ports() -> Iterable[Listed]:
+def system_ports() -> Iterable[ListPortInfo]:
     """List the ports; retry if pyserial 3.5 fails on an adapter that was just plugged in."""
     from serial.tools.list_ports import comports
 
@@ -145,7 +137,7 @@ def listed(ports: Iterable[Port]) -> Text:
     return Text(", ".join(names) or "none", ", ".join(names) or "ни одного")
 
 
-def _port(it: Listed, sysfs: Path) -> Port:
+def _port(it: ListPortInfo, sysfs: Path) -> Port:
     chip, quirks = _chip(it)
     return Port(
         url=it.device,
@@ -160,13 +152,13 @@ def _port(it: Listed, sysfs: Path) -> Port:
     )
 
 
-def _chip(it: Listed) -> tuple[str, tuple[Text, ...]]:
+def _chip(it: ListPortInfo) -> tuple[str, tuple[Text, ...]]:
     if it.vid is None:
         return "", ()
     return _CHIPS.get((it.vid, it.pid or 0)) or _CHIPS.get((it.vid, 0)) or ("", (_UNKNOWN,))
 
 
-def _description(it: Listed) -> str:
+def _description(it: ListPortInfo) -> str:
     text = (it.description or "").removesuffix(f"({it.device})").strip()  # Windows adds its name
     if text in {"", "n/a"}:
         text = it.device

@@ -11,9 +11,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from mikas.link.base import Chunk, Link, LinkWrapper, WallClock
+from mikas.link.base import CaptureTee, Chunk, Link, LinkWrapper, Sink, WallClock
 from mikas.link.ports import Port, find_ports
-from mikas.link.tee import CaptureTee, Sink
 from mikas.link.urls import open_link, parse
 
 

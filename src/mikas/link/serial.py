@@ -20,7 +20,7 @@ import select
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Protocol
+from typing import TypeAlias
 
 import serial
 
@@ -46,24 +46,7 @@ _READ_ERRORS: tuple[type[Exception], ...] = (*SYSTEM_ERRORS, TypeError)
 _CLOSED = Text("it was closed here", "он закрыт этой программой")
 
 
-class OpenPort(Protocol):
-    """The part of an open pyserial port that `SerialLink` uses."""
-
-    break_condition: bool
-
-    @property
-    def timeout(self) -> float | None: ...
-
-    @property
-    def in_waiting(self) -> int: ...
-
-    def fileno(self) -> int: ...
-
-    def read(self, size: int = 1, /) -> bytes: ...
-
-    def write(self, b: bytes, /) -> int | None: ...
-
-    def close(self) -> None: ...
+OpenPort: TypeAlias = serial.Serial | SocketPort | Rfc2217Port
 
 
 class SerialLink(Link):
@@ -215,12 +198,10 @@ def open_serial(url: str, options: dict[str, str]) -> SerialLink:
     """
     check_names(options, ("baud", "dtr", "rts"))
     port = serial.Serial()
-    baud = _set_up(port, options)
     port.port = parse(url).address
     port.exclusive = True
     port.timeout = 0 if os.name == "posix" else TICK
-    port.write_timeout = _write_timeout(baud)
-    _open(port, url)
+    baud = _open(port, url, options)
     return SerialLink(url, port, baud=baud, low_latency=_ask_low_latency(port))
 
 
@@ -229,11 +210,9 @@ def open_socket(url: str, options: dict[str, str]) -> SerialLink:
     check_names(options, ("baud",))
     place = host_and_port(url)
     port = SocketPort()
-    baud = _set_up(port, options)
     port.port = f"socket://{place}"
     port.timeout = 0
-    port.write_timeout = _write_timeout(baud)
-    _open(port, url)
+    baud = _open(port, url, options)
     return SerialLink(url, port, baud=baud, about=f"TCP {place}", can_break=False, paced=False)
 
 
@@ -242,30 +221,25 @@ def open_rfc2217(url: str, options: dict[str, str]) -> SerialLink:
     check_names(options, ("baud", "dtr", "rts"))
     place = host_and_port(url)
     port = Rfc2217Port()
-    baud = _set_up(port, options)
     port.port = f"rfc2217://{place}"
     port.timeout = TICK
-    _open(port, url)
+    baud = _open(port, url, options)
     return SerialLink(url, port, baud=baud, about=f"RFC 2217 {place}", paced=False)
 
 
-def _set_up(port: serial.SerialBase, options: dict[str, str]) -> int:
+def _open(port: OpenPort, url: str, options: dict[str, str]) -> int:
+    """Open `port` with its options; return the baud rate."""
     given = OptionParser(options)
-    port.baudrate = given.integer("baud", BAUD, lowest=50, highest=4_000_000)
+    port.baudrate = baud = given.integer("baud", BAUD, lowest=50, highest=4_000_000)
     port.dtr = given.switch("dtr", default=True)
     port.rts = given.switch("rts", default=False)
-    return port.baudrate
-
-
-def _write_timeout(baud: int) -> float:
-    return PATIENCE + LONGEST_REQUEST * BITS_PER_BYTE / baud
-
-
-def _open(port: serial.Serial | SocketPort | Rfc2217Port, url: str) -> None:
+    if not isinstance(port, Rfc2217Port):  # which has a time-out of its own
+        port.write_timeout = PATIENCE + LONGEST_REQUEST * BITS_PER_BYTE / baud
     try:
         port.open()
     except SYSTEM_ERRORS as error:
         raise opening_failed(url, error) from error
+    return baud
 
 
 def _ask_low_latency(port: serial.Serial) -> bool:

@@ -18,7 +18,7 @@ from mikas.catalog import Catalog
 from mikas.commands.base import ERROR
 from mikas.errors import MikasError
 from mikas.i18n import Language, Text
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.capture.reader import Packet, Problem, Source
 from mikas.recording.exchanges.scalar import UNFINISHED, DecodedDamage, DecodedFrame, PortDecoder
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mikas.errors import CaptureError
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.annotations.annotator import SessionAnnotator
 from mikas.recording.annotations.events import note_of
 from mikas.recording.capture.coalescer import Coalescer, NotedSink
@@ -174,7 +174,7 @@ class Recorder:
     # For the wire and the sampler
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
-        """Take bytes that passed on the wire; of `mikas.link.tee.Sink`."""
+        """Take bytes that passed on the wire; of `mikas.link.base.Sink`."""
         with self._lock:
             self._advance(time)
             if direction is Direction.RECEIVED or not self._annotator.echoes:

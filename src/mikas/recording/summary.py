@@ -18,7 +18,7 @@ from mikas import commands as c
 from mikas.catalog import Catalog, shipped
 from mikas.errors import CaptureError, MikasError
 from mikas.i18n import Text
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.annotations.events import RecordedUnit, comment_of, events_of, unit_of
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Kind, Note, index

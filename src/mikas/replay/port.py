@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from mikas.catalog import Catalog, shipped
 from mikas.errors import RecordingOver, usage_error
-from mikas.link.base import Link
-from mikas.link.tee import CaptureTee
+from mikas.link.base import CaptureTee, Link
 from mikas.link.urls import take_clock
 from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
 from mikas.options import OptionParser, check_names

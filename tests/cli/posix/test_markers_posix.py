@@ -12,7 +12,7 @@ from contextlib import contextmanager
 import pytest
 
 from mikas.cli.markers import Marking
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording import CaptureReader
 from mikas.recording.recorder import Recorder
 

@@ -7,7 +7,7 @@ from math import nan
 
 from mikas import commands as c
 from mikas.errors import MikasError
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.capture.reader import Packet
 from mikas.recording.exchanges.scalar import DecodedFrame
 from mikas.recording.inspect import decode

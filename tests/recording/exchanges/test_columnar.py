@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mikas.framing import encode
 from mikas.i18n import Text
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.capture.reader import Packet, Problem, Source
 from mikas.recording.exchanges.columnar import ColumnarMatcher
 from mikas.recording.exchanges.packets import Packets

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.errors import CaptureError
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem
 from mikas.recording.exchanges.packets import read, seconds

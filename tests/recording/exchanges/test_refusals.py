@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mikas.catalog import shipped
 from mikas.framing import encode
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader
 from mikas.recording.capture.writer import CaptureWriter
 from mikas.recording.exchanges import columnar as capture

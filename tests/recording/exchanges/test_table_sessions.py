@@ -20,7 +20,7 @@ from mikas.client import Ecu
 from mikas.errors import MikasError
 from mikas.framing import Decoder, encode
 from mikas.link import Chunk
-from mikas.link.tee import CaptureTee, Direction
+from mikas.link.base import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
 from mikas.recording.capture.reader import CaptureReader, Problem
 from mikas.recording.capture.writer import CaptureWriter

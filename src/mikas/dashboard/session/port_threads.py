@@ -22,8 +22,8 @@ from mikas.dashboard.errors import InternalError
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
 from mikas.errors import MikasError
 from mikas.link import Link
+from mikas.link.base import Sink
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.link.tee import Sink
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Event
 

@@ -17,8 +17,7 @@ import threading
 from typing import Final, Protocol, Self
 
 from mikas.framing import TERMINATOR
-from mikas.link.base import BITS_PER_BYTE
-from mikas.link.tee import Direction, Sink
+from mikas.link.base import BITS_PER_BYTE, Direction, Sink
 from mikas.recording.capture.notes import Note
 
 _MOST_BYTES: Final = 4096

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final
 from mikas.errors import CaptureError
 from mikas.errors import reason_of as system_reason_of
 from mikas.i18n import Text
-from mikas.link.base import BITS_PER_BYTE
-from mikas.link.tee import Direction
+from mikas.link.base import BITS_PER_BYTE, Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note, index
 from mikas.recording.capture.scan import (

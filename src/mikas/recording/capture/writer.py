@@ -1,6 +1,6 @@
 """Writing a capture: all bytes on the wire, in a pcapng file.
 
-`CaptureWriter` is the sink of `mikas.link.tee`: one packet a chunk of one direction, with the
+`CaptureWriter` is the sink of `mikas.link.base`: one packet a chunk of one direction, with the
 link's time in microseconds (`capture.coalescer` joins chunks before). Notes on the session are
 custom blocks in between. `docs/capture.md` has the format field by field.
 
@@ -27,14 +27,14 @@ from mikas.recording.capture.notes import Note, block_of
 from mikas.recording.capture.reader import FLAGS, CaptureReader, reason_of
 
 if TYPE_CHECKING:
-    from mikas.link.tee import Direction
+    from mikas.link.base import Direction
 
 _LARGEST_CHUNK: Final = 1 << 16  # tools refuse packets over 256 KiB; a longer chunk is split
 _MICROSECOND = 1_000_000
 
 
 class CaptureWriter:
-    """Appends the bytes on the wire to `path`. Implements `mikas.link.tee.Sink`.
+    """Appends the bytes on the wire to `path`. Implements `mikas.link.base.Sink`.
 
     An existing file is refused, unless `overwrite` discards it. An existing named pipe is written
     to: other programs can read along.

@@ -17,7 +17,7 @@ from typing import BinaryIO, Final
 import numpy as np
 
 from mikas.errors import CaptureError
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.reader import (
     FLAGS,

@@ -15,7 +15,7 @@ from typing import Any, Final, NamedTuple
 from mikas.commands import COMMANDS_BY_CODE
 from mikas.framing import DamageReason, Decoder, Event, Frame
 from mikas.i18n import Text
-from mikas.link.tee import Direction
+from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.exchanges.matching import (
     NO_REQUEST,
