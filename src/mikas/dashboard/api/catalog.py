@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter
 from mikas.dashboard.api.dependencies import KnownClient, Names, TheDashboard, Viewer, split_names
-from mikas.dashboard.api.errors import TwoTexts, content, errors, two
+from mikas.dashboard.api.errors import TwoTexts, content, errors, made_of, two
 from mikas.dashboard.api.messages import LiveEvent, LiveRows
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.security.access import Access
@@ -226,26 +226,24 @@ def _shipped_presets() -> tuple[Preset, ...]:
 def _channel(known: Catalog, channel: Parameter | Derived) -> ChannelInfo:
     parameter = channel if isinstance(channel, Parameter) else None
     limits, lamp = channel.alarm_limits, parameter.lamp if parameter else None
-    return ChannelInfo(
-        name=channel.name,
+    return made_of(
+        ChannelInfo,
+        channel,
         derived=parameter is None,
         flag=channel.is_flag,
         code=parameter.code if parameter else None,
         size=parameter.size if parameter else None,
-        unit=two(channel.unit_text),
-        text=two(channel.text),
-        decimals=channel.decimals,
+        unit=channel.unit_text,
         formula=channel.formula() if isinstance(channel, Parameter) else channel.formula,
         range=parameter.range if parameter else None,
         reference=parameter.reference if parameter else None,
-        limits=ChannelLimits.model_validate(limits) if limits and limits.for_number else None,
-        lamp=LampTexts.model_validate(lamp) if lamp else None,
+        limits=limits if limits and limits.for_number else None,
+        lamp=lamp,
         alarm_when_true=limits.when_true if limits else Level.NONE,
-        inputs=None if isinstance(channel, Parameter) else list(channel.inputs),
+        inputs=None if isinstance(channel, Parameter) else channel.inputs,
         errata=[
             ChannelErratum(id=name, text=two(known.errata[name].reason))
             for name in (parameter.errata if parameter else ())
         ],
-        confidence=channel.confidence,
         writable=parameter is not None and not parameter.is_flag,
     )

@@ -12,7 +12,7 @@ from fastapi import APIRouter, Path
 from pydantic import BaseModel, Field
 
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
-from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
+from mikas.dashboard.api.errors import TwoTexts, errors, made_of
 from mikas.dashboard.api.memory import Space
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import Locked
@@ -137,15 +137,8 @@ async def prepare(
     change = await _prepared(dashboard, body)
     _check_lock(dashboard, change)
     nonce = dashboard.confirmations.keep(client, change)
-    return ChangeProposal(
-        nonce=nonce,
-        expires=dashboard.connection.now() + LIFETIME,
-        what=two(change.what),
-        before=change.before,
-        after=change.after,
-        danger=change.danger,
-        lost=list(change.lost),
-        meaning=two_or_none(change.meaning),
+    return made_of(
+        ChangeProposal, change, nonce=nonce, expires=dashboard.connection.now() + LIFETIME
     )
 
 

@@ -6,7 +6,7 @@ import asyncio
 from typing import Literal
 
 from fastapi import APIRouter
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog
 from mikas.client.polling import Method
@@ -17,7 +17,7 @@ from mikas.dashboard.api.dependencies import (
     TheDashboard,
     Viewer,
 )
-from mikas.dashboard.api.errors import TwoTexts, errors
+from mikas.dashboard.api.errors import TwoTexts, errors, made_of
 from mikas.dashboard.api.state import PlannedChannel, State, state_of
 from mikas.dashboard.settings import PlanSettings
 
@@ -29,7 +29,6 @@ _MAX_URL = 500
 class PortInfo(BaseModel):
     """A serial port of this computer. `likely`: probably an adapter."""
 
-    model_config = ConfigDict(from_attributes=True)
     url: str
     description: str
     chip: str
@@ -98,7 +97,7 @@ def state(dashboard: TheDashboard, client: Viewer) -> State:
 @router.get("/ports", responses=errors())
 def ports(dashboard: TheDashboard) -> PortsResponse:
     """Return the serial ports of this computer."""
-    return PortsResponse(ports=[PortInfo.model_validate(it) for it in dashboard.settings.find()])
+    return PortsResponse(ports=[made_of(PortInfo, port) for port in dashboard.settings.find()])
 
 
 @router.post("/connect", responses=errors(409, 503))
@@ -135,10 +134,8 @@ def price(dashboard: TheDashboard, body: PriceRequest) -> PriceResponse:
     for channel in dashboard.plan.channels:
         if channel not in names.every:
             with_it = dashboard.plan.price([*names.names, channel], body.method)
-            more[channel] = ChannelPrice(seconds=with_it.seconds - base.seconds, rate=with_it.rate)
-    return PriceResponse(
-        bytes=base.bytes, requests=base.requests, seconds=base.seconds, rate=base.rate, more=more
-    )
+            more[channel] = made_of(ChannelPrice, with_it, seconds=with_it.seconds - base.seconds)
+    return made_of(PriceResponse, base, more=more)
 
 
 @router.post("/relearn", responses=errors(409, 503))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import time
 from itertools import islice
-from typing import Annotated, Literal, cast
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, Body, Path, Query
 from fastapi.responses import FileResponse, Response
@@ -18,7 +18,7 @@ from mikas.client import Ecu
 from mikas.client.dumps import Manifest, differences
 from mikas.commands.base import check_range
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
-from mikas.dashboard.api.errors import content, errors
+from mikas.dashboard.api.errors import content, errors, made_of
 from mikas.dashboard.api.memory import Space
 from mikas.dashboard.error_responses import ErrorBody, body_of
 from mikas.dashboard.errors import NotFound
@@ -187,15 +187,13 @@ def _manifest(ecu: Ecu, body: DumpRequest) -> Manifest:
 def _response(job: DumpJob) -> DumpResponse:
     manifest, speed = job.manifest, job.speed
     left = (job.total - job.done) / speed if speed > 0 else None
-    return DumpResponse(
-        id=job.id,
-        space=cast("Space", manifest.space),
+    return made_of(
+        DumpResponse,
+        job,
+        space=manifest.space,
         first=manifest.first,
         last=manifest.last,
-        block=job.block,
         state=job.phase,
-        done=job.done,
-        total=job.total,
         speed=round(speed, 1),
         left=None if left is None else round(left, 1),
         blocks=_map(job),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
@@ -19,6 +19,8 @@ from mikas.dashboard.error_responses import ErrorResponse, json_response
 from mikas.dashboard.errors import BadRequest, InternalError, NotFound
 from mikas.errors import MikasError
 from mikas.i18n import Text
+
+M = TypeVar("M", bound=BaseModel)
 
 _log = logging.getLogger("mikas.dashboard")
 
@@ -66,6 +68,12 @@ def two(text: Text) -> TwoTexts:
 def two_or_none(text: Text | None) -> TwoTexts | None:
     """Return the model of `text`; None for an empty one."""
     return None if text is None or not text.en else two(text)
+
+
+def made_of(model: type[M], source: object, /, **more: object) -> M:
+    """Return `model` with `more`, and the attributes of `source` as its other fields."""
+    own = {name: getattr(source, name) for name in model.model_fields if name not in more}
+    return model.model_validate(own | more)
 
 
 def install(app: FastAPI) -> None:

@@ -20,7 +20,7 @@ from mikas.dashboard.api.dependencies import (
     TheLibrary,
     split_names,
 )
-from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
+from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
 from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.errors import ADVICE
@@ -217,22 +217,16 @@ def _problem(library: RecordingService) -> TwoTexts | None:
 
 def _info(library: RecordingService, file: RecordingFile) -> RecordingInfo:
     summary = library.summaries.of(file)
-    return RecordingInfo(
+    return made_of(
+        RecordingInfo,
+        summary,
         id=file.id,
         bytes=file.bytes,
-        date=summary.date,
-        length=summary.length,
         model=two_or_none(summary.model),
-        passport=None if summary.passport is None else list(summary.passport),
-        samples=summary.samples,
-        samples_exact=summary.samples_exact,
         rate=None if summary.rate is None else round(summary.rate, 2),
         gaps=None if summary.problem else summary.gaps,
-        faults=None if summary.faults is None else list(summary.faults),
         markers=None if summary.problem else summary.markers,
-        note=summary.note,
         open=library.is_growing(file),
-        problem=two_or_none(summary.problem),
     )
 
 

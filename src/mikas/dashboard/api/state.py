@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import BaseModel, Field
 
 from mikas.client.polling import Method
-from mikas.dashboard.api.errors import TwoTexts, two, two_or_none
+from mikas.dashboard.api.errors import TwoTexts, made_of, two, two_or_none
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import ADVICE
 from mikas.dashboard.security.control import Client
@@ -184,16 +184,10 @@ def _recording(dashboard: Dashboard) -> RunningRecording | None:
     status = dashboard.recorder.recorder.status
     if status is None:
         return None
-    return RunningRecording(
-        file=status.path.name,
-        since=status.since,
-        bytes=status.bytes,
-        samples=status.samples,
-        gaps=status.gaps,
-        failure=two_or_none(ADVICE.text(status.failure) if status.failure else None),
-    )
+    failure = two(ADVICE.text(status.failure)) if status.failure else None
+    return made_of(RunningRecording, status, file=status.path.name, failure=failure)
 
 
 def _alarm(dashboard: Dashboard, event: AlarmChanged) -> ActiveAlarm:
     value = dashboard.monitor.latest.get(event.name, event.value)
-    return ActiveAlarm.model_validate(event.as_json() | {"value": value, "since": event.time})
+    return made_of(ActiveAlarm, event, value=value, since=event.time)

@@ -11,10 +11,10 @@ from typing import Any, TypeVar
 from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field
 
-from mikas.catalog import Confidence, Fault
+from mikas.catalog import Confidence
 from mikas.client import Ecu, Info, Support
 from mikas.dashboard.api.dependencies import NO_CLIENT_ID, Controller, TheDashboard, Viewer
-from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
+from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import BadRequest, NotAllowed, NotController
 from mikas.dashboard.security.control import Client
@@ -136,24 +136,18 @@ async def _latest(
 
 
 def _faults_response(stored: StoredFaults) -> FaultsResponse:
-    return FaultsResponse(
-        time=stored.time,
-        faults=[_stored_fault(fault, stored.first_seen[fault.code]) for fault in stored.faults],
-        count=len(stored.faults),
-    )
-
-
-def _stored_fault(fault: Fault, first_seen: float) -> StoredFault:
-    return StoredFault(
-        code=fault.code,
-        text=two(fault.text),
-        confidence=fault.confidence,
-        certain=fault.confidence is Confidence.CONFIRMED,
-        informational=fault.informational,
-        check=two_or_none(fault.check),
-        related=list(fault.parameters),
-        first_seen=first_seen,
-    )
+    shown = [
+        made_of(
+            StoredFault,
+            fault,
+            certain=fault.confidence is Confidence.CONFIRMED,
+            check=two_or_none(fault.check),
+            related=fault.parameters,
+            first_seen=stored.first_seen[fault.code],
+        )
+        for fault in stored.faults
+    ]
+    return FaultsResponse(time=stored.time, faults=shown, count=len(shown))
 
 
 def _passport_response(
@@ -161,18 +155,16 @@ def _passport_response(
 ) -> PassportResponse:
     thread = dashboard.connection.thread
     port = thread.url if thread else ""
-    return PassportResponse(
-        model=two(info.model.text),
-        version_code=info.version_code,
-        program_passport=list(info.passport.program),
-        data_passport=list(info.passport.data),
-        parameter_count=info.parameter_count,
+    return made_of(
+        PassportResponse,
+        info,
+        model=info.model.text,
+        program_passport=info.passport.program,
+        data_passport=info.passport.data,
         adapter=thread.adapter if thread else "",
         port=port,
-        echo=info.echo,
         baud=thread.baud if thread else 9600,
         latency_ms=next((p.latency_ms for p in dashboard.settings.find() if p.url == port), None),
-        limits=UnitLimits.model_validate(info.limits),
         method=dashboard.monitor.method,
         rates=dashboard.monitor.rates,
         supported=None
