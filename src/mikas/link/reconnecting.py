@@ -26,7 +26,7 @@ class ReconnectingPort:
         find: Callable[[], list[Port]] = find_ports,
         open_port: Callable[[str], Link] = open_link,
         clock: Callable[[], float] | None = None,
-        nap: Callable[[float], None] = time.sleep,
+        nap: Callable[[float], object] = time.sleep,
         sink: Sink | None = None,
     ) -> None:
         self.url = url

@@ -78,17 +78,20 @@ def _viewer(request: Request, client_id: ClientId = None, client_name: ClientNam
     return client_of(client_id, client_name, may_control=_may_control(request))
 
 
-def _known(request: Request, client_id: ClientId = None, client_name: ClientName = None) -> Client:
-    client = client_of(client_id, client_name, may_control=_may_control(request))
+TheDashboard = Annotated[Dashboard, Depends(_dashboard)]
+TheLibrary = Annotated[RecordingService, Depends(_library)]
+Viewer = Annotated[Client, Depends(_viewer)]
+"""Any client; one without an id has an empty one."""
+
+
+def _known(client: Viewer) -> Client:
+    if not client.id:
+        raise BadRequest(problem=NO_CLIENT_ID)
     if not client.may_control:
         raise NotAllowed
     return client
 
 
-TheDashboard = Annotated[Dashboard, Depends(_dashboard)]
-TheLibrary = Annotated[RecordingService, Depends(_library)]
-Viewer = Annotated[Client, Depends(_viewer)]
-"""Any client; one without an id has an empty one."""
 KnownClient = Annotated[Client, Depends(_known)]
 """A client with control rights and an id, which need not hold the lease."""
 

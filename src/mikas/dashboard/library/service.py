@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -41,34 +40,6 @@ class _Open:
     recording: Recording
 
 
-class RecordingCache:
-    """Open recordings; any thread may call. `clock`: seconds that never run back."""
-
-    def __init__(self, catalog: Catalog, interpretation: str, clock: Callable[[], float]) -> None:
-        self._catalog, self._interpretation, self._clock = catalog, interpretation, clock
-        self._open: OrderedDict[str, _Open] = OrderedDict()
-        self.using = threading.Lock()
-        """To be held while a recording of this cache is used: one thread at a time."""
-
-    def one(self, file: RecordingFile, *, growing: bool) -> Recording:
-        """Return the recording, opened now or before. `growing`: it is in progress."""
-        kept = self._open.get(file.id)
-        if kept is None or not self._is_current(kept, file, growing=growing):
-            recording = Recording(file.path, self._catalog, self._interpretation)
-            kept = _Open(file.stamp, self._clock(), recording)
-        self._open[file.id] = kept
-        self._open.move_to_end(file.id)
-        while len(self._open) > _MAX_OPEN:
-            self._open.popitem(last=False)
-        return kept.recording
-
-    def _is_current(self, kept: _Open, file: RecordingFile, *, growing: bool) -> bool:
-        if kept.stamp == file.stamp:
-            return True
-        same_file = kept.stamp[2] == file.stamp[2]
-        return growing and same_file and self._clock() - kept.at < _GROWING
-
-
 class SummaryCache:
     """Summaries; any thread may call, one at a time makes a summary."""
 
@@ -96,7 +67,10 @@ class SummaryCache:
 
 
 class RecordingService:
-    """`in_progress`: the file name of the recording in progress; None: there is none."""
+    """`in_progress`: the file name of the recording in progress; None: there is none.
+
+    `clock`: seconds that never run back.
+    """
 
     def __init__(
         self,
@@ -108,9 +82,10 @@ class RecordingService:
     ) -> None:
         self.folder = folder
         self.catalog, self.interpretation = options.catalog, options.interpretation
-        self.open = RecordingCache(self.catalog, self.interpretation, clock)
         self.summaries = SummaryCache(self.catalog)
-        self._in_progress = in_progress
+        self._clock, self._in_progress = clock, in_progress
+        self._open: dict[str, _Open] = {}  # the latest used last
+        self._using = threading.Lock()
         self._busy = asyncio.Lock()
         self._waiting = 0
 
@@ -120,9 +95,22 @@ class RecordingService:
 
     @contextmanager
     def opened(self, file: RecordingFile) -> Iterator[Recording]:
-        """Return the opened recording, for one thread at a time."""
-        with self.open.using:
-            yield self.open.one(file, growing=self.is_growing(file))
+        """Return the recording, opened now or before, for one thread at a time."""
+        with self._using:
+            kept = self._open.pop(file.id, None)
+            if kept is None or not self._is_current(kept, file):
+                recording = Recording(file.path, self.catalog, self.interpretation)
+                kept = _Open(file.stamp, self._clock(), recording)
+            self._open[file.id] = kept
+            if len(self._open) > _MAX_OPEN:
+                del self._open[next(iter(self._open))]
+            yield kept.recording
+
+    def _is_current(self, kept: _Open, file: RecordingFile) -> bool:
+        if kept.stamp == file.stamp:
+            return True
+        same_file = kept.stamp[2] == file.stamp[2]
+        return self.is_growing(file) and same_file and self._clock() - kept.at < _GROWING
 
     async def run_alone(self, work: Callable[[], T]) -> T:
         """Return the result of `work`, run in a thread after the work before it. Raises `Busy`."""

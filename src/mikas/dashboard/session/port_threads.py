@@ -55,22 +55,18 @@ class StoppablePort:
             link.close()
         return link
 
-    def wait(self, seconds: float) -> None:
-        """Wait for `seconds`, or until stopped."""
-        self.stopping.wait(seconds)
-
     def close(self) -> None:
         """Close the latest link."""
         if (link := self.link) is not None:
             link.close()
 
     def stop(self) -> None:
-        """Close the latest link, and refuse to open another."""
+        """Close the latest link, and refuse to open another; also before the first one."""
         self.stopping.set()
         self.close()
 
 
-class SamplingThread:
+class SamplingThread(threading.Thread):
     """Samples from the port until `stop`.
 
     `on_event` gets the events; `on_end` the error, if sampling ended by itself.
@@ -87,6 +83,7 @@ class SamplingThread:
         on_event: Callable[[SamplingThread, Event], None],
         on_end: Callable[[SamplingThread, MikasError | None], None],
     ) -> None:
+        super().__init__(name="mikas sampling", daemon=True)
         self.url = port.url
         self._stoppable = StoppablePort(settings.open_port)
         self.ended = False
@@ -98,7 +95,7 @@ class SamplingThread:
             find=settings.find,
             open_port=self._stoppable.open,
             clock=settings.link_clock,
-            nap=self._stoppable.wait,
+            nap=self._stoppable.stopping.wait,
             sink=sink,
         )
         options = replace(
@@ -116,19 +113,14 @@ class SamplingThread:
             method=request.method or "auto",
             rate=request.rate,
         )
-        self._thread = threading.Thread(target=self._run, name="mikas sampling", daemon=True)
-
-    def start(self) -> None:
-        """Start sampling."""
-        self._thread.start()
 
     def stop(self) -> None:
         """Stop sampling and close the port; may take seconds. A second call does nothing."""
         self._stoppable.stopping.set()
         self.acquisition.stop()
         self._stoppable.close()
-        if self._thread.is_alive():
-            self._thread.join(_JOIN)
+        if self.is_alive():
+            self.join(_JOIN)
 
     @property
     def ecu(self) -> Ecu | None:
@@ -153,7 +145,8 @@ class SamplingThread:
         """Run `job(ecu)` between two cycles, as `Acquisition.call`."""
         return self.acquisition.call(job)
 
-    def _run(self) -> None:
+    def run(self) -> None:
+        """Sample; in the thread."""
         error: MikasError | None = None
         try:
             with closing(self.acquisition.run()) as events:
@@ -175,31 +168,25 @@ class SamplingThread:
                 self._on_end(self, error)
 
 
-class Diagnosis:
+class Diagnosis(StoppablePort):
     """Examines the port `url` once."""
 
     def __init__(self, url: str, settings: Settings) -> None:
+        super().__init__(settings.open_port)
         self._url, self._options = url, settings.connection
-        self._stoppable = StoppablePort(settings.open_port)
         self.task: asyncio.Task[None] | None = None
         """The task that calls `run` and gives the port back; set by its creator."""
 
     def run(self, report: Callable[[Step], None]) -> None:
         """Run the steps, calling `report` as each ends. The port is free when this returns."""
         options = self._options
-        steps = examine(
-            lambda: self._stoppable.open(self._url), options.create_tester, options.catalog
-        )
+        steps = examine(lambda: self.open(self._url), options.create_tester, options.catalog)
         try:
             for step in steps:
-                if not self._stoppable.stopping.is_set():  # else the step failed by the closed link
+                if not self.stopping.is_set():  # else the step failed by the closed link
                     report(step)
         except Stopped:
             return
-
-    def stop(self) -> None:
-        """Stop the diagnosis, from any thread, also before it has started."""
-        self._stoppable.stop()
 
     async def end(self) -> None:
         """Stop the diagnosis, and wait until the port is given back."""

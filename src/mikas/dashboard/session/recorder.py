@@ -73,7 +73,6 @@ class SessionRecorder:
         except NotConnected:  # the unit is silent: no stream runs that would have to be restarted
             self._start(path, thread)
         self._name, self._continues = name, False
-        self._log_start(path)
 
     def take(self, event: Event, thread: SamplingThread) -> None:
         """Record an event; in the sampling thread."""
@@ -85,8 +84,6 @@ class SessionRecorder:
                 self._start(path, thread)
             except MikasError as error:
                 self._log_end(path.name, error)
-            else:
-                self._log_start(path)
 
     def change_port(self) -> None:
         """End the recording; it continues in a file of its own with the next unit found."""
@@ -122,10 +119,9 @@ class SessionRecorder:
     def check(self) -> None:
         """Log once that the recording has broken off."""
         status = self.recorder.status
-        failure = status.failure if status else None
-        if status is not None and failure is not None and failure is not self._reported:
-            self._reported = failure
-            self._log_end(status.path.name, failure)
+        if status is not None and status.failure not in (None, self._reported):
+            self._reported = status.failure
+            self._log_end(status.path.name, status.failure)
 
     def _start(self, path: Path, thread: SamplingThread) -> None:
         self.recorder.start(ensure_folder(path.parent) / path.name, url=thread.url)
@@ -133,6 +129,7 @@ class SessionRecorder:
         readings = self._fault_history.readings
         if readings:  # from before this file
             self.recorder.note(faults_note(thread.now(), readings))
+        self._log_start(path)
 
     def _log_start(self, path: Path) -> None:
         self._monitor.log(RecordingChanged(self._connection.now(), path.name, on=True))
