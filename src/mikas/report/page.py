@@ -6,10 +6,8 @@ style: a recording may contain any text.
 
 from __future__ import annotations
 
-import os
 from base64 import b64encode
 from collections.abc import Iterator
-from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
@@ -18,8 +16,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 from markupsafe import Markup
 
-from mikas.errors import ExportError, reason_of
+from mikas.errors import ExportError
 from mikas.i18n import Language, Text
+from mikas.recording.export.exporting import check_free, write_whole
 from mikas.report.charts import chart
 from mikas.report.conditions import rows as how_rows
 from mikas.report.findings import BandPosition, ChannelFinding, FaultFinding, Findings
@@ -218,14 +217,7 @@ def check_output(out: Path, *, overwrite: bool) -> None:
                 "отчёт — это файл .html (напечатать его или сохранить в PDF можно из браузера)",
             ),
         )
-    if not overwrite and os.path.lexists(out):
-        raise ExportError(
-            str(out),
-            Text(
-                "the file is there already; give another name, or allow overwriting",
-                "файл уже есть; укажите другое имя или разрешите перезапись",
-            ),
-        )
+    check_free(out, overwrite=overwrite)
     if not out.absolute().parent.is_dir():
         raise ExportError(str(out), Text("there is no such folder", "такой папки нет"))
 
@@ -233,17 +225,4 @@ def check_output(out: Path, *, overwrite: bool) -> None:
 def write_page(out: Path, page: str, *, overwrite: bool) -> None:
     """Write `page` under a temporary name and rename it. Raises `ExportError`."""
     check_output(out, overwrite=overwrite)
-    part = out.with_name(f"{out.name}.part")
-    try:
-        try:
-            with part.open("w", encoding="utf-8", newline="\n") as file:
-                file.write(page)
-                file.flush()
-                os.fsync(file.fileno())
-            part.replace(out)
-        finally:
-            with suppress(OSError):
-                part.unlink(missing_ok=True)
-    except OSError as error:
-        problem = Text("can't be written: {why}", "не записать: {why}")
-        raise ExportError(str(out), problem.filled(why=reason_of(error))) from error
+    write_whole(out, lambda part: part.write_bytes(page.encode()), overwrite=overwrite)

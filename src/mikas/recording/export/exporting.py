@@ -20,7 +20,6 @@ from mikas.i18n import Language, Text
 from mikas.recording.table.channels import Channel, Rows
 
 if TYPE_CHECKING:
-    from mikas.recording.export.sheet import Sheet
     from mikas.sampling.events import Event
 
 TIME = "time"  # a column of every format; no channel may have this name
@@ -124,13 +123,13 @@ def export(
     from mikas.recording.export.sheet import Sheet
 
     sheet = Sheet(channels, rows, events, about or {}, language=language, dialect=dialect)
-    _write(out, import_module(f"mikas.recording.export.{wanted.module}").write, sheet, overwrite)
+    write = import_module(f"mikas.recording.export.{wanted.module}").write
+    write_whole(out, lambda part: write(part, sheet), overwrite=overwrite)
     return Result(sheet.stretches.rows, tuple(channel.name for channel in channels), out)
 
 
 def _check(out: Path, channels: Sequence[Channel], *, overwrite: bool) -> None:
-    if not overwrite and os.path.lexists(out):
-        raise ExportError(str(out), _EXISTS)
+    check_free(out, overwrite=overwrite)
     if not channels:
         raise ExportError(str(out), _NO_CHANNELS)
     names = [TIME]
@@ -141,15 +140,25 @@ def _check(out: Path, channels: Sequence[Channel], *, overwrite: bool) -> None:
         names.append(name)
 
 
-def _write(out: Path, write: Callable[[Path, Sheet], None], sheet: Sheet, overwrite: bool) -> None:
+def check_free(out: Path, *, overwrite: bool) -> None:
+    """Raise `ExportError` if the file exists and may not be overwritten."""
+    if not overwrite and os.path.lexists(out):
+        problem = Text(
+            "the file is there already; give another name or allow overwriting",
+            "файл уже есть; дайте другое имя или разрешите перезаписать",
+        )
+        raise ExportError(str(out), problem)
+
+
+def write_whole(out: Path, write: Callable[[Path], object], *, overwrite: bool) -> None:
+    """Let `write` write `OUT.part`, then rename that to `out`. Raises `ExportError`."""
     part = out.with_name(out.name + ".part")
     try:
         try:
-            write(part, sheet)
+            write(part)
             with part.open("rb+") as file:
                 os.fsync(file.fileno())
-            if not overwrite and os.path.lexists(out):  # another program created it meanwhile
-                raise ExportError(str(out), _EXISTS)
+            check_free(out, overwrite=overwrite)  # another program may have created it meanwhile
             part.replace(out)
         finally:
             with suppress(OSError):  # an error here would hide the first one
@@ -161,10 +170,6 @@ def _write(out: Path, write: Callable[[Path, Sheet], None], sheet: Sheet, overwr
         raise ExportError(str(out), problem.filled(why=reason_of(error))) from error
 
 
-_EXISTS = Text(
-    "the file is there already; give another name or allow overwriting",
-    "файл уже есть; дайте другое имя или разрешите перезаписать",
-)
 _NO_CHANNELS = Text(
     "there are no channels to write: no parameter was read in this recording, or the requests are "
     "lost; `mikas decode FILE` shows its contents, and `mikas log -o FILE.pcapng` (or key R on the "
