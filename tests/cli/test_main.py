@@ -267,7 +267,7 @@ def test_a_bug_says_that_it_is_one(mikas, monkeypatch, verbose):
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError("by nothing")
 
-    monkeypatch.setattr("mikas.cli.context.CommandContext.catalog", broken)
+    monkeypatch.setattr("mikas.catalog.load", broken)
     ran = mikas("params", *(["-v"] if verbose else []))
     assert (ran.status, ran.out) == (1, "")
     assert "a bug in mikas" in ran.err
@@ -278,7 +278,7 @@ def test_interrupted(mikas, monkeypatch):
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("mikas.cli.context.CommandContext.catalog", interrupted)
+    monkeypatch.setattr("mikas.catalog.load", interrupted)
     assert mikas("params").status == 130
 
 

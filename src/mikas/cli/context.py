@@ -23,7 +23,6 @@ from mikas.errors import MikasError, NotConfirmed, NotSupported
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
-    from mikas.catalog import Catalog
     from mikas.client import Change, Confirm, Ecu
     from mikas.client.connecting import ConnectionOptions
     from mikas.link import Link, Sink
@@ -73,20 +72,11 @@ class CommandContext:
 
     @cached_property
     def options(self) -> ConnectionOptions:
-        """The options of the connection, the catalog included."""
+        """The options of the connection, with the shipped catalog overlaid by the user's."""
         from mikas.catalog import load
         from mikas.client.connecting import ConnectionOptions
 
         return ConnectionOptions(catalog=load(*self.catalogs), **self.connection)
-
-    def catalog(self) -> Catalog:
-        """Return the shipped definitions, overlaid by the user's."""
-        return self.options.catalog
-
-    @property
-    def interpretation(self) -> str:
-        """The interpretation of the errata."""
-        return self.options.interpretation
 
     def say(self, en: str, ru: str) -> None:
         """Print a sentence on stderr, in the current language."""

@@ -160,11 +160,11 @@ def sampling_session(
 ) -> Iterator[SamplingRun]:
     """Open a run on this command's port; everything on the wire is recorded to `out`, if given."""
     port = context.port or choose_port()
-    recorder = Recorder(interpretation=context.interpretation, joined=joined)
+    recorder = Recorder(interpretation=context.options.interpretation, joined=joined)
     acquisition = Acquisition(
         ReconnectingPort(port, sink=recorder),
         context.options.create_ecu,
-        context.catalog(),
+        context.options.catalog,
         options.names,
         method=options.method,
         rate=options.rate,

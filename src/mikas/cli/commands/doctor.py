@@ -67,7 +67,7 @@ def doctor(context: CommandContext) -> int:
     steps = []
     with ExitStack() as stack:
         for step in examine(
-            lambda: _open(context, stack), context.options.create_tester, context.catalog()
+            lambda: _open(context, stack), context.options.create_tester, context.options.catalog
         ):
             steps.append(step)
             if not context.output.json:

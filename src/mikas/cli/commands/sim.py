@@ -132,7 +132,7 @@ def _recorded(context: CommandContext, path: Path, wanted: Mapping[str, str]) ->
                 f"--{name} can't be used with --replay: the car is the recorded one",
                 f"--{name} нельзя указать вместе с --replay: машина взята из записи",
             )
-    bus = replay_bus(path, wanted, catalog=context.catalog())
+    bus = replay_bus(path, wanted, catalog=context.options.catalog)
     car = car_on(bus)
     bus.ecu.watcher = _reporting_the_end(context, path, car)
     if car is not None and car.recorded.problems:

@@ -129,7 +129,7 @@ def _show_line_load(context: CommandContext, names: Sequence[str]) -> None:
     Computed from §5's figures: 960 bytes a second, 2 ms from a request to its response. The rates
     of the unit and the adapter in use are measured when `auto` chooses, and shown with `-v`.
     """
-    catalog = context.catalog()
+    catalog = context.options.catalog
     plan = Plan(select(catalog, names).parameters)
     more = _another(catalog, plan)
     prices = [_price(plan.with_method(method), more) for method in _FIXED_METHODS]

@@ -71,7 +71,7 @@ def export(
     from mikas.recording.recording import Recording
 
     _check(file, out, dialect)
-    recording = Recording(file, context.catalog(), context.interpretation, names)
+    recording = Recording(file, context.options.catalog, context.options.interpretation, names)
     _tell_problems(context, recording)
     if recording.absent:
         absent = ", ".join(recording.absent)
@@ -158,7 +158,7 @@ def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Row
 )
 @click.argument("file", metavar="FILE", type=existing_file)
 def decode(context: CommandContext, file: Path) -> None:
-    describe = Describer(context.catalog(), context.interpretation)
+    describe = Describer(context.options.catalog, context.options.interpretation)
     zero: float | None = None
     for item in decode_frames(CaptureReader(file), describe):
         if context.output.json:

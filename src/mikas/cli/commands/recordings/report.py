@@ -73,7 +73,7 @@ def report(
     check_output(out, overwrite=overwrite)
 
     if file is not None:
-        found = find_in_recording(file, context.catalog())
+        found = find_in_recording(file, context.options.catalog)
     else:
         found = _measured_now(context, duration or _SECONDS)
     write_page(out, render(found, current_language()), overwrite=overwrite)
@@ -100,7 +100,7 @@ def _measured_now(context: CommandContext, seconds: float) -> Findings:
         if failure is not None:
             raise failure
         name = path.name if context.capture else ""
-        return find_in_recording(path, context.catalog(), name=name, errors=current.errors)
+        return find_in_recording(path, context.options.catalog, name=name, errors=current.errors)
 
 
 def _sample(context: CommandContext, current: SamplingRun) -> None:

@@ -30,13 +30,14 @@ from mikas.i18n import Text
     examples=("mikas params", "mikas params --interpretation literal", "mikas params --json"),
 )
 def params(context: CommandContext) -> None:
-    catalog = context.catalog()
+    catalog = context.options.catalog
     if context.output.json:
         context.output.data(
             {
                 "catalog": catalog.version,
                 "parameters": [
-                    _parameter_json(catalog, p, context.interpretation) for p in catalog.parameters
+                    _parameter_json(catalog, p, context.options.interpretation)
+                    for p in catalog.parameters
                 ],
                 "derived": [_derived_json(channel) for channel in catalog.derived.values()],
             }
@@ -46,7 +47,7 @@ def params(context: CommandContext) -> None:
         tr("name", "имя"), tr("code", "код"), tr("bytes", "байт"), tr("formula", "формула"),
         tr("unit", "ед."), tr("warm idle", "на ХХ"), tr("meaning", "параметр"), tr("notes", "см."),
     ]  # fmt: skip
-    rows = [_parameter_row(p, context.interpretation) for p in catalog.parameters]
+    rows = [_parameter_row(p, context.options.interpretation) for p in catalog.parameters]
     rows += [_derived_row(channel) for channel in catalog.derived.values()]
     context.output.table(headers, rows, right="2")
     used = sorted({name for p in catalog.parameters for name in p.errata})
@@ -187,7 +188,9 @@ def write(
         raise usage_error(
             "Give either a VALUE or --raw HEX", "Нужно либо значение VALUE, либо --raw HEX"
         )
-    meaning = partial(_meaning, context.catalog().parameter(name), context.interpretation)
+    meaning = partial(
+        _meaning, context.options.catalog.parameter(name), context.options.interpretation
+    )
     with context.ecu(context.confirm(yes=yes, meaning=meaning)) as ecu:
         written = ecu.write_parameter(name, number, raw=raw)
     if context.output.json:
