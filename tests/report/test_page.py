@@ -19,7 +19,8 @@ from mikas.errors import EchoOnly
 from mikas.i18n import Text
 from mikas.report import page
 from mikas.report.findings import find
-from mikas.report.subject import Interruption, UnitIdentity
+from mikas.report.subject import UnitIdentity
+from mikas.sampling.events import Gap
 
 _EMPTY = {"meta", "link", "br", "img"}
 
@@ -58,11 +59,11 @@ class Parsed(HTMLParser):
 
 def every_kind():
     """One of each: inside, off, unjudged, faults of each sort, gaps."""
-    gap = Interruption(START + 10, START + 15, Text("no echo", "нет эха"))
+    gap = Gap(START + 15, START + 10, START + 15, Text("no echo", "нет эха"))
     return found(
         rows(60, JAIR=11.0, UACC=12.9),
         faults=(12, 13, 53, 99),
-        interruptions=(gap, Interruption(START + 20), gap, gap, gap),
+        interruptions=(gap, Gap(START + 20, START + 20, None), gap, gap, gap),
         sessions=2,
         damaged=3,
         port="/dev/ttyUSB0",
@@ -234,7 +235,7 @@ def test_a_spike_is_drawn_and_a_gap_is_one() -> None:
     def spike(times):
         return np.where(times == 30, 5000, 840)
 
-    gap = Interruption(START + 40, START + 50, Text("gap", "пропуск"))
+    gap = Gap(START + 50, START + 40, START + 50, Text("gap", "пропуск"))
 
     def lost(times):
         return np.where((times >= 40) & (times < 50), np.nan, spike(times))
@@ -253,7 +254,7 @@ def test_a_spike_is_drawn_and_a_gap_is_one() -> None:
 @pytest.mark.parametrize("language", ["en", "ru"])
 def test_why_nothing_came_is_told_without_bytes_and_advice(language) -> None:
     error = EchoOnly(request=b"\x01\xff\x0d", received=b"\x01\xff\x0d")
-    gap = Interruption(START + 40, START + 50, error.text)
+    gap = Gap(START + 50, START + 40, START + 50, error.text)
     text = page.render(found(rows(60), interruptions=(gap,)), language)
     assert f"0:50 ({error.reason.to(language)})" in text
     assert "FF 0D" not in text

@@ -14,8 +14,8 @@ from mikas.link.urls import parse
 from mikas.report.findings import Findings
 from mikas.report.formatting import clock, duration, number
 from mikas.report.labels import Labels
-from mikas.report.subject import Interruption
 from mikas.report.summary import idle_sentence
+from mikas.sampling.events import Gap
 from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS
 
 _METHODS: Final = {
@@ -77,7 +77,7 @@ def _method(name: str) -> Text:
     return _METHODS.get(name, Text(name, name))
 
 
-def _gaps(pauses: tuple[Interruption, ...], began: float, label: Labels, language: Language) -> str:
+def _gaps(pauses: tuple[Gap, ...], began: float, label: Labels, language: Language) -> str:
     if not pauses:
         return label("gaps_none")
     texts = []

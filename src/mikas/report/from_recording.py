@@ -32,7 +32,6 @@ from mikas.report.formatting import date_of
 from mikas.report.measurements import MeasurementCollector, Measurements
 from mikas.report.subject import (
     Conditions,
-    Interruption,
     ReportSubject,
     UnitIdentity,
     cleared_faults,
@@ -77,11 +76,7 @@ def find_in_recording(
             adapter=recorded.adapter if recorded else source.description,
             echo=recorded.echo if recorded else None,
             method=methods[-1] if methods else (recorded.method or "") if recorded else "",
-            interruptions=tuple(
-                Interruption(event.began, event.ended, event.reason)
-                for event in events
-                if isinstance(event, Gap)
-            ),
+            interruptions=tuple(event for event in events if isinstance(event, Gap)),
             errors=errors,
             sessions=1 + last,
             damaged=table.problem_count,

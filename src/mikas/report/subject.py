@@ -11,8 +11,7 @@ from datetime import datetime
 from itertools import pairwise
 
 from mikas.catalog import Catalog, Fault, Model
-from mikas.i18n import Text
-from mikas.sampling.events import FaultReading
+from mikas.sampling.events import FaultReading, Gap
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,15 +21,6 @@ class UnitIdentity:
     model: Model
     program: tuple[str | None, ...] = ()
     data: tuple[str | None, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Interruption:
-    """No data from `began` to `ended`, on the link's clock; None: until the end."""
-
-    began: float
-    ended: float | None = None
-    reason: Text | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +37,10 @@ class Conditions:
     adapter: str = ""
     echo: bool | None = None
     method: str = ""
-    interruptions: tuple[Interruption, ...] = ()
+    interruptions: tuple[Gap, ...] = ()
     errors: int | None = None
     sessions: int = 1
     damaged: int = 0
-    recorded_with: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 from bisect import bisect_left
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from fastapi import APIRouter
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from mikas.dashboard.dashboard import Dashboard
     from mikas.dashboard.library.service import RecordingService
     from mikas.report.findings import Findings
-    from mikas.report.subject import Interruption, UnitIdentity
+    from mikas.report.subject import UnitIdentity
 
 router = APIRouter(tags=["recordings"])
 
@@ -154,11 +155,9 @@ def _since(rows: Rows, events: list[Event]) -> Rows:
     return Rows(rows.times[first:], {name: column[first:] for name, column in rows.values.items()})
 
 
-def _pauses(events: list[Event], began: float | None) -> Iterator[Interruption]:
+def _pauses(events: list[Event], began: float | None) -> Iterator[Gap]:
     """Yield the gaps that have ended; each is logged twice."""
-    from mikas.report.subject import Interruption
-
     for event in events:
         ended = event.ended if isinstance(event, Gap) else None
         if isinstance(event, Gap) and ended is not None and began is not None and ended > began:
-            yield Interruption(max(began, event.began), ended, event.reason)
+            yield replace(event, began=max(began, event.began))
