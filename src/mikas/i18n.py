@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Literal, NamedTuple
 
 Language = Literal["en", "ru"]
@@ -19,13 +20,17 @@ class Text(NamedTuple):
 
     def filled(self, **fields: object) -> Text:
         """Return the text with its fields filled in; a `Text` field in the same language."""
-        en = {
-            name: field.en if isinstance(field, Text) else field for name, field in fields.items()
-        }
-        ru = {
-            name: field.ru if isinstance(field, Text) else field for name, field in fields.items()
-        }
-        return Text(self.en.format(**en), self.ru.format(**ru))
+
+        def fill(language: Language) -> str:
+            words = {n: f.to(language) if isinstance(f, Text) else f for n, f in fields.items()}
+            return self.to(language).format(**words)
+
+        return Text(fill("en"), fill("ru"))
+
+
+def joined(separator: str, texts: Iterable[Text]) -> Text:
+    """Return the texts with a separator between them, in each language; at least one text."""
+    return Text(*map(separator.join, zip(*texts, strict=True)))
 
 
 def counted(count: int, english: tuple[str, str], russian: tuple[str, str, str]) -> Text:

@@ -6,7 +6,9 @@ Always in the corrected interpretation, which the references belong to.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,10 +22,8 @@ from mikas.recording.annotations.events import (
     recorded_faults,
     unit_of,
 )
-from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import CaptureReader, Problem, Source
 from mikas.recording.exchanges import read_exchanges
-from mikas.recording.exchanges.result import Exchanges
 from mikas.recording.table.channels import Rows
 from mikas.recording.table.derived import Deriver
 from mikas.recording.table.reader import TableReader
@@ -56,7 +56,8 @@ def find_in_recording(
     table = TableReader(path, catalog)
     sessions = _sessions(table, catalog)
     notes = list(capture.notes())
-    last = max((source.recording for source in sessions), default=_last_noted(notes))
+    noted = max((note.recording for note in notes), default=0)
+    last = max((source.recording for source in sessions), default=noted)
     mine = [note for note in notes if note.recording == last]
     source, measured = _fullest(sessions, last, catalog)
     heard = [*recorded_faults(mine), *fault_readings(capture.path).get(source, ())]
@@ -125,10 +126,6 @@ def _fullest(
     return max(found, key=lambda each: each[1].rows)
 
 
-def _last_noted(notes: Iterable[Note]) -> int:
-    return max((note.recording for note in notes), default=0)
-
-
 def _unit(recorded: RecordedUnit | None, catalog: Catalog) -> UnitIdentity | None:
     code = recorded.version_code if recorded else None
     if recorded is None or code is None or not 0 <= code <= 0xFF:
@@ -139,37 +136,20 @@ def _unit(recorded: RecordedUnit | None, catalog: Catalog) -> UnitIdentity | Non
 
 def fault_readings(path: Path) -> Mapping[Source, Sequence[FaultReading]]:
     """Return the fault readings by session and port; one without readings is missing."""
-    heard: dict[Source, list[FaultReading]] = {}
-    listeners: dict[Source, _Listener] = {}
+    heard: dict[Source, list[FaultReading]] = defaultdict(list)
+    erased: set[Source] = set()  # since the last reading
+    command, erasing = ReadFaults(), ERASE_FAULTS[-1].body()
     for item in read_exchanges(path):
-        if not isinstance(item, Problem):
-            listener = listeners.setdefault(item.source, _Listener())
-            for each in listener.listen(item):
-                heard.setdefault(item.source, []).append(each)
+        if isinstance(item, Problem):
+            continue
+        bodies = item.bodies
+        wanted = {n for n, body in enumerate(bodies) if body in (command.body(), erasing)}
+        for time, number, body in item.responses.of(wanted):
+            if bodies[number] == erasing:
+                erased.add(item.source)
+                continue
+            with suppress(MikasError):
+                reading = FaultReading(time, command.read(body), item.source in erased)
+                heard[item.source].append(reading)
+                erased.discard(item.source)
     return heard
-
-
-class _Listener:
-    """One port: whether faults were erased since the last reading."""
-
-    def __init__(self) -> None:
-        self._erased = False
-
-    def listen(self, exchanges: Exchanges) -> Iterator[FaultReading]:
-        """Yield the valid fault readings among these."""
-        command, erasing = ReadFaults(), ERASE_FAULTS[-1].body()
-        wanted = {
-            number
-            for number, body in enumerate(exchanges.bodies)
-            if body in (command.body(), erasing)
-        }
-        for time, number, body in exchanges.responses.of(wanted):
-            if exchanges.bodies[number] == erasing:
-                self._erased = True
-                continue
-            try:
-                codes = command.read(body)
-            except MikasError:
-                continue
-            yield FaultReading(time, codes, self._erased)
-            self._erased = False

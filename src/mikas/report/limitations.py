@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mikas.catalog import Confidence, Parameter
-from mikas.i18n import Text, counted
+from mikas.i18n import Text, counted, joined
 from mikas.report.findings import Findings
 from mikas.report.formatting import within
 from mikas.report.warm_idle import COOLANT
@@ -86,18 +86,16 @@ def _of_the_data(found: Findings) -> Iterator[Text]:
     if there:
         absent = [p for p in catalog.parameters if p.reference and p.name not in there]
         if absent:
-            yield Text(
-                f"Not measured: {', '.join(within(p.text).en for p in absent)}.",
-                f"Не измерено: {', '.join(within(p.text).ru for p in absent)}.",
-            )
+            names = joined(", ", (within(p.text) for p in absent))
+            yield Text(f"Not measured: {names.en}.", f"Не измерено: {names.ru}.")
     else:
         yield Text("All values: the data contain none.", "Значения: в данных нет ни одного.")
     if doubted := [c.name for c in measured.channels if getattr(c, "errata", ())]:
-        names = ", ".join(doubted)
+        listed = ", ".join(doubted)
         yield Text(
-            f"{names}: the protocol's source is doubtful here; the plausible interpretation is "
+            f"{listed}: the protocol's source is doubtful here; the plausible interpretation is "
             "used.",
-            f"{names}: описание протокола здесь сомнительно; принято правдоподобное толкование.",
+            f"{listed}: описание протокола здесь сомнительно; принято правдоподобное толкование.",
         )
     if how.sessions > 1:
         yield Text(

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import isfinite
 
 from mikas.catalog import Catalog
-from mikas.i18n import Language, Text, counted
+from mikas.i18n import Language, Text, counted, joined
 from mikas.report.findings import BandPosition, Findings, Outcome, is_open
 from mikas.report.formatting import duration, moment, number, within
 from mikas.report.subject import ClearedFaults
@@ -37,13 +37,9 @@ def _of_faults(found: Findings) -> Text:
     stored = found.real_faults
     if not stored:
         none = Text("No faults are stored", "Ошибок в памяти блока нет")
-        were = [_cleared_sentence(found, gone) for gone in found.cleared]
-        if were:
-            none = Text(none.en + " now", "Сейчас ошибок" + none.ru.removeprefix("Ошибок"))
-        return Text(
-            "; ".join((none.en, *(text.en for text in were))),
-            "; ".join((none.ru, *(text.ru for text in were))),
-        )
+        if found.cleared:
+            none = Text("No faults are stored now", "Сейчас ошибок в памяти блока нет")
+        return joined("; ", (none, *(_cleared_sentence(found, gone) for gone in found.cleared)))
     number = counted(len(stored), ("fault is", "faults are"), ("ошибка", "ошибки", "ошибок"))
     codes = ", ".join(str(each.fault.code) for each in stored)
     return Text(f"{number.en} stored: {codes}", f"В памяти блока {number.ru}: {codes}")
@@ -65,11 +61,10 @@ def _cleared_sentence(found: Findings, gone: ClearedFaults) -> Text:
     how = Text(f"{who.en} {done.en} {when.en}", f"{who.ru} {done.ru} {when.ru}")
     if is_open(found.subject, gone):
         back = "it comes" if only else "they come"
+        again = "появится" if only else "появятся"
         return Text(
             f"{how.en}, and whether {back} back is not known yet",
-            f"{how.ru}, и появится ли снова, пока не известно"
-            if only
-            else f"{how.ru}, и появятся ли снова, пока не известно",
+            f"{how.ru}, и {again} ли снова, пока не известно",
         )
     read = moment(found.subject.faults_read or gone.time, found.measured.began)
     there = "её" if only else "их"
@@ -98,9 +93,9 @@ def _of_values(found: Findings) -> Text:
             f"all {count} values that can be rated are normal at warm idle",
             f"все значения, которые можно оценить ({count}), на прогретом холостом ходу в норме",
         )
-    listed = Text(
-        ", ".join(f"{within(v.channel.text).en} ({MARKS[v.mark].en})" for v in off),
-        ", ".join(f"{within(v.channel.text).ru} ({MARKS[v.mark].ru})" for v in off),
+    marked = Text("{name} ({mark})", "{name} ({mark})")
+    listed = joined(
+        ", ", (marked.filled(name=within(v.channel.text), mark=MARKS[v.mark]) for v in off)
     )
     out = counted(len(off), ("is", "are"), ("значение", "значения", "значений"))
     return Text(
@@ -113,22 +108,14 @@ def _of_values(found: Findings) -> Text:
 def idle_sentence(found: Findings) -> Text:
     """Return the rules for warm idle, and how much of it was found."""
     idle, catalog = found.measured.idle, found.subject.catalog
-    rules = Text(
-        ", ".join(seen.rule.text.en for seen in idle.rules),
-        ", ".join(seen.rule.text.ru for seen in idle.rules),
-    )
+    rules = joined(", ", (seen.rule.text for seen in idle.rules))
     definition = Text(
         f"Warm idle means: {rules.en}; values count after {SETTLING:g} s of this.",
         f"Прогретым холостым ходом считается: {rules.ru}; значения учитываются через "
         f"{SETTLING:g} с после этого.",
     )
-    parts = [
-        definition,
-        *_substitute_rules(idle),
-        _idle_found(found, catalog),
-        *_missing(found, catalog),
-    ]
-    return Text(" ".join(part.en for part in parts), " ".join(part.ru for part in parts))
+    substitutes, missing = _substitute_rules(idle), _missing(found, catalog)
+    return joined(" ", (definition, *substitutes, _idle_found(found, catalog), *missing))
 
 
 def _substitute_rules(idle: WarmIdle) -> Iterator[Text]:
@@ -161,18 +148,14 @@ def _idle_found(found: Findings, catalog: Catalog) -> Text:
         times = counted(len(idle.stretches), ("stretch", "stretches"), ("раз", "раза", "раз"))
         return Text(f"Found: {lasted.en} in {times.en}.", f"Найдено: {lasted.ru}, {times.ru}.")
     if missing := idle.unknown:
-        en = ", ".join(rule.text.en for rule in missing)
-        ru = ", ".join(rule.text.ru for rule in missing)
+        names = joined(", ", (rule.text for rule in missing))
         return Text(
-            f"Can't be determined, as this was not recorded: {en}.",
-            f"Определить нельзя, не записано: {ru}.",
+            f"Can't be determined, as this was not recorded: {names.en}.",
+            f"Определить нельзя, не записано: {names.ru}.",
         )
-    seen = [_range_sentence(each, catalog) for each in idle.rules if not each.held]
-    if seen:
-        return Text(
-            f"Not found: {', '.join(s.en for s in seen)}.",
-            f"Не найден: {', '.join(s.ru for s in seen)}.",
-        )
+    if seen := [_range_sentence(each, catalog) for each in idle.rules if not each.held]:
+        ranges = joined(", ", seen)
+        return Text(f"Not found: {ranges.en}.", f"Не найден: {ranges.ru}.")
     return Text(
         f"Only {lasted.en} found; {ENOUGH:g} s are needed.",
         f"Найдено только {lasted.ru}; нужно {ENOUGH:g} с.",
