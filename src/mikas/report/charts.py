@@ -53,7 +53,7 @@ def chart(
         *_value_axis(plot, channel, language),
         *_time_axis(plot),
         plot.course(curve),
-        *(plot.strip(span) for span in idle),
+        *(plot.bar("idle", span, _BOTTOM - _STRIP) for span in idle),
         _svg("rect", cls="frame", x=_LEFT, y=_TOP, width=_RIGHT - _LEFT, height=_BOTTOM - _TOP),
     ]
     return Markup(
@@ -74,17 +74,10 @@ class _Frame:
     def y(self, value: float) -> float:
         return _BOTTOM - (value - self.low) / (self.high - self.low) * (_BOTTOM - _TOP)
 
-    def bar(self, cls: str, span: Span) -> Markup:
-        x, width = self._across(span)
-        return _svg("rect", cls=cls, x=x, y=_TOP, width=width, height=_BOTTOM - _TOP)
-
-    def strip(self, span: Span) -> Markup:
-        x, width = self._across(span)
-        return _svg("rect", cls="idle", x=x, y=_BOTTOM - _STRIP, width=width, height=_STRIP)
-
-    def _across(self, span: Span) -> Span:
+    def bar(self, cls: str, span: Span, top: int = _TOP) -> Markup:
         x = self.x(span[0])
-        return x, max(0.5, self.x(span[1]) - x)
+        width = max(0.5, self.x(span[1]) - x)
+        return _svg("rect", cls=cls, x=x, y=top, width=width, height=_BOTTOM - top)
 
     def level(self, cls: str, band: Span) -> Markup:
         top, bottom = self.y(band[1]), self.y(band[0])

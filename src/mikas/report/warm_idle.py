@@ -6,9 +6,9 @@ one from a bad one. An idle at 1150 rpm is found, and then rated as high.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from math import inf, isfinite, nan
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import inf, nan
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -43,18 +43,18 @@ class IdleRule:
 
 @dataclass(frozen=True, slots=True)
 class RuleResult:
-    """The result of a rule: its channel (None: not recorded), the range of its values, and whether
-    the rule ever held. `missing`: seconds without a valid value; `instead`: the rule used where its
-    own channel was not read.
+    """The result of a rule: its channel (None: not recorded), the range of its values (infinite: it
+    had none), and whether the rule ever held. `missing`: seconds without a valid value; `instead`:
+    the rule used where its own channel was not read.
     """
 
     rule: IdleRule
     name: str | None
-    least: float = nan
-    most: float = nan
-    held: bool = False
-    missing: float = 0.0
-    instead: IdleRule | None = None
+    least: float
+    most: float
+    held: bool
+    missing: float
+    instead: IdleRule | None
 
 
 COOLANT: Final = IdleRule(
@@ -102,8 +102,7 @@ class WarmIdleFinder:
     def __init__(self, recorded: Iterable[str]) -> None:
         names = set(recorded)
         self._watches = [
-            _RuleWatch(_by_channel(names, *rules))
-            for rules in ((COOLANT,), (SPEED,), (THROTTLE, IDLE_FLAG))
+            _RuleWatch(names, *rules) for rules in ((COOLANT,), (SPEED,), (THROTTLE, IDLE_FLAG))
         ]
         self._last = -inf  # the last row's time
         self._since: float | None = None  # since when all rules hold without a pause
@@ -165,27 +164,32 @@ class WarmIdleFinder:
         return bool(self._stretches) and self._stretches[-1][1] == self._last
 
 
-def _by_channel(recorded: set[str], *rules: IdleRule) -> list[_ChannelWatch]:
-    """Return a watch for each recorded channel, the best first; without one, an empty watch."""
-    watches = [
-        _ChannelWatch(rule, name) for rule in rules for name in rule.names if name in recorded
-    ]
-    return watches or [_ChannelWatch(rules[0], None)]
-
-
 class _RuleWatch:
-    """One rule, by the best channel that was read at the time: the plan may change."""
+    """One rule, by the best channel that was read at the time: the plan may change.
 
-    def __init__(self, watches: Sequence[_ChannelWatch]) -> None:
-        self._watches = watches
+    Of the recorded channels the best is first; without one, the rule has an empty watch.
+    """
+
+    def __init__(self, recorded: set[str], *rules: IdleRule) -> None:
+        self._watches = [
+            _ChannelWatch(rule, name) for rule in rules for name in rule.names if name in recorded
+        ] or [_ChannelWatch(rules[0], None)]
         self._held = False
         self._missing = 0.0
         self._instead: IdleRule | None = None
 
     @property
     def result(self) -> RuleResult:
-        first = self._watches[0].result
-        return replace(first, held=self._held, missing=self._missing, instead=self._instead)
+        first = self._watches[0]
+        return RuleResult(
+            first.rule,
+            first.name,
+            first.least,
+            first.most,
+            held=self._held,
+            missing=self._missing,
+            instead=self._instead,
+        )
 
     def holds(self, rows: SampleRows, passed: Column) -> Mask:
         """Return where the rule holds; `passed`: seconds since the previous row."""
@@ -207,25 +211,19 @@ class _ChannelWatch:
 
     def __init__(self, rule: IdleRule, name: str | None) -> None:
         self.rule = rule
-        self._name = name
-        self._least, self._most = inf, -inf
+        self.name = name
+        self.least, self.most = inf, -inf
         self._last = (-inf, nan)  # time and value
-
-    @property
-    def result(self) -> RuleResult:
-        if not isfinite(self._least):
-            return RuleResult(self.rule, self._name)
-        return RuleResult(self.rule, self._name, self._least, self._most)
 
     def look(self, rows: SampleRows) -> tuple[Mask, Mask]:
         """Where the channel's last value is fresh enough, and there within the rule."""
-        column = rows.values.get(self._name) if self._name else None
+        column = rows.values.get(self.name) if self.name else None
         if column is None:
             return np.zeros(rows.times.size, np.bool_), np.zeros(rows.times.size, np.bool_)
         finite = column[np.isfinite(column)]
         if finite.size:
-            self._least = min(self._least, float(finite.min()))
-            self._most = max(self._most, float(finite.max()))
+            self.least = min(self.least, float(finite.min()))
+            self.most = max(self.most, float(finite.max()))
         times = np.concatenate(([self._last[0]], rows.times))
         values = np.concatenate(([self._last[1]], column))
         latest = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(values.size), 0))

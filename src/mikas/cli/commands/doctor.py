@@ -31,7 +31,7 @@ def ports(context: CommandContext) -> None:
                 "description": port.description,
                 "chip": port.chip,
                 "likely": port.likely,
-                "quirks": [{"en": quirk.en, "ru": quirk.ru} for quirk in port.quirks],
+                "quirks": [quirk._asdict() for quirk in port.quirks],
             }
             for port in found
         ]

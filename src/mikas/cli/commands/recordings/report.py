@@ -137,7 +137,7 @@ def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
         {
             "out": str(out),
             "outcome": found.outcome.value,
-            "verdict": {"en": verdict.en, "ru": verdict.ru},
+            "verdict": verdict._asdict(),
             "faults": faults,
             "warm_idle_seconds": round(found.measured.idle.seconds, 3),
             "values": {value.channel.name: _as_json(value) for value in found.rated},

@@ -99,8 +99,8 @@ def _confidence(confidence: Confidence) -> str:
 def _as_json(fault: Fault) -> dict[str, Any]:
     return {
         "code": fault.code,
-        "text": {"en": fault.text.en, "ru": fault.text.ru},  # empty for an unknown one
+        "text": fault.text._asdict(),  # empty for an unknown one
         "confidence": fault.confidence,
-        "check": {"en": fault.check.en, "ru": fault.check.ru},
+        "check": fault.check._asdict(),
         "parameters": fault.parameters,
     }

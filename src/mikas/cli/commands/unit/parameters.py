@@ -84,14 +84,14 @@ def _derived_json(channel: Derived) -> dict[str, Any]:
         "constants": dict(channel.constants),
         "inputs": channel.inputs,
         "accumulates": channel.accumulates,
-        "text": {"en": channel.text.en, "ru": channel.text.ru},
+        "text": channel.text._asdict(),
         "source": channel.source,
         "confidence": channel.confidence,
     }
 
 
 def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str) -> dict[str, Any]:
-    errata = [catalog.errata[name] for name in parameter.errata]
+    errata = (catalog.errata[name] for name in parameter.errata)
     return {
         "name": parameter.name,
         "code": f"{parameter.code:02X}",
@@ -101,15 +101,14 @@ def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str)
         "limits": parameter.limits(interpretation),
         "plausible": parameter.plausible,
         "reference": parameter.reference,
-        "text": {"en": parameter.text.en, "ru": parameter.text.ru},
+        "text": parameter.text._asdict(),
         "source": parameter.source,
         "confidence": parameter.confidence,
         "errata": [
-            {"name": e.name, "title": {"en": e.title.en, "ru": e.title.ru},
-             "reason": {"en": e.reason.en, "ru": e.reason.ru}}
+            {"name": e.name, "title": e.title._asdict(), "reason": e.reason._asdict()}
             for e in errata
         ],
-    }  # fmt: skip
+    }
 
 
 @command(
