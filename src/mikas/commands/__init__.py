@@ -83,10 +83,35 @@ __all__ = [
     "parse",
 ]
 
-ALL_COMMANDS: tuple[type[Command[Any]], ...] = tuple(
-    sorted((each for each in vars().values() if hasattr(each, "CODES")), key=lambda it: it.CODES)
+ALL_COMMANDS: tuple[type[Command[Any]], ...] = (
+    Availability,
+    ReadFaults,
+    ReadRamByte,
+    WriteRamByte,
+    ReadXramByte,
+    WriteXramByte,
+    ReadCodeByte,
+    WriteCodeByte,
+    ReadRamBlock,
+    WriteRamBlock,
+    ReadXramBlock,
+    WriteXramBlock,
+    ReadCodeBlock,
+    WriteCodeBlock,
+    ReadSfr,
+    WriteSfr,
+    GoTo,
+    ReadProgramPassport,
+    ReadDataPassport,
+    CountParameters,
+    ReadParameters,
+    WriteParameter,
+    ReadList,
+    WriteList,
+    StreamCyclic,
+    StreamAtStroke,
 )
-"""The classes imported above, in the order of §3's table."""
+"""In the order of §3's table."""
 
 COMMANDS_BY_CODE: dict[int, type[Command[Any]]] = {
     code: command for command in ALL_COMMANDS for code in command.CODES
