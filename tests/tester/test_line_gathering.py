@@ -192,7 +192,7 @@ def test_an_echo_that_the_adapter_makes_itself_is_timed_when_it_comes():
 
 def test_it_never_waits_beyond_a_streams_deadline():
     _, link, tester = connected(rpm=0.0)
-    with tester.stream(c.StreamAtStroke(LIST, 0), silence=1.0) as stream:
+    with tester.stream(c.StreamAtStroke(LIST, 0)) as stream:
         deadline = link.now() + 0.001
         assert stream.read(deadline) is None
         assert link.now() == pytest.approx(deadline, abs=1e-9)

@@ -21,13 +21,13 @@ def test_the_first_interruption_may_collide(phase, adapter, monkeypatch):
     with tester.stream(c.StreamCyclic(SEVERAL)) as stream:
         for _ in range(3):
             next(stream)
-        step, in_a_gap = tester._step, tester._step._wait_for_gap
+        sync, in_a_gap = tester._sync, tester._sync._wait_for_gap
 
         def late():
             unit.link.read(unit.link.now() + phase * unit.link.byte_time / 2)
-            monkeypatch.setattr(step, "_wait_for_gap", in_a_gap)
+            monkeypatch.setattr(sync, "_wait_for_gap", in_a_gap)
 
-        monkeypatch.setattr(step, "_wait_for_gap", late)
+        monkeypatch.setattr(sync, "_wait_for_gap", late)
         began = unit.link.now()
     assert unit.link.now() - began < _LATE
     assert unit.told("stream") == unit.told("stream-end") == 1

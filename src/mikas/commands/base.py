@@ -136,13 +136,25 @@ class Command(ABC, Generic[T]):
         """Parse a request's body, the inverse of `body()`. Raises `MalformedRequest`."""
 
 
-class ReadNumber(Command[int]):
-    """A command without arguments, answered by one byte."""
+class OnlyCode(Command[T]):
+    """A request of one byte, the code."""
 
     __slots__ = ()
 
     def body(self) -> bytes:
         return bytes([self.code])
+
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        if len(body) != 1:
+            raise MalformedRequest
+        return cls()
+
+
+class ReadNumber(OnlyCode[int]):
+    """A command without arguments, answered by one byte."""
+
+    __slots__ = ()
 
     def response_lengths(self) -> Sequence[int]:
         return (1,)
@@ -152,12 +164,6 @@ class ReadNumber(Command[int]):
 
     def respond(self, value: int) -> bytes:
         return bytes([value])
-
-    @classmethod
-    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        if len(body) != 1:
-            raise MalformedRequest
-        return cls()
 
 
 class Write(Command[None]):

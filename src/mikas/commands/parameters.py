@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple, Self
+from typing import ClassVar, NamedTuple, Self, TypeVar
 
 from mikas.commands.base import (
     Command,
@@ -20,6 +20,7 @@ from mikas.commands.base import (
 )
 from mikas.i18n import Text
 
+T = TypeVar("T")
 Data = tuple[bytes, ...]  # one datum a parameter, in the order asked
 
 
@@ -40,8 +41,8 @@ class CountParameters(ReadNumber):
 
 
 @dataclass(frozen=True, slots=True)
-class _DataCommand(Command[Data]):
-    """Answered by the data of `parameters` in order."""
+class _ForParameters(Command[T]):
+    """A request of the codes of `parameters`."""
 
     parameters: tuple[Datum, ...]
 
@@ -56,6 +57,15 @@ class _DataCommand(Command[Data]):
     def body(self) -> bytes:
         return bytes([self.code, *(p.code for p in self.parameters)])
 
+    @classmethod
+    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
+        return cls(_parse_codes(body[1:], size_of))
+
+
+@dataclass(frozen=True, slots=True)
+class _DataCommand(_ForParameters[Data]):
+    """Answered by the data of `parameters` in order."""
+
     def response_lengths(self) -> Sequence[int]:
         return (sum(p.size for p in self.parameters),)
 
@@ -68,10 +78,6 @@ class _DataCommand(Command[Data]):
 
     def respond(self, value: Data) -> bytes:
         return b"".join(value)
-
-    @classmethod
-    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        return cls(_parse_codes(body[1:], size_of))
 
 
 def _parse_codes(codes: bytes, size_of: SizeOf) -> tuple[Datum, ...]:
@@ -144,26 +150,13 @@ class ReadList(_DataCommand):
 
 
 @dataclass(frozen=True, slots=True)
-class WriteList(Write):
+class WriteList(Write, _ForParameters[None]):
     """64 CWRITL: `64 P1 … PN` → `00` / `01`: sets the list that 63 reads."""
-
-    parameters: tuple[Datum, ...]
 
     CODES: ClassVar[tuple[int, ...]] = (0x64,)
     SOURCE_NAME: ClassVar[str] = "CWRITL"
     TITLE: ClassVar[Text] = Text("set the list", "запись списка")
     SAFETY: ClassVar[Safety] = Safety.REVERSIBLE
-
-    def __post_init__(self) -> None:
-        if not self.parameters:
-            raise ValueError("at least one parameter")
-
-    def body(self) -> bytes:
-        return bytes([self.code, *(p.code for p in self.parameters)])
-
-    @classmethod
-    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        return cls(_parse_codes(body[1:], size_of))
 
 
 class StreamCyclic(_DataCommand):

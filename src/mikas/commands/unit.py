@@ -11,8 +11,8 @@ from typing import ClassVar, Self
 
 from mikas.commands.base import (
     ERROR,
-    Command,
     MalformedRequest,
+    OnlyCode,
     ReadNumber,
     Safety,
     SizeOf,
@@ -27,7 +27,7 @@ _MOST = 0xFF
 
 
 @dataclass(frozen=True, slots=True)
-class ReadFaults(Command[tuple[int, ...]]):
+class ReadFaults(OnlyCode[tuple[int, ...]]):
     """02: the stored faults' numbers, as the ECU lists them.
 
     `02` → `N E1 E0 E2 E0 … EN E0`, every number followed by the separator E0; none: `00`. A fault
@@ -37,9 +37,6 @@ class ReadFaults(Command[tuple[int, ...]]):
     CODES: ClassVar[tuple[int, ...]] = (0x02,)
     SOURCE_NAME: ClassVar[str] = "read faults"
     TITLE: ClassVar[Text] = Text("stored faults", "запомненные неисправности")
-
-    def body(self) -> bytes:
-        return b"\x02"
 
     def response_lengths(self) -> Sequence[int]:
         return range(1, 2 * _MOST + 2, 2)
@@ -62,12 +59,6 @@ class ReadFaults(Command[tuple[int, ...]]):
     def respond(self, value: tuple[int, ...]) -> bytes:
         listed = value[:_MOST]
         return bytes([len(listed)]) + b"".join(bytes([n, SEPARATOR]) for n in listed)
-
-    @classmethod
-    def parse(cls, body: bytes, size_of: SizeOf) -> Self:
-        if len(body) != 1:
-            raise MalformedRequest
-        return cls()
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +105,7 @@ class Availability(ReadNumber):
 
 
 @dataclass(frozen=True, slots=True)
-class _ReadPassport(Command[str]):
+class _ReadPassport(OnlyCode[str]):
     """One 16-byte piece of a passport: code page 866, zero-padded. `part` counts from 1."""
 
     part: int
@@ -126,9 +117,6 @@ class _ReadPassport(Command[str]):
     @property
     def code(self) -> int:
         return self.CODES[self.part - 1]
-
-    def body(self) -> bytes:
-        return bytes([self.code])
 
     def response_lengths(self) -> Sequence[int]:
         return (PASSPORT_LENGTH,)

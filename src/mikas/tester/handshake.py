@@ -28,14 +28,14 @@ class Echo(Enum):
     OFF = "off"
 
 
-def handshake(line: Line, step: LineSync, echo: Echo, *, again: bool = False) -> int:
+def handshake(line: Line, sync: LineSync, echo: Echo, *, again: bool = False) -> int:
     """Set `line.echo`; return the unit's version code, received twice.
 
     `again`: after a failed handshake, also end a stream by strokes of an earlier session, which the
     short waits of the first attempt may miss. Raises `NoEcho`, `EchoOnly`, `EchoDiffers`,
     `NotAKLineAdapter`, `SyncLost` or another `LineError`.
     """
-    received = step.silence(patient=again)
+    received = sync.silence(patient=again)
     answered = _find_echo(line, echo, received)
     first = _request_version(line, line.timing.idle_time, answered=answered)
     # A late answer or a stream by strokes of an earlier session shows in the silence of a whole

@@ -28,8 +28,8 @@ class StreamItem:
 class Stream:
     """An iterator over the responses of a stream command; close it, or use it in a `with`.
 
-    Iterating raises `NoResponse` after `silence` seconds without a response (by default 2 s by
-    strokes, else `response_timeout`), `LinkLost` if the adapter is gone. A damaged response, or one
+    Iterating raises `NoResponse` after `silence` seconds without a response (2 s by strokes, else
+    `response_timeout`), `LinkLost` if the adapter is gone. A damaged response, or one
     of a wrong length, is counted, passed to `on_error` and left out.
     """
 
@@ -40,13 +40,12 @@ class Stream:
         *,
         end: Callable[[], None],
         on_error: Callable[[LineError], None],
-        silence: float | None = None,
     ) -> None:
         self.command = command
         self.damaged = 0
         self.foreign = 0
         by_strokes = isinstance(command, c.StreamAtStroke)
-        self.silence = silence or (_STANDING_ENGINE if by_strokes else line.timing.response_timeout)
+        self.silence = _STANDING_ENGINE if by_strokes else line.timing.response_timeout
         self._line = line
         self._end = end
         self._on_error = on_error

@@ -58,7 +58,7 @@ class Tester:
         self.version_code: int | None = None
         self.statistics = Statistics()
         self._line = Line(link, timing or Timing(), raw_checksum=raw_checksum, strict=strict)
-        self._step = LineSync(self._line)
+        self._sync = LineSync(self._line)
         self._lock = threading.Lock()
         self._stream: Stream | None = None
         self._stream_thread: int | None = None
@@ -77,7 +77,7 @@ class Tester:
     @property
     def found_again(self) -> int:
         """The number of resynchronizations (D13)."""
-        return self._step.found_again
+        return self._sync.found_again
 
     @property
     def silences(self) -> int:
@@ -87,7 +87,7 @@ class Tester:
     @property
     def breaks(self) -> int:
         """How often only a line break could end a stream (D12)."""
-        return self._step.breaks
+        return self._sync.breaks
 
     def connect(self) -> int:
         """Detect the echo and the unit; return its version code.
@@ -96,10 +96,10 @@ class Tester:
         """
         with self._holding():
             for attempt in range(self.retries + 1):
-                self._step.mark_lost()
+                self._sync.mark_lost()
                 try:
                     self.version_code = handshake(
-                        self._line, self._step, self.echo, again=attempt > 0
+                        self._line, self._sync, self.echo, again=attempt > 0
                     )
                     break
                 except LineError as error:
@@ -107,7 +107,7 @@ class Tester:
                     refuse_elm(error.received or b"")
                     if attempt == self.retries:
                         raise
-            self._step.keep()
+            self._sync.keep()
             assert self.version_code is not None
             self._known.update(c.Availability.CODES)
             return self.version_code
@@ -184,7 +184,7 @@ class Tester:
 
     def _once(self, command: c.Command[T]) -> tuple[T, Reply]:
         self.statistics.requests += 1
-        self._step.mark_lost()  # until the exchange has succeeded; Ctrl-C may end it
+        self._sync.mark_lost()  # until the exchange has succeeded; Ctrl-C may end it
         try:
             shortest = min(command.response_lengths(), default=0)
             reply = self._line.exchange(command.body(), min_length=shortest)
@@ -195,12 +195,12 @@ class Tester:
                 error.received, error.time = reply.wire, reply.ended
                 raise
         except LineError as error:
-            self._step.mark_lost(error)
+            self._sync.mark_lost(error)
             raise
         except EcuRefused:
-            self._step.keep()
+            self._sync.keep()
             raise
-        self._step.keep()
+        self._sync.keep()
         self._known.add(command.code)
         return value, reply
 
@@ -225,12 +225,12 @@ class Tester:
         """
         with self._holding():
             self._ensure_in_sync()
-            self._step.mark_lost()
+            self._sync.mark_lost()
             began = self.link.now()
             wire, ended = self._line.send(body, hasty=True)
             with suppress(LineError):
                 self._line.receive(wire, ended)
-                self._step.keep()
+                self._sync.keep()
             return self._line.echo_heard - began
 
     def raw(self, body: bytes) -> bytes | None:
@@ -241,35 +241,32 @@ class Tester:
         with self._holding():
             self._ensure_in_sync()
             self.statistics.requests += 1
-            self._step.mark_lost()
-            self._step.streaming = not _STREAM_CODES.isdisjoint(body[:1])
+            self._sync.mark_lost()
+            self._sync.streaming = not _STREAM_CODES.isdisjoint(body[:1])
             try:
-                reply = self._line.exchange(body, of_many=self._step.streaming)
+                reply = self._line.exchange(body, of_many=self._sync.streaming)
             except NoResponse:
                 return None
-            if not self._step.streaming:
-                self._step.keep()
+            if not self._sync.streaming:
+                self._sync.keep()
             return reply.body
 
-    def stream(
-        self, command: c.StreamCyclic | c.StreamAtStroke, *, silence: float | None = None
-    ) -> Stream:
+    def stream(self, command: c.StreamCyclic | c.StreamAtStroke) -> Stream:
         """Start `command`; return the stream of its responses, which the caller closes (D12).
 
-        The stream holds the tester's lock until then. `silence`: see `Stream`.
+        The stream holds the tester's lock until then.
         """
         self._acquire()
         try:
             self._ensure_in_sync()
             self.statistics.requests += 1
-            self._step.mark_lost()
-            self._step.streaming = True
+            self._sync.mark_lost()
+            self._sync.streaming = True
             stream = Stream(
                 self._line,
                 command,
                 end=self._end_stream,
                 on_error=self.statistics.fail,
-                silence=silence,
             )
             stream.start()
         except BaseException:
@@ -283,7 +280,7 @@ class Tester:
         assert self.version_code is not None
         command = self._stream.command
         try:
-            self._step.end_stream(
+            self._sync.end_stream(
                 self.version_code,
                 by_strokes=isinstance(command, c.StreamAtStroke),
                 bytes_each=command.response_lengths()[0],
@@ -300,12 +297,12 @@ class Tester:
         while (now := self.link.now()) < until:
             with self._holding():
                 if self.link.read(min(until, now + _TURN)).data:
-                    self._step.mark_lost()
+                    self._sync.mark_lost()
 
     def _ensure_in_sync(self) -> None:
         if self.version_code is None:
             raise usage_error("connect() comes first", "сначала нужен connect()")
-        self._step.resynchronize(self.version_code)
+        self._sync.resynchronize(self.version_code)
 
     @contextmanager
     def _holding(self) -> Iterator[None]:
