@@ -108,17 +108,17 @@ def test_every_change_of_hands_is_told(lease):
 
 
 def test_a_request_that_came_to_nothing_is_taken_back(lease):
-    before = lease.demand(ME)
-    lease.undo(before)
+    undo = lease.demand(ME)
+    undo()
     assert lease.holder is None
     lease.demand(ME)
     lease.passes(AFTER_REQUEST - 1)
-    lease.undo(lease.demand(ME))
+    lease.demand(ME)()
     lease.passes(1)
     assert lease.holder is None
-    before = lease.demand(ME)
+    undo = lease.demand(ME)
     lease.demand(ME)  # a good one of the same client, at the same time
-    lease.undo(before)
+    undo()
     assert lease.holder == ME
 
 
@@ -163,7 +163,7 @@ def test_who_gives_no_id_is_told_what_is_known_and_asks_for_nothing(idle):
 def test_looking_on_the_line_keeps_the_seat_for_who_has_it(lease):
     lease.demand(ME, take=False)
     assert lease.holder is None
-    lease.undo(lease.demand(ME, take=False))
+    lease.demand(ME, take=False)()
     assert lease.holder is None
     lease.demand(ME)
     lease.passes(AFTER_REQUEST - 1)

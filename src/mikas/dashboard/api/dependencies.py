@@ -99,12 +99,12 @@ KnownClient = Annotated[Client, Depends(_known)]
 async def _controller(
     dashboard: TheDashboard, client: KnownClient, request: Request
 ) -> AsyncIterator[Client]:
-    before = dashboard.control.demand(client, take=request.method != "GET")
+    undo = dashboard.control.demand(client, take=request.method != "GET")
     try:
         yield client
     except (RequestValidationError, MikasError) as error:
         if not isinstance(error, MikasError) or status_of(error) in _UNUSED:
-            dashboard.control.undo(before)
+            undo()
         raise
 
 

@@ -44,19 +44,13 @@ class PendingChange:
     needs_unlock: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class _Kept:
-    client: str
-    until: float
-    change: PendingChange
-
-
 @dataclass(slots=True)
 class ConfirmationStore:
     """Pending changes by nonce. Any thread may call. `clock`: seconds that never run back."""
 
     clock: Callable[[], float]
-    _kept: dict[str, _Kept] = field(default_factory=dict)
+    _kept: dict[tuple[str, str], tuple[float, PendingChange]] = field(default_factory=dict)
+    """The end and the change, by client and nonce."""
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def keep(self, client: Client, change: PendingChange) -> str:
@@ -64,22 +58,19 @@ class ConfirmationStore:
         nonce = secrets.token_urlsafe(16)
         with self._lock:
             now = self.clock()
-            self._kept = {key: kept for key, kept in self._kept.items() if kept.until > now}
+            self._kept = {key: kept for key, kept in self._kept.items() if kept[0] > now}
             while len(self._kept) >= _MAX_KEPT:
                 del self._kept[next(iter(self._kept))]
-            self._kept[nonce] = _Kept(client.id, now + LIFETIME, change)
+            self._kept[client.id, nonce] = (now + LIFETIME, change)
         return nonce
 
     def use(self, client: Client, nonce: str) -> PendingChange:
         """Return the change that `nonce` confirms, once. Raises `ConfirmationExpired`."""
         with self._lock:
-            kept = self._kept.get(nonce)
-            if kept is None or kept.client != client.id:
-                raise ConfirmationExpired
-            del self._kept[nonce]
-            if self.clock() >= kept.until:
-                raise ConfirmationExpired
-        return kept.change
+            until, change = self._kept.pop((client.id, nonce), (0.0, None))
+        if change is None or self.clock() >= until:
+            raise ConfirmationExpired
+        return change
 
     def clear(self) -> None:
         """Drop all; called when the unit is another one, or disconnected."""

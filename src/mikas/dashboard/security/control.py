@@ -14,11 +14,13 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from mikas.dashboard.errors import NotAllowed, NotController
 
 AFTER_SOCKET = 15.0
 AFTER_REQUEST = 60.0
+Undo = Callable[[], None]
 _MAX_GONE = 100  # clients without a WebSocket that are remembered
 
 
@@ -29,15 +31,6 @@ class Client:
     id: str
     name: str
     may_control: bool
-
-
-@dataclass(frozen=True, slots=True)
-class LeaseBefore:
-    """The lease as it was before a request, for `undo`."""
-
-    request: int
-    holder: Client | None
-    until: float
 
 
 class ControlLease:
@@ -70,11 +63,11 @@ class ControlLease:
         with self._lock:
             return len(self._sockets)
 
-    def demand(self, client: Client, *, force: bool = False, take: bool = True) -> LeaseBefore:
+    def demand(self, client: Client, *, force: bool = False, take: bool = True) -> Undo:
         """Check that `client` has control, or give it a free lease; with `force` any lease.
 
-        Returns the lease before, for `undo`. Without `take` a free lease stays free. Raises
-        `NotAllowed`, `NotController`.
+        Returns the function that undoes this, unless another request came after it. Without `take`
+        a free lease stays free. Raises `NotAllowed`, `NotController`.
         """
         if not client.may_control:
             raise NotAllowed
@@ -83,20 +76,13 @@ class ControlLease:
             if holder is not None and holder.id != client.id and not force:
                 raise NotController(holder=holder.name or holder.id)
             if holder is None and not take:
-                return LeaseBefore(self._requests, holder, self._until)
+                return lambda: None
             self._requests += 1
-            before = LeaseBefore(self._requests, holder, self._until)
+            undo = partial(self._undo, self._requests, holder, self._until)
             self._give(client)
             after = AFTER_SOCKET if client.id in self._gone else AFTER_REQUEST
             self._until = self._clock() + after
-            return before
-
-    def undo(self, before: LeaseBefore) -> None:
-        """Undo the effect of that request, unless another request came after it."""
-        with self._lock:
-            if before.request == self._requests:
-                self._give(before.holder)
-                self._until = before.until
+            return undo
 
     def release(self, client: Client) -> None:
         """Free the lease, if `client` holds it."""
@@ -119,6 +105,12 @@ class ControlLease:
             self._gone.append(client.id)
             if self._holder is not None and self._holder.id == client.id:
                 self._until = self._clock() + AFTER_SOCKET
+
+    def _undo(self, request: int, holder: Client | None, until: float) -> None:
+        with self._lock:
+            if request == self._requests:
+                self._give(holder)
+                self._until = until
 
     def _current(self) -> Client | None:
         holder = self._holder
