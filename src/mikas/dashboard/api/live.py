@@ -28,7 +28,7 @@ from mikas.dashboard.errors import ApiRefusal
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.event_log import page_json
 from mikas.dashboard.session.history import plain
-from mikas.dashboard.session.monitor import Row
+from mikas.dashboard.session.monitor import ConnectionMonitor, Row
 
 _log = logging.getLogger("mikas.dashboard")
 
@@ -109,20 +109,15 @@ class Broadcaster:
 
     def __init__(self, dashboard: Dashboard) -> None:
         self._dashboard = dashboard
-        self._listeners: set[Listener] = set()
+        self.listeners: set[Listener] = set()
         self._task: asyncio.Task[None] | None = None
         self._state = (0, "")
         self._stated = 0.0
 
-    @property
-    def full(self) -> bool:
-        """Whether the number of clients is at its maximum."""
-        return len(self._listeners) >= _MAX_CLIENTS
-
     def join(self, listener: Listener) -> None:
         """Add a listener."""
         self._new_state()
-        self._listeners.add(listener)
+        self.listeners.add(listener)
         self._dashboard.control.socket_opened(listener.client)
         self._dashboard.monitor.listened = True
         listener.offer("")
@@ -131,9 +126,9 @@ class Broadcaster:
 
     def leave(self, listener: Listener) -> None:
         """Remove a listener; the task ends with the last one."""
-        self._listeners.discard(listener)
+        self.listeners.discard(listener)
         self._dashboard.control.socket_closed(listener.client)
-        if not self._listeners and self._task is not None:
+        if not self.listeners and self._task is not None:
             self._task.cancel()
             self._task = None
             self._dashboard.monitor.listened = False
@@ -143,10 +138,6 @@ class Broadcaster:
         """Return the next message of `listener`, with its own part of the state."""
         own = own_state(self._dashboard, listener.client)
         return listener.next(own.now, own.model_dump_json()[1:-1], self._state)
-
-    def poke(self) -> None:
-        """Wake the task: a client waits for a response."""
-        self._dashboard.monitor.wake()
 
     async def _run(self) -> None:
         loop, news, failed = asyncio.get_running_loop(), asyncio.Event(), False
@@ -176,7 +167,7 @@ class Broadcaster:
         if batch.events or dashboard.clock() - self._stated >= STATE_EVERY:
             stated = self._new_state()
         tails: dict[Fields, str] = {}
-        for listener in self._listeners:
+        for listener in self.listeners:
             tail = tails.get(listener.fields)
             if tail is None:
                 tail = _tail(batch.names, batch.rows, events, listener.fields)
@@ -219,13 +210,13 @@ async def live(socket: WebSocket, client: str = "", name: str = "") -> None:
         await socket.send_denial_response(json_response(error))
         return
     await socket.accept()
-    if broadcaster.full:
+    if len(broadcaster.listeners) >= _MAX_CLIENTS:
         await socket.close(_TRY_LATER)
         return
     broadcaster.join(listener)
     sending = asyncio.create_task(_send(socket, listener, broadcaster))
     try:
-        await _receive(socket, listener, broadcaster)
+        await _receive(socket, listener, socket.app.state.dashboard.monitor)
     finally:
         broadcaster.leave(listener)
         sending.cancel()
@@ -249,7 +240,7 @@ async def _send(socket: WebSocket, listener: Listener, broadcaster: Broadcaster)
         return  # disconnected; `_receive` ends, too
 
 
-async def _receive(socket: WebSocket, listener: Listener, broadcaster: Broadcaster) -> None:
+async def _receive(socket: WebSocket, listener: Listener, monitor: ConnectionMonitor) -> None:
     loop = asyncio.get_running_loop()
     times: deque[float] = deque(maxlen=_MAX_PER_SECOND)
     while True:
@@ -262,4 +253,4 @@ async def _receive(socket: WebSocket, listener: Listener, broadcaster: Broadcast
         if flood or not handle_request(listener, message.get("text")):
             await socket.close(_POLICY_VIOLATION)
             return
-        broadcaster.poke()
+        monitor.wake()  # the client waits for a response

@@ -93,7 +93,8 @@ def _of_connection(dashboard: Dashboard) -> Findings:
     from mikas.report.subject import Conditions, ReportSubject, cleared_faults
 
     catalog, monitor, connection = dashboard.catalog, dashboard.monitor, dashboard.connection
-    thread, ecu, port = connection.thread, connection.ecu, connection.port
+    thread, port = connection.thread, connection.port
+    ecu = thread.ecu if thread else None
     with monitor.lock:
         unit, method, errors_ = monitor.unit, monitor.method or "", monitor.meters.errors
         events = monitor.events

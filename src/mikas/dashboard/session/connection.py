@@ -182,11 +182,6 @@ class Connection:
         return time.time() if thread is None else thread.now()
 
     @property
-    def ecu(self) -> Ecu | None:
-        """The unit, for reading its attributes only."""
-        return thread.ecu if (thread := self.thread) else None
-
-    @property
     def is_demo(self) -> bool:
         """Whether the car is a virtual one."""
         return (port := self.port) is not None and port.url.startswith("sim:")

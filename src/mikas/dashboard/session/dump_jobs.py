@@ -51,7 +51,10 @@ class _PieceRead(Exception):
 
 @dataclass(slots=True)
 class DumpJob:
-    """One dump. `retried`: cells of the map in which a request was repeated."""
+    """One dump. `retried`: cells of the map in which a request was repeated.
+
+    `pace`: times and bytes done, for the speed; cleared by a pause, which is left out of it.
+    """
 
     id: str
     file: Path
@@ -61,7 +64,7 @@ class DumpJob:
     error: MikasError | None = None
     retried: set[int] = field(default_factory=set)
     task: asyncio.Task[None] | None = None
-    _pace: deque[tuple[float, int]] = field(default_factory=deque)
+    pace: deque[tuple[float, int]] = field(default_factory=deque)
 
     @property
     def started(self) -> tuple[str, int]:
@@ -87,20 +90,16 @@ class DumpJob:
 
     def count_progress(self, now: float) -> None:
         """Note the progress, for the speed."""
-        self._pace.append((now, self.done))
-        while self._pace[0][0] < now - _SPEED_OVER and len(self._pace) > 2:
-            self._pace.popleft()
-
-    def pause_clock(self) -> None:
-        """Leave a pause out of the speed."""
-        self._pace.clear()
+        self.pace.append((now, self.done))
+        while self.pace[0][0] < now - _SPEED_OVER and len(self.pace) > 2:
+            self.pace.popleft()
 
     @property
     def speed(self) -> float:
         """Bytes per second over the last 10 s."""
-        if self.phase != "running" or len(self._pace) < 2:
+        if self.phase != "running" or len(self.pace) < 2:
             return 0.0
-        (began, before), (ended, after) = self._pace[0], self._pace[-1]
+        (began, before), (ended, after) = self.pace[0], self.pace[-1]
         return (after - before) / (ended - began) if ended > began else 0.0
 
 
@@ -133,7 +132,7 @@ class DumpJobs:
         self.jobs[job.id] = job
         if job.phase != "running":
             job.phase, job.error = "running", None
-            job.pause_clock()
+            job.pace.clear()
             job.task = asyncio.create_task(self._run(job))
 
     async def pause(self, job: DumpJob) -> None:
@@ -206,7 +205,7 @@ class DumpJobs:
                 more = await self._connection.ask(lambda ecu: self._piece(ecu, job), seconds=_WAIT)
             except (NotConnected, NoConnection, Busy) as error:
                 job.error = error
-                job.pause_clock()
+                job.pace.clear()
                 await asyncio.sleep(_RETRY)
                 continue
             except LineError as error:

@@ -122,11 +122,6 @@ def plain(values: Sequence[float]) -> list[float | int | None]:
     ]
 
 
-def row_of(names: Sequence[str], values: Mapping[str, float]) -> list[float]:
-    """Return `values` in the order of `names`, NaN for a missing one."""
-    return [values.get(name, nan) for name in names]
-
-
 @dataclass(frozen=True, slots=True)
 class StoredFaults:
     """The faults of the latest reading, and when each was first seen."""

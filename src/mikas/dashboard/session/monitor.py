@@ -10,13 +10,13 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isfinite
+from math import isfinite, nan
 from typing import Final
 
 from mikas.catalog import Level
 from mikas.dashboard.errors import ADVICE
 from mikas.dashboard.session.event_log import EventLog, ExchangeFailed
-from mikas.dashboard.session.history import History, row_of
+from mikas.dashboard.session.history import History
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.i18n import Text
 from mikas.sampling.events import (
@@ -271,7 +271,8 @@ class ConnectionMonitor:
                 values[name] = derived.value
         self.meters.sample(event.time)
         self.latest.update(values)
-        self.history.add(event.time, self._names, row_of(self._names, values))
+        row = [values.get(name, nan) for name in self._names]
+        self.history.add(event.time, self._names, row)
         self._searched = False
         if self.listened and len(self._batch.rows) < _ROWS:
             self._batch.rows.append((event.time, values))
