@@ -180,7 +180,9 @@ def sample(
     session = Session([], method or "")
     seen = -_WARM if method else -inf  # what is sampled while it still tries does not count
     watch: Watch | None = None
-    with closing(Sampler(plug, make, wanted, method=method).run()) as events:
+    names = [f"{each.parameter.name}/{each.divisor}" for each in wanted]
+    sampler = Sampler(plug, make, shipped(), names, method=method or "auto")
+    with closing(sampler.run()) as events:
         for event in events:
             if isinstance(event, MethodChosen):
                 session.method, seen = event.method, -_WARM

@@ -108,7 +108,7 @@ def make_sampler(
     confirm: Confirm | None = None,
     **settings: object,
 ) -> Sampler:
-    return Sampler(plug, ecu_factory(state, confirm), wishes(*words), **settings)
+    return Sampler(plug, ecu_factory(state, confirm), SECTION_4, words, **settings)
 
 
 def take(
@@ -140,7 +140,7 @@ def settled(events: list[Event]) -> bool:
 
 def run(bus: Bus, *words: str, **settings: object) -> list[Event]:
     """The events of a sampler until there are enough samples."""
-    until = enough if settings.get("method") else settled
+    until = settled if settings.get("method", "auto") == "auto" else enough
     with closing(make_sampler(SimulatedPlug(bus), *words, **settings).run()) as events:
         return take(events, until)
 

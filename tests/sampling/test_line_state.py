@@ -8,7 +8,7 @@ from contextlib import closing, suppress
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sampling_harness import SimulatedPlug, ecu_factory, make_sampler, of, take, wishes
+from sampling_harness import SimulatedPlug, ecu_factory, make_sampler, of, take
 
 from mikas.errors import EchoOnly, MikasError, NoEcho, PortBusy, RecordingOver, SyncLost
 from mikas.link.reconnecting import ReconnectingPort
@@ -26,6 +26,7 @@ from mikas.virtual.bus import AdapterKind
 from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
 from mikas.virtual.responder import Identity
+from protocol_codes import SECTION_4
 from virtual_harness import PASSPORTS, make_bus
 
 Cell = tuple[LineState | None, LineTrigger]
@@ -127,7 +128,7 @@ class World:
         self.plug.link.read = read
 
     def another_plan(self) -> None:
-        self.sampler.reconfigure(wishes("UACC"), "batch")
+        self.sampler.reconfigure(["UACC"], "batch")
 
     def stop(self) -> None:
         self.sampler.stop()
@@ -296,7 +297,7 @@ def test_the_end_of_a_recording_and_stop_end_the_run(
 def test_an_elm327_ends_the_run_before_any_state(reached: list[Cell]) -> None:
     port = ReconnectingPort("sim:?adapter=elm327&clock=simulated", open_port=open_link)
     with pytest.raises(MikasError):
-        list(Sampler(port, ecu_factory(), wishes("FREQ")).run())
+        list(Sampler(port, ecu_factory(), SECTION_4, ["FREQ"]).run())
     assert reached == [(None, LineTrigger.ENDED)]
 
 

@@ -24,7 +24,9 @@ from sampling_harness import (
 from mikas.client.limits import LimitsStore, MethodTiming
 from mikas.client.polling import STREAMS
 from mikas.link.virtual import VirtualLink
+from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import MethodChosen, Sampled
+from mikas.sampling.jobs import JobQueue
 from mikas.sampling.method_knowledge import (
     CANDIDATES,
     TrialResult,
@@ -34,7 +36,7 @@ from mikas.sampling.method_knowledge import (
     timing_of,
 )
 from mikas.sampling.method_trial import run_trial
-from mikas.sampling.plan import Plan, PlannedParameter
+from mikas.sampling.plan import Plan, PlannedParameter, select
 from mikas.virtual.bus import AdapterKind, Bus
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
@@ -257,15 +259,14 @@ def test_one_lost_response_does_not_change_the_rate(method):
         ecu = ecu_factory()(VirtualLink(bus))
         ecu.tester.connect()
         ecu.read()
-        found = run_trial(ecu, Plan(ALL, method))
+        request = SamplingRequest(select(SECTION_4, []))
+        context = SamplingContext(request, JobQueue("sim:"), strict=False)
+        found = run_trial(context, ecu, Plan(ALL, method))
         for _ in range(4):
             next(found)
         bus.fault_injector.next(*troubles)
-        while True:
-            try:
-                next(found)
-            except StopIteration as end:
-                return end.value.rate
+        *_, result = found
+        return result.rate
 
     assert measured(LineFault.LOST) == pytest.approx(measured(), rel=0.05)
 
@@ -314,11 +315,11 @@ def test_the_best_is_never_one_that_does_not_work_nor_slower_than_it_needs_to_be
 
 def test_prices_use_the_measured_delay():
     sampler = make_sampler(SimulatedPlug(make_bus(adapter=LUMPS)))
-    assumed = sampler.price(ALL, "batch")
-    assert sampler.price(ALL).seconds == assumed.seconds  # nothing is known yet
+    assumed = sampler.price([], "batch")
+    assert sampler.price([]).seconds == assumed.seconds  # nothing is known yet
     with closing(sampler.run()) as events:
         take(events, settled)
-        measured = sampler.price(ALL, "batch")
+        measured = sampler.price([], "batch")
         assert measured.seconds > assumed.seconds + 0.003
-        assert sampler.price(ALL).rate > measured.rate  # by stream
+        assert sampler.price([]).rate > measured.rate  # by stream
         assert replace(measured, seconds=0) == replace(assumed, seconds=0)

@@ -38,7 +38,7 @@ def test_another_request_does_not_wait_for_a_trial():
     with closing(sampler.run()) as events:
         take(events, lambda e: bool(of(PlanChanged, e)))
         began = plug.now()
-        sampler.reconfigure(sampler.plan.parameters[:2], "batch")
+        sampler.reconfigure([p.parameter.name for p in sampler.plan.parameters[:2]], "batch")
         take(events, lambda e: bool(of(PlanChanged, e)))
     assert plug.now() - began < 2 * CYCLE  # all that is wanted was asked for once
 

@@ -13,7 +13,6 @@ from sampling_harness import (
     of,
     settled,
     take,
-    wishes,
 )
 
 from mikas.sampling.events import CycleFailed, MethodChosen, ParameterDropped, PlanChanged, Sampled
@@ -60,7 +59,7 @@ def test_other_lists_cost_nothing_whatever_their_length(unknown, max_list):
         take(events, settled)
         asked = asked_of(bus)
         for count in (4, 3, 5, 2, 1, 10):
-            sampler.reconfigure(wishes(*MANY[:count]))
+            sampler.reconfigure(MANY[:count])
             told = take(events, some(100))
             assert longest_pause(told) < 0.2
             assert not of(CycleFailed, told)
@@ -110,11 +109,11 @@ def test_a_method_with_a_refused_long_list_is_kept_for_shorter_ones():
         assert of(MethodChosen, take(events, settled))[-1].method == "batch"
         asked, most = asked_of(bus), sampler.plan.max_list
         assert most >= 4
-        sampler.reconfigure(wishes(*MANY[: most + 1]))  # 61 has shown that these are too many
+        sampler.reconfigure(MANY[: most + 1])  # 61 has shown that these are too many
         told = take(events, some(60))
         assert not METHODS.intersection(asked)
         assert not of(CycleFailed, told)
-        sampler.reconfigure(wishes(*MANY[:most]))
+        sampler.reconfigure(MANY[:most])
         assert of(MethodChosen, take(events, settled))[-1].method == "stream"
 
 

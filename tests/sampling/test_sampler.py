@@ -209,7 +209,7 @@ def test_requests_of_others_go_in_between(method):
     assert not of(CycleFailed, after)
 
 
-@pytest.mark.parametrize("method", ["stream", "batch", None])  # None: while it is being measured
+@pytest.mark.parametrize("method", ["stream", "batch", "auto"])  # auto: while it is being measured
 def test_closing_it_is_no_error_when_the_adapter_was_pulled_out_just_before(method):
     plug = SimulatedPlug(make_bus())
     events = make_sampler(plug, method=method).run()
@@ -219,7 +219,7 @@ def test_closing_it_is_no_error_when_the_adapter_was_pulled_out_just_before(meth
     assert not list(events)
 
 
-@pytest.mark.parametrize("method", ["stream", None])  # None: while it is being measured
+@pytest.mark.parametrize("method", ["stream", "auto"])  # auto: while it is being measured
 def test_closing_it_leaves_the_line_quiet(method):
     bus = make_bus()
     plug = SimulatedPlug(bus)

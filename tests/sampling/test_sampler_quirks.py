@@ -15,7 +15,6 @@ from sampling_harness import (
     run,
     settled,
     take,
-    wishes,
 )
 
 from mikas.sampling.events import MethodChosen, ParameterDropped, Sampled
@@ -40,7 +39,7 @@ def test_a_unit_that_lacks_commands_is_sampled_by_its_best_method(lacking, unkno
     assert_values_are_the_units(events)
 
 
-@pytest.mark.parametrize("method", [None, "single", "batch"])
+@pytest.mark.parametrize("method", ["auto", "single", "batch"])
 @pytest.mark.parametrize("long_list", LongList)
 def test_a_refusal_that_looks_like_a_datum_is_dropped(method, long_list):
     """A unit that takes one code at a time, and answers 01 to what it does not know."""
@@ -69,11 +68,11 @@ def test_prices_use_the_units_longest_list(takes):
         told = take(events, settled)
         assert sampler.plan.max_list == sampler.ecu.limits().max_list
         took = [s.time for s in of(Sampled, told)[-20:]]
-        every = sampler.price(wishes())
+        every = sampler.price([])
         assert every.requests == -(-21 // sampler.plan.max_list)
         assert every.seconds == pytest.approx((took[-1] - took[0]) / 19, rel=0.01)
-        few = sampler.price(wishes("FREQ", "TWAT"))
-        sampler.reconfigure(wishes("FREQ", "TWAT"))
+        few = sampler.price(["FREQ", "TWAT"])
+        sampler.reconfigure(["FREQ", "TWAT"])
         told = take(events, lambda e: len(of(Sampled, e)) == 60)
     took = [s.time for s in of(Sampled, told)[-20:]]
     real = (took[-1] - took[0]) / 19

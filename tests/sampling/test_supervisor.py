@@ -17,7 +17,6 @@ from sampling_harness import (
     of,
     settled,
     take,
-    wishes,
 )
 
 from mikas.errors import EchoOnly, LineError, NoEcho, NotAKLineAdapter, PortBusy, PortNotFound
@@ -37,6 +36,7 @@ from mikas.virtual.bus import AdapterKind
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity
+from protocol_codes import SECTION_4
 from virtual_harness import IDENTITY, PASSPORTS, make_bus
 
 
@@ -126,7 +126,7 @@ def test_an_elm327_ends_it():
 
     plug = ReconnectingPort("sim:?adapter=elm327&clock=simulated", open_port=open_link)
     with pytest.raises(NotAKLineAdapter):
-        list(Sampler(plug, ecu_factory(), wishes("FREQ")).run())
+        list(Sampler(plug, ecu_factory(), SECTION_4, ["FREQ"]).run())
 
 
 def test_a_lost_adapter_is_a_gap_with_its_reason():
@@ -207,7 +207,7 @@ def test_the_date_is_set_while_the_adapter_is_out(method, hours):
     plug = ReconnectingPort("sim:", open_port=open_link, clock=socket.now, nap=socket.wait)
     told = []
     with closing(
-        Sampler(plug, ecu_factory(), wishes("FREQ", "INJ"), method=method).run()
+        Sampler(plug, ecu_factory(), SECTION_4, ["FREQ", "INJ"], method=method).run()
     ) as events:
         for _ in range(3):
             told += take(events, enough)

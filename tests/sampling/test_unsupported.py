@@ -53,7 +53,7 @@ def test_requests_of_others_go_in_between(weeding):
 def test_another_request_starts_soon(weeding):
     sampler, plug, events = weeding
     began = plug.now()
-    sampler.reconfigure(wishes("FREQ", "TWAT"), "batch")
+    sampler.reconfigure(["FREQ", "TWAT"], "batch")
     take(events, lambda e: bool(of(PlanChanged, e)) and bool(of(Sampled, e)))
     assert plug.now() - began < 3
     assert list(sampler.plan.parameters) == wishes("FREQ", "TWAT")

@@ -15,7 +15,6 @@ from sampling_harness import (
     run,
     settled,
     take,
-    wishes,
 )
 
 from mikas.errors import EcuRefused, NotSupported
@@ -193,7 +192,7 @@ def test_a_requested_method_that_fails_is_replaced(method):
         changing(sampler, bus, lacking("stream", "list"))
         after = take(events, settled)
         changing(sampler, bus, lacking())
-        sampler.reconfigure(wishes(), method)  # asked for once more, it is tried once more
+        sampler.reconfigure([], method)  # asked for once more, it is tried once more
         again = take(events, enough)
     assert of(PlanChanged, again)[-1].plan.method == method
     assert of(MethodChosen, after)[0].method == "batch"
@@ -257,7 +256,7 @@ def test_when_all_are_refused_it_reports_and_waits_for_another_request():
         assert isinstance(of(CycleFailed, told)[-1].error, NotSupported)
         assert of(StateChanged, told)[-1].state is LineState.ECU_ALIVE
         asked = sampler.call(lambda ecu: len(ecu.faults()))
-        sampler.reconfigure(wishes("FREQ"))
+        sampler.reconfigure(["FREQ"])
         after = take(events, enough)
     assert asked.result(0) == 4
     assert list(of(Sampled, after)[-1].fresh) == ["FREQ"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import inf
 
@@ -11,35 +12,38 @@ from mikas.commands import Datum
 from mikas.sampling.events import Sampled
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.method_knowledge import MethodKnowledge
-from mikas.sampling.plan import Plan, PlannedParameter
+from mikas.sampling.plan import Plan, Selection
 
 _SLICE = 0.1  # s between checks for jobs and new requests during a wait
 
 
 @dataclass(frozen=True)
 class SamplingRequest:
-    """A request to sample. `retry_refused`: include parameters that the unit refused before."""
+    """A request to sample. `method` None: the fastest; `rate`: most cycles a second."""
 
-    parameters: tuple[PlannedParameter, ...]
+    selection: Selection
     method: FixedMethod | None = None
     rate: float | None = None
-    retry_refused: bool = False
 
     def __post_init__(self) -> None:
-        Plan(self.parameters).check()
+        Plan(self.selection.parameters)
         check_rate(self.rate)
 
 
 class SamplingContext:
     """The shared state; `strict` applies until `has_sampled`, the first sample of the run."""
 
-    def __init__(self, requested: SamplingRequest, jobs: JobQueue, *, strict: bool) -> None:
-        self.request = requested
+    def __init__(self, request: SamplingRequest, jobs: JobQueue, *, strict: bool) -> None:
+        self.latest = request
+        """The latest request, by any thread."""
+        self.request = request
+        """The request that is being served."""
         self.jobs = jobs
         self.strict = strict
         self.stopped = False
         self.relearn = False
         self.has_sampled = False
+        self.identity_check = IdentityCheck()
         self.knowledge = MethodKnowledge()
         self.refused: set[Datum] = set()
         self.dropped: set[str] = set()
@@ -55,34 +59,37 @@ class SamplingContext:
         self.dropped.clear()
         self._last.clear()
 
-    def start_request(self, requested: SamplingRequest) -> None:
-        """Reset the state of the request before `requested`."""
+    def start_request(self) -> None:
+        """Serve the latest request; reset the state of the one before."""
+        self.request = request = self.latest
         self.due = -inf
-        if requested.retry_refused:
+        if request.selection.explicit:  # the named parameters are requested again
             self.refused.clear()
             self.dropped.clear()
-        if requested.method is not None:
-            self.knowledge.reset_failures(requested.method)
+        if request.method is not None:
+            self.knowledge.reset_failures(request.method)
 
-    def is_current(self, requested: SamplingRequest) -> bool:
-        """Return whether `requested` is the latest request, without `stop` or `relearn`."""
-        return requested is self.request and not self.relearn and not self.stopped
+    @property
+    def is_current(self) -> bool:
+        """Whether `request` is the latest request, without `stop` or `relearn`."""
+        return self.request is self.latest and not self.relearn and not self.stopped
 
-    def sample_of(self, fresh: dict[str, Reading]) -> Sampled:
-        """Return the event of `fresh` readings; the latest of the others are stale."""
+    def sampled(self, fresh: dict[str, Reading]) -> Iterator[Sampled]:
+        """Yield the sample of `fresh` readings, the latest of the others as stale.
+
+        None without readings, or before the requested rate allows one.
+        """
+        if not fresh:
+            return
         self.has_sampled = True
         stale = {name: r for name, r in self._last.items() if name not in fresh}
         self._last.update(fresh)
-        return Sampled(min(r.time for r in fresh.values()), fresh, stale)
-
-    def is_due(self, sampled: Sampled) -> bool:
-        """Return whether the requested rate allows `sampled`; if so, set when the next is due."""
-        if not self.request.rate:
-            return True
-        if sampled.time < self.due:
-            return False
-        self._schedule_after(sampled.time, 1 / self.request.rate)
-        return True
+        time, rate = min(r.time for r in fresh.values()), self.request.rate
+        if rate and time < self.due:
+            return
+        if rate:
+            self._schedule_after(time, 1 / rate)
+        yield Sampled(time, fresh, stale)
 
     def schedule_empty_cycle(self, time: float, length: float) -> None:
         """End a cycle without requests by the rate, else after `length` seconds."""
@@ -99,14 +106,44 @@ class SamplingContext:
         names = {planned.parameter.name for planned in plan.parameters}
         self._last = {name: r for name, r in self._last.items() if name in names}
 
-    def wait_until_due(
-        self, ecu: Ecu, requested: SamplingRequest, due: float | None = None
-    ) -> bool:
+    def wait_until_due(self, ecu: Ecu, due: float | None = None) -> bool:
         """Wait until `due`, by default the next cycle; False: a job or a request came first."""
         due = self.due if due is None else due
         now = ecu.tester.link.now
         while now() < due:
-            if self.jobs or not self.is_current(requested):
+            if self.jobs or not self.is_current:
                 return False
             ecu.tester.wait(min(due, now() + _SLICE))
         return True
+
+
+class IdentityCheck:
+    """Detects that another unit may answer.
+
+    A response does not identify its unit (D13). Moving the plug to another car takes a second or
+    more, in which every request meets silence. After such a silence no value is accepted before
+    the passports are compared. A single lost or damaged response is no such silence.
+
+    """
+
+    def __init__(self) -> None:
+        self.compare: Callable[[Ecu], None] = lambda _: None
+        """Raises `SyncLost` for another unit, or the error that prevents the comparison."""
+        self._suspected = False
+        self._silences = 0
+
+    def suspect(self) -> None:
+        """Require a comparison: a stream stopped, perhaps by another cause than the unit."""
+        self._suspected = True
+
+    def confirm(self, ecu: Ecu) -> None:
+        """Note that the unit of `ecu` was identified just now."""
+        self._suspected = False
+        self._silences = ecu.tester.silences
+
+    def check(self, ecu: Ecu, pause: Callable[[], None]) -> None:
+        """Compare if another unit may answer; `pause` leaves the line quiet before."""
+        if self._suspected or ecu.tester.silences != self._silences:
+            pause()
+            self.compare(ecu)
+            self.confirm(ecu)

@@ -1,23 +1,12 @@
 """The state of the line to the unit: one table of all transitions.
 
-    not running
-         │ the first observation of port and line: PORT_MISSING, PORT_LOST ─► NO_PORT,
-         │ ECHO_MISSING ─► NO_ECHO, SILENT or SPOILT ─► ECHO_ONLY, IDENTIFIED ─► ECU_ALIVE
-         ▼
-      NO_PORT  ◄──────────── PORT_LOST ───────────┬───────────────┬──────────────┐
-         │ ECHO_MISSING, SILENT, SPOILT           │               │              │
-         ▼                                        │               │              │
-      NO_ECHO ◄─ ECHO_MISSING ─ · ─ SILENT, SPOILT ─► ECHO_ONLY   │              │
-         │                                        │               │              │
-         └─────────────── IDENTIFIED ─────────────┤               │              │
-                                                  ▼               │              │
-      NO_ECHO, ECHO_ONLY ◄─ ECHO_MISSING, ─── ECU_ALIVE ──────────┘              │
-               ▲            SILENT, SPOILT      │   ▲                            │
-               │                       ACCEPTED │   │ REFUSED                    │
-               │                                ▼   │                            │
-               └─ ECHO_MISSING, SILENT, SPOILT ─ SAMPLING ───────────────────────┘
+    every state ── PORT_LOST ─► NO_PORT           every state ── ECHO_MISSING ───► NO_ECHO
+    every state ── ENDED ─────► not running       every state ── SILENT, SPOILT ─► ECHO_ONLY
 
-    ENDED leads from every state to “not running”.
+    not running ── PORT_MISSING ─► NO_PORT ─┐
+    not running, NO_ECHO, ECHO_ONLY ────────┴─ IDENTIFIED ─► ECU_ALIVE ── ACCEPTED ─► SAMPLING
+                                                                 ▲                       │
+                                                                 └─────── REFUSED ───────┘
 
 An event without a cell in the present state's row of `TRANSITIONS` cannot occur there: a bug of the
 caller, and `ImpossibleTransition` is raised. The machine has no port, clock or unit; `supervisor`
@@ -28,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import Enum
-from typing import Final
+from typing import Final, TypeAlias
 
 from mikas.errors import EchoOnly, LineError, MikasError, NoConnection
 from mikas.sampling.events import LineState
@@ -57,60 +46,27 @@ class ImpossibleTransition(RuntimeError):
         self.event = event
 
 
-TRANSITIONS: Final[Mapping[LineState | None, Mapping[LineTrigger, LineState | None]]] = {
-    None: {  # not running
-        LineTrigger.PORT_MISSING: LineState.NO_PORT,
-        LineTrigger.PORT_LOST: LineState.NO_PORT,
-        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-        LineTrigger.SILENT: LineState.ECHO_ONLY,
-        LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
-        LineTrigger.ENDED: None,
-    },
-    LineState.NO_PORT: {
-        LineTrigger.PORT_MISSING: LineState.NO_PORT,
-        LineTrigger.PORT_LOST: LineState.NO_PORT,  # the port opened, and failed at its first use
-        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-        LineTrigger.SILENT: LineState.ECHO_ONLY,
-        LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
-        LineTrigger.ENDED: None,
-    },
-    LineState.NO_ECHO: {
-        LineTrigger.PORT_LOST: LineState.NO_PORT,
-        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-        LineTrigger.SILENT: LineState.ECHO_ONLY,
-        LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
-        LineTrigger.ENDED: None,
-    },
-    LineState.ECHO_ONLY: {
-        LineTrigger.PORT_LOST: LineState.NO_PORT,
-        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-        LineTrigger.SILENT: LineState.ECHO_ONLY,
-        LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
-        LineTrigger.ENDED: None,
-    },
-    LineState.ECU_ALIVE: {
-        LineTrigger.PORT_LOST: LineState.NO_PORT,
-        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-        LineTrigger.SILENT: LineState.ECHO_ONLY,
-        LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,  # another unit
-        LineTrigger.ACCEPTED: LineState.SAMPLING,
-        LineTrigger.REFUSED: LineState.ECU_ALIVE,
-        LineTrigger.ENDED: None,
-    },
-    LineState.SAMPLING: {
-        LineTrigger.PORT_LOST: LineState.NO_PORT,
-        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-        LineTrigger.SILENT: LineState.ECHO_ONLY,
-        LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.ACCEPTED: LineState.SAMPLING,  # another plan
-        LineTrigger.REFUSED: LineState.ECU_ALIVE,
-        LineTrigger.ENDED: None,
-    },
+_Row: TypeAlias = Mapping[LineTrigger, LineState | None]
+_FROM_EVERY_STATE: Final[_Row] = {
+    LineTrigger.PORT_LOST: LineState.NO_PORT,  # also at the first use of the opened port
+    LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+    LineTrigger.SILENT: LineState.ECHO_ONLY,
+    LineTrigger.SPOILT: LineState.ECHO_ONLY,
+    LineTrigger.ENDED: None,
+}
+_PORT_MISSING: Final[_Row] = {LineTrigger.PORT_MISSING: LineState.NO_PORT}
+_IDENTIFIED: Final[_Row] = {LineTrigger.IDENTIFIED: LineState.ECU_ALIVE}
+_REQUESTED: Final[_Row] = {
+    LineTrigger.ACCEPTED: LineState.SAMPLING,
+    LineTrigger.REFUSED: LineState.ECU_ALIVE,
+}
+TRANSITIONS: Final[Mapping[LineState | None, _Row]] = {
+    None: {**_FROM_EVERY_STATE, **_PORT_MISSING, **_IDENTIFIED},  # not running
+    LineState.NO_PORT: {**_FROM_EVERY_STATE, **_PORT_MISSING, **_IDENTIFIED},
+    LineState.NO_ECHO: {**_FROM_EVERY_STATE, **_IDENTIFIED},
+    LineState.ECHO_ONLY: {**_FROM_EVERY_STATE, **_IDENTIFIED},
+    LineState.ECU_ALIVE: {**_FROM_EVERY_STATE, **_IDENTIFIED, **_REQUESTED},  # IDENTIFIED: another
+    LineState.SAMPLING: {**_FROM_EVERY_STATE, **_REQUESTED},  # ACCEPTED: another plan
 }
 
 FAILURES: Final[tuple[tuple[type[MikasError], LineTrigger], ...]] = (

@@ -84,10 +84,6 @@ class Plan:
         if self.max_list < 1:
             raise ValueError("a list has at least one code")
 
-    def check(self) -> None:
-        """Raise `UsageError` if one code is requested with two sizes: the data are ambiguous."""
-        distinct([planned.parameter for planned in self.parameters])
-
     @cached_property
     def divisors(self) -> dict[Datum, int]:
         """The divisor of each code: the smallest of the parameters that share it."""

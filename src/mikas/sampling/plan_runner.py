@@ -11,10 +11,9 @@ from mikas.client.ecu import poller_of
 from mikas.client.polling import STREAMS
 from mikas.commands import Datum
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, NoResponse, SyncLost
-from mikas.sampling.context import SamplingContext, SamplingRequest
+from mikas.sampling.context import IdentityCheck, SamplingContext
 from mikas.sampling.events import CycleFailed, Event
 from mikas.sampling.plan import Plan, datum_of
-from mikas.sampling.supervisor import IdentityCheck
 from mikas.sampling.unsupported import UnsupportedParameters, explained
 
 _BAD_LINE = 6  # failed cycles in a row after which another method may do better
@@ -24,13 +23,13 @@ _REFUSALS = 2  # refusals by the unit in a row after which the method is given u
 class PlanCycles:
     """Runs `plan` on `ecu`, cycle by cycle.
 
-    Between two cycles the line is free, except during a stream, which `pause` ends (D12).
+    Between two cycles the line is free, except during a stream, which `poller.close` ends (D12).
     """
 
-    def __init__(self, ecu: Ecu, plan: Plan, identity_check: IdentityCheck | None = None) -> None:
+    def __init__(self, ecu: Ecu, plan: Plan, identity_check: IdentityCheck) -> None:
         self.ecu = ecu
         self.plan = plan
-        self.identity_check = identity_check
+        self._identity_check = identity_check
         self._parameters: dict[Datum, list[Parameter]] = {}
         for planned in plan.parameters:
             parameter = planned.parameter
@@ -38,7 +37,7 @@ class PlanCycles:
             if parameter not in sharing:
                 sharing.append(parameter)
         self._streams = plan.method in STREAMS
-        self._poller = poller_of(ecu, plan.method, self._named(plan.fast))
+        self.poller = poller_of(ecu, plan.method, self._named(plan.fast))
         if plan.method == "list":
             ecu.forget_list()  # the unit may have lost its supply since
 
@@ -62,60 +61,36 @@ class PlanCycles:
         """
         requests = [self._named(request) for request in self.plan.requests(number)]
         try:
-            fresh = self._poller.cycle(requests, self._listed(number))
+            fresh = self.poller.cycle(requests, self._listed(number))
         except NoResponse:
-            if self._streams and self.identity_check:
-                self.identity_check.suspect()
+            if self._streams:
+                self._identity_check.suspect()
             raise
-        if fresh and self.identity_check:
-            self.identity_check.check(self.ecu, self.pause)
+        if fresh:
+            self._identity_check.check(self.ecu, self.poller.close)
         return fresh
 
     def _listed(self, number: int) -> list[Parameter]:
         return self._named(self.plan.fast) if self.plan.reads_list(number) else []
 
-    def refuses(self, parameter: Parameter) -> bool:
-        """Return whether the unit is known to refuse `parameter`."""
-        return self._poller.refuses([parameter])
-
-    def is_refusal(self, error: MikasError) -> bool:
-        """Return whether `error` of `run` may be a refusal of the method or a parameter."""
-        return self._poller.is_refusal(error)
-
-    def pause(self) -> None:
-        """Leave the line quiet; `run` may be called again. May raise a `LineError`."""
-        self._poller.close()
-
 
 class PlanRunner:
-    """Runs `plan`, the plan of `requested`."""
+    """Runs `plan`, the plan of the context's request."""
 
     def __init__(
-        self,
-        ecu: Ecu,
-        plan: Plan,
-        requested: SamplingRequest,
-        *,
-        context: SamplingContext,
-        unsupported: UnsupportedParameters,
-        identity_check: IdentityCheck,
+        self, ecu: Ecu, plan: Plan, context: SamplingContext, unsupported: UnsupportedParameters
     ) -> None:
         self._ecu = ecu
         self._plan = plan
-        self._request = requested
         self._context = context
         self._unsupported = unsupported
         self._now = ecu.tester.link.now
-        self._cycles = PlanCycles(ecu, plan, identity_check)
+        self._cycles = self._between = PlanCycles(ecu, plan, context.identity_check)
         self._streams = plan.method in STREAMS
-        # Between two jobs a cycle by 61 replaces the stream.
-        self._between = (
-            PlanCycles(ecu, plan.with_method("batch"), identity_check)
-            if self._streams
-            else self._cycles
-        )
+        if self._streams:  # between two jobs a cycle by 61 replaces the stream
+            self._between = PlanCycles(ecu, plan.with_method("batch"), context.identity_check)
         knowledge, baud = context.knowledge, ecu.tester.link.baud
-        self._estimate = None if requested.method else knowledge.rate_estimate(plan, baud)
+        self._estimate = None if context.request.method else knowledge.rate_estimate(plan, baud)
         self._length = plan.price(baud=baud).seconds  # of a cycle, by price until measured
         self._failures = 0  # in a row
         self._refusals = 0  # of these, possible refusals by the unit
@@ -129,7 +104,7 @@ class PlanRunner:
         """
         number = 0
         try:
-            while not self._over and self._context.is_current(self._request):
+            while not self._over and self._context.is_current:
                 cycles = self._cycles
                 if self._context.jobs:
                     yield from self._pause()
@@ -141,7 +116,7 @@ class PlanRunner:
                 number += 1
         finally:
             with suppress(LineError):  # the next exchange finds the line's fault
-                self._cycles.pause()
+                self._cycles.poller.close()
 
     def _cycle(self, cycles: PlanCycles, number: int) -> Iterator[Event]:
         began = self._now()
@@ -163,37 +138,30 @@ class PlanRunner:
             self._length = self._now() - began
             self._compare_with_estimate(began, whole=bool(fresh) or not self._streams)
         if fresh:
-            yield from self._sampled(fresh)
+            self._failures = self._refusals = 0
+            self._worked = True
+            yield from self._context.sampled(fresh)
         if len(fresh) < cycles.expected(number):
-            self._over |= any(cycles.refuses(p.parameter) for p in self._plan.parameters)
-
-    def _sampled(self, fresh: dict[str, Reading]) -> Iterator[Event]:
-        self._failures = self._refusals = 0
-        self._worked = True
-        sampled = self._context.sample_of(fresh)
-        if self._context.is_due(sampled):
-            yield sampled
+            self._over |= any(cycles.poller.refuses([p.parameter]) for p in self._plan.parameters)
 
     def _handle_failure(self, error: MikasError, cycles: PlanCycles) -> Iterator[Event]:
         """Find whether the line, a parameter or the method causes `error`."""
         strict = self._context.strict and not self._context.has_sampled
-        if strict and self._request.method and not isinstance(error, LineError):
+        if strict and self._context.request.method and not isinstance(error, LineError):
             raise error
         self._failures += 1
         if not isinstance(error, LineError | EcuRefused):
             self._refusals = _REFUSALS  # not confirmed by the user
-        elif cycles.is_refusal(error):
+        elif cycles.poller.is_refusal(error):
             self._refusals += 1
-            dropping = self._unsupported.drop_unsupported(
-                self._ecu, self._plan, self._request, going=True
-            )
-            if (yield from dropping) or not self._context.is_current(self._request):
+            dropping = self._unsupported.drop_unsupported(self._ecu, self._plan, going=True)
+            if (yield from dropping) or not self._context.is_current:
                 self._over = True
                 return
         if self._refusals >= _REFUSALS:
             self._context.knowledge.record_failure(self._plan.method)
             self._over = True
-        elif self._failures >= _BAD_LINE and self._request.method is None:
+        elif self._failures >= _BAD_LINE and self._context.request.method is None:
             self._context.knowledge.invalidate()
             self._over = True
 
@@ -214,10 +182,10 @@ class PlanRunner:
         """Wait for the next cycle, but not of a stream; False: a job or a request came first."""
         if self._streams and cycles is self._cycles:
             return True
-        return self._context.wait_until_due(self._ecu, self._request)
+        return self._context.wait_until_due(self._ecu)
 
     def _pause(self) -> Generator[Event, None, None]:
         try:
-            self._cycles.pause()
+            self._cycles.poller.close()
         except LineError as error:
             yield CycleFailed(self._now(), error)

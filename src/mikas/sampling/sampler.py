@@ -9,22 +9,23 @@ a method fails while the unit still answers, the methods are measured again and 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future
 from typing import TypeVar
 
+from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client import Ecu
-from mikas.client.polling import FixedMethod
+from mikas.client.polling import FixedMethod, fixed_method
 from mikas.errors import LinkLost, MikasError, NoConnection, RecordingOver, SyncLost
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
+from mikas.sampling import method_trial
 from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import Event, LineState, MethodChosen, PlanChanged
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.line_state import LineTrigger
 from mikas.sampling.method_knowledge import CANDIDATES, FALLBACK, best_method
-from mikas.sampling.method_trial import MethodTrials
-from mikas.sampling.plan import Plan, PlannedParameter, Price
+from mikas.sampling.plan import Plan, Price, select
 from mikas.sampling.plan_runner import PlanRunner
 from mikas.sampling.supervisor import ConnectionSupervisor, UnitIdentity, is_same_unit
 from mikas.sampling.unsupported import UnsupportedParameters
@@ -36,36 +37,48 @@ _LONG = 10.0  # s before the parameters are requested again, if the unit refused
 
 
 class Sampler:
-    """Samples `parameters` from the unit at `port`.
+    """Samples the channels `names` of the unit at `port`; without names all parameters.
 
-    `make_ecu` returns an unconnected `Ecu` on a link. `method` None: the fastest that works.
-    `rate`: most cycles a second. `strict`: until the first sample, an obstacle (no port, no ECU, a
-    bad line, a refused `method`) is raised; otherwise sampling waits. `retry_refused`: request
-    parameters again that this unit refused in an earlier session.
+    A name is a parameter's, a code (`0x1A`, `0x3F:2`) or a derived channel's, each with `/10` for
+    every tenth cycle; a named parameter is requested again if this unit refused it in an earlier
+    session. `make_ecu` returns an unconnected `Ecu` on a link. `method`: auto is the fastest that
+    works. `rate`: most cycles a second. `strict`: until the first sample, an obstacle (no port, no
+    ECU, a bad line, a refused `method`) is raised; otherwise sampling waits.
+
+    Raises `UnknownParameter` and `UsageError` before it opens the port.
     """
 
     def __init__(
         self,
         port: ReconnectingPort,
         make_ecu: Callable[[Link], Ecu],
-        parameters: Sequence[PlannedParameter],
+        catalog: Catalog,
+        names: Iterable[str] = (),
         *,
-        method: FixedMethod | None = None,
+        method: str = "auto",
         rate: float | None = None,
         strict: bool = False,
-        retry_refused: bool = False,
     ) -> None:
+        self._catalog = catalog
         self._jobs = JobQueue(port.url)
-        requested = SamplingRequest(tuple(parameters), method, rate, retry_refused)
-        self._context = SamplingContext(requested, self._jobs, strict=strict)
+        request = self._request(names, method, rate)
+        self._context = SamplingContext(request, self._jobs, strict=strict)
         self._supervisor = ConnectionSupervisor(port, make_ecu, self._context)
-        self._unsupported = UnsupportedParameters(self._context, self._supervisor.identity_check)
-        self._trials = MethodTrials(self._context, self._supervisor.identity_check)
+        self._unsupported = UnsupportedParameters(self._context)
         self._unit: UnitIdentity | None = None
-        self._plan: Plan | None = None
-        self._reported: tuple[SamplingRequest, Plan] | None = None
+        self._is_reported = False  # `plan`, for the request
+        self.plan: Plan | None = None
+        """The present plan, inputs of derived channels included; None before the first."""
+
+    def _request(self, names: Iterable[str], method: str, rate: float | None) -> SamplingRequest:
+        return SamplingRequest(select(self._catalog, names), fixed_method(method), rate)
 
     # Called from any thread
+
+    @property
+    def channels(self) -> tuple[Parameter | Derived, ...]:
+        """The requested channels, in the requested order."""
+        return self._context.latest.selection.channels
 
     @property
     def state(self) -> LineState | None:
@@ -78,9 +91,9 @@ class Sampler:
         return self._supervisor.ecu
 
     @property
-    def plan(self) -> Plan | None:
-        """The present plan; None before the first."""
-        return self._plan
+    def method(self) -> str | None:
+        """The present method."""
+        return None if self.plan is None else self.plan.method
 
     def call(self, job: Callable[[Ecu], T]) -> Future[T]:
         """Run `job(ecu)` between two cycles; the future has its result or its exception.
@@ -92,21 +105,21 @@ class Sampler:
         return self._jobs.submit(job)
 
     def reconfigure(
-        self,
-        parameters: Sequence[PlannedParameter],
-        method: FixedMethod | None = None,
-        rate: float | None = None,
-        *,
-        retry_refused: bool = False,
+        self, names: Iterable[str], method: str = "auto", rate: float | None = None
     ) -> None:
-        """Change the request from the next cycle on; `PlanChanged` follows. Raises `UsageError`."""
-        self._context.request = SamplingRequest(tuple(parameters), method, rate, retry_refused)
+        """Sample other channels from the next cycle on; `PlanChanged` follows.
 
-    def price(
-        self, parameters: Sequence[PlannedParameter], method: FixedMethod | None = None
-    ) -> Price:
-        """Return the price of a cycle of `parameters`; method None: by the best known one."""
-        return self._context.knowledge.price(Plan(tuple(parameters)), method)
+        Raises `UnknownParameter` and `UsageError`, and then nothing changes.
+        """
+        self._context.latest = self._request(names, method, rate)
+
+    def price(self, names: Iterable[str], method: str = "auto") -> Price:
+        """Return the price of a cycle of `names`; auto: by the fastest known method.
+
+        Raises `UnknownParameter` and `UsageError`.
+        """
+        plan = Plan(select(self._catalog, names).parameters)
+        return self._context.knowledge.price(plan, fixed_method(method))
 
     def relearn(self) -> None:
         """Forget the unit's methods and limits, saved ones included; measure them again."""
@@ -125,7 +138,7 @@ class Sampler:
         first sample, `RecordingOver` at the end of a replay, and the obstacles with `strict`.
         """
         self._context.stopped = self._context.has_sampled = False
-        self._reported = None
+        self._is_reported = False
         self._jobs.open()
         failure: MikasError | None = None
         try:
@@ -169,85 +182,71 @@ class Sampler:
 
     def _forget(self) -> None:
         self._context.forget_unit()
-        self._reported = None
+        self._is_reported = False
 
     def _sample(self, ecu: Ecu) -> Iterator[Event]:
         context = self._context
         while not context.stopped:
-            requested = context.request
             if context.relearn:
                 context.relearn = False
                 self._forget()
                 ecu.forget_limits()
-            if self._reported is None or self._reported[0] is not requested:
-                context.start_request(requested)
-            plan = yield from self._unsupported.supported_plan(ecu, requested)
-            if not context.is_current(requested):
+            if not self._is_reported or context.request is not context.latest:
+                self._is_reported = False
+                context.start_request()
+            plan = yield from self._unsupported.supported_plan(ecu)
+            if not context.is_current:
                 continue
             if plan is None:
-                yield from self._idle(ecu, requested, _LONG)
+                yield from self._idle(ecu, _LONG)
                 context.refused.clear()
                 continue
             yield from self._supervisor.process(LineTrigger.ACCEPTED, ecu.tester.link.now())
-            method = yield from self._method(ecu, plan, requested)
-            if not context.is_current(requested):
+            method = yield from self._method(ecu, plan)
+            if not context.is_current:
                 continue
             if method is None:
-                yield from self._idle(ecu, requested, _SHORT)
+                yield from self._idle(ecu, _SHORT)
                 continue
             plan = plan.with_method(method)
-            yield from self._report_plan(ecu, requested, plan)
-            runner = PlanRunner(
-                ecu,
-                plan,
-                requested,
-                context=context,
-                unsupported=self._unsupported,
-                identity_check=self._supervisor.identity_check,
-            )
-            yield from runner.events()
+            yield from self._report_plan(ecu, plan)
+            yield from PlanRunner(ecu, plan, context, self._unsupported).events()
 
-    def _method(
-        self, ecu: Ecu, plan: Plan, requested: SamplingRequest
-    ) -> Generator[Event, None, FixedMethod | None]:
+    def _method(self, ecu: Ecu, plan: Plan) -> Generator[Event, None, FixedMethod | None]:
         """Return the requested method, or the fastest, measured if necessary; None: none works."""
         context, knowledge, baud = self._context, self._context.knowledge, ecu.tester.link.baud
+        requested = context.request
         if requested.method is not None and not knowledge.has_failed(requested.method):
             return requested.method
         knowledge.begin_trials(ecu)
         measured = False
-        while context.is_current(requested) and (
+        while context.is_current and (
             trial := knowledge.next_to_measure(plan, requested.rate, baud)
         ):
             if not measured:
-                yield from self._report_plan(ecu, requested, plan)  # the method follows
+                yield from self._report_plan(ecu, plan)  # the method follows
             measured = True
             self._jobs.run(ecu)
-            yield from self._trials.learn(ecu, plan.with_method(trial), requested)
+            yield from method_trial.learn(context, ecu, plan.with_method(trial))
         if measured:
             knowledge.save()
         rates = knowledge.rates(plan, baud)
         chosen = best_method(rates, requested.rate)
-        if (
-            context.is_current(requested)
-            and chosen is not None
-            and (measured or chosen != knowledge.method)
-        ):
+        if context.is_current and chosen is not None and (measured or chosen != knowledge.method):
             knowledge.method = chosen
             ordered = {str(each): rates[each] for each in (*CANDIDATES, FALLBACK) if each in rates}
             yield MethodChosen(ecu.tester.link.now(), chosen, ordered, ecu.limits())
         return chosen
 
-    def _report_plan(self, ecu: Ecu, requested: SamplingRequest, plan: Plan) -> Iterator[Event]:
-        reported = self._reported
-        if reported is None or reported[0] is not requested or reported[1] != plan:
-            self._reported, self._plan = (requested, plan), plan
+    def _report_plan(self, ecu: Ecu, plan: Plan) -> Iterator[Event]:
+        if not self._is_reported or self.plan != plan:
+            self._is_reported, self.plan = True, plan
             self._context.forget_values_outside(plan)
             yield PlanChanged(ecu.tester.link.now(), plan)
 
-    def _idle(self, ecu: Ecu, requested: SamplingRequest, seconds: float) -> Iterator[Event]:
+    def _idle(self, ecu: Ecu, seconds: float) -> Iterator[Event]:
         """Run only jobs for `seconds`, or until the request changes."""
         context, due = self._context, ecu.tester.link.now() + seconds
         yield from self._supervisor.process(LineTrigger.REFUSED, ecu.tester.link.now())
-        while context.is_current(requested) and not context.wait_until_due(ecu, requested, due):
+        while context.is_current and not context.wait_until_due(ecu, due):
             self._jobs.run(ecu)

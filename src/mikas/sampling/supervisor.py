@@ -44,11 +44,10 @@ class ConnectionSupervisor:
         self.unit: UnitIdentity | None = None
         self.ecu: Ecu | None = None
         """The `Ecu` on the open link; None until a unit is identified."""
-        self.identity_check = IdentityCheck(self._verify)
-        """Checks that `unit` is still the unit that answers."""
         self._port = port
         self._make_ecu = make_ecu
         self._context = context
+        context.identity_check.compare = self._verify
         self._machine = LineStateMachine()
         self._reported: type[MikasError] | None = None  # the reason reported with `state`
 
@@ -128,7 +127,7 @@ class ConnectionSupervisor:
                 again = False
                 yield from self._no_answer(ecu, error)
             else:
-                self.identity_check.confirm(ecu)
+                self._context.identity_check.confirm(ecu)
                 yield from self.process(LineTrigger.IDENTIFIED, ecu.tester.link.now())
                 return unit
         return None
@@ -186,35 +185,3 @@ def _found(ecu: Ecu, unit: UnitIdentity, *, another: bool) -> UnitFound:
 def is_same_unit(one: UnitIdentity, other: UnitIdentity) -> bool:
     """Return whether both are one unit, as far as their passports are known."""
     return one[0] == other[0] and one[1].may_be(other[1])
-
-
-class IdentityCheck:
-    """Detects that another unit may answer.
-
-    A response does not identify its unit (D13). Moving the plug to another car takes a second or
-    more, in which every request meets silence. After such a silence no value is accepted before
-    the passports are compared. A single lost or damaged response is no such silence.
-
-    `compare` raises `SyncLost` for another unit, or the error that prevents the comparison.
-    """
-
-    def __init__(self, compare: Callable[[Ecu], None]) -> None:
-        self._compare = compare
-        self._suspected = False
-        self._silences = 0
-
-    def suspect(self) -> None:
-        """Require a comparison: a stream stopped, perhaps by another cause than the unit."""
-        self._suspected = True
-
-    def confirm(self, ecu: Ecu) -> None:
-        """Note that the unit of `ecu` was identified just now."""
-        self._suspected = False
-        self._silences = ecu.tester.silences
-
-    def check(self, ecu: Ecu, pause: Callable[[], None]) -> None:
-        """Compare if another unit may answer; `pause` leaves the line quiet before."""
-        if self._suspected or ecu.tester.silences != self._silences:
-            pause()
-            self._compare(ecu)
-            self.confirm(ecu)

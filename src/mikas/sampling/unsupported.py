@@ -30,7 +30,6 @@ from mikas.i18n import Text
 from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import CycleFailed, Event, ParameterDropped
 from mikas.sampling.plan import Plan, datum_of
-from mikas.sampling.supervisor import IdentityCheck
 
 _MOST_REFUSALS = 6  # before the first datum; with more, the parameters are not the cause
 _ATTEMPTS = 3
@@ -40,48 +39,46 @@ _REPEATS = 2  # after silence, before it counts as a refusal
 class UnsupportedParameters:
     """Plans without the parameters that the unit refuses."""
 
-    def __init__(self, context: SamplingContext, identity_check: IdentityCheck) -> None:
+    def __init__(self, context: SamplingContext) -> None:
         self._context = context
-        self._identity_check = identity_check
         self._retried: SamplingRequest | None = None
 
-    def supported_plan(
-        self, ecu: Ecu, requested: SamplingRequest
-    ) -> Generator[Event, None, Plan | None]:
+    def supported_plan(self, ecu: Ecu) -> Generator[Event, None, Plan | None]:
         """Return the plan of the supported parameters.
 
-        None: the unit refuses all, as reported, or `requested` was replaced. Raises `NotSupported`
+        None: the unit refuses all, as reported, or the request was replaced. Raises `NotSupported`
         if the unit refuses all before the first sample.
         """
         for attempt in range(1, _ATTEMPTS + 1):
             if attempt > 1:
                 self._context.jobs.run(ecu)  # an attempt takes seconds if the unit is silent
-            if not self._context.is_current(requested):
+            if not self._context.is_current:
                 return None
-            plan = self._remaining(requested)
+            plan = self._remaining()
             if plan is None:
                 break
             try:
-                yield from self._try(ecu, requested, plan)
+                yield from self._try(ecu, plan)
                 break
             except LineError as error:
                 yield CycleFailed(ecu.tester.link.now(), error)
                 if attempt == _ATTEMPTS:
                     return plan  # on a bad line refusals are not known
             except NotSupported as error:
-                dropped = yield from self.drop_unsupported(ecu, plan, requested)
-                if not dropped and self._context.is_current(requested):
+                dropped = yield from self.drop_unsupported(ecu, plan)
+                if not dropped and self._context.is_current:
                     yield from self._all_refused(ecu, error)
                     return None
-        plan = self._remaining(requested)
+        plan = self._remaining()
         if plan is None:
-            first = requested.parameters[0].parameter
+            first = self._context.request.selection.parameters[0].parameter
             yield from self._all_refused(ecu, refused(first.name, first.code))
         return plan
 
-    def _try(self, ecu: Ecu, requested: SamplingRequest, plan: Plan) -> Iterator[Event]:
+    def _try(self, ecu: Ecu, plan: Plan) -> Iterator[Event]:
         parameters = [planned.parameter for planned in plan.parameters]
-        again = requested.retry_refused and requested is not self._retried
+        requested = self._context.request
+        again = requested.selection.explicit and requested is not self._retried
         poller = poller_of(ecu, "batch", again=again)
         poller.cycle([parameters])
         self._retried = requested
@@ -89,11 +86,11 @@ class UnsupportedParameters:
         refusing = {datum_of(p) for p in parameters if poller.refuses([p])}
         yield from self._drop(ecu, plan, refusing)
 
-    def _remaining(self, requested: SamplingRequest) -> Plan | None:
-        left = tuple(
-            w for w in requested.parameters if datum_of(w.parameter) not in self._context.refused
-        )
-        return Plan(left, max_list=self._context.knowledge.max_list) if left else None
+    def _remaining(self) -> Plan | None:
+        context = self._context
+        requested = context.request.selection.parameters
+        left = tuple(p for p in requested if datum_of(p.parameter) not in context.refused)
+        return Plan(left, max_list=context.knowledge.max_list) if left else None
 
     def _all_refused(self, ecu: Ecu, error: MikasError) -> Generator[Event, None, None]:
         if not self._context.has_sampled:
@@ -101,7 +98,7 @@ class UnsupportedParameters:
         yield CycleFailed(ecu.tester.link.now(), error)
 
     def drop_unsupported(
-        self, ecu: Ecu, plan: Plan, requested: SamplingRequest, *, going: bool = False
+        self, ecu: Ecu, plan: Plan, *, going: bool = False
     ) -> Generator[Event, None, bool]:
         """Drop the parameters that the unit refuses now; return whether it refuses any.
 
@@ -114,7 +111,7 @@ class UnsupportedParameters:
         repeats: dict[Datum, int] = {}  # of the codes without an answer: requests to come
         queue = list(dict.fromkeys((*COMMON, *planned)))
         try:
-            while queue and context.is_current(requested):
+            while queue and context.is_current:
                 context.jobs.run(ecu)
                 datum = queue.pop(0)
                 if answered and datum not in planned:
@@ -148,10 +145,8 @@ class UnsupportedParameters:
             return
         fresh = poller_of(ecu, "batch").cycle([parameters])
         if fresh:
-            self._identity_check.check(ecu, lambda: None)
-            sampled = self._context.sample_of(fresh)
-            if self._context.is_due(sampled):
-                yield sampled
+            self._context.identity_check.check(ecu, lambda: None)
+            yield from self._context.sampled(fresh)
 
     def _drop(self, ecu: Ecu, plan: Plan, refusing: set[Datum]) -> Iterator[Event]:
         self._context.refused |= refusing
