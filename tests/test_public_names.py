@@ -64,7 +64,7 @@ def own_errors():
     waiting = [errors.MikasError]
     while waiting:
         for error in waiting.pop().__subclasses__():
-            if error.__module__.startswith("mikas.errors"):
+            if error.__module__.startswith("mikas.errors."):
                 found[error.__name__] = error
                 waiting.append(error)
     return found

@@ -1,0 +1,153 @@
+"""The ECU is there, but the exchange failed, or the ECU refused (§2, §3, D10, D12–D14)."""
+
+from __future__ import annotations
+
+from mikas.errors.base import MikasError
+from mikas.i18n import Text
+
+
+class LineError(MikasError):
+    """The ECU is connected, but the exchange failed, also when repeated."""
+
+    advice = Text(
+        "Check ground and plug of the adapter, keep its cable away from the ignition leads.",
+        "Проверьте массу и разъём адаптера, отведите кабель от высоковольтных проводов.",
+    )
+
+
+class NoResponse(LineError, TimeoutError):
+    """Silence for longer than the limits of D14."""
+
+    what = Text("The ECU did not answer within {seconds:g} s", "Блок не ответил за {seconds:g} с")
+    advice = Text(
+        "Either this unit does not know the command, or the ignition went off, or the line is bad "
+        "(check ground and plug of the adapter).",
+        "Либо блок не знает этой команды, либо выключилось зажигание, либо плохая связь по линии "
+        "(проверьте массу и разъём адаптера).",
+    )
+
+
+class EngineStopped(NoResponse):
+    """No response to a stream by strokes: the unit reports zero speed (D15)."""
+
+    what = Text(
+        "No stroke for {seconds:g} s: the engine is not turning",
+        "Тактов нет {seconds:g} с: двигатель не вращается",
+    )
+    advice = Text(
+        "A stream by strokes comes only while the engine turns: start it, or use another method.",
+        "Поток по тактам идёт, только пока двигатель вращается: запустите его или возьмите другой "
+        "способ.",
+    )
+
+
+class EchoDiffers(LineError):
+    """The echo differs from the bytes sent: a second talker or a bad line (D1, D2)."""
+
+    what = Text("The echo differs from what was sent", "Эхо отличается от посланного")
+    advice = Text(
+        "Likely, in order: another tester or unit is sending on the same wire; a bad ground; a "
+        "wrong baud rate or echo setting. Disconnect other devices and try again.",
+        "Скорее всего, по порядку: на той же линии передаёт другой прибор или блок; плохая масса; "
+        "неверная скорость или настройка эха. Отключите остальные приборы и повторите.",
+    )
+
+
+class DamagedResponse(LineError):
+    """The response's frame is damaged: checksum, cut short, or too long (§2)."""
+
+    what = Text("The response is damaged: {damage}", "Ответ повреждён: {damage}")
+
+
+class WrongLength(LineError):
+    """A valid frame of a length that does not fit the request (D13)."""
+
+    what = Text(
+        "Bytes in the response: {length}; there should be {expected} for this request",
+        "В ответе байтов: {length}; на этот запрос должно быть: {expected}",
+    )
+
+
+class WrongAddress(LineError):
+    """A valid frame that repeats another address than the request's (D13)."""
+
+    what = Text(
+        "The response has address {got}, the request {asked}",
+        "В ответе адрес {got}, а в запросе {asked}",
+    )
+
+
+class WrongContent(LineError):
+    """A valid frame of the right length with invalid content (§3)."""
+
+    what = Text("Invalid response: {problem}", "Недопустимый ответ: {problem}")
+
+
+class LineNotQuiet(LineError):
+    """Bytes keep coming without a request (D2, D12)."""
+
+    what = Text(
+        "The line does not become idle: something keeps sending",
+        "Линия не освобождается: передача не прекращается",
+    )
+    advice = Text(
+        "Another tester on the wire, or a stream that the unit does not end: switch the ignition "
+        "off for ten seconds and on again.",
+        "На линии другой прибор, либо блок не прекращает поток: выключите зажигание на десять "
+        "секунд и включите снова.",
+    )
+
+
+class SyncLost(LineError):
+    """After a failed exchange the ECU could not be resynchronised (D13)."""
+
+    what = Text(
+        "Synchronisation with the ECU could not be restored after a failed exchange",
+        "После сбоя обмена не удалось восстановить синхронизацию с блоком",
+    )
+
+
+class EcuRefused(MikasError):
+    """The ECU refused the request, or does not know it."""
+
+
+class WriteRefused(EcuRefused):
+    """The ECU answered 01 to a write (§3)."""
+
+    what = Text("The ECU refused the write", "Блок отверг запись")
+    advice = Text(
+        "This unit does not allow this cell or parameter to be written; nothing was changed.",
+        "Этот блок не разрешает запись этой ячейки или параметра; ничего не изменено.",
+    )
+
+
+class NotSupported(EcuRefused):
+    """Unknown command or parameter: silence, or 01 where that can't be data (D10)."""
+
+    what = Text("This ECU does not know {command}", "Этот блок не знает {command}")
+    advice = Text("Not every unit has every command.", "Не каждый блок знает все команды.")
+
+
+class ReadBackDiffers(EcuRefused):
+    """The write was accepted, but another value was read back."""
+
+    what = Text(
+        "{name}: {wanted} was written, {got} was read back",
+        "{name}: записано {wanted}, прочитано {got}",
+    )
+    advice = Text(
+        "The cell may be read-only, or the unit's program changes it; read it again before you "
+        "rely on it.",
+        "Возможно, ячейка доступна только для чтения или её меняет программа блока; прочтите её "
+        "ещё раз.",
+    )
+
+
+class NotConfirmed(MikasError):
+    """A change that was not approved; nothing was sent."""
+
+    what = Text(
+        "Not confirmed, nothing was changed: {change}",
+        "Не подтверждено, ничего не изменено: {change}",
+    )
+    advice = Text("{how}", "{how}")
