@@ -188,9 +188,6 @@ class LocalizedCommand(click.Command):
         self.text = text
         self.examples = examples
 
-    def get_short_help_str(self, limit: int = 45) -> str:
-        return localized(self.text).split(". ")[0].rstrip(".")
-
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         allow_more = ctx.allow_extra_args
         ctx.allow_extra_args = True  # surplus words are reported below
@@ -199,7 +196,7 @@ class LocalizedCommand(click.Command):
         except click.UsageError as error:
             error.ctx = error.ctx or ctx
             raise
-        if rest and not allow_more and not ctx.resilient_parsing:
+        if rest and not allow_more:
             surplus = " ".join(rest)
             raise click.UsageError(
                 tr(f"Unexpected argument: “{surplus}”.", f"Лишний аргумент: «{surplus}»."), ctx
@@ -270,7 +267,7 @@ class LocalizedGroup(LocalizedCommand, click.Group):
         return command
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        if not args and not ctx.resilient_parsing:
+        if not args:
             click.echo(ctx.get_help(), err=True)
             ctx.exit(2)
         return super().parse_args(ctx, args)
@@ -279,9 +276,9 @@ class LocalizedGroup(LocalizedCommand, click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         command = self.get_command(ctx, args[0])
-        if command is None and not ctx.resilient_parsing:
+        if command is None:
             raise click.UsageError(self._unknown(args[0]), ctx)
-        return (args[0] if command else None), command, args[1:]
+        return args[0], command, args[1:]
 
     def _unknown(self, name: str) -> str:
         from difflib import get_close_matches

@@ -60,15 +60,17 @@ class CommandContext:
     def of(cls, given: Mapping[str, Any]) -> CommandContext:
         """Combine the common options, the environment and the config file."""
         stored = config.load()
-        settings = {**stored, **_environment(), **given}
+        settings = {**stored, **given}
         verbosity = given.get("verbose", 0)
-        output = Output(json=bool(given.get("json")), verbose=verbosity > 0)
-        context = cls(output=output, logs=verbosity > 1)
-        context.port = settings.get("port")
-        context.connection = {name: settings[name] for name in _CONNECTION if name in settings}
-        context.catalogs = tuple(map(Path, [*stored.get("catalog", ()), *given.get("catalog", ())]))
-        context.capture = Path(given["capture"]) if given.get("capture") else None
-        return context
+        environment = os.environ.get("MIKAS_PORT", "").strip()
+        return cls(
+            port=given.get("port", environment or stored.get("port")),
+            capture=given.get("capture"),
+            catalogs=tuple(map(Path, [*stored.get("catalog", ()), *given.get("catalog", ())])),
+            connection={name: settings[name] for name in _CONNECTION if name in settings},
+            output=Output(json=bool(given.get("json")), verbose=verbosity > 0),
+            logs=verbosity > 1,
+        )
 
     @cached_property
     def options(self) -> ConnectionOptions:
@@ -175,8 +177,3 @@ def _described(change: Change, meaning: Callable[[str], str] | None) -> str:
             )
         )
     return "\n".join(lines)
-
-
-def _environment() -> dict[str, Any]:
-    port = os.environ.get("MIKAS_PORT", "").strip()
-    return {"port": port} if port else {}

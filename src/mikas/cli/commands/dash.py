@@ -199,12 +199,8 @@ def _check(url: str) -> None:
 def _show_address(
     context: CommandContext, access: Access, options: DashboardOptions, settings: Settings
 ) -> None:
-    if context.output.json:
-        context.output.data({"url": access.url, "lan_url": access.lan_url})
-    else:
-        context.output.line(access.url)
-        if access.lan_url:
-            context.output.line(access.lan_url)
+    urls = {"url": access.url, "lan_url": access.lan_url}
+    context.output.result(urls, "\n".join(filter(None, urls.values())))
     context.say("Ctrl-C ends it.", "Выход: Ctrl-C.")
     _note_unusable_folder(context, settings)
     if context.port is not None:

@@ -182,10 +182,7 @@ async def _serve(
     else:
         port = await serve.TcpPort.open(bus, clock.now, *tcp)
     try:
-        if context.output.json:
-            context.output.data({"url": port.url})
-        else:
-            context.output.line(port.url)
+        context.output.result({"url": port.url}, port.url)
         context.say("Ctrl-C ends it.", "Выход: Ctrl-C.")
         await asyncio.Event().wait()
     finally:

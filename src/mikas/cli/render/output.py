@@ -40,6 +40,13 @@ class Output:
         sys.stdout.write(text + "\n")
         sys.stdout.flush()
 
+    def result(self, value: Mapping[str, Any], text: str) -> None:
+        """Print `value` as JSON, or `text` for people."""
+        if self.json:
+            self.data(value)
+        else:
+            self.line(text)
+
     def note(self, text: str) -> None:
         """Print one line on stderr, for people."""
         sys.stderr.write(text + "\n")

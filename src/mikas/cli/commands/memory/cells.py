@@ -30,11 +30,9 @@ SPACE = one_of(("ram", "xram", "code", "sfr"))
 def read(context: CommandContext, space: str, address: int, count: int) -> None:
     with context.ecu() as ecu:
         data = ecu.memory[space].read_block(address, count)
-    if context.output.json:
-        context.output.data({"space": space, "address": address, "data": data})
-    else:
-        for line in _hexdump(data, address):
-            context.output.line(line)
+    context.output.result(
+        {"space": space, "address": address, "data": data}, "\n".join(_hexdump(data, address))
+    )
 
 
 @command(
@@ -54,13 +52,11 @@ def read(context: CommandContext, space: str, address: int, count: int) -> None:
 def write(context: CommandContext, space: str, address: int, data: bytes, *, yes: bool) -> None:
     with context.ecu(context.confirm(yes=yes)) as ecu:
         written = ecu.memory[space].write_block(address, data)
-    if context.output.json:
-        context.output.data(
-            {"space": space, "address": address, "before": written.before, "after": written.after}
-        )
-        return
     before, after = written.before.hex(" ").upper(), written.after.hex(" ").upper()
-    context.output.line(f"{space} {address:04X}: {before} → {after}")
+    context.output.result(
+        {"space": space, "address": address, "before": written.before, "after": written.after},
+        f"{space} {address:04X}: {before} → {after}",
+    )
 
 
 @command(

@@ -101,17 +101,9 @@ def dump(
             with _progress(tr("second pass", "второй проход"), manifest.size) as done:
                 found = job.verify(block=block, progress=done)
             _show_differences(context, found, tr("first pass differs", "проходы расходятся"))
-    if context.output.json:
-        context.output.data(manifest.as_json())
-    else:
-        context.output.line(
-            tr(
-                f"{out}: {space} {first:04X}–{end:04X}, {manifest.size} bytes, "
-                f"sha256 {manifest.sha256}",
-                f"{out}: {space} {first:04X}–{end:04X}, байт: {manifest.size}, "
-                f"sha256 {manifest.sha256}",
-            )
-        )
+    place = f"{out}: {space} {first:04X}–{end:04X}"
+    size = tr(f"{manifest.size} bytes", f"байт: {manifest.size}")
+    context.output.result(manifest.as_json(), f"{place}, {size}, sha256 {manifest.sha256}")
 
 
 def _stopped(job: Dump, out: Path) -> str:

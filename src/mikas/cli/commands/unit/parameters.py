@@ -192,18 +192,16 @@ def write(
     )
     with context.ecu(context.confirm(yes=yes, meaning=meaning)) as ecu:
         written = ecu.write_parameter(name, number, raw=raw)
-    if context.output.json:
-        context.output.data(
-            {
-                "name": written.name,
-                "before": written.before and written.before.value,
-                "after": written.after and written.after.value,
-                "raw_before": written.before and written.before.raw,
-                "raw_after": written.after and written.after.raw,
-            }
-        )
-        return
-    context.output.line(f"{written.name}: {_shown(written.before)} → {_shown(written.after)}")
+    context.output.result(
+        {
+            "name": written.name,
+            "before": written.before and written.before.value,
+            "after": written.after and written.after.value,
+            "raw_before": written.before and written.before.raw,
+            "raw_after": written.after and written.after.raw,
+        },
+        f"{written.name}: {_shown(written.before)} → {_shown(written.after)}",
+    )
 
 
 def _number(text: str) -> float:
