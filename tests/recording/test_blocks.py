@@ -24,17 +24,15 @@ from mikas.recording.capture.blocks import (
 words = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=40)
 orders = st.sampled_from(["<", ">"])
 blocks = st.one_of(
-    st.builds(Section, hardware=words, system=words, application=words, comment=words),
+    st.builds(Section, hardware=words, application=words),
     st.builds(
         Interface,
         link_type=st.integers(0, 0xFFFF),
         name=words,
         description=words,
         speed=st.integers(0, 2**64 - 1),
-        tsresol=st.integers(1, 255),
+        tsresol=st.integers(0, 255),
         tsoffset=st.integers(-(2**63), 2**63 - 1),
-        snap_length=st.integers(0, 2**32 - 1),
-        comment=words,
     ),
     st.builds(
         EnhancedPacket,

@@ -11,7 +11,7 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -35,10 +35,7 @@ _ORDERS: Final[dict[bytes, Order]] = {
     struct.pack(">I", _ORDER_MAGIC): ">",
 }
 _MICROSECONDS: Final = 6
-_END, _COMMENT = 0, 1
-_SHB_HARDWARE, _SHB_OS, _SHB_APPLICATION = 2, 3, 4
-_IF_NAME, _IF_DESCRIPTION, _IF_SPEED, _IF_TSRESOL, _IF_TSOFFSET = 2, 3, 8, 9, 14
-_EPB_FLAGS = 2
+_END = 0
 
 
 class Malformed(ValueError):
@@ -50,9 +47,7 @@ class Section:
     """Section Header Block: begins a recording; its interfaces are counted from 0."""
 
     hardware: str = ""
-    system: str = ""
     application: str = ""
-    comment: str = ""
     version: tuple[int, int] = (1, 0)
 
 
@@ -66,8 +61,6 @@ class Interface:
     speed: int = 0
     tsresol: int = _MICROSECONDS
     tsoffset: int = 0
-    snap_length: int = 0
-    comment: str = ""
 
     @property
     def ticks_per_second(self) -> int:
@@ -110,6 +103,19 @@ class Custom:
 
 Block = Section | Interface | EnhancedPacket | SimplePacket | Custom
 
+# Options by code: the block's field, and the form of a number; texts have none.
+_OPTIONS: Final[dict[type[Block], dict[int, tuple[str, str]]]] = {
+    Section: {2: ("hardware", ""), 4: ("application", "")},
+    Interface: {
+        2: ("name", ""),
+        3: ("description", ""),
+        8: ("speed", "Q"),
+        9: ("tsresol", "B"),
+        14: ("tsoffset", "q"),
+    },
+    EnhancedPacket: {1: ("comment", ""), 2: ("flags", "I")},
+}
+
 
 def encode(block: Block, order: Order = "<") -> bytes:
     """Return the whole block, to be appended to a file."""
@@ -146,82 +152,40 @@ def byte_order(magic: bytes) -> Order | None:
 def _section_body(section: Section, order: Order) -> bytes:
     unknown_length = -1
     head = struct.pack(order + "IHHq", _ORDER_MAGIC, *section.version, unknown_length)
-    return head + _options(
-        order,
-        (_COMMENT, _text(section.comment)),
-        (_SHB_HARDWARE, _text(section.hardware)),
-        (_SHB_OS, _text(section.system)),
-        (_SHB_APPLICATION, _text(section.application)),
-    )
+    return head + _options(section, order)
 
 
 def _section(body: bytes, order: Order) -> Section:
     _, major, minor, _ = struct.unpack_from(order + "IHHq", body)
-    options = dict(_read_options(body[16:], order))
-    return Section(
-        hardware=_string(options.get(_SHB_HARDWARE)),
-        system=_string(options.get(_SHB_OS)),
-        application=_string(options.get(_SHB_APPLICATION)),
-        comment=_string(options.get(_COMMENT)),
-        version=(major, minor),
-    )
+    return Section(**_fields(Section, body[16:], order), version=(major, minor))
 
 
 def _interface_body(interface: Interface, order: Order) -> bytes:
-    offset = struct.pack(order + "q", interface.tsoffset) if interface.tsoffset else b""
-    speed = struct.pack(order + "Q", interface.speed) if interface.speed else b""
-    return struct.pack(order + "HHI", interface.link_type, 0, interface.snap_length) + _options(
-        order,
-        (_COMMENT, _text(interface.comment)),
-        (_IF_NAME, _text(interface.name)),
-        (_IF_DESCRIPTION, _text(interface.description)),
-        (_IF_SPEED, speed),
-        (_IF_TSRESOL, bytes([interface.tsresol])),
-        (_IF_TSOFFSET, offset),
-    )
+    return struct.pack(order + "HHI", interface.link_type, 0, 0) + _options(interface, order)
 
 
 def _interface(body: bytes, order: Order) -> Interface:
-    link_type, _, snap_length = struct.unpack_from(order + "HHI", body)
-    options = dict(_read_options(body[8:], order))
-    return Interface(
-        link_type=link_type,
-        name=_string(options.get(_IF_NAME)),
-        description=_string(options.get(_IF_DESCRIPTION)),
-        speed=_number(options.get(_IF_SPEED), order + "Q", 0),
-        tsresol=_number(options.get(_IF_TSRESOL), order + "B", _MICROSECONDS),
-        tsoffset=_number(options.get(_IF_TSOFFSET), order + "q", 0),
-        snap_length=snap_length,
-        comment=_string(options.get(_COMMENT)),
-    )
+    link_type, _, _ = struct.unpack_from(order + "HHI", body)
+    return Interface(link_type, **_fields(Interface, body[8:], order))
 
 
 def _enhanced_body(packet: EnhancedPacket, order: Order) -> bytes:
     captured = len(packet.data)
     high, low = divmod(packet.ticks, 1 << 32)
     fields = (packet.interface, high, low, captured, captured + packet.cut)
-    flags = struct.pack(order + "I", packet.flags) if packet.flags else b""
-    options = _options(order, (_COMMENT, _text(packet.comment)), (_EPB_FLAGS, flags))
-    return struct.pack(order + "5I", *fields) + _padded(packet.data) + options
+    return struct.pack(order + "5I", *fields) + _padded(packet.data) + _options(packet, order)
 
 
 def _enhanced(body: bytes, order: Order) -> EnhancedPacket:
     interface, high, low, captured, original = struct.unpack_from(order + "5I", body)
     if 20 + captured > len(body):
         raise Malformed("the packet is longer than its block")
-    comments, flags = [], 0
-    for code, value in _read_options(body[20 + captured + -captured % 4 :], order):
-        if code == _COMMENT:
-            comments.append(_string(value))
-        elif code == _EPB_FLAGS:
-            flags = _number(value, order + "I", 0)
     return EnhancedPacket(
         interface=interface,
         ticks=high << 32 | low,
         data=body[20 : 20 + captured],
-        flags=flags,
-        comment="\n".join(comments),
         cut=max(0, original - captured),
+        **_fields(EnhancedPacket, body[20 + captured + -captured % 4 :], order),
     )
 
 
@@ -239,14 +203,27 @@ def _padded(data: bytes) -> bytes:
     return data + bytes(-len(data) % 4)
 
 
-def _options(order: Order, *options: tuple[int, bytes]) -> bytes:
-    """Return the option list; options without a value, and a list without options, are left out."""
-    parts = [
-        struct.pack(order + "HH", code, len(value)) + _padded(value)
-        for code, value in options
-        if value
-    ]
-    return b"".join([*parts, bytes(4)]) if parts else b""
+def _options(block: Block, order: Order) -> bytes:
+    """Return the option list. Empty texts and zeros are left out, except a resolution of 1 s."""
+    options = b""
+    for code, (name, form) in _OPTIONS[type(block)].items():
+        if (field := getattr(block, name)) or name == "tsresol":
+            value = struct.pack(order + form, field) if form else _text(field)
+            options += struct.pack(order + "HH", code, len(value)) + _padded(value)
+    return options and options + bytes(4)
+
+
+def _fields(block: type[Block], data: bytes, order: Order) -> dict[str, Any]:
+    """Return the fields that an option list gives; a text given repeatedly has several lines."""
+    fields: dict[str, Any] = {}
+    for code, value in _read_options(data, order):
+        name, form = _OPTIONS[block].get(code, ("", ""))
+        if form:
+            fields[name] = _number(value, order + form)
+        elif name:
+            before = f"{fields[name]}\n" if name in fields else ""
+            fields[name] = before + _string(value)
+    return fields
 
 
 def _read_options(data: bytes, order: Order) -> Iterator[tuple[int, bytes]]:
@@ -267,13 +244,11 @@ def _text(text: str) -> bytes:
     return text.encode("utf-8", "replace")[:0xFFFF].decode("utf-8", "ignore").encode()
 
 
-def _string(value: bytes | None) -> str:
-    return (value or b"").decode("utf-8", "replace").rstrip("\0")
+def _string(value: bytes) -> str:
+    return value.decode("utf-8", "replace").rstrip("\0")
 
 
-def _number(value: bytes | None, form: str, default: int) -> int:
-    if value is None:
-        return default
+def _number(value: bytes, form: str) -> int:
     if len(value) != struct.calcsize(form):
         raise Malformed("an option has the wrong length")
     number: int = struct.unpack(form, value)[0]
