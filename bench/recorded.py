@@ -68,9 +68,8 @@ def _session(
     """The head of the file, and the packets of the steady part of the session."""
     alarms: list[Note] = []
     with (
-        CaptureWriter(path, url=PORT, overwrite=True) as writer,
-        Coalescer(_Shifted(writer)) as sink,
-        mikas.connect(PORT, sink=sink) as ecu,
+        _Shifted(path, url=PORT, overwrite=True) as writer,
+        mikas.connect(PORT, sink=(sink := Coalescer(writer))) as ecu,
     ):
         passport = ecu.passport()
         ecu.faults()
@@ -101,17 +100,14 @@ def _session(
     return data[:steady] + notes, _packets(data[steady:stop], method)
 
 
-class _Shifted:
+class _Shifted(CaptureWriter):
     """Everything as if the simulated clock had begun at `START`."""
 
-    def __init__(self, sink: CaptureWriter) -> None:
-        self._sink = sink
-
     def record(self, direction: Direction, data: bytes, time: float) -> None:
-        self._sink.record(direction, data, time + START)
+        super().record(direction, data, time + START)
 
     def note(self, note: Note) -> None:
-        self._sink.note(Note(note.kind, note.time + START, note.data))
+        super().note(Note(note.kind, note.time + START, note.data))
 
 
 def _packets(data: bytes, method: Method) -> list[pcapng.EnhancedPacket]:

@@ -10,7 +10,7 @@ from capture_harness import MICRO, RECEIVED, SENT, contents, read
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from appending_harness import appending
+from capture_writing_harness import appending
 from mikas.errors import CaptureError
 from mikas.link.base import Direction
 from mikas.recording.capture.blocks import OUTBOUND, EnhancedPacket, Interface, Section, encode

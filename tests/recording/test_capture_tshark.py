@@ -11,7 +11,7 @@ import subprocess
 
 import pytest
 
-from appending_harness import appending
+from capture_writing_harness import appending
 from mikas.link.base import Direction
 from mikas.recording.capture.writer import CaptureWriter
 

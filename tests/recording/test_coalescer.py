@@ -8,6 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from capture_writing_harness import coalescing
 from mikas import tester as testers
 from mikas.framing import encode
 from mikas.link.base import CaptureTee, Direction
@@ -35,7 +36,7 @@ class Kept:
 
 def coalesced(chunks):
     kept = Kept()
-    with Coalescer(kept) as coalescer:
+    with coalescing(kept) as coalescer:
         for chunk in chunks:
             coalescer.record(*chunk)
     return kept.items
@@ -160,7 +161,7 @@ def test_what_waits_goes_before_a_note_before_what_is_sent_and_after_a_second():
     coalescer.tick(2.2)
     assert kept.items[4:] == [(RECEIVED, b"d", 1.2)]
     coalescer.tick(9.0)
-    coalescer.close()
+    coalescer.flush()
     assert len(kept.items) == 5
 
 
@@ -171,7 +172,7 @@ def test_bytes_without_end_are_written_every_second_and_every_4096():
     chunks = [(RECEIVED, b"x" * 1000, index * 1000 * BYTE) for index in range(9)]
     assert [len(data) for _, data, _ in coalesced(chunks)] == [1000] * 9
     fast = Kept()
-    with Coalescer(fast, baud=1_000_000) as coalescer:
+    with coalescing(fast, baud=1_000_000) as coalescer:
         for index in range(9):
             coalescer.record(RECEIVED, b"x" * 1000, index * 0.01)
     assert [len(data) for _, data, _ in fast.items] == [4000, 4000, 1000]
@@ -188,7 +189,7 @@ def test_a_sink_that_fails_is_given_nothing_twice():
     coalescer.record(RECEIVED, b"a", 1.0)
     with pytest.raises(OSError, match="full"):
         coalescer.flush()
-    coalescer.close()
+    coalescer.flush()
     assert len(full.items) == 1
 
 
@@ -206,7 +207,7 @@ def test_a_session_has_a_packet_a_response(tmp_path, latency):
             for _ in range(50):
                 tester.raw(b"\x61\x1a\x29\x3f\x21\x40\x20")
             if joined:
-                sink.close()
+                sink.flush()
             assert writer.path.stat().st_size > before
         packets = list(CaptureReader(path))
         counts.append(len(packets))

@@ -17,7 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from appending_harness import appending
+from capture_writing_harness import appending
 from mikas.catalog import shipped
 from mikas.client import Limits, Passport
 from mikas.errors import CaptureError

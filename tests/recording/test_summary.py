@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mikas
-from appending_harness import appending
+from capture_writing_harness import appending, coalescing
 from mikas.catalog import shipped
 from mikas.i18n import Text
-from mikas.recording import CaptureWriter, Coalescer, Note
+from mikas.recording import CaptureWriter, Note
 from mikas.recording import summary as summaries
 from mikas.recording.annotations.events import comment_note, events_of, note_of, unit_of
 from mikas.recording.capture import notes as file_index
@@ -36,7 +36,7 @@ PASSPORT = ("MIKAS", None, "", "", "", "", "", "")
 def record(path, *, count=60, erase=False):
     with (
         appending(path, url=PORT) as writer,
-        Coalescer(writer) as sink,
+        coalescing(writer) as sink,
         mikas.connect(PORT, sink=sink, journal=path.parent / "journal") as ecu,
     ):
         write_session_header(

@@ -5,10 +5,9 @@ from __future__ import annotations
 from contextlib import contextmanager
 from pathlib import Path
 
-from appending_harness import appending
+from capture_writing_harness import appending, coalescing
 from mikas.client import connect
 from mikas.link.base import Direction
-from mikas.recording import Coalescer
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 METHODS = ["single", "batch", "list", "stream"]
@@ -26,7 +25,7 @@ def session(url, folder, path=None, *, joined=True, **options):
         return
     with (
         appending(path, url=url) as writer,
-        Coalescer(writer) as sink,
+        coalescing(writer) as sink,
         connect(url, sink=sink if joined else writer, **common) as ecu,
     ):
         yield ecu

@@ -10,11 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from replay_harness import METHODS, NAMES, again, do, session, sim
 
+from capture_writing_harness import coalescing
 from mikas.errors import RecordingOver
 from mikas.framing import encode
 from mikas.link import open_link
 from mikas.link.virtual import VirtualLink
-from mikas.recording import CaptureWriter, Coalescer
+from mikas.recording import CaptureWriter
 from mikas.replay import load, playing, replay_bus
 
 
@@ -54,7 +55,7 @@ def test_the_same_questions_at_the_same_times_get_the_recorded_answers(
         # A recording does not know its baud rate from the URL: whoever opens the port tells it.
         with (
             CaptureWriter(path, url=url, baud=baud) as writer,
-            Coalescer(writer, baud=baud) as sink,
+            coalescing(writer, baud=baud) as sink,
             session(url, folder, sink=sink if joined else writer) as ecu,
         ):
             recorded = do(ecu, wanted), ecu.version_code, ecu.faults(), ecu.info()

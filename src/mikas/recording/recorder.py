@@ -21,7 +21,7 @@ from mikas.errors import CaptureError
 from mikas.link.base import Direction
 from mikas.recording.annotations.annotator import SessionAnnotator
 from mikas.recording.annotations.events import note_of
-from mikas.recording.capture.coalescer import Coalescer, NotedSink
+from mikas.recording.capture.coalescer import Coalescer
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import reason_of
 from mikas.recording.capture.writer import CaptureWriter
@@ -60,7 +60,7 @@ class _Open:
     url: str
     baud: int
     writer: CaptureWriter
-    sink: NotedSink
+    sink: Coalescer | CaptureWriter
     since: float | None
     failure: CaptureError | None = None
     written: int = 0  # samples in the file at the failure

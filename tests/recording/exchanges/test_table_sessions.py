@@ -13,7 +13,7 @@ from exchanges_reference import rows as reference_rows
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from appending_harness import appending
+from capture_writing_harness import appending
 from mikas import tester as testers
 from mikas.catalog import load, shipped
 from mikas.client import Ecu

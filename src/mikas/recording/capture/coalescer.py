@@ -14,11 +14,12 @@ file for every byte. Joined, there is about one packet a response, and no time t
 from __future__ import annotations
 
 import threading
-from typing import Final, Protocol, Self
+from typing import Final
 
 from mikas.framing import TERMINATOR
-from mikas.link.base import BITS_PER_BYTE, Direction, Sink
+from mikas.link.base import BITS_PER_BYTE, Direction
 from mikas.recording.capture.notes import Note
+from mikas.recording.capture.writer import CaptureWriter
 
 _MOST_BYTES: Final = 4096
 _LONGEST: Final = 1.0  # s
@@ -29,22 +30,14 @@ _CLOSE: Final = 0.5
 _LATE: Final = 1.0  # of the first chunk at most, as later ones show
 
 
-class NotedSink(Sink, Protocol):
-    """A sink that takes notes, too, as `CaptureWriter` does."""
-
-    def note(self, note: Note) -> None:
-        """Write `note`."""
-
-
 class Coalescer:
     """Stands between a `CaptureTee` and `sink`; implements `Sink` and takes notes.
 
     Waiting bytes are written when their frame ends, the direction changes, a note arrives, a chunk
-    follows too late, and at `flush`, `tick` and `close`. `close` leaves `sink` open. Any thread may
-    add a note.
+    follows too late, and at `flush` and `tick`. Any thread may add a note.
     """
 
-    def __init__(self, sink: NotedSink, *, baud: int = 9600) -> None:
+    def __init__(self, sink: CaptureWriter, *, baud: int = 9600) -> None:
         self._sink = sink
         self._byte_time = BITS_PER_BYTE / baud
         self._lock = threading.RLock()
@@ -101,16 +94,6 @@ class Coalescer:
             self._joined = False
             self._sink.record(Direction.RECEIVED, data, time)
 
-    def close(self) -> None:
-        """Write what is waiting; the sink stays its maker's."""
-        self.flush()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def _joins(self, data: bytes, time: float) -> bool:
         length = len(self._waiting) + len(data)
         if length > _MOST_BYTES or time - self._first > _LONGEST:
@@ -119,10 +102,7 @@ class Coalescer:
         # How much later the packet would have to begin for the times of this chunk's bytes.
         late = (time - self._seen_begin) / self._byte_time - length
         if _TERMINATOR in self._waiting or data.find(_TERMINATOR, 0, len(data) - 1) >= 0:
-            early, most = (
-                _CLOSE,
-                _CLOSE,
-            )  # another frame begins here; its time must be right
+            early, most = _CLOSE, _CLOSE  # another frame begins here; its time must be right
         else:
             early, most = _LATE, _ALL_PAUSES
         return pause <= _PAUSE and -early <= late <= most

@@ -1,9 +1,10 @@
-"""Files with several recordings, one behind the other, for the tests of reading them."""
+"""Files with several recordings or with joined packets, for the tests of reading them."""
 
 from __future__ import annotations
 
 from contextlib import contextmanager
 
+from mikas.recording.capture.coalescer import Coalescer
 from mikas.recording.capture.writer import CaptureWriter
 
 
@@ -18,3 +19,11 @@ def appending(path, **settings):
         with path.open("ab") as file:
             file.write(piece.read_bytes())
         piece.unlink()
+
+
+@contextmanager
+def coalescing(sink, **settings):
+    """A `Coalescer` of which nothing waits at the end."""
+    coalescer = Coalescer(sink, **settings)
+    yield coalescer
+    coalescer.flush()
