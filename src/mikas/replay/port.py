@@ -80,16 +80,16 @@ def open_replay(url: str, options: dict[str, str]) -> Link:
     """
     settings = dict(options)
     simulated = take_clock(settings)
-    place = url.partition("?")[0].partition(":")[2].removeprefix("//")
+    place = _file_in(url)
     if not place:
         raise usage_error("it names no file: replay:FILE", "в нём нет файла: replay:ФАЙЛ")
     bus = replay_bus(place, settings)
     if not simulated:
-        return RealTimeReplayLink(bus, url=url, file=place)
+        return RealTimeReplayLink(bus, url=url)
     car = car_on(bus)
     assert car is not None
     start = car.recorded.begin + car.position()
-    return ReplayLink(bus, url=url, start=start, file=place)
+    return ReplayLink(bus, url=url, start=start)
 
 
 def playing(link: Link) -> ReplayCar | None:
@@ -107,31 +107,28 @@ def car_on(bus: object) -> ReplayCar | None:
 
 
 class ReplayLink(VirtualLink):
-    """A replay in simulated time. `file`: as the user wrote it."""
-
-    def __init__(self, bus: Bus, *, url: str, start: float, file: str) -> None:
-        super().__init__(bus, url=url, start=start)
-        self._file = file
+    """A replay in simulated time."""
 
     def _check(self) -> None:
         super()._check()
-        _raise_if_over(self.bus, self._file, self.now())
+        _raise_if_over(self)
 
 
 class RealTimeReplayLink(RealTimeVirtualLink):
-    """A replay in real time. `file`: as the user wrote it."""
-
-    def __init__(self, bus: Bus, *, url: str, file: str) -> None:
-        super().__init__(bus, url=url)
-        self._file = file
+    """A replay in real time."""
 
     def _check(self) -> None:
         super()._check()
-        _raise_if_over(self.bus, self._file, self.now())
+        _raise_if_over(self)
 
 
-def _raise_if_over(bus: Bus, file: str, now: float) -> None:
-    car = bus.ecu.responder.car
-    if isinstance(car, ReplayCar) and car.is_over(now):
+def _raise_if_over(link: ReplayLink | RealTimeReplayLink) -> None:
+    car, now = car_on(link.bus), link.now()
+    if car is not None and car.is_over(now):
         car.look(now)
-        raise RecordingOver(file=file, time=now)
+        raise RecordingOver(file=_file_in(link.url), time=now)
+
+
+def _file_in(url: str) -> str:
+    """Return the file as the user wrote it."""
+    return url.partition("?")[0].partition(":")[2].removeprefix("//")
