@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -27,7 +26,7 @@ from mikas.recording.exchanges.matching import (
     matched,
 )
 from mikas.recording.exchanges.packets import WINDOW, Packets, read
-from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
+from mikas.recording.exchanges.result import GAP, ExchangesOf, Requests, Responses
 from mikas.recording.exchanges.stream import Events, PacketStream
 
 _ECHO: Final = -2
@@ -37,35 +36,8 @@ _DAMAGE: Final = -3
 _NEVER: Final = np.iinfo(np.int64).max
 
 
-@dataclass(frozen=True, slots=True)
-class ResponseColumns(Responses):
-    """Responses as numpy arrays."""
-
-    bodies: Bytes
-    times: Floats
-    requests: Index
-    numbers: Index
-    after: Index
-    starts: Index
-    lengths: Index
-    wire_lengths: Index
-
-
-@dataclass(frozen=True, slots=True)
-class RequestColumns(Requests):
-    """Requests as numpy arrays."""
-
-    numbers: Index
-    times: Floats
-    lengths: Index
-
-
-@dataclass(frozen=True, slots=True)
-class ExchangeColumns(Exchanges):
-    """Exchanges as numpy arrays."""
-
-    requests: RequestColumns
-    responses: ResponseColumns
+ResponseColumns = Responses[Bytes, Floats, Index]
+ExchangeColumns = ExchangesOf[Bytes, Floats, Index]
 
 
 def column_exchanges(
@@ -103,10 +75,10 @@ class ColumnarMatcher:
         after = first - 1 + requests.turns.searchsorted(responses.turns, "right")
         chosen = (answers > _ECHO).nonzero()[0]
         sent_times = self._sent.packet_times(sent, requests.index)
-        return ExchangeColumns(
+        return ExchangesOf(
             source=self._source,
             bodies=self.matching.bodies,
-            requests=RequestColumns(first, requests.numbers, sent_times, requests.lengths),
+            requests=Requests(first, requests.numbers, sent_times, requests.lengths),
             responses=self._responses(requests, responses, chosen, answers, after),
             damaged=after[answers == _DAMAGE],
             echoes=int(np.count_nonzero(answers == _ECHO)),
@@ -140,7 +112,7 @@ class ColumnarMatcher:
         numbers = known[np.maximum(serials - first + 2, 0)]
         numbers[serials == NO_REQUEST] = NO_REQUEST
         self._latest = known[-2:]
-        return ResponseColumns(
+        return Responses(
             times=self._received.wire_times(block, events),
             requests=serials,
             numbers=numbers,

@@ -7,7 +7,7 @@ result, a stretch of packets at a time, for tables, exports, replay, summary and
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Protocol, TypeVar, overload
+from typing import TYPE_CHECKING, Final, Generic, Protocol, TypeVar, overload
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
@@ -41,21 +41,26 @@ class Column(Protocol[T]):
         """Return the values as a list."""
 
 
+B_co = TypeVar("B_co", bound="bytes | NDArray[np.uint8]", covariant=True)
+F_co = TypeVar("F_co", bound=Column[float], covariant=True)
+I_co = TypeVar("I_co", bound=Column[int], covariant=True)
+
+
 @dataclass(frozen=True, slots=True)
-class Requests:
+class Requests(Generic[F_co, I_co]):
     """Sent frames in order. `first`: the serial of the first one; serials count through all
     stretches of a port. `numbers`: of their bodies in `Exchanges.bodies`; -1: damaged. `times`: of
     the packets with their first bytes. `lengths`: bytes on the wire.
     """
 
     first: int
-    numbers: Column[int]
-    times: Column[float]
-    lengths: Column[int]
+    numbers: I_co
+    times: F_co
+    lengths: I_co
 
 
 @dataclass(frozen=True, slots=True)
-class Responses:
+class Responses(Generic[B_co, F_co, I_co]):
     """Sound received frames that are no echo, in order.
 
     `starts`, `lengths`: of their bodies in `bodies`. `times`: when their first bytes began on the
@@ -63,14 +68,14 @@ class Responses:
     `after`: serials of the last requests before them. `wire_lengths`: bytes on the wire.
     """
 
-    bodies: bytes | NDArray[np.uint8]
-    times: Column[float]
-    requests: Column[int]
-    numbers: Column[int]
-    after: Column[int]
-    starts: Column[int]
-    lengths: Column[int]
-    wire_lengths: Column[int]
+    bodies: B_co
+    times: F_co
+    requests: I_co
+    numbers: I_co
+    after: I_co
+    starts: I_co
+    lengths: I_co
+    wire_lengths: I_co
 
     def of(self, numbers: Collection[int]) -> Iterator[tuple[float, int, bytes]]:
         """Yield (time, number, body) of the responses to these requests."""
@@ -81,7 +86,7 @@ class Responses:
 
 
 @dataclass(frozen=True, slots=True)
-class Exchanges:
+class ExchangesOf(Generic[B_co, F_co, I_co]):
     """A stretch of one port's traffic.
 
     `bodies`: all request bodies of the port so far, by number; grows. `damaged`: for every damaged
@@ -92,11 +97,14 @@ class Exchanges:
 
     source: Source
     bodies: list[bytes]
-    requests: Requests
-    responses: Responses
-    damaged: Column[int]
+    requests: Requests[F_co, I_co]
+    responses: Responses[B_co, F_co, I_co]
+    damaged: I_co
     echoes: int
     raw_checksum: bool
     gaps: Sequence[tuple[float, float]]
     begin: float
     end: float
+
+
+Exchanges = ExchangesOf["bytes | NDArray[np.uint8]", Column[float], Column[int]]

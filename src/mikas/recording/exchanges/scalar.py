@@ -26,7 +26,7 @@ from mikas.recording.exchanges.matching import (
     SentRequest,
     matched,
 )
-from mikas.recording.exchanges.result import GAP, JUMP, Exchanges, Requests, Responses
+from mikas.recording.exchanges.result import GAP, JUMP, Exchanges, ExchangesOf, Requests, Responses
 
 UNFINISHED: Final = "unfinished"
 """Why an abandoned frame is damage, beside the values of `DamageReason`."""
@@ -233,7 +233,7 @@ class ScalarMatcher:
                         answered = serial, number(request), item.after
                         _append(received, item.wire_time, *answered, *place)
                         bodies += frame.body
-        return Exchanges(
+        return ExchangesOf(
             source=self._source,
             bodies=self.matching.bodies,
             requests=Requests(first, *sent),
