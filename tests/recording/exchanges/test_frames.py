@@ -14,7 +14,6 @@ from mikas.recording.exchanges.frames import BulkDecoder
 from mikas.recording.exchanges.segments import (
     CHECKSUM,
     GIVEN_UP,
-    IRREGULAR_ESCAPE,
     SOUND,
     TOO_LONG,
 )
@@ -22,7 +21,6 @@ from mikas.recording.exchanges.segments import (
 REASONS = {
     CHECKSUM: DamageReason.CHECKSUM,
     TOO_LONG: DamageReason.TOO_LONG,
-    IRREGULAR_ESCAPE: DamageReason.IRREGULAR_ESCAPE,
 }
 
 # Bytes that decide something, far more often than chance would bring them.
@@ -61,14 +59,12 @@ def events_of(block):
             yield Frame(block.body_of(index), wire, offset, raw, irregular)
 
 
-@given(chunked(), limits, st.booleans())
-def test_the_same_events_after_the_same_piece(stream, limit, strict):
-    slow, fast = Decoder(limit=limit, strict=strict), BulkDecoder(limit=limit, strict=strict)
+@given(chunked(), limits)
+def test_the_same_events_after_the_same_piece(stream, limit):
+    slow, fast = Decoder(limit=limit), BulkDecoder(limit=limit)
     for part, _ in zip(*stream, strict=True):
         assert list(events_of(fast.feed(part))) == slow.feed(part)
         assert (fast.pending, fast.offset) == (slow.pending, slow.offset)
-    assert (fast.noise, fast.discarded) == (slow.noise, slow.discarded)
-    assert fast.reset() == slow.reset()
 
 
 @given(chunked(), limits, st.sampled_from([1, 2, 3, 100]))
@@ -93,7 +89,7 @@ def test_cuts_are_resets(stream, limit, together):
             batch, cuts = b"", []
     flush()
     assert shown == expected
-    assert (fast.pending, fast.noise, fast.discarded) == (slow.pending, slow.noise, slow.discarded)
+    assert fast.pending == slow.pending
 
 
 @given(chunked(), limits)
@@ -128,7 +124,6 @@ def test_memory_is_bounded_by_the_limit():
     events = [event for _ in range(50) for event in events_of(decoder.feed(b"\x55" * 1000))]
     assert [type(event) for event in events] == [Damage]
     assert decoder.pending == b""
-    assert decoder.discarded == 50 * 1000 - 100
 
 
 def test_a_limit_is_at_least_a_byte():

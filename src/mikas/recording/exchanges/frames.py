@@ -16,11 +16,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from mikas.framing import ESCAPE, TERMINATOR, Damage, Decoder
+from mikas.framing import ESCAPE, TERMINATOR, Decoder, Frame
 from mikas.recording.exchanges.arrays import Bytes, Index, Mask
 from mikas.recording.exchanges.segments import (
     GIVEN_UP,
-    IRREGULAR_ESCAPE,
     SOUND,
     Segments,
     cut_up,
@@ -36,7 +35,7 @@ class FrameBlock:
 
     `reasons`: SOUND, or why not. `starts`, `ends`: a frame with its terminators, damage without.
     `needed`: bytes of `wire` that decided the event. `body_starts`, `body_ends`: in `bodies`, which
-    is unstuffed; both 0 for damage.
+    is unstuffed; of damage they mean nothing.
     """
 
     wire: Bytes
@@ -70,15 +69,12 @@ class FrameBlock:
 
 
 class BulkDecoder:
-    """`mikas.framing.Decoder` for large pieces, with the same attributes. `offset`: bytes fed."""
+    """`mikas.framing.Decoder` for large pieces, not strict. `offset`: bytes fed."""
 
-    def __init__(self, *, limit: int = 4096, strict: bool = False) -> None:
+    def __init__(self, *, limit: int = 4096) -> None:
         if limit < 1:
             raise ValueError("limit must be at least 1 byte")
         self.limit = limit
-        self.strict = strict
-        self.noise = 0
-        self.discarded = 0
         self.offset = 0
         self._carry: Bytes = _NOTHING
         self._overflowed = False
@@ -87,11 +83,6 @@ class BulkDecoder:
     def pending(self) -> bytes:
         """The bytes of the unfinished frame."""
         return self._carry.tobytes()
-
-    def reset(self) -> bytes:
-        """Drop the unfinished frame and return its bytes."""
-        left, self._carry, self._overflowed = self.pending, _NOTHING, False
-        return left
 
     def feed(self, data: bytes | Bytes, cuts: Index = _NOWHERE) -> FrameBlock:
         """Return the events that `data` completes.
@@ -104,8 +95,6 @@ class BulkDecoder:
         origin = self.offset - carried
         self.offset += fresh.size
         found = cut_up(wire, cuts + carried if carried else cuts, self.limit, self._overflowed)
-        self.noise += found.noise
-        self.discarded += found.discarded
         self._overflowed = found.overflowed
         self._carry = wire[found.tail :].copy()
         return self._unstuffed(wire, origin, found)
@@ -119,7 +108,7 @@ class BulkDecoder:
             escapes = escapes[~np.isin(escapes + 1, found.torn)]
         irregular = np.zeros(count, np.bool_)
         if not count or not escapes.size:
-            bodies, body_starts, body_ends = region, starts.copy(), found.ends - 2
+            bodies, body_starts, body_ends = region, starts, found.ends - 2
             odd = _NOWHERE
         else:
             followers = region.take(escapes + 1, mode="clip")
@@ -140,7 +129,7 @@ class BulkDecoder:
             reasons=reasons,
             starts=starts,
             ends=found.ends,
-            needed=found.needed.copy() if self.strict else found.needed,
+            needed=found.needed,
             bodies=bodies,
             body_starts=body_starts,
             body_ends=body_ends,
@@ -149,25 +138,15 @@ class BulkDecoder:
         )
         odd = odd[odd >= 0]
         odd = odd[reasons[odd] == SOUND]
-        if odd.size:
-            block = self._one_by_one(block, odd)
-        if found.damaged:
-            unsound = block.reasons != SOUND
-            block.body_starts[unsound] = 0
-            block.body_ends[unsound] = 0
-        return block
+        return self._one_by_one(block, odd) if odd.size else block
 
     def _one_by_one(self, block: FrameBlock, odd: Index) -> FrameBlock:
         """Decode these frames incrementally; their bodies go to the end of `bodies`."""
-        decoder = Decoder(limit=self.limit, strict=self.strict)
+        decoder = Decoder(limit=self.limit)
         extra = bytearray()
         for index in odd.tolist():
             (event,) = decoder.feed(block.wire_of(index))
-            if isinstance(event, Damage):
-                block.reasons[index] = IRREGULAR_ESCAPE
-                block.ends[index] = block.starts[index] + len(event.data)
-                block.body_starts[index] = block.body_ends[index] = 0
-                continue
+            assert isinstance(event, Frame)  # its checksum is right
             block.body_starts[index] = block.bodies.size + len(extra)
             extra += event.body
             block.body_ends[index] = block.bodies.size + len(extra)

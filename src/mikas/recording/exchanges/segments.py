@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mikas.framing import ESCAPE, TERMINATOR
 from mikas.recording.exchanges.arrays import Bytes, Index, Mask
 
-SOUND, CHECKSUM, TOO_LONG, IRREGULAR_ESCAPE, GIVEN_UP = range(5)
+SOUND, CHECKSUM, TOO_LONG, GIVEN_UP = range(4)
 """An event is sound, or the reason why not. GIVEN_UP: an unfinished frame before a cut, which the
 incremental decoder's `reset()` returns.
 """
@@ -45,8 +45,6 @@ class Segments:
     torn: Index = field(default_factory=lambda: _NOWHERE)
     escapes: Index = field(default_factory=lambda: _NOWHERE)
     owners: Index | None = None
-    noise: int = 0
-    discarded: int = 0
     overflowed: bool = False
     damaged: bool = False
 
@@ -65,13 +63,12 @@ def cut_up(wire: Bytes, cuts: Index, limit: int, overflowed: bool) -> Segments:
         torn = inner[wire[inner - 1] != _END]
         if torn.size:
             ends = np.union1d(ends, torn)
-    start = discarded = 0
+    start = 0
     if overflowed and not (cuts.size and cuts[0] == 0):
         if not ends.size:
-            return Segments(tail=wire.size, discarded=wire.size, overflowed=True)
+            return Segments(tail=wire.size, overflowed=True)
         start = int(ends[0])
         ends = ends[1:]
-        discarded = start - int(wire[start - 1] == _END)
     found = Segments(tail=start)
     if ends.size:
         found = _judged(wire, (start, ends), limit, (cuts, torn))
@@ -84,7 +81,6 @@ def cut_up(wire: Bytes, cuts: Index, limit: int, overflowed: bool) -> Segments:
             inside = int(escapes.searchsorted(found.stop))
         found.escapes = escapes[:inside]
     found.torn = torn
-    found.discarded += discarded
     if wire.size - found.tail > limit and not _is_held(wire, found.tail, limit):
         _add_overflow(found, wire.size, limit)
     return found
@@ -118,14 +114,10 @@ def _judged(
     holds = bool(raw[-1]) and stop == wire.size  # the next byte decides
     raw[:-1] &= empty[1:]
     raw[-1] = False
-    swallowed = np.zeros_like(raw)
-    swallowed[1:] = raw[:-1]
 
     reasons = np.where((plain | raw) & finished, SOUND, CHECKSUM).astype(np.uint8)
     reasons[~finished | lost_hope] = GIVEN_UP
     reasons[too_long] = TOO_LONG
-    found.noise = int(np.count_nonzero(empty & ~swallowed))
-    found.discarded = int((lengths[too_long] - limit).sum())
     found.damaged = True
 
     last = np.where(reasons == CHECKSUM, ends - 1, ends + raw)
@@ -153,6 +145,5 @@ def _add_overflow(found: Segments, size: int, limit: int) -> None:
     found.needed = np.append(found.needed, start + limit + 1)
     found.reasons = np.append(found.reasons, np.uint8(TOO_LONG))
     found.raw = np.append(found.raw, np.False_)
-    found.discarded += size - start - limit
     found.overflowed = found.damaged = True
     found.tail = size
