@@ -65,8 +65,8 @@ def _write(title: str, section: str) -> None:
     known = DOCUMENT.read_text("utf-8") if DOCUMENT.is_file() else ""
     sections = {part.partition("\n")[0]: part.strip() for part in known.split("\n## ")[1:]}
     sections[title] = section.removeprefix("## ").strip()
-    told = "\n".join(sections.values())
-    met, missed = told.count("| met |"), told.count("**MISSED**")
+    reported = "\n".join(sections.values())
+    met, missed = reported.count("| met |"), reported.count("**MISSED**")
     about = f"{_ABOUT}\n\n{met} of {met + missed} targets met."
     text = "\n\n## ".join([about, *sections.values()])
     DOCUMENT.write_text(text + "\n", encoding="utf-8", newline="\n")

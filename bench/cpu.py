@@ -60,9 +60,9 @@ def _log(method: str, seconds: float) -> tuple[_Look, _Look]:
             sleep(seconds)
             after = _look(process.pid)
             process.send_signal(signal.SIGINT)
-            _, told = process.communicate()
-        if process.returncode not in (0, 130) or b" 0 gaps" not in told:
-            raise RuntimeError(told.decode())
+            _, reported = process.communicate()
+        if process.returncode not in (0, 130) or b" 0 gaps" not in reported:
+            raise RuntimeError(reported.decode())
         return before, after
 
 

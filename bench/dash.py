@@ -132,12 +132,12 @@ def _long(it: Browser, served: Program, unit: CountingUnit, scope: Scope) -> lis
     aside = f"{len(delays)} responses, {len(painted)} paints; the slowest {max(delays):.0f} ms"
     held = f"{heap:.1f} MB, then {grown:.1f}; the last hour's values beside it: "
     held += f"{backing:.1f} MB, then {backing_then:.1f}"
-    told = f"{rate:.1f} sets/s"
+    reported = f"{rate:.1f} sets/s"
     return [
         Row("wire to screen, p50", [median(delays)], "ms", 0, how=how),
         Row("wire to screen, p95", [parts[18]], "ms", 0, at_most=100, aside=aside),
         Row(
-            "the program's CPU", [share], "%", 1, at_most=8, aside=told,
+            "the program's CPU", [share], "%", 1, at_most=8, aside=reported,
             how=_CPU.format(seconds=seconds),
         ),
         Row(

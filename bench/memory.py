@@ -43,9 +43,9 @@ def run(scope: Scope) -> Iterator[Theme]:
     hours = scope.of(8, 2)
     began = perf_counter()
     command = [sys.executable, "-m", "bench.memory", str(hours)]
-    told = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
+    reported = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
     seconds = perf_counter() - began
-    looks = [json.loads(line) for line in told.splitlines()]
+    looks = [json.loads(line) for line in reported.splitlines()]
     first, last = looks[0], looks[-1]
     # The highest, not the last: what was given back in the end would hide what was needed.
     highest = max(look["resident"] for look in looks)

@@ -93,18 +93,18 @@ def test_chunking_never_changes_the_events(wire, cuts, limit, strict):
 @given(st.lists(wires, max_size=8), st.integers(1, 16))
 def test_memory_is_bounded_and_every_byte_is_accounted_for(chunks, limit):
     decoder = Decoder(limit=limit)
-    seen = 0
+    observed = 0
     for chunk in chunks:
         for event in decoder.feed(chunk):
             if isinstance(event, Frame):
-                seen += len(event.wire)
+                observed += len(event.wire)
             else:
-                seen += len(event.data) + (event.reason is not DamageReason.TOO_LONG)
+                observed += len(event.data) + (event.reason is not DamageReason.TOO_LONG)
         assert len(decoder.pending) <= limit + 1  # + a terminator that waits for its successor
     fed = sum(map(len, chunks))
     assert decoder.offset == fed
     # What is left unaccounted are the terminators behind over-long frames.
-    assert 0 <= fed - seen - decoder.noise - decoder.discarded - len(decoder.pending) <= fed
+    assert 0 <= fed - observed - decoder.noise - decoder.discarded - len(decoder.pending) <= fed
 
 
 @given(wires)

@@ -84,7 +84,7 @@ def test_the_loop_has_its_key_on_the_chart_too(own, visitor):
     expect(player.get_by_role("button", name="Loop from here")).to_be_visible()
 
 
-def test_a_phone_shows_the_recording_while_the_line_is_in_trouble(own, visitor):
+def test_a_phone_shows_the_recording_while_the_line_is_down(own, visitor):
     record(own)
     tab = visitor(own.url, **PHONE).show("recordings")
     tab.press("Открыть")

@@ -59,7 +59,7 @@ def names(command: click.Command):
         "stderr",
         "pty",
         *METHODS,
-        *(trouble.value for trouble in LineFault),
+        *(line_fault.value for line_fault in LineFault),
         "missing",
         "stroke",
         *("ram", "xram", "code", "sfr"),

@@ -63,7 +63,7 @@ def test_an_empty_port_in_the_environment_is_none(mikas, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("port = ", "not TOML"),
         ("prot = 'COM3'", "no setting “prot”"),
@@ -84,13 +84,13 @@ def test_an_empty_port_in_the_environment_is_none(mikas, monkeypatch):
         ("[port]\na = 1", "port has to be"),
     ],
 )
-def test_a_wrong_config_file_says_where_and_what(mikas, text, said):
+def test_a_wrong_config_file_says_where_and_what(mikas, text, message):
     file = config(mikas, text)
     for argv in (["params"], ["read", "TWAT"], ["--json", "info"]):
         ran = mikas(*argv)
         assert (ran.status, ran.out) == (2, "")
         assert str(file) in ran.err
-        assert said in ran.err
+        assert message in ran.err
         assert len(ran.err.splitlines()) == 1
     assert mikas("--help").status == 0
 
@@ -134,8 +134,8 @@ def test_the_language(mikas, monkeypatch, argv, environment, file, russian):
     for command in (["--help"], ["params", "--help"], ["params"], ["read", "TWAAT"]):
         for line in (argv + command, command + argv):
             ran = mikas(*line)
-            said = ran.out + ran.err
-            assert any("а" <= letter <= "я" for letter in said) is russian, said
+            message = ran.out + ran.err
+            assert any("а" <= letter <= "я" for letter in message) is russian, message
 
 
 def test_literal_and_corrected_readings(mikas):

@@ -22,8 +22,8 @@ def started(monkeypatch, tmp_path, capsys):
     def start(*argv: str) -> tuple[str, str]:
         capsys.readouterr()
         assert run(["dash", "--no-browser", "--record", str(tmp_path), *argv]) == 0
-        told = capsys.readouterr()
-        return told.out, told.err
+        reported = capsys.readouterr()
+        return reported.out, reported.err
 
     return start
 

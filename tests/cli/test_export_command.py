@@ -113,7 +113,7 @@ def test_what_was_not_recorded_is_an_empty_column_and_said(mikas, tmp_path, driv
 
 @pytest.mark.parametrize("language", ["en", "ru"])
 @pytest.mark.parametrize(
-    ("argv", "said"),
+    ("argv", "message"),
     [
         (["-o", "drive.xlsx"], ".parquet"),
         (["-o", "old.csv"], "old.csv"),
@@ -127,13 +127,13 @@ def test_what_was_not_recorded_is_an_empty_column_and_said(mikas, tmp_path, driv
     ],
     ids=" ".join,
 )
-def test_what_is_refused(mikas, tmp_path, drive, argv, said, language):
+def test_what_is_refused(mikas, tmp_path, drive, argv, message, language):
     (tmp_path / "old.csv").write_text("precious")
     before = drive.read_bytes()
     mikas.speaks(language)
     ran = mikas("export", "drive.pcapng", *argv)
     assert (ran.status, ran.out) == (2, "")
-    assert said in ran.err
+    assert message in ran.err
     is_one_short_paragraph(ran.err)
     if language == "ru":
         is_russian(ran.err, names=("plain", "excel", "french"))
@@ -189,8 +189,8 @@ def test_many_problems_are_counted_not_all_told(mikas, tmp_path):
     (tmp_path / "drive.pcapng").write_bytes(data)
     ran = mikas("export", "drive.pcapng", "-o", "drive.csv")
     assert ran.status == 0
-    told = [line for line in ran.err.splitlines() if ", offset " in line]
-    assert len(told) == MOST_PROBLEMS
+    reported = [line for line in ran.err.splitlines() if ", offset " in line]
+    assert len(reported) == MOST_PROBLEMS
     count = int(ran.err.splitlines()[MOST_PROBLEMS].split(": ")[1].split()[0])
     assert count > MOST_PROBLEMS
 
@@ -248,10 +248,10 @@ def test_two_sessions_in_one_file(mikas, tmp_path, drive):
 
 def test_that_times_run_back_is_said_once(mikas, tmp_path, drive):
     drive.write_bytes(drive.read_bytes() * 6)
-    said = mikas("export", "drive.pcapng", "-o", "a.csv", "TWAT").err
-    assert said.count("run back") == said.count("run back in this table (times: 5)") == 1
-    said = mikas("export", "drive.pcapng", "-o", "b.csv", "TWAT", "--lang", "ru").err
-    assert said.count("идёт назад") == said.count("идёт назад (раз: 5)") == 1
+    message = mikas("export", "drive.pcapng", "-o", "a.csv", "TWAT").err
+    assert message.count("run back") == message.count("run back in this table (times: 5)") == 1
+    message = mikas("export", "drive.pcapng", "-o", "b.csv", "TWAT", "--lang", "ru").err
+    assert message.count("идёт назад") == message.count("идёт назад (раз: 5)") == 1
 
 
 def test_a_recording_without_values(mikas, tmp_path):

@@ -119,16 +119,16 @@ def test_a_lost_cycle_is_dashes_never_the_last_number():
 
 
 @pytest.mark.parametrize(
-    ("state", "said"),
+    ("state", "message"),
     [
         (LineState.NO_PORT, "○ no adapter · waiting"),
         (LineState.NO_ECHO, "○ no echo: no 12 V at the adapter, or the wrong port · waiting"),
         (LineState.ECHO_ONLY, "○ echo, but the ECU is silent: ignition off? · waiting"),
     ],
 )
-def test_a_broken_line_is_said_in_words(state, said):
+def test_a_broken_line_is_said_in_words(state, message):
     lines = drawn(120, 24, sample_of(), StateChanged(2.0, state, EchoOnly(seconds=1)))
-    assert lines[0].startswith(said)
+    assert lines[0].startswith(message)
     assert "–" in next(line for line in lines if "TWAT " in line)
     back = drawn(120, 24, StateChanged(2.0, state), StateChanged(3.0, LineState.SAMPLING))
     assert not back[0].startswith("○")

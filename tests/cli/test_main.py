@@ -141,12 +141,12 @@ NOBODY = [
 ]
 
 
-@pytest.mark.parametrize(("sim", "said", "wire"), NOBODY)
-def test_nobody_answers(mikas, sim, said, wire):
+@pytest.mark.parametrize(("sim", "message", "wire"), NOBODY)
+def test_nobody_answers(mikas, sim, message, wire):
     for argv in (["read", "TWAT"], ["watch", "--count", "1"], ["faults", "erase", "--yes"]):
         ran = mikas(*argv, sim=sim)
         assert (ran.status, ran.out) == (3, "")
-        assert said in ran.err
+        assert message in ran.err
         assert wire in ran.err
         is_one_short_paragraph(ran.err)
         is_russian(mikas(*argv, "--lang", "ru").err)
@@ -173,16 +173,16 @@ def test_no_port_named_and_none_there(mikas, monkeypatch):
     is_russian(mikas("read", "TWAT", "--lang", "ru").err)
 
 
-@pytest.mark.parametrize("trouble", ["damaged", "noise", "cut", "foreign", "doubled", "late"])
-def test_line_trouble_that_retries_do_not_cure(mikas, trouble):
-    ran = mikas("read", "TWAT", sim=f"&{trouble}=1")
+@pytest.mark.parametrize("line_fault", ["damaged", "noise", "cut", "foreign", "doubled", "late"])
+def test_line_faults_that_retries_do_not_cure(mikas, line_fault):
+    ran = mikas("read", "TWAT", sim=f"&{line_fault}=1")
     assert (ran.status, ran.out) == (4, "")
     assert "sent 01 FF 0D" in ran.err
     is_one_short_paragraph(ran.err)
     is_russian(mikas("read", "TWAT", "--lang", "ru").err)
 
 
-def test_line_trouble_that_retries_cure(mikas):
+def test_line_faults_that_retries_cure(mikas):
     assert mikas("read", "TWAT", "--retries", "20", sim="&damaged=0.3&seed=5").status == 0
 
 

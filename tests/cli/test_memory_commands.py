@@ -90,18 +90,18 @@ def test_resuming(mikas, cut, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("argv", "said"),
+    ("argv", "message"),
     [
         (["xram"], "ram 0000–00FF"),
         (["ram", "--from", "1"], "ram 0000–00FF"),
         (["ram", "--port", SIM + "&model=5.4"], "another unit"),
     ],
 )
-def test_what_is_not_resumed(mikas, cut, argv, said):
+def test_what_is_not_resumed(mikas, cut, argv, message):
     before = cut.read_bytes()
     ran = mikas("mem", "dump", *argv, "-o", "x", "--resume")
     assert ran.status == 2
-    assert said in ran.err
+    assert message in ran.err
     assert cut.read_bytes() == before
 
 

@@ -1,4 +1,4 @@
-"""What is said beside the values: once, and only what somebody has to know."""
+"""Notices beside the values: each once, and only those that call for an action."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def in_english():
     set_language("en")
 
 
-def told(*events, **asked) -> list[str]:
+def lines_of(*events, **asked) -> list[str]:
     session = SimpleNamespace(
         options=SamplingOptions(**asked),
         connected=True,
@@ -46,21 +46,23 @@ def sample(time: float) -> Sampled:
 
 def test_a_lost_cycle_is_no_news():
     assert (
-        told(well(0), sample(1), CycleFailed(1.5, CUT), sample(2), CycleFailed(2.5, CUT), sample(3))
+        lines_of(
+            well(0), sample(1), CycleFailed(1.5, CUT), sample(2), CycleFailed(2.5, CUT), sample(3)
+        )
         == []
     )
 
 
 def test_many_in_a_row_are_said_once_and_that_it_is_over():
     gaps = [CycleFailed(1 + n / 2, CUT) for n in range(1, 12)]
-    first, back = told(well(0), sample(1), *gaps, sample(7))
+    first, back = lines_of(well(0), sample(1), *gaps, sample(7))
     assert first.startswith("The response is damaged: cut. Check ground and plug")
     assert first.endswith(" Waiting; sampling resumes by itself.")
     assert back == "Back after 6 s."
 
 
 def test_from_the_beginning_too():
-    (only,) = told(
+    (only,) = lines_of(
         well(5),
         CycleFailed(6, CUT),
         CycleFailed(7.9, CUT),
@@ -72,7 +74,7 @@ def test_from_the_beginning_too():
 
 def test_a_standing_engine_is_said_at_once_with_what_to_do():
     set_language("ru")
-    (only,) = told(
+    (only,) = lines_of(
         well(0), CycleFailed(2, EngineStopped(seconds=2)), CycleFailed(5, EngineStopped(seconds=2))
     )
     assert only == (
@@ -83,7 +85,7 @@ def test_a_standing_engine_is_said_at_once_with_what_to_do():
 
 def test_what_the_state_says_is_not_said_twice():
     off = StateChanged(6, LineState.ECHO_ONLY, SILENT)
-    said = told(
+    message = lines_of(
         well(0),
         sample(1),
         CycleFailed(6, SILENT),
@@ -91,14 +93,14 @@ def test_what_the_state_says_is_not_said_twice():
         CycleFailed(7, SILENT),
         CycleFailed(8, SILENT),
     )
-    assert [sentence.split(":")[0] for sentence in said] == ["Echo, but the ECU is silent"]
+    assert [sentence.split(":")[0] for sentence in message] == ["Echo, but the ECU is silent"]
 
 
 def test_ignition_on_again_but_no_engine():
     off = StateChanged(3, LineState.ECHO_ONLY, SILENT)
     stands = CycleFailed(12, EngineStopped(seconds=2))
-    said = told(well(0), sample(1), off, well(10), stands, off, well(20), stands, sample(31))
-    assert [" ".join(sentence.split()[:3]) for sentence in said] == [
+    message = lines_of(well(0), sample(1), off, well(10), stands, off, well(20), stands, sample(31))
+    assert [" ".join(sentence.split()[:3]) for sentence in message] == [
         "Echo, but the", "No stroke for", "Echo, but the", "No stroke for", "Back after 30",
     ]  # fmt: skip
 
@@ -106,6 +108,6 @@ def test_ignition_on_again_but_no_engine():
 def test_no_advice_leaves_no_hole():
     refused = NotSupported(command=Text("it", "это"), advice=Text("", ""))
     refused.advice = Text("", "")
-    (only,) = told(well(0), sample(1), CycleFailed(9, refused))
+    (only,) = lines_of(well(0), sample(1), CycleFailed(9, refused))
     assert "  " not in only
     assert only.endswith(". Waiting; sampling resumes by itself.")

@@ -14,18 +14,22 @@ def test_while_methods_are_tried_no_plan_is_told_as_if_it_were_the_choice(mikas)
     measuring = mikas("watch", "TWAT", "--count", "20", "-v").err
     assert "Testing sampling methods (about 1 s each)" in measuring
     assert "Plan: " not in measuring
-    told = mikas("watch", "TWAT", "--count", "900", "-v").err
-    assert told.index("Testing") < told.index("Method: stream (") < told.index("Plan: stream, ")
-    assert told.count("Plan: ") == 1
+    reported = mikas("watch", "TWAT", "--count", "900", "-v").err
+    assert (
+        reported.index("Testing")
+        < reported.index("Method: stream (")
+        < reported.index("Plan: stream, ")
+    )
+    assert reported.count("Plan: ") == 1
     assert "Testing" not in mikas("watch", "TWAT", "--count", "5", "-v", "--method", "list").err
     is_russian(mikas("watch", "TWAT", "--count", "20", "-v", "--relearn", "--lang", "ru").err)
 
 
 def test_why_a_slower_method_was_taken_is_told(mikas):
     assert "requested" not in mikas("watch", "TWAT", "--count", "900", "-v").err  # it is learnt
-    told = mikas("watch", "TWAT", "--count", "5", "--rate", "10", "-v").err
-    assert "Method: batch (" in told
-    assert "): enough for the requested 10, with the least load on the unit." in told
+    reported = mikas("watch", "TWAT", "--count", "5", "--rate", "10", "-v").err
+    assert "Method: batch (" in reported
+    assert "): enough for the requested 10, with the least load on the unit." in reported
     argv = ("watch", "TWAT", "--count", "5", "--rate", "2.5", "-v", "--lang", "ru")
     assert "для заданных 2,5 достаточно" in mikas(*argv).err
 

@@ -169,10 +169,10 @@ def test_ports_with_an_adapter(mikas, monkeypatch):
 @pytest.mark.parametrize("command", ["demo", "dash"])
 def test_the_dashboard_tells_its_address_first(mikas, monkeypatch, command):
     monkeypatch.setattr("mikas.dashboard.server.serve", lambda app, own, *, ready: ready())
-    told = mikas(command, "--no-browser", "--json").object
-    assert set(told) == {"schema", "url", "lan_url"}
-    assert re.fullmatch(r"http://127\.0\.0\.1:\d+/", told["url"])
-    assert told["lan_url"] is None
+    reported = mikas(command, "--no-browser", "--json").object
+    assert set(reported) == {"schema", "url", "lan_url"}
+    assert re.fullmatch(r"http://127\.0\.0\.1:\d+/", reported["url"])
+    assert reported["lan_url"] is None
 
 
 def test_derived_channels_are_listed(mikas):

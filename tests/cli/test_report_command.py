@@ -44,15 +44,15 @@ def test_measured_now_and_kept(mikas, tmp_path) -> None:
         "report", "-o", "car.html", "--duration", "20", "--capture", "kept.pcapng", "--json", sim=""
     )
     assert ran.status == 0, ran.err
-    told = ran.object
-    assert told["outcome"] == "good"
-    assert told["faults"] == []
-    assert told["warm_idle_seconds"] > 10
-    assert told["values"]["UACC"]["mark"] == "inside"
-    assert told["values"]["UACC"]["reference"] == [13.5, 14.5]
+    reported = ran.object
+    assert reported["outcome"] == "good"
+    assert reported["faults"] == []
+    assert reported["warm_idle_seconds"] > 10
+    assert reported["values"]["UACC"]["mark"] == "inside"
+    assert reported["values"]["UACC"]["reference"] == [13.5, 14.5]
     assert "kept.pcapng" in page(tmp_path)
     again = mikas("report", "kept.pcapng", "-o", "again.html", "--json").object
-    assert again["values"] == told["values"]
+    assert again["values"] == reported["values"]
 
 
 def test_in_russian(mikas, drive, tmp_path) -> None:
@@ -63,7 +63,7 @@ def test_in_russian(mikas, drive, tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("argv", "said"),
+    ("argv", "message"),
     [
         (("drive.pcapng", "-o", "car.pdf"), "browser prints it"),
         (("drive.pcapng", "-o", "drive.pcapng"), "browser prints it"),
@@ -76,12 +76,12 @@ def test_in_russian(mikas, drive, tmp_path) -> None:
         (("none.pcapng", "-o", "car.html"), "there is no file"),
     ],
 )
-def test_what_is_refused(mikas, drive, tmp_path, argv, said) -> None:
+def test_what_is_refused(mikas, drive, tmp_path, argv, message) -> None:
     (tmp_path / "there.html").write_text("mine", "utf-8")
     before = drive.read_bytes()
     ran = mikas("report", *argv)
     assert ran.status == 2
-    assert said in ran.err
+    assert message in ran.err
     is_one_short_paragraph(ran.err)
     assert page(tmp_path, "there.html") == "mine"
     assert drive.read_bytes() == before

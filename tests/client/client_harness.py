@@ -30,7 +30,7 @@ PROBES = (b"\x01", bytes([0x61, 0x29]), bytes([0x61, 0x29, 0x29]))
 
 @dataclass
 class Bench:
-    """A unit on its wire; `car`, `requests` and `trouble` are the test's hands and eyes."""
+    """A unit on its wire; with the requests that it has heard."""
 
     car: TableCar
     bus: Bus
@@ -45,8 +45,8 @@ class Bench:
     def forget(self) -> None:
         self.happenings.clear()
 
-    def trouble(self, *troubles: LineFault | None) -> None:
-        self.bus.fault_injector.next(*troubles)
+    def next_faults(self, *line_faults: LineFault | None) -> None:
+        self.bus.fault_injector.next(*line_faults)
 
     def power_cycle(self, ecu: Ecu) -> None:
         """Off and on again, while nobody asks anything."""
@@ -67,8 +67,8 @@ def bench(
 ) -> Bench:
     """A unit with `data`, and with the quirks given by name as in a URL."""
     car = car or TableCar(DATA if data is None else data, faults=faults, rpm=rpm)
-    told = EcuQuirks().with_options({name: str(it) for name, it in quirks.items()})
-    ecu = VirtualEcu(Responder(car, identity, told))
+    options = EcuQuirks().with_options({name: str(it) for name, it in quirks.items()})
+    ecu = VirtualEcu(Responder(car, identity, options))
     made = Bench(car, Bus(ecu, fault_injector=FaultInjector()))
     ecu.watcher = made.happenings.append
     return made

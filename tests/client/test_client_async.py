@@ -111,14 +111,14 @@ class TestLeavingAWatch:
 
     def test_by_cancelling(self, method):
         async def act(ecu, method):
-            seen = asyncio.Event()
+            observed = asyncio.Event()
 
             async def watch():
                 async for _ in ecu.watch("TWAT", method=method):
-                    seen.set()
+                    observed.set()
 
             task = asyncio.create_task(watch())
-            await seen.wait()
+            await observed.wait()
             task.cancel()
             with pytest.raises(asyncio.CancelledError):
                 await task

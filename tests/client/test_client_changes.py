@@ -83,7 +83,7 @@ class TestFaults:
     def test_a_lost_answer_does_not_leave_it_half_done(self, lost):
         it = bench()
         ecu = ecu_on(it)
-        it.trouble(None, *lost)  # the faults before, then the answers to the two writes
+        it.next_faults(None, *lost)  # the faults before, then the answers to the two writes
         assert ecu.erase_faults().after == ()
 
     def test_refused(self):
@@ -163,9 +163,9 @@ class TestWritingAParameter:
 
         it = bench(car=Stubborn(DATA))
         ecu = ecu_on(it, journal=tmp_path / "journal")
-        with pytest.raises(ReadBackDiffers, match="SSM") as told:
+        with pytest.raises(ReadBackDiffers, match="SSM") as caught:
             ecu.write_parameter("SSM", 1)
-        assert DATA[0x5B].hex().upper() in str(told.value)
+        assert DATA[0x5B].hex().upper() in str(caught.value)
         assert lines(tmp_path / "journal")[1]["state"] == "failed"
 
     def test_one_that_may_be_written_but_not_read(self):
@@ -181,14 +181,14 @@ class TestWritingAParameter:
         ecu = ecu_on(it)
         if known:
             ecu.write_parameter("SSM", 29)
-        it.trouble(None, LineFault.LOST)  # the value before, then the answer to the write
+        it.next_faults(None, LineFault.LOST)  # the value before, then the answer to the write
         assert ecu.write_parameter("SSM", 30).after.value == 30
         assert len(it.requests(0x62)) == 1 + known  # never sent twice
 
     def test_a_lost_answer_that_nothing_settles_is_an_error(self):
         it = bench(DATA | {0x5B: b"\x1e"})
         ecu = ecu_on(it)
-        it.trouble(None, LineFault.LOST)
+        it.next_faults(None, LineFault.LOST)
         with pytest.raises((NoResponse, NotSupported)):
             ecu.write_parameter("SSM", 30)  # it was 30 before: no telling
         assert len(it.requests(0x62)) == 1
@@ -196,7 +196,7 @@ class TestWritingAParameter:
     def test_a_damaged_answer_is_never_a_reason_to_write_twice(self):
         it = bench()
         ecu = ecu_on(it)
-        it.trouble(None, LineFault.DAMAGED)
+        it.next_faults(None, LineFault.DAMAGED)
         with pytest.raises(DamagedResponse):
             ecu.write_parameter("SSM", 30)
         assert len(it.requests(0x62)) == 1
@@ -314,7 +314,7 @@ class TestRaw:
     def test_damage_is_told(self):
         it = bench()
         ecu = ecu_on(it)
-        it.trouble(LineFault.DAMAGED)
+        it.next_faults(LineFault.DAMAGED)
         with pytest.raises(DamagedResponse):
             ecu.raw(b"\x61\x1a")
         assert ecu.read("TWAT")

@@ -72,11 +72,11 @@ def test_the_unit_is_found_and_ready():
     ],
 )
 def test_a_bad_setting_is_named_with_what_is_allowed(links, setting, value, allowed):
-    with pytest.raises(errors.UsageError) as told:
+    with pytest.raises(errors.UsageError) as caught:
         connect("bench:", **{setting: value})
-    assert setting in str(told.value)
-    assert str(value) in told.value.text.ru
-    assert allowed in str(told.value)
+    assert setting in str(caught.value)
+    assert str(value) in caught.value.text.ru
+    assert allowed in str(caught.value)
     assert links == []  # no port was opened for it
 
 
@@ -120,9 +120,9 @@ def test_the_port_is_let_go_of_when_interrupted(links, monkeypatch):
 
 def test_no_port_named_and_none_plugged_in(monkeypatch):
     monkeypatch.setattr("mikas.link.ports.find_ports", lambda _: [])
-    with pytest.raises(errors.NoPortGiven) as told:
+    with pytest.raises(errors.NoPortGiven) as caught:
         connect()
-    assert "none" in str(told.value)
+    assert "none" in str(caught.value)
     with pytest.raises(errors.PortNotFound):
         connect(None)
     with pytest.raises(errors.BadPortUrl):
@@ -151,17 +151,17 @@ def test_echo_off_finds_a_unit_behind_an_adapter_that_keeps_it():
 
 
 def test_what_passes_on_the_wire_goes_to_the_sink():
-    seen = []
+    observed = []
 
     class Sink:
         def record(self, direction, data, time):
-            seen.append((direction, data))
+            observed.append((direction, data))
 
     with connect(SIM, sink=Sink()) as ecu:
         ecu.read("TWAT")
-    sent = b"".join(data for direction, data in seen if direction is Direction.SENT)
+    sent = b"".join(data for direction, data in observed if direction is Direction.SENT)
     assert b"\x61\x1a\x85\x0d" in sent
-    assert any(direction is Direction.RECEIVED for direction, _ in seen)
+    assert any(direction is Direction.RECEIVED for direction, _ in observed)
 
 
 def test_journal_and_state_may_be_given_as_texts(tmp_path):

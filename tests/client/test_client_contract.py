@@ -122,12 +122,12 @@ async def test_watching_by_every_method(client):
 async def test_streaming(client):
     for stroke in (None, 0, 4):
         async with client(bench()) as ecu:
-            seen = 0
+            observed = 0
             async with ecu.stream("TWAT", "INJ", stroke=stroke) as readings:
                 async for each_of in readings:
                     assert each_of["INJ"].raw == DATA[0x3F]
-                    seen += 1
-                    if seen == 3:
+                    observed += 1
+                    if observed == 3:
                         break
             assert await ecu.read("TWAT")
 

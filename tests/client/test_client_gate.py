@@ -60,12 +60,12 @@ class TestTheGate:
 
         it = bench()
         ecu = ecu_on(it, confirm=no, journal=tmp_path / "journal")
-        with pytest.raises(NotConfirmed) as told:
+        with pytest.raises(NotConfirmed) as caught:
             CHANGES[name](ecu)
         assert changing(it) == []
         assert len(asked) == 1
-        assert asked[0].what.en in told.value.text.en
-        assert asked[0].what.ru in told.value.text.ru
+        assert asked[0].what.en in caught.value.text.en
+        assert asked[0].what.ru in caught.value.text.ru
         assert not (tmp_path / "journal").exists()
         assert ecu.read("TWAT")
 
@@ -82,31 +82,31 @@ class TestTheGate:
             assert changing(it) != []
 
     def test_yes_is_journalled_before_and_after(self, name, tmp_path):
-        seen = []
+        observed = []
         it = bench()
-        ecu = ecu_on(it, confirm=lambda c: seen.append(c) or True, journal=tmp_path / "journal")
+        ecu = ecu_on(it, confirm=lambda c: observed.append(c) or True, journal=tmp_path / "journal")
         CHANGES[name](ecu)
         started, done = lines(tmp_path / "journal")
         assert (started["state"], done["state"]) == ("started", "done")
         assert started["outcome"] is None
         for entry in (started, done):
-            assert entry["change"] == seen[0].what.en
-            assert entry["safety"] == seen[0].safety.name.lower()
-            assert entry["command"] == seen[0].command
-            assert (entry["before"], entry["after"]) == (seen[0].before, seen[0].after)
+            assert entry["change"] == observed[0].what.en
+            assert entry["safety"] == observed[0].safety.name.lower()
+            assert entry["command"] == observed[0].command
+            assert (entry["before"], entry["after"]) == (observed[0].before, observed[0].after)
             assert entry["port"] == it.link.url
             assert "7.1" in entry["model"]
         assert started["time"] < done["time"]
-        assert (seen[0].safety is Safety.DANGEROUS) == (name in DANGEROUS)
+        assert (observed[0].safety is Safety.DANGEROUS) == (name in DANGEROUS)
 
     def test_a_journal_that_cannot_be_written_stops_it(self, name, tmp_path):
         (tmp_path / "file").write_text("")
         it = bench()
         ecu = ecu_on(it, confirm=lambda _: True, journal=tmp_path / "file" / "journal")
-        with pytest.raises(JournalError, match="journal") as told:
+        with pytest.raises(JournalError, match="journal") as caught:
             CHANGES[name](ecu)
         assert changing(it) == []
-        assert isinstance(told.value, ValueError)
+        assert isinstance(caught.value, ValueError)
 
     def test_an_interrupted_one_stands_in_the_journal(self, name, tmp_path, monkeypatch):
         it = bench()
@@ -194,9 +194,9 @@ class TestTheJournal:
             write(data)
 
         it.link.write = fill
-        with pytest.raises(JournalError, match="was made") as told:
+        with pytest.raises(JournalError, match="was made") as caught:
             ecu.write_parameter("SSM", 30)
-        assert "сделано" in told.value.text.ru
+        assert "сделано" in caught.value.text.ru
         assert ecu.read("SSM")["SSM"].value == 30
 
     def test_a_full_disk_does_not_hide_what_went_wrong(self, tmp_path):

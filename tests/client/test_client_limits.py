@@ -64,7 +64,7 @@ def test_lost_responses_are_no_limit(losses, unknown):
     it = bench(unknown=unknown)
     ecu = ecu_on(it)
     # Every second answer is the one that finds the step again.
-    it.trouble(*[LineFault.LOST, None] * losses)
+    it.next_faults(*[LineFault.LOST, None] * losses)
     assert len(ecu.read()) == 23
     assert ecu.info().limits == Limits()
 
@@ -72,7 +72,7 @@ def test_lost_responses_are_no_limit(losses, unknown):
 def test_a_lost_response_is_no_refusal():
     it = bench()
     ecu = ecu_on(it, retries=0)
-    it.trouble(LineFault.LOST)
+    it.next_faults(LineFault.LOST)
     assert ecu.read("TWAT")["TWAT"].raw == DATA[0x1A]
     assert ecu.info().limits == Limits()
 
@@ -81,7 +81,7 @@ def test_a_code_that_answered_once_is_never_refused_by_silence():
     it = bench()
     ecu = ecu_on(it)
     ecu.read()
-    it.trouble(*[LineFault.LOST, None] * 40)
+    it.next_faults(*[LineFault.LOST, None] * 40)
     for sample in ecu.watch("TWAT", method="single", count=3):
         assert sample.gap
     assert ecu.info().limits == Limits()

@@ -209,7 +209,7 @@ def test_an_upper_bound_that_is_none(largest):
 def test_lost_responses_are_no_limit(space, losses):
     it = bench()
     ecu = ecu_on(it)
-    it.trouble(*[LineFault.LOST, None] * losses)
+    it.next_faults(*[LineFault.LOST, None] * losses)
     assert ecu.memory[space].read_block(0, 256) == pattern(space)[:256]
     assert ecu.info().limits.max_block == {}
 
@@ -250,7 +250,7 @@ def test_a_damaged_block_is_read_again():
     it = bench()
     ecu = ecu_on(it)
     ecu.memory.code.read_block(0, 255)
-    it.trouble(LineFault.DAMAGED, None, LineFault.CUT, None, None, LineFault.MISSING_BYTE)
+    it.next_faults(LineFault.DAMAGED, None, LineFault.CUT, None, None, LineFault.MISSING_BYTE)
     assert ecu.memory.code.read_block(0, 600) == pattern("code")[:600]
     assert not ecu.info().limits.learnt
 
@@ -278,18 +278,18 @@ def test_a_refusal_half_way_does_not_say_that_nothing_was_changed():
             return None if body[0] == 0x14 else responder.answer(body, now)
 
     it.bus.ecu.responder = Half()
-    with pytest.raises(EcuRefused) as told:
+    with pytest.raises(EcuRefused) as caught:
         ecu.memory.xram.write_block(0, bytes(300))
-    assert "Some of the bytes were written" in str(told.value)
+    assert "Some of the bytes were written" in str(caught.value)
 
     class Never(Half):
         def answer(self, body, now):
             return b"\x01" if body[0] in (0x22, 0x12) else responder.answer(body, now)
 
     it.bus.ecu.responder = Never()
-    with pytest.raises((WriteRefused, NotSupported)) as told:
+    with pytest.raises((WriteRefused, NotSupported)) as caught:
         ecu.memory.ram.write_block(0, b"abc")
-    assert "Some of the bytes" not in str(told.value)
+    assert "Some of the bytes" not in str(caught.value)
 
 
 def test_what_info_and_supported_say_of_a_bare_unit():

@@ -108,9 +108,9 @@ def test_an_unknown_reading_is_refused_with_those_there_are():
 def test_a_misspelt_name_is_answered_with_the_nearest_and_nothing_is_sent():
     it = bench()
     ecu = ecu_on(it)
-    with pytest.raises(UnknownParameter) as told:
+    with pytest.raises(UnknownParameter) as caught:
         ecu.read("FREQ", "TWATT")
-    assert "TWAT" in told.value.suggestions
+    assert "TWAT" in caught.value.suggestions
     assert it.requests() == []
 
 
@@ -144,9 +144,9 @@ class TestAParameterThatTheUnitRefuses:
     def test_named_is_an_error_that_names_it(self, unknown):
         it = bench(without(0x42), unknown=unknown)
         ecu = ecu_on(it)
-        with pytest.raises(NotSupported, match="RCOK") as told:
+        with pytest.raises(NotSupported, match="RCOK") as caught:
             ecu.read("TWAT", "RCOK")
-        assert "RCOK" in told.value.text.ru
+        assert "RCOK" in caught.value.text.ru
 
     def test_as_the_first_question_of_all_it_is_the_one_to_blame(self, unknown):
         it = bench(without(0x42), unknown=unknown)
@@ -233,12 +233,12 @@ def test_another_size_than_asked_is_no_refusal():
 
 
 @pytest.mark.parametrize(
-    "trouble", [LineFault.LOST, LineFault.DAMAGED, LineFault.CUT, LineFault.LATE]
+    "line_fault", [LineFault.LOST, LineFault.DAMAGED, LineFault.CUT, LineFault.LATE]
 )
-def test_a_spoilt_response_is_asked_for_again(trouble):
+def test_a_spoilt_response_is_asked_for_again(line_fault):
     it = bench()
     ecu = ecu_on(it)
-    it.trouble(trouble)
+    it.next_faults(line_fault)
     assert len(ecu.read()) == 23
     assert len(it.requests(0x61)) == 2
     assert not ecu.info().limits.learnt
@@ -247,22 +247,24 @@ def test_a_spoilt_response_is_asked_for_again(trouble):
 def test_damage_that_goes_on_is_told():
     it = bench()
     ecu = ecu_on(it, retries=1)
-    it.trouble(LineFault.DAMAGED, None, LineFault.DAMAGED)  # between them the step is found again
-    with pytest.raises(DamagedResponse) as told:
+    it.next_faults(
+        LineFault.DAMAGED, None, LineFault.DAMAGED
+    )  # between them the step is found again
+    with pytest.raises(DamagedResponse) as caught:
         ecu.read("TWAT")
-    assert told.value.request == bytes.fromhex("611a850d")
-    assert told.value.received
+    assert caught.value.request == bytes.fromhex("611a850d")
+    assert caught.value.received
 
 
 @given(
     st.lists(st.sampled_from([None, *LineFault]), min_size=1, max_size=30),
     st.sampled_from(["silent", "01"]),
 )
-def test_whatever_happens_on_the_line_no_wrong_value_comes_out(troubles, unknown):
+def test_whatever_happens_on_the_line_no_wrong_value_comes_out(line_faults, unknown):
     data = without(0x42) | {0x20: b"\x01"}
     it = bench(data, unknown=unknown)
     ecu = ecu_on(it)
-    it.trouble(*troubles)
+    it.next_faults(*line_faults)
     for names in ((), ("THR",), ("TWAT", "INJ"), ("RCOK",)):
         try:
             readings = ecu.read(*names)

@@ -45,17 +45,17 @@ class TestEveryMethod:
     def test_never_gives_a_value_twice(self, method):
         it = bench(car=CountingCar())
         ecu = ecu_on(it)
-        seen = []
+        observed = []
         for n, sample in enumerate(ecu.watch("INJ", "JAIR", method=method, count=60)):
             if n % 7 == 3:
-                it.trouble(LineFault.DAMAGED)
+                it.next_faults(LineFault.DAMAGED)
             if n % 11 == 5 and method in ASKED:  # a stream's responses come without a request
-                it.trouble(LineFault.DOUBLED)
+                it.next_faults(LineFault.DOUBLED)
             if n % 13 == 6:
-                it.trouble(LineFault.LATE)
-            seen += [r.raw for r in sample.readings.values()]
-        assert len(seen) > 80
-        assert len(set(seen)) == len(seen)
+                it.next_faults(LineFault.LATE)
+            observed += [r.raw for r in sample.readings.values()]
+        assert len(observed) > 80
+        assert len(set(observed)) == len(observed)
 
     def test_goes_on_after_the_supply_was_off(self, method):
         it = bench()

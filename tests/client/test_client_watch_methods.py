@@ -30,9 +30,9 @@ class TestRefused:
     def test_a_stream_that_the_unit_does_not_have(self, unknown, method):
         it = bench(missing="stream,stroke", unknown=unknown)
         ecu = ecu_on(it)
-        with pytest.raises(NotSupported) as told:
+        with pytest.raises(NotSupported) as caught:
             next(ecu.watch("TWAT", "FREQ", method=method))
-        assert told.value.request
+        assert caught.value.request
         assert ecu.read("TWAT")
 
     def test_a_stream_of_too_many(self, unknown):
@@ -145,7 +145,7 @@ class TestTheList:
     def test_a_lost_answer_to_setting_it_is_no_refusal(self):
         it = bench()
         ecu = ecu_on(it)
-        it.trouble(LineFault.LOST)
+        it.next_faults(LineFault.LOST)
         assert next(ecu.watch("TWAT", method="list", count=1)).readings
 
 
@@ -214,7 +214,7 @@ def test_a_damaged_response_of_a_stream_is_a_gap_and_the_stream_goes_on():
     it = bench()
     with closing(ecu_on(it).watch("FREQ", "TWAT", method="stream")) as samples:
         next(samples)
-        it.trouble(None, LineFault.DAMAGED, None, LineFault.FOREIGN)
+        it.next_faults(None, LineFault.DAMAGED, None, LineFault.FOREIGN)
         came = list(islice(samples, 12))
     assert [type(s.error) for s in came if s.gap] == [DamagedResponse, WrongLength]
     assert all(s.error.received for s in came if s.gap)

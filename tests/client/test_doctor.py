@@ -67,7 +67,7 @@ def test_an_adapter_without_echo():
 
 
 @pytest.mark.parametrize(
-    ("settings", "step", "said"),
+    ("settings", "step", "words"),
     [
         ("&supplied=0", "echo", "12 V"),
         ("&lost=1", "ecu", "ignition is off"),
@@ -77,11 +77,11 @@ def test_an_adapter_without_echo():
         ("&late=1", "ecu", "did not answer within"),
     ],
 )
-def test_nobody_to_talk_to(settings, step, said):
+def test_nobody_to_talk_to(settings, step, words):
     found = Examined(settings)
     failed = found.failed()
     assert failed.name == step == found.names[-1]
-    assert said in failed.detail.en
+    assert words in failed.detail.en
     for text in failed.detail:
         assert "mikas doctor" not in text  # that is what is running
         assert ". ." not in text
@@ -132,11 +132,11 @@ def test_a_clean_unit_that_answers_01_to_what_it_does_not_know():
     assert all(step.ok for step in Examined("&unknown=01").steps.values())
 
 
-@pytest.mark.parametrize("trouble", ["damaged", "noise", "cut", "bad-echo"])
-def test_a_noisy_line_is_told(trouble):
+@pytest.mark.parametrize("line_fault", ["damaged", "noise", "cut", "bad-echo"])
+def test_a_noisy_line_is_told(line_fault):
     judged = set()
     for seed in range(6):
-        found = Examined(f"&{trouble}=0.3&seed={seed}")
+        found = Examined(f"&{line_fault}=0.3&seed={seed}")
         if "line" in found.steps:
             judged.add(found.steps["line"].ok)
             assert found.steps["line"].ok or "ground" in found.steps["line"].detail.en

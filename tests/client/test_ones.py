@@ -77,7 +77,7 @@ def test_a_bad_line_at_that_moment_is_no_limit():
     ecu = ecu_on(it, retries=0)
     single(ecu, "THR")
     del it.car._data[0x1A]
-    it.trouble(None, None, LineFault.DAMAGED)  # 01, 01 again, and now: does it take two at all?
+    it.next_faults(None, None, LineFault.DAMAGED)  # 01, 01 again, and now: does it take two at all?
     with pytest.raises(LineError):
         single(ecu, "TWAT")
     assert not ecu.limits().learnt
@@ -122,12 +122,12 @@ class TestAUnitWithoutWhatIsCommon:
 @example([LineFault.DOUBLED, None, LineFault.LOST, None, LineFault.LOST], 1, "silent", b"}")
 @example([None, LineFault.LOST] * 3, 1, "silent", b"}")
 @example([None, LineFault.LOST, LineFault.ECHO, None, None, LineFault.FOREIGN], 1, "silent", b"}")
-def test_whatever_happens_on_the_line_a_refusal_is_no_value(troubles, takes, long_list, before):
+def test_whatever_happens_on_the_line_a_refusal_is_no_value(line_faults, takes, long_list, before):
     it = bench(DATA | {0x1A: before}, unknown="01", max_list=takes, long_list=long_list)
     ecu = ecu_on(it)
     ecu.read()
     del it.car._data[0x1A]
-    it.trouble(*troubles)
+    it.next_faults(*line_faults)
     for names in (("TWAT",), ("FREQ", "TWAT", "INJ"), ("TWAT", "THR")):
         for way in (
             single,

@@ -82,9 +82,9 @@ def test_from_the_network_the_token_is_wanted(client):
         access.judge(scope("127.0.0.1:8071", client=client))
     with pytest.raises(TokenRequired):
         access.judge(scope("10.1.2.3:8071", client=client, authorization="Bearer wrong"))
-    told = scope("10.1.2.3:8071", client=client, authorization=TOKEN["Authorization"])
-    assert access.judge(told) == "view"
-    assert Access(8071, lan_control=True, **LAN).judge(told) == "control"
+    reported = scope("10.1.2.3:8071", client=client, authorization=TOKEN["Authorization"])
+    assert access.judge(reported) == "view"
+    assert Access(8071, lan_control=True, **LAN).judge(reported) == "control"
 
 
 def test_the_token_may_come_as_a_cookie_and_to_a_socket_in_its_address():

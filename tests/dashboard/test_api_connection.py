@@ -218,8 +218,8 @@ def test_one_has_control_the_others_watch(idle):
     error = idle.post("/disconnect", status=409, headers=OTHER)
     assert error["code"] == "NotController"
     assert "Me" in error["en"]
-    seen = idle.get("/state", headers=OTHER)["controller"]
-    assert seen == {"id": "tester-0001", "name": "Me", "you": False}
+    controller = idle.get("/state", headers=OTHER)["controller"]
+    assert controller == {"id": "tester-0001", "name": "Me", "you": False}
     idle.post("/control/take", {}, 409, headers=OTHER)
     taken = idle.post("/control/take", {"force": True}, headers=OTHER)
     assert taken["controller"] == {"id": "tester-0002", "name": "Вася", "you": True}

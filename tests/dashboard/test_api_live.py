@@ -120,8 +120,8 @@ def test_who_does_not_read_stops_nobody_and_loses_whole_messages(tmp_path):
         assert deaf.recv(12) == b"HTTP/1.1 101"
         with it.live() as live:
             samples = live.until(lambda m: m["state"]["viewers"] == 2)["state"]["samples"]
-            seen = live.until(lambda m: m["state"]["samples"] > samples + 500)
-            assert seen["dropped"] == 0
+            latest = live.until(lambda m: m["state"]["samples"] > samples + 500)
+            assert latest["dropped"] == 0
         deaf.close()
         with it.live() as live:
             live.until(lambda m: m["state"]["viewers"] == 1)
@@ -139,7 +139,7 @@ def test_the_queue_is_bounded_and_tells_what_it_lost():
     assert "state" not in second
 
 
-def test_a_deep_nesting_is_no_trouble():
+def test_deep_nesting_ends_only_its_own_connection():
     listener = Listener(Client("x", "", False))
     assert not handle_request(listener, "[" * 4000)
 

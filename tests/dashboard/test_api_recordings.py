@@ -71,20 +71,20 @@ def test_no_folder_is_an_empty_list(tmp_path) -> None:
 def test_a_recording_is_summed_up_once(desk, folder, monkeypatch) -> None:
     from mikas.recording.summary import summarise
 
-    seen = []
+    listed = []
 
     def counted(path, catalog):
-        seen.append(path.name)
+        listed.append(path.name)
         return summarise(path, catalog)
 
     monkeypatch.setattr("mikas.dashboard.library.service.summarise", counted)
     for _ in range(3):
         assert len(ids(desk)) == 2
-    assert sorted(seen) == ["cold.pcapng", "drive.pcapng"]
+    assert sorted(listed) == ["cold.pcapng", "drive.pcapng"]
     with (folder / "drive.pcapng").open("ab") as file:
         file.write(b"\0\0\0\0")
     ids(desk)
-    assert seen.count("drive.pcapng") == 2
+    assert listed.count("drive.pcapng") == 2
     (folder / "cold.pcapng").unlink()
     assert ids(desk) == ["drive.pcapng"]
 
@@ -128,10 +128,10 @@ def test_nothing_else_can_be_reached(desk, folder, tmp_path) -> None:
     for name, what in product(NOWHERE, ["", "/rows", "/file", "/export?format=csv", "/report"]):
         raw.request("GET", f"/api/recordings/{name}{what}", headers=ME)  # as it is, not tidied up
         answer = raw.getresponse()
-        told = answer.read().decode()
-        assert answer.status == 404, (name, what, told)
-        assert json.loads(told)["error"]["code"] == "NotFound"
-        assert str(tmp_path) not in told
+        reported = answer.read().decode()
+        assert answer.status == 404, (name, what, reported)
+        assert json.loads(reported)["error"]["code"] == "NotFound"
+        assert str(tmp_path) not in reported
     raw.close()
 
 
@@ -172,12 +172,12 @@ def test_a_damaged_one_says_where(desk, folder) -> None:
 
 
 def test_all_rows(desk, folder) -> None:
-    told = desk.get("/recordings/drive.pcapng/rows", points=1000, names="UACC,TWAT,FUEL_FLOW")
+    reported = desk.get("/recordings/drive.pcapng/rows", points=1000, names="UACC,TWAT,FUEL_FLOW")
     frame = mikas.open(folder / "drive.pcapng").to_pandas().dropna(how="all")
-    assert told["names"] == ["UACC", "TWAT", "FUEL_FLOW"]
-    assert told["decimated"] is False
-    assert len(told["times"]) == 400
-    for name, column in zip(told["names"], told["values"], strict=True):
+    assert reported["names"] == ["UACC", "TWAT", "FUEL_FLOW"]
+    assert reported["decimated"] is False
+    assert len(reported["times"]) == 400
+    for name, column in zip(reported["names"], reported["values"], strict=True):
         values = np.array([np.nan if value is None else value for value in column])
         np.testing.assert_array_equal(values, frame[name].to_numpy())
 
@@ -185,21 +185,21 @@ def test_all_rows(desk, folder) -> None:
 def test_a_window(desk) -> None:
     detail = desk.get("/recordings/drive.pcapng")
     begin, end = detail["first"] + 2, detail["first"] + 4
-    told = desk.get("/recordings/drive.pcapng/rows", **{"from": begin, "to": end})
-    assert told["names"] == detail["channels"]
-    assert min(told["times"]) >= begin - 1e-6
-    assert max(told["times"]) <= end + 1e-6
-    assert 30 < len(told["times"]) < 120
+    reported = desk.get("/recordings/drive.pcapng/rows", **{"from": begin, "to": end})
+    assert reported["names"] == detail["channels"]
+    assert min(reported["times"]) >= begin - 1e-6
+    assert max(reported["times"]) <= end + 1e-6
+    assert 30 < len(reported["times"]) < 120
     nothing = desk.get("/recordings/drive.pcapng/rows", **{"from": end + 1e9})
     assert nothing["times"] == []
 
 
 def test_spikes_stay_when_there_are_too_many_rows(desk, folder) -> None:
-    told = desk.get("/recordings/drive.pcapng/rows", points=20, names="FREQX")
+    reported = desk.get("/recordings/drive.pcapng/rows", points=20, names="FREQX")
     frame = mikas.open(folder / "drive.pcapng").to_pandas().dropna(how="all")
-    assert told["decimated"] is True
-    assert len(told["times"]) <= 24
-    shown = [value for value in told["values"][0] if value is not None]
+    assert reported["decimated"] is True
+    assert len(reported["times"]) <= 24
+    shown = [value for value in reported["values"][0] if value is not None]
     assert (min(shown), max(shown)) == (frame.FREQX.min(), frame.FREQX.max())
 
 

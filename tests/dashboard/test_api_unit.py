@@ -27,11 +27,11 @@ def confirm(it, asked, status=200, headers=ME):
 
 
 def test_faults_are_read_with_words_and_what_to_check(faulty):
-    told = faulty.get("/faults")
-    assert [fault["code"] for fault in told["faults"]] == [13, 14]
-    assert told["faults"][0]["text"]["ru"]
-    assert told["faults"][0]["related"] == ["JAIR"]
-    assert told["faults"][0]["first_seen"] <= told["time"]
+    reported = faulty.get("/faults")
+    assert [fault["code"] for fault in reported["faults"]] == [13, 14]
+    assert reported["faults"][0]["text"]["ru"]
+    assert reported["faults"][0]["related"] == ["JAIR"]
+    assert reported["faults"][0]["first_seen"] <= reported["time"]
     assert faulty.get("/state")["fault_count"] == 2
 
 
@@ -104,12 +104,12 @@ def test_a_change_shown_for_one_connection_is_nothing_to_the_next(faulty):
 
 
 def test_the_passport_is_read_once_and_for_all(idle):
-    told = idle.get("/passport")
-    assert told["model"]["ru"] == "Микас 7.1"
-    assert (told["parameter_count"], told["echo"], told["baud"]) == (21, True, 9600)
-    assert told["supported"] is None
+    reported = idle.get("/passport")
+    assert reported["model"]["ru"] == "Микас 7.1"
+    assert (reported["parameter_count"], reported["echo"], reported["baud"]) == (21, True, 9600)
+    assert reported["supported"] is None
     idle.post("/relearn")
-    assert idle.get("/passport", headers=OTHER)["version_code"] == told["version_code"]
+    assert idle.get("/passport", headers=OTHER)["version_code"] == reported["version_code"]
 
 
 def test_who_disconnects_meanwhile_spoils_no_answer(faulty):
@@ -129,17 +129,17 @@ def test_who_disconnects_meanwhile_spoils_no_answer(faulty):
 
 
 def test_every_command_is_tried_when_asked(shared_idle):
-    told = shared_idle.post("/passport/probe")["supported"]
-    known = {it["source_name"]: it["supported"] for it in told}
+    reported = shared_idle.post("/passport/probe")["supported"]
+    known = {it["source_name"]: it["supported"] for it in reported}
     assert known["CREADP"] is True
     assert None in known.values()  # what would change something is not tried
-    assert shared_idle.get("/passport")["supported"] == told
+    assert shared_idle.get("/passport")["supported"] == reported
 
 
 def test_memory_is_read_in_every_space(shared_idle):
     for space in ("ram", "xram", "code", "sfr"):
-        told = shared_idle.get(f"/memory/{space}", address="0x80", count=8)
-        assert (told["address"], len(told["data"])) == (0x80, 16)
+        reported = shared_idle.get(f"/memory/{space}", address="0x80", count=8)
+        assert (reported["address"], len(reported["data"])) == (0x80, 16)
     whole = shared_idle.get("/memory/code", address="4096", count=256)["data"]
     part = shared_idle.get("/memory/code", address="0x1010", count=4)["data"]
     assert whole[32:40] == part

@@ -115,10 +115,14 @@ def test_dumps_are_compared_and_deleted(idle):
     ended(idle, name, "done")
     own = idle.client.get(f"/api/dumps/{name}/file").content
     other = bytes([own[0] ^ 1]) + own[1:] + b"\x55"
-    told = idle.client.post(f"/api/dumps/{name}/compare", content=other, headers=ME).json()
-    assert told["count"] == 2
-    assert told["differences"][0] == {"address": 0x40, "a": f"{own[0]:02X}", "b": f"{other[0]:02X}"}
-    assert told["differences"][1] == {"address": 0x80, "a": None, "b": "55"}
+    reported = idle.client.post(f"/api/dumps/{name}/compare", content=other, headers=ME).json()
+    assert reported["count"] == 2
+    assert reported["differences"][0] == {
+        "address": 0x40,
+        "a": f"{own[0]:02X}",
+        "b": f"{other[0]:02X}",
+    }
+    assert reported["differences"][1] == {"address": 0x80, "a": None, "b": "55"}
     shifted = f"/api/dumps/{name}/compare?first=65"
     assert idle.client.post(shifted, content=own[1:], headers=ME).json()["count"] == 1
 

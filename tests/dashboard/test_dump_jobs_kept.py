@@ -191,11 +191,11 @@ def test_a_dump_is_looked_at_where_it_is_changed(off, monkeypatch):
     off.dashboard.dump_jobs.find()
     threads, answer = set(), dumps._response
 
-    def told(job):
+    def reported(job):
         threads.add(threading.current_thread())
         return answer(job)
 
-    monkeypatch.setattr(dumps, "_response", told)
+    monkeypatch.setattr(dumps, "_response", reported)
     off.post("/dumps/a/pause")
     off.get("/dumps")
     off.get("/dumps/a")

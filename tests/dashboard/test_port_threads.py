@@ -71,10 +71,10 @@ def test_a_port_that_opens_when_nobody_samples_any_more_is_closed_at_once(tmp_pa
 
 
 def test_a_port_that_opens_when_nobody_wants_the_doctor_any_more_is_not_used(tmp_path):
-    opening, told = Opening(tmp_path), []
+    opening, reported = Opening(tmp_path), []
     opening.wanting = Diagnosis("sim:", opening.settings)
-    opening.wanting.run(told.append)
-    assert (told, opening.sent) == ([], [])
+    opening.wanting.run(reported.append)
+    assert (reported, opening.sent) == ([], [])
 
 
 def test_a_lock_that_closes_while_it_is_looked_at_is_open_or_closed(tmp_path):

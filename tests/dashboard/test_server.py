@@ -73,18 +73,18 @@ def test_every_route_says_what_it_takes_gives_and_refuses(shared_off):
     described = shared_off.client.get("/api/openapi.json").json()
     for path, methods in described["paths"].items():
         for method, route in methods.items():
-            said = f"{method} {path}"
-            assert route["description"] or route["summary"], said
-            assert {"400", "401", "403"} <= set(route["responses"]), said
+            operation = f"{method} {path}"
+            assert route["description"] or route["summary"], operation
+            assert {"400", "401", "403"} <= set(route["responses"]), operation
             good = route["responses"].get("200") or route["responses"]["204"]
-            assert "content" in good or "204" in route["responses"], said
+            assert "content" in good or "204" in route["responses"], operation
             for status, answer in route["responses"].items():
                 if status >= "400":
                     schema = answer["content"]["application/json"]["schema"]
-                    assert schema == {"$ref": "#/components/schemas/ErrorResponse"}, said
+                    assert schema == {"$ref": "#/components/schemas/ErrorResponse"}, operation
             if method in ("post", "put"):
                 json = good["content"].get("application/json", {"schema": {"$ref": ""}})
-                assert "$ref" in json["schema"], said
+                assert "$ref" in json["schema"], operation
 
 
 def test_shapes_are_said_in_a_word_or_two():
@@ -131,14 +131,14 @@ def test_a_virtual_car_outlives_its_connection():
 @pytest.fixture
 def served(monkeypatch, tmp_path):
     """What the command line starts, instead of serving it."""
-    seen = []
+    started = []
 
     def serve(app, own, *, ready):
-        seen.append((app, own.getsockname()))
+        started.append((app, own.getsockname()))
         ready()
 
     monkeypatch.setattr("mikas.dashboard.server.serve", serve)
-    return seen
+    return started
 
 
 def test_the_address_comes_first_and_the_browser_is_opened(served, monkeypatch, capsys, tmp_path):
@@ -153,9 +153,9 @@ def test_the_address_comes_first_and_the_browser_is_opened(served, monkeypatch, 
 
 def test_the_link_for_others_comes_with_a_picture(served, capsys, tmp_path):
     show_dashboard(CommandContext(), DashboardOptions(lan=True, no_browser=True, record=tmp_path))
-    told = capsys.readouterr()
-    assert "?token=" in told.out.splitlines()[1]
-    assert "█" in told.err or "▄" in told.err
+    reported = capsys.readouterr()
+    assert "?token=" in reported.out.splitlines()[1]
+    assert "█" in reported.err or "▄" in reported.err
     app = served[0][0]
     assert app.state.access.lan
     assert not app.state.access.lan_control

@@ -133,7 +133,7 @@ class Lock:
 
 
 def test_of_two_plans_at_once_the_one_that_is_sampled_is_the_one_that_is_told(monkeypatch):
-    sampled, told, over = [], [], threading.Event()
+    sampled, reported, over = [], [], threading.Event()
 
     def second():
         planner.sample(PlanSettings({"FREQ": 1}))
@@ -149,10 +149,10 @@ def test_of_two_plans_at_once_the_one_that_is_sampled_is_the_one_that_is_told(mo
 
     sampling = SimpleNamespace(acquisition=SimpleNamespace(reconfigure=reconfigure))
     connection = SimpleNamespace(thread=sampling)
-    monitor = SimpleNamespace(set_names=lambda every: told.append(list(every)))
+    monitor = SimpleNamespace(set_names=lambda every: reported.append(list(every)))
     planner = SamplingPlanner(connection, monitor, ConnectionOptions())
     monkeypatch.setattr(planner, "_lock", Lock(over), raising=False)
     planner.sample(PlanSettings({"TWAT": 1}))
     thread.join()
-    assert sampled == told == [["TWAT"], ["FREQ"]]
+    assert sampled == reported == [["TWAT"], ["FREQ"]]
     assert planner.request.names == sampled[-1]

@@ -58,7 +58,7 @@ def test_the_reason_decides_the_error(error, raised):
 
 
 @pytest.mark.parametrize(
-    ("error", "said"),
+    ("error", "message"),
     [
         (wrapping(ConnectionRefusedError(111, "Connection refused")), "no program listens there"),
         (wrapping(socket.gaierror(-2, "Name or service not known")), "host is not known"),
@@ -75,10 +75,10 @@ def test_the_reason_decides_the_error(error, raised):
         (ValueError(), "ValueError"),
     ],
 )
-def test_other_reasons_are_told(error, said):
+def test_other_reasons_are_told(error, message):
     failed = opening_failed("socket://host:1", error)
     assert isinstance(failed, PortFailed)
-    assert said in str(failed)
+    assert message in str(failed)
     assert "не открылся" in failed.text.ru
 
 
@@ -103,7 +103,7 @@ def test_what_the_caller_was_just_handling_is_not_the_reason():
 
 
 @pytest.mark.parametrize(
-    ("error", "said"),
+    ("error", "message"),
     [
         (SerialTimeoutException("Write timeout"), "takes no more bytes"),
         (SerialException("device reports readiness … (device disconnected or …?)"), "unplugged"),
@@ -119,8 +119,8 @@ def test_what_the_caller_was_just_handling_is_not_the_reason():
         (SerialException("ReadFile failed (OSError(22, 'x', None, 999))"), "ReadFile failed"),
     ],
 )
-def test_why_a_port_in_use_is_gone(error, said):
-    assert said in why_lost(error).en
+def test_why_a_port_in_use_is_gone(error, message):
+    assert message in why_lost(error).en
     assert why_lost(error).ru
 
 

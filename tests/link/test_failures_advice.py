@@ -36,22 +36,22 @@ def refused(number: int, text: str) -> Exception:
 def test_an_address_in_the_network_has_nothing_to_unplug(url, reason):
     error = SerialException(f"could not open port: {reason}")
     error.__cause__ = reason
-    told = opening_failed(url, error)
-    assert "Check the host and the port" in str(told)
-    assert "nplug" not in str(told)
-    assert "Проверьте имя и порт" in told.text.ru
+    reported = opening_failed(url, error)
+    assert "Check the host and the port" in str(reported)
+    assert "nplug" not in str(reported)
+    assert "Проверьте имя и порт" in reported.text.ru
 
 
 def test_what_is_no_serial_port_at_all_is_a_wrong_name():
-    told = opening_failed("/etc/passwd", refused(errno.ENOTTY, "Inappropriate ioctl"))
-    assert "Serial ports found:" in str(told)
-    assert "nplug" not in str(told)
-    assert "Найденные последовательные порты:" in told.text.ru
+    reported = opening_failed("/etc/passwd", refused(errno.ENOTTY, "Inappropriate ioctl"))
+    assert "Serial ports found:" in str(reported)
+    assert "nplug" not in str(reported)
+    assert "Найденные последовательные порты:" in reported.text.ru
 
 
 def test_an_adapter_that_fails_is_unplugged_and_plugged_in_again():
-    told = opening_failed("/dev/ttyUSB0", refused(errno.EIO, "Input/output error"))
-    assert "Unplug the adapter" in str(told)
+    reported = opening_failed("/dev/ttyUSB0", refused(errno.EIO, "Input/output error"))
+    assert "Unplug the adapter" in str(reported)
 
 
 def test_a_busy_port_may_be_our_own_other_window():
@@ -62,17 +62,17 @@ def test_a_busy_port_may_be_our_own_other_window():
 def test_of_several_adapters_one_is_to_be_named():
     with pytest.raises(NoPortGiven) as raised:
         choose_port(lambda: [Listed("/dev/ttyUSB0"), Listed("/dev/ttyUSB1")])
-    told = ADVICE.text(raised.value)
-    assert "Found: /dev/ttyUSB0 (FT232R), /dev/ttyUSB1 (FT232R)." in told.en
-    assert "--port /dev/ttyUSB0" in told.en
-    assert "plugged in" not in told.en
-    assert "--port /dev/ttyUSB0" in told.ru
+    reported = ADVICE.text(raised.value)
+    assert "Found: /dev/ttyUSB0 (FT232R), /dev/ttyUSB1 (FT232R)." in reported.en
+    assert "--port /dev/ttyUSB0" in reported.en
+    assert "plugged in" not in reported.en
+    assert "--port /dev/ttyUSB0" in reported.ru
 
 
 def test_where_there_is_none_it_is_to_be_plugged_in_or_named():
     with pytest.raises(NoPortGiven) as raised:
         choose_port(lambda: [Listed("/dev/ttyS0", vid=None)])
-    told = ADVICE.text(raised.value)
-    assert "Plug the adapter in" in told.en
-    assert "--port" in told.en.replace("--port sim:", "")
-    assert "Подключите адаптер" in told.ru
+    reported = ADVICE.text(raised.value)
+    assert "Plug the adapter in" in reported.en
+    assert "--port" in reported.en.replace("--port sim:", "")
+    assert "Подключите адаптер" in reported.ru

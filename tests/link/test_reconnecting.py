@@ -143,17 +143,17 @@ def test_a_sink_gets_what_passes_on_every_link():
 def test_time_goes_on_though_the_date_is_set_between_two_links(hours):
     desk = Desk(ftdi("/dev/ttyUSB0"))
     plug = desk.plug("/dev/ttyUSB0")
-    seen = [plug.now()]
+    observed = [plug.now()]
     for _ in range(3):
         link = plug.open()
         desk.nap(5)
-        seen += [link.now(), plug.now(), link.read(link.now()).time]
+        observed += [link.now(), plug.now(), link.read(link.now()).time]
         desk.date_set += hours * 3600
         desk.nap(1)
-        seen.append(plug.now())
-    assert seen == sorted(seen)
+        observed.append(plug.now())
+    assert observed == sorted(observed)
     if hours <= 0:
-        assert seen[-1] == desk.slept  # and none of it was lost or made up
+        assert observed[-1] == desk.slept  # and none of it was lost or made up
 
 
 def test_a_link_whose_clock_was_put_ahead_is_the_link_in_all_else():

@@ -133,13 +133,13 @@ def test_nobody_listens(scheme):
 
 @pytest.mark.parametrize("scheme", ["socket", "rfc2217"])
 @pytest.mark.parametrize(
-    ("reason", "said"),
+    ("reason", "message"),
     [
         (socket.gaierror(-2, "Name or service not known"), "host is not known"),
         (TimeoutError("timed out"), "no answer from there"),
     ],
 )
-def test_no_way_there(scheme, reason, said, monkeypatch):
+def test_no_way_there(scheme, reason, message, monkeypatch):
     waits = []
 
     def fail(address, timeout):
@@ -147,7 +147,7 @@ def test_no_way_there(scheme, reason, said, monkeypatch):
         raise reason
 
     monkeypatch.setattr(socket, "create_connection", fail)
-    with pytest.raises(PortFailed, match=said):
+    with pytest.raises(PortFailed, match=message):
         open_link(f"{scheme}://[fe80::1]:4001")
     assert waits == [(("fe80::1", 4001), 5)]
 

@@ -60,7 +60,7 @@ def test_options_are_decoded():
 
 
 @pytest.mark.parametrize(
-    ("url", "said"),
+    ("url", "message"),
     [
         ("", "it is empty"),
         ("?baud=9600", "it is empty"),
@@ -72,10 +72,10 @@ def test_options_are_decoded():
         ("/dev/\0", "zero byte"),
     ],
 )
-def test_nonsense_is_refused(url, said):
+def test_nonsense_is_refused(url, message):
     with pytest.raises(BadPortUrl) as caught:
         parse(url)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "порт" in caught.value.text.ru
 
 

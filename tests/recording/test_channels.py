@@ -19,7 +19,7 @@ def gap(began: float, ended: float | None) -> Gap:
     return Gap(began, began=began, ended=ended)
 
 
-def told(stretches, events) -> list[tuple[float, float | None]]:
+def reported(stretches, events) -> list[tuple[float, float | None]]:
     return [
         (float(time), None if np.isnan(value) else float(value))
         for each in with_gaps(stretches, events)
@@ -30,18 +30,18 @@ def told(stretches, events) -> list[tuple[float, float | None]]:
 @pytest.mark.parametrize("stretches", [[rows(1, 2, 5, 6)], [rows(1, 2), rows(5, 6)]])
 @pytest.mark.parametrize(("ended", "at"), [(5.0, 3.5), (4.0, 3.0), (9.0, 3.5), (None, 2.0)])
 def test_a_gap_is_a_row_without_values_between_its_neighbours(stretches, ended, at):
-    assert told(stretches, [gap(2.0, ended)]) == [
+    assert reported(stretches, [gap(2.0, ended)]) == [
         (1.0, 101.0), (2.0, 102.0), (at, None), (5.0, 105.0), (6.0, 106.0),
     ]  # fmt: skip
 
 
 def test_a_gap_to_the_end_has_its_row_and_one_before_everything_has_none():
-    assert told([rows(1, 2)], [gap(0.0, 0.5), gap(2.0, 4.0)])[2:] == [(3.0, None)]
-    assert told([], [gap(0.0, 0.5)]) == []
+    assert reported([rows(1, 2)], [gap(0.0, 0.5), gap(2.0, 4.0)])[2:] == [(3.0, None)]
+    assert reported([], [gap(0.0, 0.5)]) == []
 
 
 def test_another_session_whose_times_run_back_keeps_its_own_gaps():
-    came = told([rows(10, 20), rows(1, 5)], [gap(1.0, 5.0), gap(10.0, 20.0)])
+    came = reported([rows(10, 20), rows(1, 5)], [gap(1.0, 5.0), gap(10.0, 20.0)])
     assert [time for time, value in came if value is None] == [15.0, 3.0]
 
 

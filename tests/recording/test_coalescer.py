@@ -90,8 +90,8 @@ def test_same_bytes_same_order_and_frames_begin_when_they_did(chunks):
         [(direction, len(data)) for direction, data, _ in items] for items in (chunks, packets)
     ]
     assert _runs(turns[0]) == _runs(turns[1])
-    for was, told in zip(begins(chunks), begins(packets), strict=True):
-        assert abs(was - told) <= BYTE * 1.001 + 1e-6
+    for was, reported in zip(begins(chunks), begins(packets), strict=True):
+        assert abs(was - reported) <= BYTE * 1.001 + 1e-6
     times = [time for _, _, time in packets]
     assert times == sorted(times)
     for (_, data, time), last in zip(packets, _last_times(chunks, packets), strict=True):

@@ -28,17 +28,17 @@ def drive(tmp_path: Path) -> Path:
     return path
 
 
-def said(path: Path) -> str:
+def comment_text(path: Path) -> str:
     return comment_of(CaptureReader(path).notes())
 
 
 def test_the_last_words_count_and_nothing_else_changes(drive: Path) -> None:
     before = drive.read_bytes()
     packets = [item for item in CaptureReader(drive) if isinstance(item, Packet)]
-    assert said(drive) == ""
+    assert comment_text(drive) == ""
     for text in ("первые", "вторые\nна двух строках", ""):
         append_note(drive, comment_note(10.0, text))
-        assert said(drive) == text
+        assert comment_text(drive) == text
     assert drive.read_bytes().startswith(before)
     assert list(CaptureReader(drive)) == packets
 
@@ -46,7 +46,7 @@ def test_the_last_words_count_and_nothing_else_changes(drive: Path) -> None:
 def test_behind_a_cut_end_they_are_found_all_the_same(drive: Path) -> None:
     drive.write_bytes(drive.read_bytes()[:-5])
     append_note(drive, comment_note(10.0, "cut"))
-    assert said(drive) == "cut"
+    assert comment_text(drive) == "cut"
     items = list(CaptureReader(drive))
     assert sum(isinstance(item, Packet) for item in items) == 1
     assert any(isinstance(item, Problem) for item in items)
@@ -56,7 +56,7 @@ def test_in_the_file_s_own_byte_order(tmp_path: Path) -> None:
     path = tmp_path / "big.pcapng"
     path.write_bytes(pcapng.encode(pcapng.Section(), ">"))
     append_note(path, comment_note(1.0, "big"))
-    assert said(path) == "big"
+    assert comment_text(path) == "big"
     assert not any(isinstance(item, Problem) for item in CaptureReader(path))
 
 

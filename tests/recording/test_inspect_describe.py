@@ -17,7 +17,7 @@ EXCHANGES = json.loads(
 )
 
 
-def told(request: str, response: str | None = None, describe: Describer | None = None):
+def description(request: str, response: str | None = None, describe: Describer | None = None):
     describe = describe or Describer(shipped())
     body = None if response is None else bytes.fromhex(response)
     return describe(bytes.fromhex(request), body)
@@ -42,70 +42,73 @@ def told(request: str, response: str | None = None, describe: Describer | None =
     ],
 )
 def test_in_words(request_body, response, en, ru):
-    text = told(request_body, response)
+    text = description(request_body, response)
     assert text is not None
     assert text.en.startswith(en)
     assert text.ru.startswith(ru)
 
 
 def test_a_refusal_says_so():
-    assert "refused" in told("62261E", "01").en.lower() or "did not" in told("62261E", "01").en
-    assert "CREADI" in told("1140", "01").en
+    assert (
+        "refused" in description("62261E", "01").en.lower()
+        or "did not" in description("62261E", "01").en
+    )
+    assert "CREADI" in description("1140", "01").en
 
 
 @pytest.mark.parametrize("request_body", ["", "99", "6155", "11", "63"])
 def test_what_is_not_known_has_no_meaning(request_body):
-    assert told(request_body) is None
-    assert told(request_body, "0102") is None
+    assert description(request_body) is None
+    assert description(request_body, "0102") is None
 
 
 def test_a_response_of_the_wrong_length_is_said_to_be_one():
-    assert "Bytes in the response" in told("611A", "0102").en
+    assert "Bytes in the response" in description("611A", "0102").en
 
 
 def test_a_list_is_remembered():
     describe = Describer(shipped())
-    assert told("63", "7D", describe) is None
-    assert told("641A29", "01", describe) is not None  # refused: the old list is in force
-    assert told("63", "7D15", describe) is None
-    assert told("641A29", "00", describe).en == "done"
-    assert told("63", "7D15", describe).en == "TWAT=85°C FREQ=840rpm"
-    assert told("63", None, describe).en == "read the list"
+    assert description("63", "7D", describe) is None
+    assert description("641A29", "01", describe) is not None  # refused: the old list is in force
+    assert description("63", "7D15", describe) is None
+    assert description("641A29", "00", describe).en == "done"
+    assert description("63", "7D15", describe).en == "TWAT=85°C FREQ=840rpm"
+    assert description("63", None, describe).en == "read the list"
 
 
 def test_while_a_list_is_being_set_nobody_knows_which_one_the_unit_has():
     describe = Describer(shipped())
-    told("641A29", None, describe)
-    told("641A29", "00", describe)
-    assert told("63", "7D15", describe).en.startswith("TWAT")
-    told("642920", None, describe)  # its 00 was lost: old or new list, both have two bytes
-    assert told("63", "1520", describe) is None
-    told("642920", "00", describe)
-    assert told("63", "1520", describe).en == "FREQ=840rpm THR=32%"
+    description("641A29", None, describe)
+    description("641A29", "00", describe)
+    assert description("63", "7D15", describe).en.startswith("TWAT")
+    description("642920", None, describe)  # its 00 was lost: old or new list, both have two bytes
+    assert description("63", "1520", describe) is None
+    description("642920", "00", describe)
+    assert description("63", "1520", describe).en == "FREQ=840rpm THR=32%"
 
 
 def test_a_lone_01_may_be_a_refusal():
     describe = Describer(shipped())
-    assert told("6120", "02", describe).en == "THR=2%"
-    assert told("6120", "01", describe).en == "a value of 01, or a refusal"
-    assert told("61201A", "0101", describe).en.startswith("THR=1%")
+    assert description("6120", "02", describe).en == "THR=2%"
+    assert description("6120", "01", describe).en == "a value of 01, or a refusal"
+    assert description("61201A", "0101", describe).en.startswith("THR=1%")
 
 
 def test_the_first_response_of_a_stream_may_be_a_refusal():
     describe = Describer(shipped())
     for stream in ("7120", "8320"):
-        told(stream, None, describe)
-        assert told(stream, "01", describe).en == "a value of 01, or a refusal"
-        assert told(stream, "01", describe).en == "THR=1%"
-    told("7120", None, describe)
-    assert told("7120", "02", describe).en == "THR=2%"
-    assert told("7120", "01", describe).en == "THR=1%"
+        description(stream, None, describe)
+        assert description(stream, "01", describe).en == "a value of 01, or a refusal"
+        assert description(stream, "01", describe).en == "THR=1%"
+    description("7120", None, describe)
+    assert description("7120", "02", describe).en == "THR=2%"
+    assert description("7120", "01", describe).en == "THR=1%"
 
 
 def test_the_reading_asked_for():
     literal = Describer(shipped(), "literal")
-    assert told("611E", "8E").en == "UACC=14.2V"
-    assert told("611E", "8E", literal).en.startswith("UACC=-11.4")
+    assert description("611E", "8E").en == "UACC=14.2V"
+    assert description("611E", "8E", literal).en.startswith("UACC=-11.4")
 
 
 @pytest.mark.parametrize("vector", EXCHANGES, ids=lambda v: v["why"] + v["request"][:8])

@@ -53,7 +53,7 @@ def brief(items):
     return lines
 
 
-def seen(*lines):
+def described(*lines):
     return brief(decode(packets(*lines)))
 
 
@@ -65,30 +65,30 @@ def frame(body):
 
 
 def test_an_echo_and_its_answer_in_one_chunk():
-    assert seen("> 01FF0D", "< 01FF0D0AF60D") == ["> 01", "= 01", "< 0A to 01"]
+    assert described("> 01FF0D", "< 01FF0D0AF60D") == ["> 01", "= 01", "< 0A to 01"]
 
 
 def test_a_line_without_echo():
-    assert seen("> 01FF0D", "< 0AF60D") == ["> 01", "< 0A to 01"]
+    assert described("> 01FF0D", "< 0AF60D") == ["> 01", "< 0A to 01"]
 
 
 def test_an_answer_that_looks_like_its_request():
     ask = frame("1111")
-    assert seen(f"> {ask}", f"< {ask}{ask}") == ["> 1111", "= 1111", "< 1111 to 1111"]
-    assert seen("> 01FF0D", "< 0AF60D", f"> {ask}", f"< {ask}")[2:] == [
+    assert described(f"> {ask}", f"< {ask}{ask}") == ["> 1111", "= 1111", "< 1111 to 1111"]
+    assert described("> 01FF0D", "< 0AF60D", f"> {ask}", f"< {ask}")[2:] == [
         "> 1111",
         "< 1111 to 1111",
     ]
 
 
 def test_the_echo_that_was_found_late_is_believed():
-    lines = seen("> 01FF0D", "< 09F70D", "< 01FF0D", "< 0AF60D", "> 60A00D", "< 60A00D")
+    lines = described("> 01FF0D", "< 09F70D", "< 01FF0D", "< 0AF60D", "> 60A00D", "< 60A00D")
     assert lines[2:] == ["= 01", "< 0A to 01", "> 60", "= 60"]
 
 
 def test_an_echo_that_never_came_is_not_found_later():
     ask = frame("1111")
-    assert seen(f"> {ask}", "< 0D", "> 60A00D", f"< {ask}") == [
+    assert described(f"> {ask}", "< 0D", "> 60A00D", f"< {ask}") == [
         "> 1111",
         "> 60",
         "< 1111 to 60",
@@ -96,15 +96,19 @@ def test_an_echo_that_never_came_is_not_found_later():
 
 
 def test_what_was_sent_in_pieces_comes_back_as_a_whole():
-    assert seen("> 01", "> FF0D", "< 01FF", "< 0D0A", "< F60D") == ["> 01", "= 01", "< 0A to 01"]
+    assert described("> 01", "> FF0D", "< 01FF", "< 0D0A", "< F60D") == [
+        "> 01",
+        "= 01",
+        "< 0A to 01",
+    ]
 
 
 def test_damage_comes_back_too():
-    assert seen("> 01FE0D", "< 01FE0D") == [">! 01FE checksum", "=! 01FE checksum"]
+    assert described("> 01FE0D", "< 01FE0D") == [">! 01FE checksum", "=! 01FE checksum"]
 
 
 def test_several_requests_in_a_row():
-    assert seen("> 01FF0D", "> 60A00D", "< 01FF0D", "< 60A00D", "< 15EB0D") == [
+    assert described("> 01FF0D", "> 60A00D", "< 01FF0D", "< 60A00D", "< 15EB0D") == [
         "> 01",
         "> 60",
         "= 01",
@@ -115,13 +119,15 @@ def test_several_requests_in_a_row():
 
 def test_an_answer_that_overtakes_the_echo_belongs_to_the_request_before():
     data = frame("7D")
-    lines = seen("> 01FF0D", "< 01FF0D", "< 0AF60D", f"> {frame('711A')}", f"< {frame('711A')}",
-                 f"< {data}", "> 01FF0D", f"< {data}", "< 01FF0D", "< 0AF60D")  # fmt: skip
+    lines = described(
+        "> 01FF0D", "< 01FF0D", "< 0AF60D", f"> {frame('711A')}", f"< {frame('711A')}",
+        f"< {data}", "> 01FF0D", f"< {data}", "< 01FF0D", "< 0AF60D",
+    )  # fmt: skip
     assert lines[5:] == ["< 7D to 711A", "> 01", "< 7D to 711A", "= 01", "< 0A to 01"]
 
 
 def test_a_spoilt_echo_does_not_keep_the_answer_away():
-    lines = seen("> 01FF0D", "< 01FF0D", "< 0AF60D", "> 60A00D", "< 60A10D", "< 15EB0D")
+    lines = described("> 01FF0D", "< 01FF0D", "< 0AF60D", "> 60A00D", "< 60A10D", "< 15EB0D")
     assert lines[4:] == ["<! 60A1 checksum", "< 15 to 60"]
 
 
@@ -129,7 +135,7 @@ def test_a_spoilt_echo_does_not_keep_the_answer_away():
 
 
 def test_what_was_given_up_does_not_swallow_the_next_frame():
-    assert seen("> 01FF0D", "< 01FF0D0A", "+0.1", "> 01FF0D", "< 01FF0D") == [
+    assert described("> 01FF0D", "< 01FF0D0A", "+0.1", "> 01FF0D", "< 01FF0D") == [
         "> 01",
         "= 01",
         "> 01",
@@ -139,20 +145,20 @@ def test_what_was_given_up_does_not_swallow_the_next_frame():
 
 
 def test_a_frame_in_two_lumps_over_what_was_sent_stays_whole():
-    assert seen("> 711A75" + "0D", "< 7D", "> 01FF0D", "< 830D")[-1] == "< 7D to 01"
+    assert described("> 711A75" + "0D", "< 7D", "> 01FF0D", "< 830D")[-1] == "< 7D to 01"
 
 
 def test_silence_alone_ends_a_frame_too():
-    assert seen("< 7D", "+0.2", "< 830D") == ["< 7D"]
-    assert seen("< 7D", "+0.3", "< 830D") == ["<! 7D unfinished", "<! 83 checksum"]
+    assert described("< 7D", "+0.2", "< 830D") == ["< 7D"]
+    assert described("< 7D", "+0.3", "< 830D") == ["<! 7D unfinished", "<! 83 checksum"]
 
 
 def test_the_end_of_the_file_ends_every_frame():
-    assert seen("> 01", "< 0A") == [">! 01 unfinished", "<! 0A unfinished"]
+    assert described("> 01", "< 0A") == [">! 01 unfinished", "<! 0A unfinished"]
 
 
 def test_what_looked_like_a_raw_checksum_up_to_the_end():
-    assert seen("< F30D") == ["<! F3 checksum"]
+    assert described("< F30D") == ["<! F3 checksum"]
 
 
 def test_a_new_recording_begins_afresh():

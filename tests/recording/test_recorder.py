@@ -104,11 +104,11 @@ def test_the_head_comes_as_the_session_begins(recorder, tmp_path):
     begin_session(recorder)
     recorder.stop()
     assert kinds(file) == ["state", "unit", "catalog", "plan", "state"]
-    told = notes(file)
-    assert told[1].data["passports"] == [*PASSPORT.program, *PASSPORT.data]
-    assert (told[1].data["adapter"], told[1].data["echo"]) == ("an adapter", True)
-    assert told[3].data["names"] == ["TWAT", "FREQ"]
-    assert told[3].data["every"] == [1, 10]
+    reported = notes(file)
+    assert reported[1].data["passports"] == [*PASSPORT.program, *PASSPORT.data]
+    assert (reported[1].data["adapter"], reported[1].data["echo"]) == ("an adapter", True)
+    assert reported[3].data["names"] == ["TWAT", "FREQ"]
+    assert reported[3].data["every"] == [1, 10]
 
 
 def test_a_start_in_mid_session_writes_the_head_at_once(recorder, tmp_path):
@@ -158,9 +158,9 @@ def test_an_adapter_that_goes_away_begins_a_gap_without_a_lost_cycle(recorder, t
     recorder.take(sampled(5.0))
     recorder.take(state(6.0, LineState.NO_PORT))
     recorder.stop()
-    (told,) = (note.data for note in notes(file) if note.kind == "gap")
-    assert (told["began"], told["ended"]) == (5.0, None)
-    assert told["reason"] == {"en": "no adapter", "ru": "нет адаптера"}
+    (reported,) = (note.data for note in notes(file) if note.kind == "gap")
+    assert (reported["began"], reported["ended"]) == (5.0, None)
+    assert reported["reason"] == {"en": "no adapter", "ru": "нет адаптера"}
 
 
 def test_waiting_for_the_first_answer_is_no_gap(recorder, tmp_path):
@@ -189,14 +189,14 @@ def test_alarms_what_was_learnt_markers_and_words(recorder, tmp_path):
     assert recorder.marker(5.0) == 5.0
     recorder.text(text="smoke")
     recorder.stop()
-    told = {str(note.kind): note.data for note in notes(file)}
-    assert told["alarm"]["channel"] == "TWAT"
+    reported = {str(note.kind): note.data for note in notes(file)}
+    assert reported["alarm"]["channel"] == "TWAT"
     learnt = [note.data for note in notes(file) if note.kind == "learnt"]
     assert (learnt[0]["method"], learnt[0]["rates"]) == ("stream", {"stream": 33.0, "list": 0.0})
     assert learnt[1]["dropped"] == "DET"
     assert {"max_list", "refused"} <= set(learnt[0])
     assert [n.data["label"] for n in notes(file) if n.kind == "marker"] == ["hill", ""]
-    assert told["note"] == {"text": "smoke"}
+    assert reported["note"] == {"text": "smoke"}
 
 
 def test_a_marker_before_anything_was_seen_has_no_time(recorder):

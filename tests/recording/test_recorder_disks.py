@@ -37,7 +37,7 @@ def test_a_disk_that_is_full_at_any_byte_hurts_nothing_written(tmp_path, monkeyp
     _session(recorder)
     whole = recorder.stop().bytes
     passed = wire(tmp_path / "whole.pcapng")
-    told = kinds(tmp_path / "whole.pcapng")
+    reported = kinds(tmp_path / "whole.pcapng")
     for room in range(begun, whole):
         file = tmp_path / f"{room}.pcapng"
         disk.room = room
@@ -50,7 +50,7 @@ def test_a_disk_that_is_full_at_any_byte_hurts_nothing_written(tmp_path, monkeyp
         assert status.bytes == file.stat().st_size <= room
         assert passed[SENT].startswith(wire(file)[SENT])
         assert passed[RECEIVED].startswith(wire(file)[RECEIVED])
-        assert told[: len(kinds(file))] == kinds(file)
+        assert reported[: len(kinds(file))] == kinds(file)
         assert recorder.stop().failure is status.failure
     disk.room = 1 << 30
     recorder.start(tmp_path / "again.pcapng", url="sim:")

@@ -150,10 +150,10 @@ def test_what_is_played_is_what_a_table_shows(tmp_path_factory, exchanges):
         if not isnan(value)
     ]
     try:
-        told = played(path)
+        reported = played(path)
     except CaptureError:  # no answer at all
-        told = []
-    assert sorted(shown) == told
+        reported = []
+    assert sorted(shown) == reported
 
 
 # Holes

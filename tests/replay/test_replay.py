@@ -76,18 +76,18 @@ def test_at_any_time_it_tells_what_was_recorded_last(moments):
         path = Path(folder) / "drive.pcapng"
         with session(sim(scenario="city"), folder, path) as ecu:
             link = ecu.tester.link
-            told = []
+            reported = []
             for number in range(20):
                 reading = ecu.read("TWAT" if number % 3 else "THR", "FREQ")["FREQ"]
-                told.append((reading.time, reading.raw))
+                reported.append((reading.time, reading.raw))
                 ecu.tester.wait(link.now() + 0.7)
         recorded = load(path)
         car = playing(open_link(again(path)))
         code = next(code for code in car.codes if code == 0x29)
         for moment in moments:
             at = moment + 0.06  # the recording's second 0 is its first packet
-            expected = [raw for time, raw in told if time + 0.001 <= at] or [told[0][1]]
-            nearby = [raw for time, raw in told if abs(time - at) < 0.05]
+            expected = [raw for time, raw in reported if time + 0.001 <= at] or [reported[0][1]]
+            nearby = [raw for time, raw in reported if abs(time - at) < 0.05]
             car.seek(moment, 0.0)
             assert car.raw(code, 0.0) in [expected[-1], *nearby]
         assert recorded.duration > 14

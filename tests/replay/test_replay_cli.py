@@ -129,11 +129,11 @@ def test_info_of_a_recording_is_quick_and_says_what_a_recording_cannot_tell(
     capsys.readouterr()
     wire = tmp_path / "wire.pcapng"
     assert run(["info", "--json", "--port", port, "--capture", str(wire)]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["supported"]["CREADP (61)"] is True
-    assert [known for known in told["supported"].values() if known is False] == []
-    assert list(told["supported"].values()).count(None) > 15
-    assert told["program_passport"] == [None] * 3
+    reported = json.loads(capsys.readouterr().out)
+    assert reported["supported"]["CREADP (61)"] is True
+    assert [known for known in reported["supported"].values() if known is False] == []
+    assert list(reported["supported"].values()).count(None) > 15
+    assert reported["program_passport"] == [None] * 3
     packets = [packet for packet in CaptureReader(wire) if isinstance(packet, Packet)]
     assert packets[-1].time - packets[0].time < 1
     assert run(["info", "--port", port]) == 0

@@ -107,12 +107,12 @@ def test_sampling_ends_with_it(drive, tmp_path, method):
         ["TWAT", "FREQ"],
         method=method,
     )
-    told = []
+    reported = []
     with closing(made.run()) as events, pytest.raises(RecordingOver):
-        told.extend(events)
-    assert [event for event in told if isinstance(event, Sampled)]
-    assert not [event for event in told if isinstance(event, CycleFailed)]
-    assert len([event for event in told if isinstance(event, StateChanged)]) == 2
+        reported.extend(events)
+    assert [event for event in reported if isinstance(event, Sampled)]
+    assert not [event for event in reported if isinstance(event, CycleFailed)]
+    assert len([event for event in reported if isinstance(event, StateChanged)]) == 2
     waiting = made.call(lambda ecu: ecu.faults())
     assert isinstance(waiting.exception(0), RecordingOver)
 

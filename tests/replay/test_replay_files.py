@@ -49,12 +49,12 @@ def test_times_that_run_back_go_on(tmp_path):
             writer.record(RECEIVED, encode(b"\x61\x1a") + encode(bytes([value])), time + 0.02)
     car = playing(open_link(again(path)))
     assert car.duration == pytest.approx(2.52 + 0.02, abs=0.03)
-    told = []
+    reported = []
     for tenth in range(25):
         car.seek(tenth / 10, 0.0)
-        told.append(car.raw(0x1A, 0.0)[0])
-    assert sorted(set(told)) == [1, 2, 3, 4]
-    assert told == sorted(told)
+        reported.append(car.raw(0x1A, 0.0)[0])
+    assert sorted(set(reported)) == [1, 2, 3, 4]
+    assert reported == sorted(reported)
 
 
 @given(st.data())

@@ -36,13 +36,13 @@ def gone(*codes: int, time: float = START + 20, erased: bool = True) -> ClearedF
 def test_a_report_right_after_erasing_is_not_green() -> None:
     it = after(gone(13, 53, 17, 99))
     assert it.outcome is Outcome.OPEN
-    told = summary_sentence(it)
-    assert told.en.startswith("No faults are stored now; ")
-    assert told.ru.startswith("Сейчас ошибок в памяти блока нет; ")
+    reported = summary_sentence(it)
+    assert reported.en.startswith("No faults are stored now; ")
+    assert reported.ru.startswith("Сейчас ошибок в памяти блока нет; ")
     for code in ("13", "53", "17"):
-        assert code in told.en
-        assert code in told.ru
-    assert "not known yet" in told.en
+        assert code in reported.en
+        assert code in reported.ru
+    assert "not known yet" in reported.en
     page = render(it, "ru")
     assert "Сброшены в " in page
     assert shipped().fault(53).text.ru in page
@@ -125,12 +125,12 @@ def test_what_was_read_before_the_recording_began(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    "told", [None, 3, {}, [3], [{"time": "x", "codes": []}], [{"time": 1, "codes": [256]}]]
+    "reported", [None, 3, {}, [3], [{"time": "x", "codes": []}], [{"time": 1, "codes": [256]}]]
 )
-def test_a_note_that_says_nothing(told, tmp_path) -> None:
+def test_a_note_that_says_nothing(reported, tmp_path) -> None:
     from mikas.recording.capture.notes import Kind, Note
 
     path = tmp_path / "a.pcapng"
     with CaptureWriter(path, url=IDLE) as sink:
-        sink.note(Note(Kind.FAULTS, 1.0, {"readings": told}))
+        sink.note(Note(Kind.FAULTS, 1.0, {"readings": reported}))
     assert find_in_recording(path, shipped()).subject.faults is None

@@ -224,7 +224,7 @@ def test_a_unit_that_tells_no_passport_and_one_that_was_not_asked() -> None:
 
     findings = found()
     silent = UnitIdentity(shipped().model(9), (None, None, None), (None,) * 5)
-    told = unknowns(replace(findings, subject=replace(findings.subject, unit=silent)))
-    assert told[0].en == "The unit's passports: it does not report them."
-    told = unknowns(replace(findings, subject=replace(findings.subject, unit=None)))
-    assert "it was not identified" in told[0].en
+    reported = unknowns(replace(findings, subject=replace(findings.subject, unit=silent)))
+    assert reported[0].en == "The unit's passports: it does not report them."
+    reported = unknowns(replace(findings, subject=replace(findings.subject, unit=None)))
+    assert "it was not identified" in reported[0].en

@@ -50,10 +50,10 @@ def test_units_and_bands() -> None:
 
 
 @pytest.mark.parametrize(
-    ("share", "said"), [(0, "0"), (0.0001, "1"), (0.5, "50"), (0.999, "99"), (1, "100")]
+    ("share", "message"), [(0, "0"), (0.0001, "1"), (0.5, "50"), (0.999, "99"), (1, "100")]
 )
-def test_all_and_nothing_are_said_only_of_all_and_nothing(share, said) -> None:
-    assert percent(share) == f"{said}\N{NO-BREAK SPACE}%"
+def test_all_and_nothing_are_said_only_of_all_and_nothing(share, message) -> None:
+    assert percent(share) == f"{message}\N{NO-BREAK SPACE}%"
 
 
 def test_times() -> None:

@@ -11,6 +11,6 @@ from mikas.report.labels import NAMES
 
 def test_every_label_is_on_the_page() -> None:
     folder = Path(mikas.report.__file__).parent
-    said = "".join((folder / name).read_text("utf-8") for name in ("page.py", "page.html"))
-    said += (folder / "conditions.py").read_text("utf-8")
-    assert {name for name in NAMES if not re.search(rf"""["']{name}["']""", said)} == set()
+    text = "".join((folder / name).read_text("utf-8") for name in ("page.py", "page.html"))
+    text += (folder / "conditions.py").read_text("utf-8")
+    assert {name for name in NAMES if not re.search(rf"""["']{name}["']""", text)} == set()

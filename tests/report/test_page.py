@@ -53,7 +53,7 @@ class Parsed(HTMLParser):
             self.texts.append(data)
 
     @property
-    def said(self) -> str:
+    def printed(self) -> str:
         return re.sub("[ \n]+", " ", " ".join(self.texts))
 
 
@@ -96,15 +96,15 @@ def test_a_whole_page_that_needs_nothing_from_elsewhere(make, language) -> None:
     assert "@import" not in text
     assert tags.count("style") == 1
     assert ("html", {"lang": language}) in parsed.tags
-    assert not re.search(r"\bNone\b|\bnan\b|\binf\b|Markup|object at|[{}]", parsed.said)
+    assert not re.search(r"\bNone\b|\bnan\b|\binf\b|Markup|object at|[{}]", parsed.printed)
 
 
 @pytest.mark.parametrize(
-    ("language", "said"), [("en", "virtual ECU · "), ("ru", "виртуальный блок · ")]
+    ("language", "printed"), [("en", "virtual ECU · "), ("ru", "виртуальный блок · ")]
 )
-def test_a_virtual_unit_is_called_so_in_the_page_s_language(language, said) -> None:
+def test_a_virtual_unit_is_called_so_in_the_page_s_language(language, printed) -> None:
     text = page.render(found(adapter="virtual ECU", port="sim:"), language)
-    assert said in Parsed(text).said
+    assert printed in Parsed(text).printed
 
 
 def test_a_virtual_car_is_told_in_words() -> None:
@@ -133,15 +133,15 @@ def test_its_policy_lets_in_the_style_it_carries_and_nothing_else() -> None:
 
 
 def test_russian_is_russian() -> None:
-    said = Parsed(page.render(every_kind(), "ru")).said
+    printed = Parsed(page.render(every_kind(), "ru")).printed
     for name in (*(p.name for p in shipped().parameters), *shipped().derived):
-        said = re.sub(rf"\b{name}\b", "", said)
-    left = set(re.findall(r"[A-Za-z]{3,}", said)) - {"drive", "pcapng", "dev", "ttyUSB", "mikas"}
+        printed = re.sub(rf"\b{name}\b", "", printed)
+    left = set(re.findall(r"[A-Za-z]{3,}", printed)) - {"drive", "pcapng", "dev", "ttyUSB", "mikas"}
     assert left == set()
 
 
 def test_what_it_says() -> None:
-    said = Parsed(page.render(every_kind(), "en")).said
+    printed = Parsed(page.render(every_kind(), "en")).printed
     for part in (
         "Attention needed",
         "3 faults are stored: 13, 53, 99;",
@@ -163,13 +163,13 @@ def test_what_it_says() -> None:
         "The file holds 2 sessions",
         shipped().version,
     ):
-        assert part in said, part
+        assert part in printed, part
 
 
 def test_the_numbers_are_those_that_were_measured() -> None:
     parsed = Parsed(page.render(found(rows(UACC=13.84, TAIR=-7)), "ru"))
-    assert "13,8\N{NO-BREAK SPACE}В" in parsed.said
-    assert "−7\N{NO-BREAK SPACE}°C" in parsed.said
+    assert "13,8\N{NO-BREAK SPACE}В" in parsed.printed
+    assert "−7\N{NO-BREAK SPACE}°C" in parsed.printed
 
 
 def test_anybody_s_words_stay_words(tmp_path: Path) -> None:
@@ -196,7 +196,7 @@ def test_anybody_s_words_stay_words(tmp_path: Path) -> None:
     parsed = Parsed(text)
     assert "script" not in {tag for tag, _ in parsed.tags}
     assert all("onload" not in attributes for _, attributes in parsed.tags)
-    assert parsed.said.count(evil) >= 10
+    assert parsed.printed.count(evil) >= 10
 
 
 def drawings(text: str) -> list[ET.Element]:

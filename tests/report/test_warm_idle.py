@@ -28,7 +28,7 @@ def test_warm_idle_all_the_time() -> None:
     assert idle.enough
     assert idle.unknown == ()
     assert mask.sum() == 600 - 30
-    assert all(seen.held for seen in idle.rules)
+    assert all(observed.held for observed in idle.rules)
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def test_each_rule_counts(name, value) -> None:
     assert not mask.any()
     assert idle.stretches == ()
     assert not idle.enough
-    (broken,) = [seen for seen in idle.rules if not seen.held]
+    (broken,) = [observed for observed in idle.rules if not observed.held]
     assert (broken.name, broken.least, broken.most) == (name, value, value)
 
 
@@ -72,7 +72,7 @@ def only(until, value=0.0):
 def test_a_throttle_that_is_not_asked_any_more_is_replaced_by_the_units_own_sign() -> None:
     idle, _ = look(rows(60, THR=only(20)))
     assert idle.stretches == ((START + SETTLING, START + 59.9),)
-    (throttle,) = [seen for seen in idle.rules if seen.name == "THR"]
+    (throttle,) = [observed for observed in idle.rules if observed.name == "THR"]
     assert throttle.instead is not None
     assert throttle.missing == 0
 
@@ -90,9 +90,9 @@ def test_the_throttle_itself_counts_where_it_is_known() -> None:
 def test_what_nothing_told_is_counted() -> None:
     idle, _ = look(rows(60, THR=only(20), RXX=None))
     assert idle.seconds == pytest.approx(20 - SETTLING + PAUSE, abs=0.2)
-    (throttle,) = [seen for seen in idle.rules if seen.name == "THR"]
+    (throttle,) = [observed for observed in idle.rules if observed.name == "THR"]
     assert throttle.missing == pytest.approx(40 - PAUSE, abs=0.2)
-    assert [seen.missing for seen in idle.rules if seen is not throttle] == [0, 0]
+    assert [observed.missing for observed in idle.rules if observed is not throttle] == [0, 0]
 
 
 def test_the_other_speed_does_as_well() -> None:

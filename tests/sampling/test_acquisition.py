@@ -46,12 +46,12 @@ def test_the_plan_is_reported_once_before_the_first_sample():
     assert [c.name for c in made.channels] == ["FREQ", "FUEL_FLOW", "TWAT"]
     assert (made.plan, made.state, made.ecu, made.method) == (None, None, None, None)
     with closing(made.run()) as events:
-        told = take(events, enough)
+        reported = take(events, enough)
         assert made.state is LineState.SAMPLING
         assert made.ecu.model.text.en
         assert made.ecu.tester.statistics.requests > 40
-    (plan,) = of(PlanChanged, told)
-    assert told.index(plan) < told.index(of(Sampled, told)[0])
+    (plan,) = of(PlanChanged, reported)
+    assert reported.index(plan) < reported.index(of(Sampled, reported)[0])
     assert made.plan is plan.plan
     assert made.method == "batch"
     assert {w.parameter.name: w.divisor for w in plan.plan.parameters} == {
@@ -114,9 +114,9 @@ def test_a_gap_is_counted_where_something_is_added_up():
         take(events, enough)
         plug.bus.ecu.responder.car.on = False
         plug.at(plug.now() + 5, lambda: setattr(plug.bus.ecu.responder.car, "on", True))
-        told = take(events, enough)
-    assert of(CycleFailed, told)
-    assert of(Sampled, told)[-1].derived["FUEL_USED"].gaps == 1
+        reported = take(events, enough)
+    assert of(CycleFailed, reported)
+    assert of(Sampled, reported)[-1].derived["FUEL_USED"].gaps == 1
 
 
 @pytest.mark.parametrize("method", ["batch", "stream"])
@@ -126,11 +126,11 @@ def test_a_damaged_response_does_not_interrupt_accumulation(method):
         SimulatedPlug(make_bus(fault_injector=fault_injector)), "FUEL_USED", method=method
     )
     with closing(made.run()) as events:
-        told = take(events, lambda e: len(of(Sampled, e)) == 600)
-    samples = of(Sampled, told)
+        reported = take(events, lambda e: len(of(Sampled, e)) == 600)
+    samples = of(Sampled, reported)
     used = samples[-1].derived["FUEL_USED"]
     flow = samples[-1].derived["FUEL_USED"].inputs["FUEL_FLOW"].value
-    assert bool(of(CycleFailed, told)) == (method == "stream")
+    assert bool(of(CycleFailed, reported)) == (method == "stream")
     assert used.gaps == 0
     assert used.value == pytest.approx(flow * (used.time - used.since) / 3600, rel=1e-6)
 
@@ -146,11 +146,11 @@ def test_values_of_a_cycle_are_fresh_however_long_it_lasts():
         limits=limits,
     )
     with closing(made.run()) as events:
-        told = take(events, lambda e: len(of(AlarmChanged, e)) >= 2, most=30)
-    (first, *_) = of(Sampled, told)
+        reported = take(events, lambda e: len(of(AlarmChanged, e)) >= 2, most=30)
+    (first, *_) = of(Sampled, reported)
     assert first.fresh["TAIR"].time > first.time + 2
     assert first.derived["DUTY"].value > 0
-    assert {alarm.name for alarm in of(AlarmChanged, told)} >= {"TAIR", "DUTY"}
+    assert {alarm.name for alarm in of(AlarmChanged, reported)} >= {"TAIR", "DUTY"}
 
 
 def test_has_more_while_alarms_follow_a_sample():
@@ -183,9 +183,9 @@ def test_alarms_follow_their_sample():
         assert not [a for a in of(AlarmChanged, take(events, enough)) if a.name == "TWAT"]
         assert not made.alarms["TWAT"].stale
         data[0x1A] = bytes([40 + 112])
-        told = take(events, enough)
-        (alarm,) = [a for a in of(AlarmChanged, told) if a.name == "TWAT"]
-        before = told[told.index(alarm) - 1]
+        reported = take(events, enough)
+        (alarm,) = [a for a in of(AlarmChanged, reported) if a.name == "TWAT"]
+        before = reported[reported.index(alarm) - 1]
         assert isinstance(before, Sampled)
         assert before.fresh["TWAT"].value == alarm.value == 112
         assert alarm.time == before.time
@@ -203,16 +203,16 @@ class TestWanting:
         with closing(made.run()) as events:
             take(events, enough)
             made.reconfigure(["INJ", "JAIR/2"], "list", 20.0)
-            told = take(events, enough)
-        (plan,) = of(PlanChanged, told)
-        assert told[0] is plan
+            reported = take(events, enough)
+        (plan,) = of(PlanChanged, reported)
+        assert reported[0] is plan
         assert (plan.plan.method, made.method) == ("list", "list")
         assert [c.name for c in made.channels] == ["INJ", "JAIR"]
-        samples = of(Sampled, told)
+        samples = of(Sampled, reported)
         assert {name for s in samples for name in (*s.fresh, *s.stale)} == {"INJ", "JAIR"}
         took = samples[-1].time - samples[10].time
         assert took / (len(samples) - 11) == pytest.approx(1 / 20, rel=0.05)
-        assert_values_are_the_units(told)
+        assert_values_are_the_units(reported)
 
     def test_the_same_selection_again_is_reported(self):
         made = acquisition(SimulatedPlug(make_bus()), "FREQ")
@@ -246,9 +246,9 @@ class TestWanting:
             take(events, enough)
             with pytest.raises((UnknownParameter, UsageError)):
                 made.reconfigure(names, method, rate)
-            told = take(events, enough)
+            reported = take(events, enough)
         assert [c.name for c in made.channels] == ["TWAT"]
-        assert not of(PlanChanged, told)
+        assert not of(PlanChanged, reported)
         with pytest.raises((UnknownParameter, UsageError)):
             acquisition(SimulatedPlug(make_bus()), *names, method=method, rate=rate)
 
@@ -267,12 +267,12 @@ class TestWanting:
         thread = threading.Thread(target=change)
         with closing(made.run()) as events:
             thread.start()
-            told = take(events, lambda e: over.is_set(), most=10**6)
+            reported = take(events, lambda e: over.is_set(), most=10**6)
             thread.join()
-            told += take(events, enough)
-        assert list(of(Sampled, told)[-1].fresh) == ["THR"]
-        assert not of(CycleFailed, told)
-        assert_values_are_the_units(told)
+            reported += take(events, enough)
+        assert list(of(Sampled, reported)[-1].fresh) == ["THR"]
+        assert not of(CycleFailed, reported)
+        assert_values_are_the_units(reported)
 
     def test_a_refused_parameter_is_requested_again_when_named_again(self):
         plug = SimulatedPlug(make_bus())
@@ -283,9 +283,9 @@ class TestWanting:
             assert [d.name for d in of(ParameterDropped, take(events, enough))] == ["TWAT"]
             data[0x1A] = DATA[0x1A]
             made.reconfigure(["FREQ", "TWAT"], "batch")
-            told = take(events, enough)
-        assert set(of(Sampled, told)[-1].fresh) == {"FREQ", "TWAT"}
-        assert not of(ParameterDropped, told)
+            reported = take(events, enough)
+        assert set(of(Sampled, reported)[-1].fresh) == {"FREQ", "TWAT"}
+        assert not of(ParameterDropped, reported)
 
 
 def test_prices():
@@ -307,8 +307,8 @@ def test_relearning_and_stopping_are_passed_on():
     made = acquisition(plug, "FREQ", method="auto")
     plug.at(8, made.relearn)
     plug.at(20, made.stop)
-    told = list(made.run())
-    methods = [e.method for e in told if type(e).__name__ == "MethodChosen"]
+    reported = list(made.run())
+    methods = [e.method for e in reported if type(e).__name__ == "MethodChosen"]
     assert methods == ["stream", "stream"]
     assert plug.now() < 23
 
@@ -332,10 +332,10 @@ def test_what_is_refused_midway_takes_its_derived_channel_along():
     with closing(made.run()) as events:
         take(events, enough)
         made.call(lambda ecu: plug.bus.ecu.responder.car._data.pop(0x3F))
-        told = take(events, enough)
-    assert [d.name for d in of(ParameterDropped, told)] == ["INJ"]
-    assert not of(Sampled, told)[-1].derived
-    assert list(of(Sampled, told)[-1].fresh) == ["FREQ"]
+        reported = take(events, enough)
+    assert [d.name for d in of(ParameterDropped, reported)] == ["INJ"]
+    assert not of(Sampled, reported)[-1].derived
+    assert list(of(Sampled, reported)[-1].fresh) == ["FREQ"]
 
 
 @pytest.mark.parametrize("method", ["single", "batch", "list", "stream"])
@@ -351,8 +351,8 @@ def test_a_second_run_reports_its_plan():
     made = acquisition(SimulatedPlug(make_bus()), "FREQ", "TWAT/10")
     for _ in range(2):
         with closing(made.run()) as events:
-            told = take(events, enough)
-        assert len(of(PlanChanged, told)) == 1
+            reported = take(events, enough)
+        assert len(of(PlanChanged, reported)) == 1
 
 
 def test_other_threads_may_want_ask_and_forget_as_they_like():
@@ -383,15 +383,15 @@ def test_other_threads_may_want_ask_and_forget_as_they_like():
         thread.start()
     try:
         with closing(made.run()) as events:
-            told = take(events, lambda e: len(of(Sampled, e)) >= 1000, 10_000)
+            reported = take(events, lambda e: len(of(Sampled, e)) >= 1000, 10_000)
     finally:
         over.set()
         for thread in threads:
             thread.join()
     assert not failed
     assert all(future.done() for future in asked)
-    assert_values_are_the_units(told)
-    samples = of(Sampled, told)
+    assert_values_are_the_units(reported)
+    samples = of(Sampled, reported)
     assert [s.time for s in samples] == sorted(s.time for s in samples)
     fresh = [(name, r.time) for sample in samples for name, r in sample.fresh.items()]
     assert len(fresh) == len(set(fresh))  # none passed off as new

@@ -18,7 +18,7 @@ from mikas.sampling.events import CycleFailed, Sampled
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from virtual_harness import make_bus
 
-TROUBLES = {
+LINE_FAULTS = {
     LineFault.LOST: 0.004,
     LineFault.DAMAGED: 0.01,
     LineFault.LATE: 0.002,
@@ -31,7 +31,7 @@ TROUBLES = {
 
 @pytest.mark.parametrize("method", ["batch", "stream"])
 def test_minutes_of_a_bad_line_leave_nothing_behind(method, tmp_path):
-    plug = SimulatedPlug(make_bus(fault_injector=FaultInjector(TROUBLES, seed=1)))
+    plug = SimulatedPlug(make_bus(fault_injector=FaultInjector(LINE_FAULTS, seed=1)))
     names = ["FREQ", "TWAT/10", "INJ", "FUEL_USED"]
     made = Acquisition(plug, ecu_factory(tmp_path), shipped(), names, method=method)
     sizes, times, gaps = [], [], 0

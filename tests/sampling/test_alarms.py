@@ -27,12 +27,12 @@ def voltage(limits: AlarmLimits = BOTH) -> Alarms:
 
 
 def levels(alarms: Alarms, *values: float | None) -> list[tuple[Level, Side | None]]:
-    seen = []
+    states = []
     for time, value in enumerate(values):
         alarms.update({"UACC": value}, float(time))
         state = alarms.current()["UACC"]
-        seen.append((state.level, state.side))
-    return seen
+        states.append((state.level, state.side))
+    return states
 
 
 def test_levels_with_hysteresis() -> None:
@@ -62,9 +62,9 @@ def test_events() -> None:
     events = []
     for time, value in enumerate([14, 15.5, 16.5, 15.2, 14, 8, 20]):
         events += alarms.update({"UACC": value}, 100.0 + time)
-    told = [(each.time, each.level, each.before, each.better, each.side, each.value, each.limit)
+    reported = [(each.time, each.level, each.before, each.better, each.side, each.value, each.limit)
             for each in events]  # fmt: skip
-    assert told == [
+    assert reported == [
         (101, WARNING, NONE, False, Side.HIGH, 15.5, 15),
         (102, DANGER, WARNING, False, Side.HIGH, 16.5, 16),
         (103, WARNING, DANGER, True, Side.HIGH, 15.2, 16),

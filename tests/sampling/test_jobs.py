@@ -71,14 +71,14 @@ def test_a_steady_flow_of_them_does_not_stop_the_sampling_nor_the_other_way_roun
     with closing(sampler.run()) as events:
         take(events, enough)
         sampler.call(one)
-        told = take(events, lambda e: len(done) == 100)
-        samples = of(Sampled, told)
+        reported = take(events, lambda e: len(done) == 100)
+        samples = of(Sampled, reported)
         took = samples[-1].time - samples[0].time
         after = take(events, enough)
     assert len(samples) >= 95  # one between any two of them
     assert took < 100 * 0.1  # no stream is begun and ended for each
     assert len(of(Sampled, after)) == 40
-    assert not of(CycleFailed, told + after)
+    assert not of(CycleFailed, reported + after)
 
 
 @pytest.mark.parametrize(("method", "rate"), [("stroke0", None), ("batch", 0.05), ("stream", 0.05)])
@@ -134,8 +134,8 @@ def test_without_an_adapter_they_fail_soon(spoil, error, state):
         take(events, enough)
         spoil(plug)
         asked = [sampler.call(faults)]
-        told = take(events, lambda e: bool(of(StateChanged, e)))
-        assert of(StateChanged, told)[-1].state is state
+        reported = take(events, lambda e: bool(of(StateChanged, e)))
+        assert of(StateChanged, reported)[-1].state is state
         asked.append(sampler.call(faults))
         plug.at(plug.now() + 5, plug.mend)
         take(events, enough)
@@ -225,11 +225,11 @@ def test_one_that_loses_the_ecu_leaves_the_others_for_later():
     assert second.result(0) == "unit"
 
 
-def test_an_adapter_without_supply_is_one_kind_of_trouble():
+def test_an_adapter_without_supply_has_its_own_line_state():
     plug = SimulatedPlug(make_bus(adapter=AdapterKind(supplied=False)))
     sampler = make_sampler(plug)
     asked = sampler.call(faults)
     with closing(sampler.run()) as events:
-        (told,) = take(events, lambda e: True)
-    assert told.state is LineState.NO_ECHO
+        (reported,) = take(events, lambda e: True)
+    assert reported.state is LineState.NO_ECHO
     assert isinstance(asked.exception(0), NoEcho)

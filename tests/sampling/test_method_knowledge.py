@@ -83,24 +83,26 @@ class TestKept:
         bus = make_bus(quirks=lacking)
         heard = []
         bus.ecu.watcher = heard.append
-        told = session(bus, state=tmp_path)
-        assert [c.method for c in of(MethodChosen, told)] == ["list"]
-        assert of(MethodChosen, told)[0].rates["stream"] == 0
+        reported = session(bus, state=tmp_path)
+        assert [c.method for c in of(MethodChosen, reported)] == ["list"]
+        assert of(MethodChosen, reported)[0].rates["stream"] == 0
         assert not [h for h in heard if h.kind == "request" and h.data[0] == 0x71]
 
     def test_but_a_shorter_list_may_be_taken(self, tmp_path):
         short = EcuQuirks(max_list=8)
         session(make_bus(quirks=short), state=tmp_path, until=settled)
-        told = session(make_bus(quirks=short), "FREQ", "INJ", state=tmp_path, until=settled)
-        assert of(MethodChosen, told)[-1].method == "stream"
+        reported = session(make_bus(quirks=short), "FREQ", "INJ", state=tmp_path, until=settled)
+        assert of(MethodChosen, reported)[-1].method == "stream"
 
     def test_another_plan_is_known_without_measuring(self, tmp_path):
         session(make_bus(), state=tmp_path, until=settled)
         # What is wanted seldom is better asked for than streamed all the time.
         slow = ["UACC/20", "TWAT/20", "TAIR/20", "INJ/20", "JAIR/20", "UGB/20", "VALF/20", "SSM/20"]
-        told = session(make_bus(), "FREQ", *slow, state=tmp_path)
-        assert [c.method for c in of(MethodChosen, told)] == ["batch"]
-        assert told.index(of(MethodChosen, told)[0]) < told.index(of(Sampled, told)[0])
+        reported = session(make_bus(), "FREQ", *slow, state=tmp_path)
+        assert [c.method for c in of(MethodChosen, reported)] == ["batch"]
+        assert reported.index(of(MethodChosen, reported)[0]) < reported.index(
+            of(Sampled, reported)[0]
+        )
 
     def test_relearn_measures_again_and_reports_the_method(self, tmp_path):
         plug = SimulatedPlug(make_bus())
@@ -112,8 +114,8 @@ class TestKept:
                 missing=GROUPS["stream"], unknown=Unknown.ERROR
             )
             sampler.relearn()
-            told = take(events, settled)
-        assert of(MethodChosen, told)[0].method == "list"
+            reported = take(events, settled)
+        assert of(MethodChosen, reported)[0].method == "list"
         assert kept(tmp_path)["methods"] != before["methods"]
 
     def test_forgetting_leaves_other_units_alone(self, tmp_path):
@@ -146,8 +148,8 @@ class TestKept:
         stored["methods"] = json.loads(methods)
         file.write_text(json.dumps(stored), "utf-8")
         assert LimitsStore(tmp_path).load(0x0A, IDENTITY.passports).methods == {}
-        told = session(make_bus(), state=tmp_path, until=settled)
-        assert of(MethodChosen, told)[0].method == "stream"
+        reported = session(make_bus(), state=tmp_path, until=settled)
+        assert of(MethodChosen, reported)[0].method == "stream"
         assert len(kept(tmp_path)["methods"]) == 1
 
     def test_a_file_without_methods_is_valid(self, tmp_path):
@@ -173,8 +175,10 @@ class TestAdapters:
 
     def test_one_inherits_nothing_from_the_other(self, tmp_path):
         (plain,) = of(MethodChosen, session(make_bus(), state=tmp_path, until=settled))
-        (told,) = of(MethodChosen, session(make_bus(adapter=LUMPS), state=tmp_path, until=settled))
-        assert told.rates["list"] < 0.9 * plain.rates["list"]
+        (reported,) = of(
+            MethodChosen, session(make_bus(adapter=LUMPS), state=tmp_path, until=settled)
+        )
+        assert reported.rates["list"] < 0.9 * plain.rates["list"]
         assert len(kept(tmp_path)["methods"]) == 2
         back = session(make_bus(), state=tmp_path)
         assert of(MethodChosen, back)[0].rates == pytest.approx(dict(plain.rates), rel=0.01)
@@ -184,8 +188,8 @@ class TestAdapters:
         words = ["FREQ", "INJ", "JAIR/3", "TWAT/20", "TAIR/20", "UACC/20"]
         by = {}
         for adapter in (AdapterKind(), LUMPS):
-            told = session(make_bus(adapter=adapter), *words, state=tmp_path, until=settled)
-            (chosen,) = of(MethodChosen, told)
+            reported = session(make_bus(adapter=adapter), *words, state=tmp_path, until=settled)
+            (chosen,) = of(MethodChosen, reported)
             assert chosen.method == max(chosen.rates, key=lambda name: chosen.rates[name])
             by[adapter.latency] = chosen.rates
         assert by[0.016]["list"] < 0.7 * by[0.0]["list"]
@@ -200,15 +204,15 @@ class TestAdapters:
         file.write_text(json.dumps(stored), "utf-8")
         paces_before = LimitsStore(tmp_path).load(0x0A, IDENTITY.passports).methods
         bus = make_bus(quirks=EcuQuirks(turn_round=0.0028, stream_gap=0.0004))
-        told = session(bus, state=tmp_path, until=lambda e: len(of(Sampled, e)) > 300)
-        assert [c.method for c in of(MethodChosen, told)] in (["list"], ["list", "stream"])
+        reported = session(bus, state=tmp_path, until=lambda e: len(of(Sampled, e)) > 300)
+        assert [c.method for c in of(MethodChosen, reported)] in (["list"], ["list", "stream"])
         assert paces_before
         bus = make_bus(quirks=EcuQuirks(turn_round=0.0027))
         paces["list"]["delay"], paces["stream"]["delay"] = 0.002, 0.0
         file.write_text(json.dumps(stored), "utf-8")
         slow = make_bus(quirks=EcuQuirks(stream_gap=0.03))
-        told = session(slow, state=tmp_path, until=lambda e: len(of(Sampled, e)) > 300)
-        assert [c.method for c in of(MethodChosen, told)] == ["stream", "list"]
+        reported = session(slow, state=tmp_path, until=lambda e: len(of(Sampled, e)) > 300)
+        assert [c.method for c in of(MethodChosen, reported)] == ["stream", "list"]
 
     def test_the_kind_is_found_by_response_times(self):
         def kind(**settings):
@@ -234,9 +238,9 @@ def test_on_a_bad_line_a_method_is_chosen_and_no_value_is_wrong():
     rates = {LineFault.LOST: 0.03, LineFault.DAMAGED: 0.15, LineFault.LATE: 0.02}
     for seed in range(3):
         bus = make_bus(fault_injector=FaultInjector(rates, seed=seed))
-        told = session(bus, until=settled)
-        assert of(MethodChosen, told)
-        assert_values_are_the_units(told)
+        reported = session(bus, until=settled)
+        assert of(MethodChosen, reported)
+        assert_values_are_the_units(reported)
 
 
 def test_a_line_that_is_dead_for_a_while_makes_nothing_refused(tmp_path):
@@ -245,16 +249,16 @@ def test_a_line_that_is_dead_for_a_while_makes_nothing_refused(tmp_path):
         take(events, settled)
         plug.bus.fault_injector.rates = {LineFault.DAMAGED: 1.0}
         plug.at(plug.now() + 30, lambda: setattr(plug.bus.fault_injector, "rates", {}))
-        told = take(events, lambda e: plug.now() > 60 and enough(e))
-    assert_values_are_the_units(told)
-    assert len(of(Sampled, told)[-1].fresh) == 23
+        reported = take(events, lambda e: plug.now() > 60 and enough(e))
+    assert_values_are_the_units(reported)
+    assert len(of(Sampled, reported)[-1].fresh) == 23
     (paces,) = kept(tmp_path)["methods"].values()
     assert all(pace["delay"] is not None for pace in paces.values())
 
 
 @pytest.mark.parametrize("method", CANDIDATES)
 def test_one_lost_response_does_not_change_the_rate(method):
-    def measured(*troubles):
+    def measured(*line_faults):
         bus = make_bus()
         ecu = ecu_factory()(VirtualLink(bus))
         ecu.tester.connect()
@@ -264,7 +268,7 @@ def test_one_lost_response_does_not_change_the_rate(method):
         found = run_trial(context, ecu, Plan(ALL, method))
         for _ in range(4):
             next(found)
-        bus.fault_injector.next(*troubles)
+        bus.fault_injector.next(*line_faults)
         *_, result = found
         return result.rate
 
@@ -275,15 +279,15 @@ class TestEnough:
     """A rate that every method gives is got by the one that does least to the unit."""
 
     def test_a_slow_rate_needs_no_stream(self):
-        told = session(make_bus(), rate=2.0, until=lambda e: len(of(Sampled, e)) >= 30)
-        assert [c.method for c in of(MethodChosen, told)] == ["batch"]
-        times = [s.time for s in of(Sampled, told)]
+        reported = session(make_bus(), rate=2.0, until=lambda e: len(of(Sampled, e)) >= 30)
+        assert [c.method for c in of(MethodChosen, reported)] == ["batch"]
+        times = [s.time for s in of(Sampled, reported)]
         assert min(later - before for before, later in pairwise(times)) > 0.4
 
     def test_a_fast_one_does(self):
-        told = session(make_bus(), rate=26.0, until=lambda e: len(of(Sampled, e)) >= 160)
-        assert [c.method for c in of(MethodChosen, told)] == ["stream"]
-        samples = of(Sampled, told[told.index(of(MethodChosen, told)[0]) :])[-50:]
+        reported = session(make_bus(), rate=26.0, until=lambda e: len(of(Sampled, e)) >= 160)
+        assert [c.method for c in of(MethodChosen, reported)] == ["stream"]
+        samples = of(Sampled, reported[reported.index(of(MethodChosen, reported)[0]) :])[-50:]
         took = samples[-1].time - samples[0].time
         assert took / 49 == pytest.approx(1 / 26, rel=0.02)
 

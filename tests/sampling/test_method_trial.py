@@ -28,8 +28,8 @@ def test_stop_does_not_wait_for_it(after):
         take(events, lambda e: bool(of(PlanChanged, e)))
         stop_at = plug.now() + after
         plug.at(stop_at, sampler.stop)
-        told = list(events)
-    assert not of(MethodChosen, told)
+        reported = list(events)
+    assert not of(MethodChosen, reported)
     assert plug.now() - stop_at < CYCLE
 
 
@@ -57,10 +57,10 @@ def test_jobs_run_between_cycles_of_a_trial():
         take(events, lambda e: bool(of(PlanChanged, e)))
         began = plug.now()
         ask()
-        told = take(events, lambda e: plug.now() > began + 6)
+        reported = take(events, lambda e: plug.now() > began + 6)
     assert len(waited) > 5
     assert max(waited) < 2 * CYCLE
-    assert not of(CycleFailed, told)
+    assert not of(CycleFailed, reported)
 
 
 def test_jobs_do_not_change_the_measured_rate():

@@ -60,10 +60,10 @@ def test_other_lists_cost_nothing_whatever_their_length(unknown, max_list):
         asked = asked_of(bus)
         for count in (4, 3, 5, 2, 1, 10):
             sampler.reconfigure(MANY[:count])
-            told = take(events, some(100))
-            assert longest_pause(told) < 0.2
-            assert not of(CycleFailed, told)
-            assert_values_are_the_units(told)
+            reported = take(events, some(100))
+            assert longest_pause(reported) < 0.2
+            assert not of(CycleFailed, reported)
+            assert_values_are_the_units(reported)
     assert not METHODS.intersection(asked)
 
 
@@ -83,11 +83,11 @@ def test_missing_commands_are_saved_for_every_adapter(unknown, tmp_path):
 
 def test_values_come_during_the_trials():
     with closing(make_sampler(SimulatedPlug(poor(Unknown.SILENT)), *MANY).run()) as events:
-        told = take(events, settled)
-    stream, set_list = of(CycleFailed, told)
-    between = told[told.index(stream) : told.index(set_list)]
+        reported = take(events, settled)
+    stream, set_list = of(CycleFailed, reported)
+    between = reported[reported.index(stream) : reported.index(set_list)]
     assert len(of(Sampled, between)) == 2  # before the shortest stream is tried, and after it
-    assert longest_pause(told) < 3
+    assert longest_pause(reported) < 3
 
 
 @pytest.mark.parametrize("unknown", Unknown)
@@ -97,9 +97,9 @@ def test_a_missing_command_is_no_line_error(unknown, max_list):
     del bus.ecu.responder.car._data[0x21]
     sampler = make_sampler(SimulatedPlug(bus), *MANY)
     with closing(sampler.run()) as events:
-        told = take(events, settled)
+        reported = take(events, settled)
         assert sampler.ecu.tester.statistics.failed == 0
-    assert [each.name for each in of(ParameterDropped, told)] == ["JAIR"]
+    assert [each.name for each in of(ParameterDropped, reported)] == ["JAIR"]
 
 
 def test_a_method_with_a_refused_long_list_is_kept_for_shorter_ones():
@@ -110,9 +110,9 @@ def test_a_method_with_a_refused_long_list_is_kept_for_shorter_ones():
         asked, most = asked_of(bus), sampler.plan.max_list
         assert most >= 4
         sampler.reconfigure(MANY[: most + 1])  # 61 has shown that these are too many
-        told = take(events, some(60))
+        reported = take(events, some(60))
         assert not METHODS.intersection(asked)
-        assert not of(CycleFailed, told)
+        assert not of(CycleFailed, reported)
         sampler.reconfigure(MANY[:most])
         assert of(MethodChosen, take(events, settled))[-1].method == "stream"
 
@@ -137,7 +137,7 @@ def refusing(bus, code: int) -> None:
 @pytest.mark.parametrize("missing", ["stream", "stream and list"])
 @pytest.mark.parametrize("unknown", Unknown)
 class TestOneIsRefusedInTheMiddle:
-    def told(self, missing: str, unknown: Unknown, tmp_path, asked: list[int]):
+    def events_with(self, missing: str, unknown: Unknown, tmp_path, asked: list[int]):
         groups = frozenset().union(*(GROUPS[group] for group in missing.split(" and ")))
         bus = poor(unknown, missing=groups)
         plug = SimulatedPlug(bus)
@@ -146,23 +146,23 @@ class TestOneIsRefusedInTheMiddle:
             take(events, settled)
             heard = asked_of(bus)
             refusing(bus, 0x21)
-            told = take(events, lambda e: bool(of(ParameterDropped, e)))
-            told += take(events, some(100))
+            reported = take(events, lambda e: bool(of(ParameterDropped, e)))
+            reported += take(events, some(100))
         asked += heard
-        return told
+        return reported
 
     def test_the_timings_of_methods_stay(self, missing, unknown, tmp_path):
         asked: list[int] = []
-        told = self.told(missing, unknown, tmp_path, asked)
-        assert [each.name for each in of(ParameterDropped, told)] == ["JAIR"]
+        reported = self.events_with(missing, unknown, tmp_path, asked)
+        assert [each.name for each in of(ParameterDropped, reported)] == ["JAIR"]
         assert 0x71 not in asked
-        assert longest_pause(told[told.index(of(ParameterDropped, told)[0]) :]) < 0.2
-        names = [wanted.parameter.name for wanted in of(PlanChanged, told)[-1].plan.parameters]
+        assert longest_pause(reported[reported.index(of(ParameterDropped, reported)[0]) :]) < 0.2
+        names = [wanted.parameter.name for wanted in of(PlanChanged, reported)[-1].plan.parameters]
         assert names == ["FREQ", "TWAT", "UACC", "TAIR"]
-        assert_values_are_the_units(told)
+        assert_values_are_the_units(reported)
 
     def test_the_gap_names_the_refused_parameter(self, missing, unknown, tmp_path):
-        (gap,) = of(CycleFailed, self.told(missing, unknown, tmp_path, []))
+        (gap,) = of(CycleFailed, self.events_with(missing, unknown, tmp_path, []))
         text = gap.error.reason
         if unknown is Unknown.SILENT:
             assert text.en.startswith("The ECU did not answer")

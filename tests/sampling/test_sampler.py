@@ -142,8 +142,8 @@ def test_ignition_off_is_reported_as_soon_as_certain(method, most):
     with closing(make_sampler(SimulatedPlug(bus), method=method).run()) as events:
         last = take(events, enough)[-1].time
         bus.ecu.responder.car.on = False
-        told = take(events, lambda e: bool(of(StateChanged, e)))[-1]
-    assert (told.state, told.time - last < most) == (LineState.ECHO_ONLY, True)
+        reported = take(events, lambda e: bool(of(StateChanged, e)))[-1]
+    assert (reported.state, reported.time - last < most) == (LineState.ECHO_ONLY, True)
 
 
 def test_ignition_off_and_on_again():

@@ -65,16 +65,16 @@ def test_prices_use_the_units_longest_list(takes):
     plug = SimulatedPlug(make_bus(quirks=EcuQuirks(max_list=takes, missing=lacks)))
     sampler = make_sampler(plug)
     with closing(sampler.run()) as events:
-        told = take(events, settled)
+        reported = take(events, settled)
         assert sampler.plan.max_list == sampler.ecu.limits().max_list
-        took = [s.time for s in of(Sampled, told)[-20:]]
+        took = [s.time for s in of(Sampled, reported)[-20:]]
         every = sampler.price([])
         assert every.requests == -(-21 // sampler.plan.max_list)
         assert every.seconds == pytest.approx((took[-1] - took[0]) / 19, rel=0.01)
         few = sampler.price(["FREQ", "TWAT"])
         sampler.reconfigure(["FREQ", "TWAT"])
-        told = take(events, lambda e: len(of(Sampled, e)) == 60)
-    took = [s.time for s in of(Sampled, told)[-20:]]
+        reported = take(events, lambda e: len(of(Sampled, e)) == 60)
+    took = [s.time for s in of(Sampled, reported)[-20:]]
     real = (took[-1] - took[0]) / 19
     assert few.requests == 1
     assert few.seconds == pytest.approx(real, abs=0.004)  # the data are stuffed more than most
@@ -84,7 +84,7 @@ def test_a_sufficient_rate_is_judged_by_measured_cycles(tmp_path):
     """A unit that takes three codes: what all of them took says nothing bad of two."""
     quirks = EcuQuirks(max_list=3, missing=GROUPS["list"])
     run(make_bus(quirks=quirks), state=tmp_path)
-    told = run(make_bus(quirks=quirks), "FREQ", "TWAT", state=tmp_path, rate=40.0)
+    reported = run(make_bus(quirks=quirks), "FREQ", "TWAT", state=tmp_path, rate=40.0)
     assert (
-        of(MethodChosen, told)[-1].method == "batch"
+        of(MethodChosen, reported)[-1].method == "batch"
     )  # not by a stream, which does more to the unit

@@ -94,13 +94,13 @@ def test_every_state_on_the_way():
     plug.at(20, plug.mend)
     plug.at(40, lambda: setattr(car, "on", True))
     with closing(make_sampler(plug, method="batch").run()) as events:
-        told = take(events, enough)
-    assert [e.state for e in of(StateChanged, told)] == list(LineState)
-    for event in of(StateChanged, told)[:3]:
+        reported = take(events, enough)
+    assert [e.state for e in of(StateChanged, reported)] == list(LineState)
+    for event in of(StateChanged, reported)[:3]:
         assert event.error is not None
         assert event.state.text.en
         assert event.state.text.ru
-    times = [event.time for event in told]
+    times = [event.time for event in reported]
     assert times == sorted(times)
 
 
@@ -116,9 +116,9 @@ def test_the_same_state_with_another_error_is_reported():
 
     plug.open = open_link
     with closing(make_sampler(plug, method="batch").run()) as events:
-        told = take(events, enough)
-    assert [type(e.error) for e in of(StateChanged, told)[:2]] == [PortNotFound, PortBusy]
-    assert of(StateChanged, told)[2].state is LineState.ECU_ALIVE
+        reported = take(events, enough)
+    assert [type(e.error) for e in of(StateChanged, reported)[:2]] == [PortNotFound, PortBusy]
+    assert of(StateChanged, reported)[2].state is LineState.ECU_ALIVE
 
 
 def test_an_elm327_ends_it():
@@ -134,8 +134,8 @@ def test_a_lost_adapter_is_a_gap_with_its_reason():
     with closing(make_sampler(plug, method="batch").run()) as events:
         take(events, enough)
         plug.pull()
-        told = take(events, lambda e: bool(of(StateChanged, e)))
-    assert of(CycleFailed, told)[-1].error is of(StateChanged, told)[0].error
+        reported = take(events, lambda e: bool(of(StateChanged, e)))
+    assert of(CycleFailed, reported)[-1].error is of(StateChanged, reported)[0].error
 
 
 class TestAnotherCar:
@@ -153,17 +153,17 @@ class TestAnotherCar:
             return take(events, settled)
 
     def test_of_the_same_model(self):
-        told = self.moved(Identity(0x0A, ("ANOTHER", *PASSPORTS[1:])), max_list=5)
-        assert [u.another for u in of(UnitFound, told)] == [True]
-        assert of(UnitFound, told)[0].passport.program[0] == "ANOTHER"
-        assert of(PlanChanged, told)  # a new recording begins with it
-        assert of(MethodChosen, told)[0].method == "batch"  # found out anew
-        assert_values_are_the_units(told)
+        reported = self.moved(Identity(0x0A, ("ANOTHER", *PASSPORTS[1:])), max_list=5)
+        assert [u.another for u in of(UnitFound, reported)] == [True]
+        assert of(UnitFound, reported)[0].passport.program[0] == "ANOTHER"
+        assert of(PlanChanged, reported)  # a new recording begins with it
+        assert of(MethodChosen, reported)[0].method == "batch"  # found out anew
+        assert_values_are_the_units(reported)
 
     def test_of_another_model(self):
-        told = self.moved(Identity(0x09, PASSPORTS))
-        assert [(u.version_code, u.another) for u in of(UnitFound, told)] == [(0x09, True)]
-        assert_values_are_the_units(told)
+        reported = self.moved(Identity(0x09, PASSPORTS))
+        assert [(u.version_code, u.another) for u in of(UnitFound, reported)] == [(0x09, True)]
+        assert_values_are_the_units(reported)
 
     def test_the_same_unit_with_a_damaged_passport(self):
         plug = SimulatedPlug(make_bus())
@@ -174,10 +174,10 @@ class TestAnotherCar:
                 take(events, lambda e: bool(of(StateChanged, e)))
                 plug.bus.ecu.responder.car.on = True
                 plug.bus.fault_injector.rates = {LineFault.LOST: 0.15, LineFault.DAMAGED: 0.1}
-                told = take(events, lambda e: bool(of(UnitFound, e)))
+                reported = take(events, lambda e: bool(of(UnitFound, e)))
                 plug.bus.fault_injector.rates = {}
-                told += take(events, enough)
-                assert [u.another for u in of(UnitFound, told)] == [False]
+                reported += take(events, enough)
+                assert [u.another for u in of(UnitFound, reported)] == [False]
 
 
 def test_a_cranking_dip():
@@ -189,10 +189,10 @@ def test_a_cranking_dip():
             take(events, enough)
             car.on = False
             plug.at(plug.now() + 0.3, lambda car=car: setattr(car, "on", True))
-            told = take(events, enough)
-        assert of(CycleFailed, told)
-        assert not of(MethodChosen, told)
-        assert_values_are_the_units(told)
+            reported = take(events, enough)
+        assert of(CycleFailed, reported)
+        assert not of(MethodChosen, reported)
+        assert_values_are_the_units(reported)
 
 
 @pytest.mark.parametrize("hours", [-1, 1])
@@ -205,21 +205,21 @@ def test_the_date_is_set_while_the_adapter_is_out(method, hours):
         return _AheadLink(socket.open(), shift[0])
 
     plug = ReconnectingPort("sim:", open_port=open_link, clock=socket.now, nap=socket.wait)
-    told = []
+    reported = []
     with closing(
         Sampler(plug, ecu_factory(), SECTION_4, ["FREQ", "INJ"], method=method).run()
     ) as events:
         for _ in range(3):
-            told += take(events, enough)
+            reported += take(events, enough)
             socket.pull()
             shift[0] += hours * 3600
-            told += take(events, lambda e: bool(of(StateChanged, e)))
+            reported += take(events, lambda e: bool(of(StateChanged, e)))
             socket.plugged_in = True
-    times = [event.time for event in told]
+    times = [event.time for event in reported]
     assert times == sorted(times)
-    samples = [s.time for s in of(Sampled, told)]
+    samples = [s.time for s in of(Sampled, reported)]
     assert len(set(samples)) == len(samples) == 3 * SAMPLES
-    assert_values_are_the_units(told)
+    assert_values_are_the_units(reported)
 
 
 def test_it_can_be_stopped_while_it_waits():
@@ -227,8 +227,8 @@ def test_it_can_be_stopped_while_it_waits():
     plug.plugged_in = False
     sampler = make_sampler(plug)
     plug.at(30, sampler.stop)
-    (told,) = list(sampler.run())  # it ends by itself
-    assert told.state is LineState.NO_PORT
+    (reported,) = list(sampler.run())  # it ends by itself
+    assert reported.state is LineState.NO_PORT
     assert plug.now() < 33
     silent = SimulatedPlug(make_bus(quirks=EcuQuirks()))
     silent.bus.ecu.responder.car.on = False
@@ -243,8 +243,8 @@ def test_it_can_be_stopped_while_it_samples(method):
     plug = SimulatedPlug(make_bus())
     sampler = make_sampler(plug, method=method)
     plug.at(3, sampler.stop)
-    told = list(sampler.run())
-    assert 3 - 0.1 < of(Sampled, told)[-1].time < 3.5
+    reported = list(sampler.run())
+    assert 3 - 0.1 < of(Sampled, reported)[-1].time < 3.5
     assert sampler.ecu is None
     carried = plug.bus.bytes_carried
     plug.bus.advance(plug.now() + 5)
@@ -265,11 +265,11 @@ def test_the_wait_reports_an_error_each_second(spoil):
         take(events, enough)
         getattr(plug, spoil)()
         began = plug.now()
-        told = take(events, lambda e: plug.now() > began + 60)
-    times = [gap.time for gap in of(CycleFailed, told)]
+        reported = take(events, lambda e: plug.now() > began + 60)
+    times = [gap.time for gap in of(CycleFailed, reported)]
     assert times == sorted(times)
     assert max(later - before for before, later in pairwise([began, *times])) < 4
-    assert len(of(StateChanged, told)) == (2 if spoil == "pull" else 1)  # lost, then not found
+    assert len(of(StateChanged, reported)) == (2 if spoil == "pull" else 1)  # lost, then not found
 
 
 def test_an_answer_to_01_that_is_lost_after_an_outage_ends_nothing():

@@ -48,9 +48,9 @@ def after_an_outage(method: str, seconds: float, identity: Identity) -> list[Eve
 @pytest.mark.parametrize("seconds", [1.5, 3])
 @pytest.mark.parametrize("method", METHODS)
 def test_another_version_after_a_short_outage_is_found(method: str, seconds: float) -> None:
-    told = after_an_outage(method, seconds, Identity(0x09, PASSPORTS))
-    assert [(u.version_code, u.another) for u in of(UnitFound, told)] == [(0x09, True)]
-    assert of(Sampled, told)[-1].time > 24
+    reported = after_an_outage(method, seconds, Identity(0x09, PASSPORTS))
+    assert [(u.version_code, u.another) for u in of(UnitFound, reported)] == [(0x09, True)]
+    assert of(Sampled, reported)[-1].time > 24
 
 
 @pytest.mark.parametrize("seconds", [1.5, 3, 5])
@@ -58,15 +58,15 @@ def test_another_version_after_a_short_outage_is_found(method: str, seconds: flo
 def test_another_passport_after_a_short_outage_is_reported_before_its_values(
     method: str, seconds: float
 ) -> None:
-    told = after_an_outage(method, seconds, Identity(0x0A, ("OTHER", *PASSPORTS[1:])))
-    assert [u.another for u in of(UnitFound, told)] == [True]
-    found = told.index(of(UnitFound, told)[0])
-    assert of(PlanChanged, told[found:])  # a new recording begins with it
-    for table, part in ((DATA, told[:found]), (OTHER_DATA, told[found:])):
+    reported = after_an_outage(method, seconds, Identity(0x0A, ("OTHER", *PASSPORTS[1:])))
+    assert [u.another for u in of(UnitFound, reported)] == [True]
+    found = reported.index(of(UnitFound, reported)[0])
+    assert of(PlanChanged, reported[found:])  # a new recording begins with it
+    for table, part in ((DATA, reported[:found]), (OTHER_DATA, reported[found:])):
         for sample in of(Sampled, part):
             for reading in (*sample.fresh.values(), *sample.stale.values()):
                 assert reading.raw == table[reading.parameter.code]
-    assert of(Sampled, told[found:])
+    assert of(Sampled, reported[found:])
 
 
 def test_an_engine_that_stood_is_the_same_cars_and_no_state() -> None:
@@ -77,10 +77,10 @@ def test_an_engine_that_stood_is_the_same_cars_and_no_state() -> None:
         take(events, enough)
         rpm, car.rpm = car.rpm, 0.0
         plug.at(plug.now() + 12, lambda: setattr(car, "rpm", rpm))
-        told = take(events, enough)
-    assert of(CycleFailed, told)
-    assert not of(StateChanged, told)
-    assert not of(UnitFound, told)
+        reported = take(events, enough)
+    assert of(CycleFailed, reported)
+    assert not of(StateChanged, reported)
+    assert not of(UnitFound, reported)
 
 
 class Asked(Responder):
@@ -105,9 +105,9 @@ def test_damaged_and_single_lost_responses_are_no_reason_to_compare(method: str)
         unit.asked.clear()
         if method == "batch":
             plug.bus.fault_injector.rates = rates | {LineFault.LOST: 0.02}
-        told = take(events, lambda e: len(of(Sampled, e)) > 400)
+        reported = take(events, lambda e: len(of(Sampled, e)) > 400)
     if method == "stream":
-        assert of(CycleFailed, told)
+        assert of(CycleFailed, reported)
     assert unit.asked
     assert not {0x51, 0x54}.intersection(unit.asked)
 
@@ -132,12 +132,12 @@ def test_a_damaged_passport_makes_no_other_car(code: int) -> None:
     plug = SimulatedPlug(Bus(VirtualEcu(Forgetful(code))))
     car = plug.bus.ecu.responder.car
     with closing(make_sampler(plug, "FREQ", "INJ").run()) as events:
-        told = take(events, settled)
+        reported = take(events, settled)
         car.on = False
         take(events, lambda e: bool(of(StateChanged, e)))
         car.on = True
         again = take(events, enough)
-    (first,) = of(UnitFound, told)
+    (first,) = of(UnitFound, reported)
     assert None in (*first.passport.program, *first.passport.data)
     (found,) = of(UnitFound, again)
     assert not found.another
@@ -165,7 +165,7 @@ def test_a_unit_that_cannot_be_resynchronized_is_found_again_at_once() -> None:
         plug.bus.ecu.responder.identity = Identity(0x09, PASSPORTS)
         plug.bus.ecu.responder.car.on = False
         plug.at(plug.now() + 0.3, lambda: setattr(plug.bus.ecu.responder.car, "on", True))
-        told = take(events, enough)
-    assert len(of(CycleFailed, told)) <= 2
-    states = [event.state for event in of(StateChanged, told)]
+        reported = take(events, enough)
+    assert len(of(CycleFailed, reported)) <= 2
+    states = [event.state for event in of(StateChanged, reported)]
     assert states == [LineState.ECHO_ONLY, LineState.ECU_ALIVE, LineState.SAMPLING]

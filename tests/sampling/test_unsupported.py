@@ -44,10 +44,10 @@ def test_requests_of_others_go_in_between(weeding):
         plug.at(asked_at + 2, ask)
 
     ask()
-    told = take(events, lambda e: bool(of(ParameterDropped, e)))
+    reported = take(events, lambda e: bool(of(ParameterDropped, e)))
     assert len(waited) > 8
     assert max(waited) < 5
-    assert of(Sampled, told)  # and so do the values of the others
+    assert of(Sampled, reported)  # and so do the values of the others
 
 
 def test_another_request_starts_soon(weeding):

@@ -145,7 +145,7 @@ def test_auto_falls_back_step_by_step_as_methods_fail(unknown):
     bus = make_bus(quirks=EcuQuirks(unknown=unknown))
     sampler = make_sampler(SimulatedPlug(bus))
     with closing(sampler.run()) as events:
-        told = take(events, settled)
+        reported = take(events, settled)
         for lost in (
             lacking("stream", unknown=unknown),
             lacking("stream", "list", unknown=unknown),
@@ -153,15 +153,15 @@ def test_auto_falls_back_step_by_step_as_methods_fail(unknown):
             lacking("stream", "list", unknown=unknown, max_list=1),
         ):
             done = changing(sampler, bus, lost)
-            told += take(events, enough)
+            reported += take(events, enough)
             assert done.done()
-            told += take(events, enough)
-    assert [c.method for c in of(MethodChosen, told)][:3] == ["stream", "list", "batch"]
-    assert not of(ParameterDropped, told)
-    assert_values_are_the_units(told)
-    last = of(Sampled, told)[-1]
+            reported += take(events, enough)
+    assert [c.method for c in of(MethodChosen, reported)][:3] == ["stream", "list", "batch"]
+    assert not of(ParameterDropped, reported)
+    assert_values_are_the_units(reported)
+    last = of(Sampled, reported)[-1]
     assert len(last.fresh) == 23
-    assert {s.state for s in of(StateChanged, told)} == {
+    assert {s.state for s in of(StateChanged, reported)} == {
         LineState.ECU_ALIVE,
         LineState.SAMPLING,
     }  # the ignition was never off
@@ -209,9 +209,9 @@ def test_a_method_that_is_refused_from_the_beginning(method, unknown):
         run(bus, method=method, strict=True)
     bus = make_bus(quirks=EcuQuirks(missing=GROUPS[method], unknown=unknown))
     with closing(make_sampler(SimulatedPlug(bus), method=method).run()) as events:
-        told = take(events, settled)
-    assert isinstance(of(CycleFailed, told)[0].error, EcuRefused)  # said, and then got over
-    assert of(MethodChosen, told)[0].method == {"list": "stream", "stream": "list"}[method]
+        reported = take(events, settled)
+    assert isinstance(of(CycleFailed, reported)[0].error, EcuRefused)  # said, and then got over
+    assert of(MethodChosen, reported)[0].method == {"list": "stream", "stream": "list"}[method]
 
 
 def test_ignition_off_is_no_refusal():
@@ -221,12 +221,12 @@ def test_ignition_off_is_no_refusal():
         take(events, settled)
         for _ in range(3):
             bus.ecu.responder.car.on = False
-            told = take(events, lambda e: bool(of(StateChanged, e)))
+            reported = take(events, lambda e: bool(of(StateChanged, e)))
             bus.ecu.responder.car.on = True
-            told += take(events, enough)
-            assert not of(MethodChosen, told)
-            assert not of(ParameterDropped, told)
-            assert not of(PlanChanged, told)
+            reported += take(events, enough)
+            assert not of(MethodChosen, reported)
+            assert not of(ParameterDropped, reported)
+            assert not of(PlanChanged, reported)
 
 
 def test_a_bad_line_is_no_refusal():
@@ -239,10 +239,10 @@ def test_a_bad_line_is_no_refusal():
     bus = make_bus(fault_injector=FaultInjector(rates, seed=5))
     sampler = make_sampler(SimulatedPlug(bus), method="batch")
     with closing(sampler.run()) as events:
-        told = take(events, lambda e: len(of(Sampled, e)) >= 600)
-    assert not of(ParameterDropped, told)
-    assert not of(MethodChosen, told)
-    assert_values_are_the_units(told)
+        reported = take(events, lambda e: len(of(Sampled, e)) >= 600)
+    assert not of(ParameterDropped, reported)
+    assert not of(MethodChosen, reported)
+    assert_values_are_the_units(reported)
 
 
 def test_when_all_are_refused_it_reports_and_waits_for_another_request():
@@ -251,10 +251,10 @@ def test_when_all_are_refused_it_reports_and_waits_for_another_request():
     with closing(sampler.run()) as events:
         take(events, enough)
         changing(sampler, bus, without(0x1A, 0x3F))
-        told = take(events, lambda e: bool(of(StateChanged, e)))
-        assert {d.name for d in of(ParameterDropped, told)} == {"TWAT", "INJ"}
-        assert isinstance(of(CycleFailed, told)[-1].error, NotSupported)
-        assert of(StateChanged, told)[-1].state is LineState.ECU_ALIVE
+        reported = take(events, lambda e: bool(of(StateChanged, e)))
+        assert {d.name for d in of(ParameterDropped, reported)} == {"TWAT", "INJ"}
+        assert isinstance(of(CycleFailed, reported)[-1].error, NotSupported)
+        assert of(StateChanged, reported)[-1].state is LineState.ECU_ALIVE
         asked = sampler.call(lambda ecu: len(ecu.faults()))
         sampler.reconfigure(["FREQ"])
         after = take(events, enough)
@@ -266,5 +266,5 @@ def test_a_gate_that_lets_no_list_through_leaves_the_other_methods():
     bus = make_bus(quirks=EcuQuirks(missing=GROUPS["stream"]))
     sampler = make_sampler(SimulatedPlug(bus), confirm=lambda change: False)
     with closing(sampler.run()) as events:
-        told = take(events, settled)
-    assert of(MethodChosen, told)[0].method == "batch"
+        reported = take(events, settled)
+    assert of(MethodChosen, reported)[0].method == "batch"

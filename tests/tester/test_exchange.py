@@ -53,12 +53,12 @@ def earliest(came: list[tuple[float, bytes]], offset: int) -> float:
     """What the lumps with the byte at `offset` and those behind it, up to the response's end, tell
     of its time.
     """
-    told, end = [], 0
+    reported, end = [], 0
     for time, data in came:
         begins, end = end, end + len(data)
         if end > offset and begins < offset + len(WIRE):
-            told.append(time - (end - offset) * BYTE)
-    return min(told)
+            reported.append(time - (end - offset) * BYTE)
+    return min(reported)
 
 
 @given(cuts, lateness)

@@ -132,10 +132,10 @@ def test_a_single_spoilt_echo_is_not_the_end():
 
 
 @each_adapter
-@pytest.mark.parametrize("trouble", list(LineFault))
+@pytest.mark.parametrize("line_fault", list(LineFault))
 @pytest.mark.parametrize("healthy", [0, 1, 2])
-def test_one_trouble_while_connecting_is_not_the_end(trouble, healthy, adapter):
-    fates = [(None, 0.0)] * healthy + [(trouble, 0.7)]
+def test_connecting_survives_one_line_fault(line_fault, healthy, adapter):
+    fates = [(None, 0.0)] * healthy + [(line_fault, 0.7)]
     tester = Watched(fault_injector=Fate(fates), adapter=adapter).connected()
     assert tester.echoes is adapter.echo
     right(tester)
@@ -208,7 +208,7 @@ def test_a_stream_left_over_from_an_earlier_session_is_ended(command, end, adapt
     tester = unit.tester()
     assert tester.connect() == 0x0A
     assert tester.echoes is adapter.echo
-    assert unit.told("stream-end") == 1
+    assert unit.count_of("stream-end") == 1
     assert (tester.breaks > 0) >= (end is StreamEnd.BREAK)
     right(tester)
     assert unit.link.now() < 12

@@ -103,14 +103,14 @@ def test_a_stream_takes_few_looks_a_response():
 
 
 def replies(link: Link, tester):
-    seen = []
+    observed = []
     for command in (EVERYTHING, c.ReadXramBlock(0, 100), c.Availability(), EVERYTHING):
         reply = tester.exchange(command)[1]
-        seen.append((reply.wire, reply.began, reply.ended))
+        observed.append((reply.wire, reply.began, reply.ended))
     for command in (c.StreamCyclic(LIST), c.StreamAtStroke(LIST, 0)):
         with tester.stream(command) as stream:
-            seen += [(item.body, item.time, item.time) for item in islice(stream, 5)]
-    return seen
+            observed += [(item.body, item.time, item.time) for item in islice(stream, 5)]
+    return observed
 
 
 @pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)

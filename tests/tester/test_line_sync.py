@@ -29,8 +29,8 @@ from mikas.virtual.fault_injector import FaultInjector, LineFault
 
 EARLIEST, LATEST = 0.05, 0.95  # s behind its time that a late response comes
 
-troubles = st.sampled_from([*LineFault, LineFault.LATE, LineFault.LATE, LineFault.LOST, None])
-fates = st.lists(st.tuples(troubles, st.floats(EARLIEST, LATEST)), max_size=30)
+line_faults = st.sampled_from([*LineFault, LineFault.LATE, LineFault.LATE, LineFault.LOST, None])
+fates = st.lists(st.tuples(line_faults, st.floats(EARLIEST, LATEST)), max_size=30)
 LATE, LOST, OK = LineFault.LATE, LineFault.LOST, None
 
 
@@ -92,15 +92,15 @@ def test_nor_after_the_application_pauses(codes, fates, seed):
 
 
 @each_adapter
-@pytest.mark.parametrize("trouble", [t for t in LineFault if t is not LineFault.FOREIGN])
+@pytest.mark.parametrize("line_fault", [t for t in LineFault if t is not LineFault.FOREIGN])
 @pytest.mark.parametrize("late", [0.05, 0.3, 0.49, 0.495, 0.498, 0.5, 0.505, 0.51, 0.6, 0.95])
-def test_one_trouble_is_outlived_by_a_retry(adapter, trouble, late):
-    assert never_anothers([16, 17, 22, 67] * 2, [(trouble, late)], adapter) == 8
+def test_a_retry_survives_one_line_fault(adapter, line_fault, late):
+    assert never_anothers([16, 17, 22, 67] * 2, [(line_fault, late)], adapter) == 8
 
 
 @each_adapter
 def test_heavy_weather(adapter):
-    """Thousands of reads, every second response in trouble; some get through, none is wrong."""
+    """Thousands of reads, a line fault in every second response: some succeed, none is wrong."""
     random = Random(1)
     codes = random.choices(sorted(DATA), k=500)
     kinds = [*LineFault, *[None] * len(LineFault)]
@@ -112,10 +112,10 @@ class Wire:
     """A sink that keeps every byte and its time."""
 
     def __init__(self):
-        self.seen = []
+        self.observed = []
 
     def record(self, direction, data, time):
-        self.seen.append((direction.value, data, time))
+        self.observed.append((direction.value, data, time))
 
 
 def drive(seed: int, reads: int, rate: float, pause: float = 0.0):
@@ -134,7 +134,7 @@ def drive(seed: int, reads: int, rate: float, pause: float = 0.0):
         except MikasError as error:
             results[type(error).__name__] += 1
         unit.link._now += pause  # the application does something else
-    return unit, tester, results, wire.seen
+    return unit, tester, results, wire.observed
 
 
 def test_eight_hours_of_driving_with_a_thousand_line_faults():

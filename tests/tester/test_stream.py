@@ -55,7 +55,7 @@ def test_ended_from_any_state_the_next_value_is_right(command, end, adapter, sta
         state(unit, stream)
         began = unit.link.now()
     assert unit.link.now() - began < 5
-    assert unit.told("stream") == unit.told("stream-end") == 1
+    assert unit.count_of("stream") == unit.count_of("stream-end") == 1
     if end is StreamEnd.BREAK:
         assert tester.breaks == 1
     elif end is StreamEnd.BYTE and state is not after_damage:
@@ -101,7 +101,7 @@ def test_ending_a_cyclic_stream_of_several_bytes_takes_no_time(adapter):
 @each_stream
 @pytest.mark.parametrize("late", [0.3, 0.7])
 @pytest.mark.parametrize("position", [0, 1, 2])
-def test_troubles_while_it_is_ended_give_no_wrong_value(command, end, late, position):
+def test_line_faults_at_the_end_of_a_stream_give_no_wrong_value(command, end, late, position):
     unit = Watched(stream_end=end)
     tester = unit.connected()
     for fate in (LineFault.LATE, LineFault.LOST, LineFault.DAMAGED, LineFault.DOUBLED):
@@ -174,7 +174,7 @@ def test_closing_the_tester_ends_the_stream(command):
     tester = unit.connected()
     next(tester.stream(command))
     tester.close()
-    assert unit.told("stream-end") == 1
+    assert unit.count_of("stream-end") == 1
 
 
 def test_this_thread_asks_for_nothing_else_meanwhile():

@@ -100,7 +100,7 @@ def test_with_the_engine_standing_nothing_comes_until_it_turns(command, end):
         assert unit.link.now() - began == pytest.approx(2, abs=0.1)
     unit.car.rpm = 850.0
     right(tester)
-    assert unit.told("stream-end") == 1
+    assert unit.count_of("stream-end") == 1
 
 
 @each_stream
@@ -160,11 +160,11 @@ def test_a_request_lost_on_the_way_in_does_not_leave_it_running(end):
         with pytest.raises(MikasError):
             tester.stream(command)
         right(tester)
-    assert unit.told("stream-end") == unit.told("stream") == len(CYCLIC + BY_STROKES)
+    assert unit.count_of("stream-end") == unit.count_of("stream") == len(CYCLIC + BY_STROKES)
 
 
 class HeavyWeather(FaultInjector):
-    """Half of all responses are in trouble, each late one by another time."""
+    """Half of all responses have a line fault; each late one has another delay."""
 
     def __init__(self, random: Random) -> None:
         super().__init__(seed=random.randrange(1000))
@@ -203,16 +203,16 @@ def test_a_response_that_is_left_out_is_told_to_who_asks_for_it():
     with tester.stream(c.StreamCyclic(SEVERAL)) as stream:
         next(stream)
         unit.fault_injector.next(None, LineFault.DAMAGED, None, LineFault.FOREIGN)
-        told = []
+        reported = []
         for _ in range(8):
             try:
                 assert stream.read(unit.link.now() + 1, raise_errors=True).data == expected(
                     stream.command
                 )
             except LineError as error:
-                told.append(error)
+                reported.append(error)
         assert next(stream).data == expected(stream.command)
-    assert [type(error) for error in told] == [DamagedResponse, WrongLength]
-    assert all(error.request == encode(stream.command.body()) for error in told)
-    assert list(tester.statistics.failures) == [Failure.of(error) for error in told]
+    assert [type(error) for error in reported] == [DamagedResponse, WrongLength]
+    assert all(error.request == encode(stream.command.body()) for error in reported)
+    assert list(tester.statistics.failures) == [Failure.of(error) for error in reported]
     assert tester.statistics.failed == 2

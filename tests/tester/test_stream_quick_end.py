@@ -30,4 +30,4 @@ def test_the_first_interruption_may_collide(phase, adapter, monkeypatch):
         monkeypatch.setattr(sync, "_wait_for_gap", late)
         began = unit.link.now()
     assert unit.link.now() - began < _LATE
-    assert unit.told("stream") == unit.told("stream-end") == 1
+    assert unit.count_of("stream") == unit.count_of("stream-end") == 1

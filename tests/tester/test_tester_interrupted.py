@@ -35,8 +35,8 @@ def test_eight_threads_each_get_their_own():
 def test_eight_threads_in_bad_weather():
     unit = Watched()
     tester = unit.connected()
-    troubles = [*LineFault, None, None, None] * 30
-    unit.bus.fault_injector = Fate((trouble, 0.6) for trouble in troubles)
+    line_faults = [*LineFault, None, None, None] * 30
+    unit.bus.fault_injector = Fate((line_fault, 0.6) for line_fault in line_faults)
 
     def ask(code: int) -> set[tuple[bytes, ...]]:
         got = set()

@@ -47,7 +47,7 @@ WRITES = [
     c.WriteList((c.Datum(16, 1),)),
     *c.ERASE_FAULTS,
 ]
-TOLD = {
+ERROR_OF = {
     LineFault.LOST: (NoResponse, EchoOnly, NoEcho),
     LineFault.LATE: (NoResponse, EchoOnly, NoEcho),
     LineFault.DAMAGED: LineError,
@@ -60,28 +60,28 @@ each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
 
 
 @each_adapter
-@pytest.mark.parametrize("trouble", list(LineFault))
+@pytest.mark.parametrize("line_fault", list(LineFault))
 @pytest.mark.parametrize("command", READS, **by_name)
-def test_a_read_is_repeated(command, trouble, adapter):
+def test_a_read_is_repeated(command, line_fault, adapter):
     unit = Watched(adapter=adapter)
     tester = unit.connected()
     truth = tester.request(command)
     for seed in range(3):
-        unit.bus.fault_injector = Fate([(trouble, 0.7)], seed)
+        unit.bus.fault_injector = Fate([(line_fault, 0.7)], seed)
         assert tester.request(command) == truth
         right(tester)
 
 
 @each_adapter
-@pytest.mark.parametrize("trouble", TOLD)
+@pytest.mark.parametrize("line_fault", ERROR_OF)
 @pytest.mark.parametrize("command", READS, **by_name)
-def test_what_is_told_when_repeating_does_not_help(command, trouble, adapter):
+def test_what_is_told_when_repeating_does_not_help(command, line_fault, adapter):
     unit = Watched(adapter=adapter)
     tester = unit.connected(retries=0)
     tester.request(command)
     tester.request(c.Availability())
-    unit.bus.fault_injector = Fate([(trouble, 0.7)])
-    with pytest.raises(TOLD[trouble]) as caught:
+    unit.bus.fault_injector = Fate([(line_fault, 0.7)])
+    with pytest.raises(ERROR_OF[line_fault]) as caught:
         tester.request(command)
     assert caught.value.request == encode(command.body())
     assert caught.value.received is not None
@@ -90,12 +90,12 @@ def test_what_is_told_when_repeating_does_not_help(command, trouble, adapter):
 
 
 @each_adapter
-@pytest.mark.parametrize("trouble", TOLD)
+@pytest.mark.parametrize("line_fault", ERROR_OF)
 @pytest.mark.parametrize("command", WRITES, **by_name)
-def test_a_write_is_never_sent_twice(command, trouble, adapter):
+def test_a_write_is_never_sent_twice(command, line_fault, adapter):
     unit = Watched(adapter=adapter)
     tester = unit.connected()
-    unit.bus.fault_injector = Fate([(trouble, 0.7)])
+    unit.bus.fault_injector = Fate([(line_fault, 0.7)])
     with pytest.raises((LineError, EcuRefused)):
         tester.request(command)
     assert unit.heard(command.body()) == 1
@@ -190,7 +190,7 @@ def test_a_replys_times_are_those_of_its_bytes(adapter):
 # A far end that says just what a test wants
 
 
-def told(request: bytes, answer: bytes, command: c.Command, **settings: object):
+def error_of(request: bytes, answer: bytes, command: c.Command, **settings: object):
     tester = make(answering({request: answer}, **settings), retries=0)
     tester.connect()
     with pytest.raises(LineError) as caught:
@@ -204,7 +204,7 @@ def told(request: bytes, answer: bytes, command: c.Command, **settings: object):
 @pytest.mark.parametrize("echo", [True, False])
 @pytest.mark.parametrize("body", [b"", b"\x55\x55", b"\x0a\x0a", bytes(16)])
 def test_another_length_is_never_accepted(body, echo):
-    error = told(b"\x61\x16", encode(body), read(22), echo=echo)
+    error = error_of(b"\x61\x16", encode(body), read(22), echo=echo)
     assert isinstance(error, WrongLength)
     assert error.received == encode(body)
 
@@ -223,7 +223,7 @@ def test_another_length_is_never_accepted(body, echo):
     ],
 )
 def test_another_address_is_never_accepted(command, body):
-    error = told(command.body(), encode(body), command)
+    error = error_of(command.body(), encode(body), command)
     assert isinstance(error, WrongAddress)
     assert error.received == encode(body)
 
@@ -239,7 +239,7 @@ def test_another_address_is_never_accepted(command, body):
     ],
 )
 def test_content_that_makes_no_sense_is_never_accepted(command, body):
-    assert isinstance(told(command.body(), encode(body), command), (WrongContent, WrongLength))
+    assert isinstance(error_of(command.body(), encode(body), command), (WrongContent, WrongLength))
 
 
 @pytest.mark.parametrize("command", WRITES[4:], **by_name)
@@ -269,7 +269,7 @@ def test_a_refused_write_is_told_and_leaves_the_tester_in_step(command):
 )
 @pytest.mark.parametrize("echo", [True, False])
 def test_a_damaged_frame_is_never_accepted(answer, echo):
-    assert isinstance(told(b"\x61\x16", answer, read(22), echo=echo), DamagedResponse)
+    assert isinstance(error_of(b"\x61\x16", answer, read(22), echo=echo), DamagedResponse)
 
 
 def test_an_irregular_escape_is_damage_to_a_strict_tester_only():
@@ -376,11 +376,11 @@ def test_anything_may_be_sent_raw_and_the_next_value_is_right(body, adapter):
     right(tester)
 
 
-@pytest.mark.parametrize("trouble", [LineFault.DAMAGED, LineFault.CUT, LineFault.MISSING_BYTE])
-def test_a_raw_exchange_that_is_spoilt_is_told_and_not_repeated(trouble):
+@pytest.mark.parametrize("line_fault", [LineFault.DAMAGED, LineFault.CUT, LineFault.MISSING_BYTE])
+def test_a_raw_exchange_that_is_spoilt_is_told_and_not_repeated(line_fault):
     unit = Watched()
     tester = unit.connected()
-    unit.bus.fault_injector = Fate([(trouble, 0)], seed=1)
+    unit.bus.fault_injector = Fate([(line_fault, 0)], seed=1)
     with pytest.raises(LineError):
         tester.raw(b"\x61\x16")
     assert unit.heard(b"\x61\x16") == 1

@@ -75,7 +75,7 @@ class Watched:
         """How often the unit has heard this request."""
         return sum(h.kind == "request" and h.data == body for h in self.happenings)
 
-    def told(self, kind: str) -> int:
+    def count_of(self, kind: str) -> int:
         return sum(h.kind == kind for h in self.happenings)
 
 
@@ -109,15 +109,15 @@ def right(tester: Tester, *codes: int) -> None:
 
 
 class Fate(FaultInjector):
-    """Each response's trouble and lateness in turn, echoes included; then nothing more happens."""
+    """Gives each response its line fault and delay in turn, echoes included; then no faults."""
 
     def __init__(self, fates: Iterable[tuple[LineFault | None, float]], seed: int = 0) -> None:
         super().__init__(seed=seed)
         self.fates = iter(fates)
 
     def respond(self, wire: bytes) -> list[Sent]:
-        trouble, self.late_by = next(self.fates, (None, 0.0))
-        self.next(trouble)
+        line_fault, self.late_by = next(self.fates, (None, 0.0))
+        self.next(line_fault)
         return super().respond(wire)
 
 

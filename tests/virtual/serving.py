@@ -43,21 +43,21 @@ def serving(
     *cars: dict[str, str],
 ) -> Iterator[Served]:
     """A port for each car's settings, all on one loop; one warm car if none is named."""
-    told: queue.Queue = queue.Queue()
+    reported: queue.Queue = queue.Queue()
 
     async def main() -> None:
         clock = WallClock()
         stop = asyncio.Event()
         buses = [build_bus(settings, start=clock.now()) for settings in cars or ({},)]
         ports = [await open_port(bus, clock.now) for bus in buses]
-        told.put((ports, asyncio.get_running_loop(), stop))
+        reported.put((ports, asyncio.get_running_loop(), stop))
         await stop.wait()
         for port in ports:
             port.close()
 
     thread = threading.Thread(target=lambda: serve.run(main()))
     thread.start()
-    ports, loop, stop = told.get(timeout=PATIENCE)
+    ports, loop, stop = reported.get(timeout=PATIENCE)
 
     def close() -> None:
         if thread.is_alive():

@@ -1,4 +1,4 @@
-"""Each trouble as the wire shows it, by request and by chance, and repeatable by its seed."""
+"""Each line fault on the wire: by request, by chance, and repeatable by its seed."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ GOOD = encode(DATA[0x3F])
 ASK = b"\x61\x3f"
 
 
-def struck(trouble: LineFault, seed: int = 0) -> RawTester:
+def struck(line_fault: LineFault, seed: int = 0) -> RawTester:
     fault_injector = FaultInjector(seed=seed)
-    fault_injector.next(trouble, None)
+    fault_injector.next(line_fault, None)
     return RawTester(make_bus(fault_injector=fault_injector))
 
 
-@pytest.mark.parametrize("trouble", LineFault)
-def test_one_response_is_struck_and_the_next_one_is_not(trouble):
-    tester = struck(trouble)
+@pytest.mark.parametrize("line_fault", LineFault)
+def test_one_response_is_struck_and_the_next_one_is_not(line_fault):
+    tester = struck(line_fault)
     first = tester.ask(ASK)
-    assert first != GOOD or trouble is LineFault.ECHO
+    assert first != GOOD or line_fault is LineFault.ECHO
     tester.listen(2.0)
-    if trouble is LineFault.ECHO:
+    if line_fault is LineFault.ECHO:
         tester.say(encode(ASK))
         spoilt = bytes([0x61 ^ 0x10]) + encode(ASK)[1:]
         assert tester.listen(tester.now + 0.5) == spoilt + GOOD
@@ -118,10 +118,10 @@ def test_a_rate_is_the_share_that_is_struck(rate):
     assert fault_injector.count == pytest.approx(2000 * rate, abs=100 if 0 < rate < 1 else 0)
 
 
-@pytest.mark.parametrize("trouble", [LineFault.DOUBLED, LineFault.LATE])
-def test_a_stream_with_trouble_leaves_no_backlog_on_the_wire(trouble):
+@pytest.mark.parametrize("line_fault", [LineFault.DOUBLED, LineFault.LATE])
+def test_a_stream_with_line_faults_leaves_no_backlog_on_the_wire(line_fault):
     """What is made late or doubled holds the next response back; it does not pile up."""
-    tester = RawTester(make_bus(fault_injector=FaultInjector({trouble: 1.0})))
+    tester = RawTester(make_bus(fault_injector=FaultInjector({line_fault: 1.0})))
     tester.say(encode(b"\x71\x1a\x29"))
     tester.listen(20.0)
     assert len(tester.heard) > 20

@@ -75,7 +75,7 @@ def test_faults_in_any_spelling(text):
 
 
 @pytest.mark.parametrize("on", ["1", "on", "yes", "TRUE"])
-def test_echo_on_is_an_echo_and_no_trouble_with_it(on):
+def test_echo_on_sets_the_adapter_and_no_line_fault(on):
     bus = build_bus({"echo": on})
     assert bus.adapter.kind.echo
     assert bus.fault_injector.rates == {}
@@ -150,11 +150,11 @@ def test_the_two_clocks():
 
 
 @pytest.mark.parametrize(
-    ("url", "told"),
+    ("url", "problem"),
     [("sim:?clock=fast", "allowed: real, simulated"), ("sim:warm-idle", r"\?scenario=warm-idle")],
 )
-def test_urls_that_make_no_sense(url, told):
-    with pytest.raises(BadPortUrl, match=told):
+def test_urls_that_make_no_sense(url, problem):
+    with pytest.raises(BadPortUrl, match=problem):
         open_link(url)
 
 
@@ -198,7 +198,7 @@ def test_it_does_not_understand_a_request():
 
 
 @pytest.mark.parametrize(
-    ("said", "heard"),
+    ("sent", "heard"),
     [
         (b"ATI\r", b"ATI\rELM327 v1.5\r\r>"),
         (b"at z\r", b"at z\r\r\rELM327 v1.5\r\r>"),
@@ -209,9 +209,9 @@ def test_it_does_not_understand_a_request():
         (b"ATI", b"ATI"),
     ],
 )
-def test_what_it_says(said, heard):
+def test_what_it_says(sent, heard):
     tester = elm()
-    tester.say(said)
+    tester.say(sent)
     assert tester.listen(1.0) == heard
 
 

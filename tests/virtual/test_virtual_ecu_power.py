@@ -111,8 +111,8 @@ def test_the_key_from_end_to_end():
 
 
 def test_the_watcher_receives_events():
-    seen = []
-    bus = build_bus({"scenario": "key-off"}, watcher=lambda h: seen.append((h.kind, h.data)))
+    observed = []
+    bus = build_bus({"scenario": "key-off"}, watcher=lambda h: observed.append((h.kind, h.data)))
     tester = RawTester(bus, now=0.0)
     tester.ask(b"\x01")
     tester.ask(b"\x99")
@@ -121,12 +121,12 @@ def test_the_watcher_receives_events():
     tester.listen(2.0 + 4.1 * BYTE)
     tester.say(b"\xff", at=2.1)
     tester.listen(40.0)
-    kinds = [kind for kind, _ in seen]
+    kinds = [kind for kind, _ in observed]
     assert kinds[:6] == ["request", "response", "request", "silence", "damaged", "request"]
     assert kinds[6] == "stream"
     assert kinds[-3:] == ["stream-end", "power-off", "power-on"]
-    assert seen[1] == ("response", b"\x0a")
-    assert seen[4] == ("damaged", b"\x01\xfe")
+    assert observed[1] == ("response", b"\x0a")
+    assert observed[4] == ("damaged", b"\x01\xfe")
 
 
 # Faults

@@ -124,11 +124,11 @@ def data(count: int) -> bytes:
 @pytest.mark.parametrize("unknown", ["silent", "01"])
 def test_a_list_over_the_limit_is_unknown(unknown):
     tester = a_tester(max_list="4", unknown=unknown)
-    said = NO if unknown == "01" else b""
+    refusal = NO if unknown == "01" else b""
     assert tester.ask(b"\x61" + wanted(4)) == encode(data(4))
-    assert tester.ask(b"\x61" + wanted(5)) == said
-    assert tester.ask(b"\x71" + wanted(5)) == said
-    assert tester.ask(b"\x80" + wanted(5)) == said
+    assert tester.ask(b"\x61" + wanted(5)) == refusal
+    assert tester.ask(b"\x71" + wanted(5)) == refusal
+    assert tester.ask(b"\x80" + wanted(5)) == refusal
 
 
 def test_a_list_over_the_limit_is_answered_short():
@@ -162,10 +162,10 @@ def test_the_longest_list():
 @pytest.mark.parametrize("unknown", ["silent", "01"])
 def test_a_block_over_the_limit(unknown):
     tester = a_tester(max_block="16", unknown=unknown)
-    said = NO if unknown == "01" else b""
+    refusal = NO if unknown == "01" else b""
     for read in (b"\x21\x00", b"\x23\x00\x10", b"\x25\x00\x10"):
         assert len(tester.ask(read + b"\x10")) > 16
-        assert tester.ask(read + b"\x11") == said
+        assert tester.ask(read + b"\x11") == refusal
     for write in (b"\x22\x00", b"\x24\x00\x10", b"\x26\x00\x10"):
         assert tester.ask(write + b"\x10" + bytes(16)) == YES
         assert tester.ask(write + b"\x11" + b"\xff" * 17) == NO

@@ -144,10 +144,10 @@ def test_an_adapter_that_goes_and_comes_back(start, sim, tmp_path):
     log.send_signal(signal.SIGINT)
     _, err = log.communicate(timeout=PATIENCE)
     assert log.returncode == 130
-    told = err.splitlines()
-    assert told[0] == "No adapter. Waiting; sampling resumes by itself."
-    assert re.fullmatch(r"Back after \d+ s\.", told[1])
-    assert "1 gaps" in told[2]
+    reported = err.splitlines()
+    assert reported[0] == "No adapter. Waiting; sampling resumes by itself."
+    assert re.fullmatch(r"Back after \d+ s\.", reported[1])
+    assert "1 gaps" in reported[2]
     reader = CaptureReader(tmp_path / "a.pcapng")
     assert all(isinstance(it, Packet) for it in reader)
     (gap,) = (note.data for note in reader.notes() if note.kind == "gap")

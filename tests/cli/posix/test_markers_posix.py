@@ -60,61 +60,61 @@ def waits_in(front: int) -> bytes:
 
 @contextmanager
 def marking(recorder: Recorder, front: int):
-    told = Told()
-    with Marking(recorder, told) as listening:
+    reported = Told()
+    with Marking(recorder, reported) as listening:
         listening.listen(front)
-        yield told
+        yield reported
 
 
 def test_a_line_is_a_marker_and_what_is_typed_after_the_end_is_not_ours(recorder):
     with terminal() as (behind, front):
-        with marking(recorder, front) as told:
+        with marking(recorder, front) as reported:
             os.write(behind, "горка\n".encode())
-            assert told.news.wait(PATIENCE)
+            assert reported.news.wait(PATIENCE)
         os.write(behind, b"ls -l\n")
         assert waits_in(front) == b"ls -l\n"
-    assert len(told.sentences) == 1
-    assert "горка" in told.sentences[0]
+    assert len(reported.sentences) == 1
+    assert "горка" in reported.sentences[0]
 
 
 def test_what_is_typed_after_ctrl_c_is_not_ours_while_the_recording_is_still_being_ended(recorder):
     with terminal() as (behind, front):
-        with marking(recorder, front) as told:
+        with marking(recorder, front) as reported:
             with pytest.raises(KeyboardInterrupt):
                 signal.raise_signal(signal.SIGINT)
             # A stream is being ended now, which may take a second.
             os.write(behind, b"ls -l\n")
             assert waits_in(front) == b"ls -l\n"
-        assert not told.sentences
+        assert not reported.sentences
 
 
 def test_another_signal_does_not_end_it(recorder):
     was = signal.signal(signal.SIGUSR1, lambda *_: None)
     try:
-        with terminal() as (behind, front), marking(recorder, front) as told:
+        with terminal() as (behind, front), marking(recorder, front) as reported:
             os.kill(os.getpid(), signal.SIGUSR1)
             os.write(behind, b"\n")
-            assert told.news.wait(PATIENCE)
+            assert reported.news.wait(PATIENCE)
     finally:
         signal.signal(signal.SIGUSR1, was)
-    assert len(told.sentences) == 1
+    assert len(reported.sentences) == 1
 
 
 def test_a_terminal_that_goes_away_ends_the_listening_and_nothing_else(recorder):
     behind, front = pty.openpty()
     try:
-        with marking(recorder, front) as told:
+        with marking(recorder, front) as reported:
             os.close(behind)
-        assert not told.sentences
+        assert not reported.sentences
     finally:
         os.close(front)
     assert signal.set_wakeup_fd(-1) == -1
 
 
 def test_markers_are_in_the_recording(tmp_path, recorder):
-    with terminal() as (behind, front), marking(recorder, front) as told:
+    with terminal() as (behind, front), marking(recorder, front) as reported:
         os.write(behind, b"hill\n")
-        assert told.news.wait(PATIENCE)
+        assert reported.news.wait(PATIENCE)
     recorder.stop()
     labels = [n.data["label"] for n in CaptureReader(tmp_path / "a.pcapng").notes()
               if n.kind == "marker"]  # fmt: skip

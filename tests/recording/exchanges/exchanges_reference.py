@@ -52,10 +52,10 @@ def rows(items, catalog, reading="corrected"):
     So is a 01 that may be a refusal (D10), see `_refused`.
     """
     items = list(items)
-    told = list(answers(items))
-    commands = [_command(request, listed, catalog) for _, _, _, request, listed, _ in told]
-    refused = _refused(told, commands, _sent(items))
-    for number, (source, time, body, *_) in enumerate(told):
+    reported = list(answers(items))
+    commands = [_command(request, listed, catalog) for _, _, _, request, listed, _ in reported]
+    refused = _refused(reported, commands, _sent(items))
+    for number, (source, time, body, *_) in enumerate(reported):
         command = commands[number]
         if command is None:
             continue
@@ -79,10 +79,10 @@ def _sent(items):
     return {(it.source, it.frame.body) for it in frames if it.direction is Direction.SENT}
 
 
-def _refused(told, commands, sent):
+def _refused(reported, commands, sent):
     """The numbers of the answers 01 that do not count as a datum."""
     refused, doubted = set(), {}  # `doubted`: streams that began with 01, until they go on
-    for number, (source, _, body, request, _, start) in enumerate(told):
+    for number, (source, _, body, request, _, start) in enumerate(reported):
         command = commands[number]
         if not isinstance(command, STREAMS) or len(request) != 2 or command.parameters[0].size != 1:
             continue
@@ -94,19 +94,19 @@ def _refused(told, commands, sent):
         elif len(body) == 1:
             refused.discard(doubted[stream])
     firsts = {number for number in doubted.values() if number is not None}
-    for source in {source for source, *_ in told}:
-        mine = [number for number, it in enumerate(told) if it[0] == source]
-        for code in {told[n][3][1] for n in mine if _alone(told[n][3], commands[n])}:
-            refused |= _lone_refused(code, mine, told, commands, firsts, sent)
+    for source in {source for source, *_ in reported}:
+        mine = [number for number, it in enumerate(reported) if it[0] == source]
+        for code in {reported[n][3][1] for n in mine if _alone(reported[n][3], commands[n])}:
+            refused |= _lone_refused(code, mine, reported, commands, firsts, sent)
     return refused
 
 
-def _lone_refused(code, mine, told, commands, firsts, sent):
+def _lone_refused(code, mine, reported, commands, firsts, sent):
     """Those to `61 code`: each waits for what settles it."""
     alone, twice = bytes([0x61, code]), bytes([0x61, code, code])
     refused, waiting, sure, wary = set(), [], False, False
     for number in mine:
-        _, _, body, request, _, _ = told[number]
+        _, _, body, request, _, _ = reported[number]
         if commands[number] is None or number in firsts:
             continue
         if request == twice and body == b"\x01":
@@ -119,7 +119,7 @@ def _lone_refused(code, mine, told, commands, firsts, sent):
             if wary and not sure:
                 refused.update(waiting)
             waiting, wary = [], wary and not sure
-    asked_twice = (told[mine[0]][0], twice) in sent
+    asked_twice = (reported[mine[0]][0], twice) in sent
     if not sure and (wary or len(waiting) < 2 or not asked_twice):
         refused.update(waiting)
     return refused

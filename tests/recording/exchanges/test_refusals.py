@@ -37,7 +37,7 @@ def write(path, exchanges, *, apart=0.1, echo=True):
             time += apart + 0.01 * len(responses)
 
 
-def told(path):
+def table_in(path):
     """The values of each row by `TableReader`, and its channels."""
     table = TableReader(path, CATALOG)
     flat = []
@@ -53,13 +53,13 @@ def expected(path):
         {name: value for name, value in values.items() if not isnan(value)}
         for _, _, values in reference_rows(CaptureReader(path), CATALOG)
     ]
-    seen = {name for values in flat for name in values}
-    return flat, [p.name for p in CATALOG.parameters if p.name in seen]
+    names = {name for values in flat for name in values}
+    return flat, [p.name for p in CATALOG.parameters if p.name in names]
 
 
 def values_of(path, exchanges):
     write(path, exchanges)
-    shown = told(path)
+    shown = table_in(path)
     assert shown == expected(path)
     return shown[0]
 
@@ -72,7 +72,7 @@ def test_a_stream_of_one_code_that_is_refused_is_no_value(tmp_path, stream):
     path = tmp_path / "a.pcapng"
     exchanges = [(f"{stream}29", "01"), ("01", "0A"), (f"{stream}29", "01"), ("01", "0A")]
     assert values_of(path, exchanges) == [{}, {}]
-    assert told(path)[1] == []
+    assert table_in(path)[1] == []
 
 
 @pytest.mark.parametrize("stream", STREAMS)
@@ -101,7 +101,7 @@ def test_a_lone_01_that_nothing_follows_is_none(tmp_path):
     path = tmp_path / "a.pcapng"
     exchanges = [("6120", "14"), ("6120", "01"), ("6120", "01"), ("611A", "01")]
     assert values_of(path, exchanges) == [{"THR": 20.0}, {}, {}, {}]
-    assert told(path)[1] == ["THR"]
+    assert table_in(path)[1] == ["THR"]
 
 
 def test_asked_for_twice_at_once_it_is_confirmed(tmp_path):
@@ -153,4 +153,4 @@ def test_any_session_however_it_is_cut(tmp_path_factory, exchanges, echo, window
     write(path, exchanges, echo=echo)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(table, "column_exchanges", partial(capture.column_exchanges, window=window))
-        assert told(path) == expected(path)
+        assert table_in(path) == expected(path)

@@ -87,12 +87,12 @@ def table_of(path, catalog=CATALOG, reading="corrected", size=65536):
 
 
 def wanted_of(path, catalog=CATALOG, reading="corrected"):
-    flat, seen = [], set()
+    flat, decoded = [], set()
     for _, time, values in reference_rows(CaptureReader(path), catalog, reading):
         there = {name: v for name, v in values.items() if not isnan(v)}
         flat.append((time, there))
-        seen.update(there)
-    return flat, [p.name for p in catalog.parameters if p.name in seen]
+        decoded.update(there)
+    return flat, [p.name for p in catalog.parameters if p.name in decoded]
 
 
 def same_values(shown, wanted):
@@ -127,8 +127,8 @@ def test_a_clean_session(tmp_path_factory, plan, adapter, reading):
     path = tmp_path_factory.mktemp("session") / "line.pcapng"
     readings = record(path, plan, adapter=adapter, reading=reading)
     shown, channels = table_of(path, reading=reading)
-    wanted, seen = wanted_of(path, reading=reading)
-    assert channels == seen
+    wanted, decoded = wanted_of(path, reading=reading)
+    assert channels == decoded
     same_values(shown, wanted)
     all_found(readings, shown, 0.02 if adapter.latency else 2e-6)
     # Nothing else stands there than what was read, but for what a stream sent while it was ended.
@@ -150,8 +150,8 @@ def test_a_disturbed_session(tmp_path_factory, plan, adapter, seed, rate, data):
     rates = dict.fromkeys(kinds, rate / len(kinds))
     readings = record(path, plan, adapter=adapter, fault_injector=FaultInjector(rates, seed=seed))
     shown, channels = table_of(path, size=data.draw(st.sampled_from([1, 3, 50, 65536])))
-    wanted, seen = wanted_of(path)
-    assert channels == seen
+    wanted, decoded = wanted_of(path)
+    assert channels == decoded
     same_values(shown, wanted)
     all_found(readings, shown, 0.05)
 
@@ -175,8 +175,8 @@ def test_a_damaged_file(tmp_path_factory, plan, wounds):
         data[min(len(data) - 1, 64 + int(place * (len(data) - 64)))] ^= bits
     path.write_bytes(data[: len(data) - wounds[0][1] % 3 * 17])
     shown, channels = table_of(path, size=1000)
-    wanted, seen = wanted_of(path)
-    assert channels == seen
+    wanted, decoded = wanted_of(path)
+    assert channels == decoded
     assert [values for _, values in shown] == [values for _, values in wanted]
     problems = [item for item in CaptureReader(path) if isinstance(item, Problem)]
     assert TableReader(path, CATALOG).problems == problems

@@ -31,9 +31,9 @@ def test_the_fixed_table(tmp_path):
     with MDF(out) as mdf:
         assert mdf.version == "4.10"
         assert mdf.start_time == datetime(2023, 11, 14, 22, 13, 20, tzinfo=UTC)
-        told = ET.fromstring(mdf.header.comment).findtext("TX")
-        assert told.startswith("mikas ")
-        assert told.endswith("\nunit: Микас <7.1>\npassport: a & b")
+        reported = ET.fromstring(mdf.header.comment).findtext("TX")
+        assert reported.startswith("mikas ")
+        assert reported.endswith("\nunit: Микас <7.1>\npassport: a & b")
         coolant = mdf.get("TWAT")
         assert coolant.unit == "°C"
         assert coolant.comment == "Coolant temperature / Температура охлаждающей жидкости"

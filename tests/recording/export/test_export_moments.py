@@ -23,9 +23,9 @@ ALARM = {
 def test_parquet_has_them_in_its_metadata(tmp_path):
     out = tmp_path / "log.parquet"
     export(out, CHANNELS, FIXED, events=EVENTS)
-    told = json.loads(pq.read_metadata(out).metadata[b"mikas"])["events"]
-    words = [(it.pop("en"), it.pop("ru")) for it in told]
-    assert told == [
+    reported = json.loads(pq.read_metadata(out).metadata[b"mikas"])["events"]
+    words = [(it.pop("en"), it.pop("ru")) for it in reported]
+    assert reported == [
         {"kind": "marker", "time": -0.5},
         {"kind": "gap", "time": 0.25, "ended": 1.25},
         {"kind": "alarm", "time": 1, **ALARM},
@@ -46,7 +46,7 @@ def test_parquet_has_them_in_its_metadata(tmp_path):
     ]
     key = f"SELECT decode(value) FROM parquet_kv_metadata('{out}') WHERE decode(key) = 'mikas'"
     ((by_duckdb,),) = duckdb.sql(key).fetchall()
-    assert len(json.loads(by_duckdb)["events"]) == len(told)
+    assert len(json.loads(by_duckdb)["events"]) == len(reported)
 
 
 def test_msl_has_them_as_lines_between_the_rows(tmp_path):
@@ -143,9 +143,9 @@ def test_no_rows_and_something_that_happened(tmp_path, suffix):
     if suffix == ".msl":
         assert out.read_text("utf-8").count("MARK ") == 6
     if suffix == ".parquet":
-        told = json.loads(pq.read_metadata(out).metadata[b"mikas"])
-        assert told["started"] == "2023-11-14T22:13:19+00:00"
-        assert [it["time"] for it in told["events"]] == [0.5, 1.25, 2, 2.5, 10, 10.5]
+        reported = json.loads(pq.read_metadata(out).metadata[b"mikas"])
+        assert reported["started"] == "2023-11-14T22:13:19+00:00"
+        assert [it["time"] for it in reported["events"]] == [0.5, 1.25, 2, 2.5, 10, 10.5]
 
 
 @given(

@@ -41,9 +41,9 @@ def test_the_fixed_table(tmp_path):
     assert table["TWAT"].to_pylist() == [85, None, -40]
     assert table["UACC"].to_pylist() == [13.84, -0.04, None]
     assert table["IDLE"].to_pylist() == [True, None, False]
-    told = facts(out)
-    assert told.pop("program").startswith("mikas ")
-    assert told == {
+    reported = facts(out)
+    assert reported.pop("program").startswith("mikas ")
+    assert reported == {
         "started": "2023-11-14T22:13:20+00:00",
         "about": {"unit": "it's a “Микас”"},
         "time": {"unit": "s", "en": "Time since the start", "ru": "Время от начала"},
