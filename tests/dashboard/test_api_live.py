@@ -139,7 +139,7 @@ def test_the_queue_is_bounded_and_tells_what_it_lost():
     assert "state" not in second
 
 
-def test_deep_nesting_ends_only_its_own_connection():
+def test_deeply_nested_json_is_no_request():
     listener = Listener(Client("x", "", False))
     assert not handle_request(listener, "[" * 4000)
 

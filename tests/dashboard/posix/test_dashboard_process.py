@@ -113,7 +113,7 @@ def test_a_second_ctrl_c_does_not_wait(patient):
     assert "Traceback" not in patient.stderr.read().decode()
 
 
-def test_many_pages_are_served_at_once(demo):
+def test_many_interrupts_end_it_as_one_does(demo):
     while demo.poll() is None:
         demo.send_signal(signal.SIGINT)
     assert demo.returncode == 130
