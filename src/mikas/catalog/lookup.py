@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 
 from mikas.catalog.conversion import Conversion
 from mikas.catalog.model import Derived, Erratum, Fault, Model, Parameter
@@ -19,32 +21,28 @@ _RAW_CODE = re.compile(r"0x([0-9a-f]{1,2})(?::([0-9]{1,3}))?", re.IGNORECASE)
 _RAW_SIZES = (1, 2, 3, 4)
 
 
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Catalog:
     """All definitions, immutable. Parameters and `derived` channels share one name space.
 
     `units` has the text of each unit by key; `version` identifies the loaded files.
     """
 
-    def __init__(
-        self,
-        *,
-        parameters: tuple[Parameter, ...],
-        derived: Mapping[str, Derived],
-        faults: Mapping[int, Fault],
-        models: Mapping[int, Model],
-        errata: Mapping[str, Erratum],
-        units: Mapping[str, Text],
-        version: str,
-    ) -> None:
-        self.parameters = parameters
-        self.derived = derived
-        self.faults = faults
-        self.models = models
-        self.errata = errata
-        self.units = units
-        self.version = version
-        self._by_name = {parameter.name: parameter for parameter in parameters}
-        self._sizes = {parameter.code: parameter.size for parameter in parameters}
+    parameters: tuple[Parameter, ...]
+    derived: Mapping[str, Derived]
+    faults: Mapping[int, Fault]
+    models: Mapping[int, Model]
+    errata: Mapping[str, Erratum]
+    units: Mapping[str, Text]
+    version: str
+
+    @cached_property
+    def _by_name(self) -> dict[str, Parameter]:
+        return {parameter.name: parameter for parameter in self.parameters}
+
+    @cached_property
+    def _sizes(self) -> dict[int, int]:
+        return {parameter.code: parameter.size for parameter in self.parameters}
 
     @property
     def codes(self) -> tuple[tuple[int, int], ...]:

@@ -65,7 +65,7 @@ class Ecu:
         self.tester = tester
         self.catalog = catalog
         self._passport: Passport | None = None
-        self._limits = LimitsCache(store, lambda: self.version_code, lambda: self.passport().pieces)
+        self._limits = LimitsCache(store, lambda: (self.version_code, self.passport().pieces))
         self._gate = Gate(tester, self._whose, confirm, journal)
         data = DataReader(tester, self._limits)
         self._parameters = Parameters(tester, catalog, self._gate, data, interpretation)

@@ -125,28 +125,27 @@ class LimitsStore:
 
 
 class LimitsCache:
-    """The limits of the connected unit. `passport` is read only to load or to save in `store`."""
+    """The limits of the connected unit.
+
+    `identify` returns version code and passports; it is called only to load or to save in `store`.
+    """
 
     def __init__(
-        self,
-        store: LimitsStore | None,
-        version_code: Callable[[], int],
-        passport: Callable[[], tuple[str, ...]],
+        self, store: LimitsStore | None, identify: Callable[[], tuple[int, tuple[str, ...]]]
     ) -> None:
         self._store = store
-        self._version_code = version_code
-        self._passport = passport
+        self._identify = identify
         self._lock = threading.RLock()
         self._limits: Limits | None = None
 
     def limits(self) -> Limits:
-        """Return the limits, which the caller may change. Raises the errors of `passport`."""
+        """Return the limits, which the caller may change. Raises the errors of `identify`."""
         with self._lock:
             if self._limits is None:
                 if self._store is None or self._store.empty:
                     self._limits = Limits()
                 else:
-                    self._limits = self._store.load(self._version_code(), self._passport())
+                    self._limits = self._store.load(*self._identify())
             return self._limits
 
     def keep(self) -> None:
@@ -154,7 +153,7 @@ class LimitsCache:
         if self._store is not None and self._limits is not None:
             # The limits are valid even if the passport can't be read now.
             with self._lock, suppress(LineError, NoConnection):
-                self._store.save(self._version_code(), self._passport(), self._limits)
+                self._store.save(*self._identify(), self._limits)
 
     def keep_timings(self, adapter: str, timings: Mapping[str, MethodTiming]) -> None:
         """Replace and save the timings of this kind of adapter."""
@@ -171,7 +170,7 @@ class LimitsCache:
         with self._lock:
             self._limits = Limits()
             if self._store is not None:
-                self._store.forget(self._version_code(), self._passport())
+                self._store.forget(*self._identify())
 
     def reset(self) -> None:
         """Drop the cached limits: another unit is connected."""
