@@ -26,7 +26,7 @@ class SamplingRequest:
     rate: float | None = None
 
     def __post_init__(self) -> None:
-        Plan(self.selection.parameters)
+        Plan(self.selection.parameters)  # raises `UsageError` for none
         check_rate(self.rate)
 
 

@@ -60,17 +60,13 @@ class VirtualEcu:
         self._answers: deque[tuple[float, bytes]] = deque()
         self._free_at = -inf  # when its own last byte has left
         self._stream: _Running | None = None
-        self._on = True
-
-    @property
-    def on(self) -> bool:
+        self.on = True
         """Whether the unit had supply at the latest time."""
-        return self._on
 
     def receive(self, data: bytes, now: float) -> None:
         """Receive `data`, whose last byte ended at `now`."""
         self._follow_supply(now)
-        if not self._on:
+        if not self.on:
             return
         if now - self._received_at > PARTIAL_REQUEST_LIFE:
             self._decoder.reset()
@@ -110,7 +106,7 @@ class VirtualEcu:
 
     def next_transmission(self) -> float:
         """Return when it transmits next, or checks whether a standing engine turns again."""
-        if not self._on:
+        if not self.on:
             return inf
         if self._answers:
             return max(self._answers[0][0], self._free_at)
@@ -168,9 +164,9 @@ class VirtualEcu:
     def _follow_supply(self, now: float) -> None:
         self._latest = max(self._latest, now)
         on = self.responder.car.powered(now)
-        if on == self._on:
+        if on == self.on:
             return
-        self._on = on
+        self.on = on
         self._stream = None
         self._answers.clear()
         self._free_at = min(self._free_at, now)
