@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from mikas.virtual.responder import Car
 
 COUNTER = "TWAT"
-"""A byte, told as a whole number: byte − 40 (§4)."""
+"""A byte, shown as a whole number: byte − 40 (§4)."""
 RATE = 30.0  # sets a second
 _FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",

@@ -96,7 +96,7 @@ def _make_ecu(link: Link) -> Ecu:
 
 
 def _resident() -> float:
-    """MB that this process has in memory now; at most, where the system tells no more."""
+    """MB that this process has in memory now; at most, where the system gives no more."""
     gc.collect()
     try:
         pages = int(Path("/proc/self/statm").read_text("utf-8").split()[1])

@@ -101,7 +101,7 @@ def _session(
 
 
 class _Shifted(CaptureWriter):
-    """Everything as if the simulated clock had begun at `START`."""
+    """Everything as if the simulated clock had started at `START`."""
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
         super().record(direction, data, time + START)

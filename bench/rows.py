@@ -25,9 +25,9 @@ class Scope:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One figure. `runs`: the same measured again and again; `aside`: what belongs to it, in words.
+    """One figure. `runs`: repeated measurements; `aside`: a remark to it.
 
-    `how` tells how it was measured, where the theme's method does not say it.
+    `how`: how it was measured, where the theme's method does not say it.
     """
 
     what: str

@@ -100,7 +100,7 @@ def test_other_advice_is_shown_everywhere() -> None:
     assert DASHBOARD.advice(LineNotQuiet()) == LineNotQuiet.advice
 
 
-def test_the_nearest_names_are_told_on_both() -> None:
+def test_both_name_the_nearest_names() -> None:
     error = UnknownParameter("TWTA", ["TWAT"])
     assert "Did you mean TWAT?" in TERMINAL.text(error).en
     assert "Did you mean TWAT?" in DASHBOARD.text(error).en

@@ -26,7 +26,7 @@ def test_bytes(count, en, ru) -> None:
     assert byte_count(count) == (en, ru)
 
 
-def test_changes_are_said_with_the_right_ending() -> None:
+def test_changes_have_the_right_ending() -> None:
     assert [erasing(count).en for count in (1, 2)] == [
         "erase 1 stored fault",
         "erase 2 stored faults",

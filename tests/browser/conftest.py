@@ -68,7 +68,7 @@ def served(chromium, tmp_path_factory):
 
 @pytest.fixture
 def dash(served):
-    """That program, with nobody in control."""
+    """That program, with no client in control."""
     served.nobody_controls()
     return served
 

@@ -59,7 +59,7 @@ UOZ = "F9"
 """
 """A car whose values stand still, but for the speed: the engine lives. JAIR 15.0, UOZ −3.5."""
 LAPTOP = "laptop.test"
-"""How the network calls this computer; the browser is told that it is 127.0.0.1. As from every
+"""How the network calls this computer; the browser resolves it to 127.0.0.1. As from every
 plain http address but the loopback's own, pages from there have no secure context.
 """
 UNTIL = 60_000
@@ -252,7 +252,7 @@ class Tab:
         self.page, self.url = page, url.rstrip("/")
         self.complaints: list[str] = []
         self.refused = False
-        """Whether the program is expected to refuse something: the console tells that, too."""
+        """Whether the program is expected to refuse something: the console reports that, too."""
         page.set_default_timeout(UNTIL)
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
         page.on("console", self._heard)

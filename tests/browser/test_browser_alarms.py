@@ -42,7 +42,7 @@ def volts(dash, tab, which):
 
 
 def band(tab, count):
-    """The band's button that tells how many alarms there are."""
+    """The band's button that shows how many alarms there are."""
     return tab.find("header[data-line]").get_by_role("button", name=count)
 
 
@@ -93,7 +93,7 @@ def test_a_value_beyond_its_limit_is_seen_until_it_is_well_inside(
     expect(band(tab, "alarm")).to_have_count(0)
 
 
-def test_two_alarms_are_told_by_the_worse_one(car, visitor):
+def test_of_two_alarms_the_worse_one_is_shown(car, visitor):
     tab = visitor(car.url, locale="ru-RU").show("live")
     car.garage.set("TWAT", "91")
     car.garage.set("UACC", "B5")

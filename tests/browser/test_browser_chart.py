@@ -81,7 +81,7 @@ def test_a_marker_is_a_flag_over_the_panes(own, visitor):
     expect(tab.find(".flags button.marker")).to_have_count(1)
 
 
-def test_the_legend_tells_the_values_at_the_cursor(own, visitor):
+def test_the_legend_shows_the_values_at_the_cursor(own, visitor):
     """The cursor is put where 8 ms were marked, and a sample to either side."""
     tab = visitor(own.url).show("chart")
     own.garage.set("INJ", "E8 03")
@@ -103,7 +103,7 @@ def test_the_legend_tells_the_values_at_the_cursor(own, visitor):
     expect(tab.traced("INJ")).to_have_text("4.00")
 
 
-def test_values_that_came_before_the_plot_was_made_are_drawn_with_it(own, visitor):
+def test_values_received_before_the_plot_was_made_are_drawn_with_it(own, visitor):
     """The catalog, without which there is no plot, comes late, to a view that was frozen."""
     tab = visitor(own.url).show("live")
     expect(tab.value("TWAT")).to_have_text("87")

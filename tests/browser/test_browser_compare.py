@@ -99,7 +99,7 @@ def moved(tab, seconds):
     expect(bar(tab).get_by_role("button", name=f"moved by {seconds} s")).to_be_visible()
 
 
-def test_both_values_and_their_difference_are_told(compared):
+def test_both_values_and_their_difference_are_shown(compared):
     expect(bar(compared)).to_contain_text(re.compile("good.pcapng Mikas 7.1.*bad.pcapng Mikas 7.1"))
     expect(compared.traced("TWAT")).to_have_text("87")
     expect(second(compared, "TWAT")).to_have_text("55")
@@ -111,7 +111,7 @@ def test_both_values_and_their_difference_are_told(compared):
     expect(more(compared, "TWAT")).to_have_text("−29")
 
 
-def test_what_the_second_one_lacks_is_said(compared):
+def test_a_channel_missing_in_the_second_recording_is_named(compared):
     expect(compared.traced("UOZ")).to_have_text("−3.5")
     expect(compared.find('[data-second="UOZ"]')).to_contain_text("not recorded")
     expect(second(compared, "UOZ")).to_have_count(0)

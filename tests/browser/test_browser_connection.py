@@ -1,4 +1,4 @@
-"""The Connection screen: one click to connect; each trouble told apart, in words."""
+"""The Connection screen: one click to connect; each obstacle has a message of its own."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_an_adapter_is_one_click_away(off, visitor):
         ("/dev/ttyUSB6", "The adapter works, the ECU does not answer", "echo-only"),
     ],
 )
-def test_what_hinders_is_told_apart(off, visitor, port, said, line):
+def test_each_obstacle_has_its_own_message(off, visitor, port, said, line):
     tab = visitor(off.url).show("connection")
     tab.refused = True
     tab.press(f"Connect to {port}")
@@ -56,7 +56,7 @@ def test_what_hinders_is_told_apart(off, visitor, port, said, line):
     tab.is_line(line)
 
 
-def test_a_port_that_is_not_there_is_said_and_waited_for(off, visitor, tmp_path):
+def test_a_missing_port_is_shown_and_waited_for(off, visitor, tmp_path):
     tab = visitor(off.url, locale="ru-RU").show("connection")
     tab.refused = True
     tab.find("summary", has_text="Другой порт").click()
@@ -103,7 +103,7 @@ def test_the_examination_is_drawn_step_by_step(deliberate, off, visitor):
     tab.is_line("sampling")
 
 
-def test_opening_a_port_alarms_nobody(off, visitor):
+def test_opening_a_port_raises_no_alarm(off, visitor):
     tab = visitor(off.url).show("connection")
     tab.page.evaluate(
         """() => {
@@ -129,9 +129,7 @@ def test_opening_a_port_alarms_nobody(off, visitor):
         ("socket://127.0.0.1:1", "No adapter at this address"),
     ],
 )
-def test_what_does_not_open_is_told_apart_and_not_called_unplugged(
-    off, visitor, tmp_path, port, said
-):
+def test_a_port_that_does_not_open_is_not_called_unplugged(off, visitor, tmp_path, port, said):
     (tmp_path / "a-file").write_text("no port", "utf-8")
     tab = visitor(off.url).show("connection")
     tab.refused = True

@@ -96,8 +96,8 @@ SHUT = {
 """A control of each screen that only who has rights may use."""
 
 
-def test_who_watches_is_told_so_on_every_screen(lan, visitor):
-    lan.get("/passport")  # told to everybody as it was last read
+def test_every_screen_says_that_a_viewer_only_watches(lan, visitor):
+    lan.get("/passport")  # every client gets the last reading
     lan.post("/recording/start", {"name": "drive"})
     lan.until(lambda: lan.state()["recording"]["samples"] > 3)
     lan.post("/recording/stop")
@@ -169,7 +169,7 @@ def names_asked(dash):
     return [it["name"] for it in dash.state()["plan"]["wanted"]]
 
 
-def test_a_free_seat_is_taken_as_soon_as_nobody_else_looks_on(own, visitor):
+def test_free_control_is_taken_when_no_other_viewer_is_there(own, visitor):
     """A tab that was closed may count as a viewer for a while: a lid, a network that went away."""
     before = visitor(own.url).show("live")
     choose(before, "Fuel")

@@ -1,4 +1,4 @@
-"""What has to be told whatever is on the screen: alarms of values that are not shown; of the line,
+"""Messages shown on every screen: alarms of values that are not shown; of the line,
 while a recording is; the unit and the wire, on a phone; and the keys that belong to what is shown.
 """
 
@@ -109,7 +109,7 @@ def test_a_phone_shows_the_recording_while_the_line_is_down(own, visitor):
     ("language", "model", "wire"),
     [("en-GB", "Mikas 7.1", "line load"), ("ru-RU", "Микас 7.1", "линия")],
 )
-def test_a_phone_tells_the_unit_and_the_wire(car, visitor, language, model, wire):
+def test_a_phone_shows_the_unit_and_the_wire(car, visitor, language, model, wire):
     tab = visitor(car.url, **PHONE | {"locale": language}).show("live")
     band = tab.find("header[data-line]")
     expect(band.get_by_text(model)).to_be_visible()

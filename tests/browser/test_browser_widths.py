@@ -138,7 +138,7 @@ def test_recordings_are_cards_on_a_phone_with_all_there_is_to_do(alarmed, visito
 
 @pytest.mark.parametrize("width", HEIGHTS)
 @pytest.mark.parametrize("language", ["en", "ru"])
-def test_a_recording_is_begun_and_ended_by_a_thumb(own, visitor, language, width):
+def test_a_recording_is_started_and_ended_by_a_thumb(own, visitor, language, width):
     own.garage.set("UACC", "5E")
     tab = opened(visitor, own, language, width, has_touch=True).show("live")
     expect(tab.find("header .signal")).to_be_visible()  # an alarm: the fullest band there is

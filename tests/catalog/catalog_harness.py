@@ -29,7 +29,7 @@ def refused(path: Path, *more: Path) -> CatalogError:
 
 
 def assert_refused(path: Path, line: int, problem: str) -> None:
-    """The file is told, with the line and the problem, in both languages."""
+    """Assert that the error names the file, the line and the problem, in both languages."""
     error = refused(path)
     assert error.file == str(path)
     assert problem in error.problem.en

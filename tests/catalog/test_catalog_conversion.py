@@ -116,14 +116,14 @@ def test_halfway_goes_to_the_higher_raw_number() -> None:
 
 
 @pytest.mark.parametrize("value", [-41, -40.51, 215.5, 216, 1e308, -1e308, 10**40])
-def test_out_of_range_is_refused_and_the_range_told(value: float) -> None:
+def test_out_of_range_is_refused_with_the_range(value: float) -> None:
     with pytest.raises(ValueDoesNotFit) as caught:
         shipped().parameter("TWAT").encode(value)
     assert "TWAT: -40 to 215 °C, in steps of 1." in caught.value.text.en
     assert "TWAT: от -40 до 215 °C, шаг 1." in caught.value.text.ru
 
 
-def test_the_range_is_told_in_the_reading_that_was_asked() -> None:
+def test_the_refusal_gives_the_range_of_the_interpretation_in_use() -> None:
     with pytest.raises(ValueDoesNotFit, match=r"-12\.8 to 12\.7 V, in steps of 0\.1"):
         shipped().parameter("UACC").encode(14.2, "literal")
     with pytest.raises(ValueDoesNotFit, match=r"0 to 255, in steps of 1"):

@@ -78,12 +78,12 @@ def same(a: float, b: float) -> bool:
         ("sqrt(x / y)", 3, 0, NAN),
         ("x / y and 0", 3, 0, NAN),
         ("where(x / y, 1, 2)", 3, 0, NAN),
-        # left aside
+        # is ignored
         ("where(y > 0, x / y, -1)", 3, 0, -1),
         ("x / y if y else -1", 3, 0, -1),
         ("y > 0 and x / y > 1", 3, 0, 0),
         ("y == 0 or x / y > 1", 3, 0, 1),
-        # an input that is not there is not left aside
+        # an input that is not there is not ignored
         ("where(1, x, y)", 3, NAN, NAN),
         ("where(1, x, y)", 3, math.inf, NAN),
     ],

@@ -184,7 +184,7 @@ def test_a_broken_catalog_says_file_and_line(mikas, tmp_path):
     assert ran.err.startswith("absent.toml: файл не читается: нет такого файла")
 
 
-def test_more_is_told_with_v(mikas):
+def test_v_prints_more(mikas):
     quiet, loud = mikas("read", "TWAT"), mikas("read", "TWAT", "-v")
     assert quiet.out.split("\t")[0] == loud.out.split("\t")[0]
     assert "sim:?clock=simulated" not in quiet.err

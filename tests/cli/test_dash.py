@@ -28,7 +28,7 @@ def started(monkeypatch, tmp_path, capsys):
     return start
 
 
-def test_a_port_that_is_not_there_yet_is_said_and_waited_for(started):
+def test_a_missing_port_is_reported_and_waited_for(started):
     out, err = started("--port", "/dev/nosuch7")
     assert len(out.splitlines()) == 1
     assert "There is no port /dev/nosuch7 yet; the page connects as soon as it appears." in err
@@ -36,7 +36,7 @@ def test_a_port_that_is_not_there_yet_is_said_and_waited_for(started):
 
 
 @pytest.mark.parametrize("argv", [(), ("--port", "sim:"), ("--port", "socket://127.0.0.1:9")])
-def test_nothing_is_said_of_others(started, argv):
+def test_other_ports_get_no_notice(started, argv):
     assert started(*argv)[1] == "Ctrl-C ends it.\n"
 
 

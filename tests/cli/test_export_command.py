@@ -92,7 +92,7 @@ def test_the_formats_agree(mikas, tmp_path, drive):
     assert about["recorded by"].startswith("mikas ")
 
 
-def test_chosen_channels_stand_in_the_order_asked(mikas, tmp_path, drive):
+def test_chosen_channels_stand_in_the_order_of_the_command_line(mikas, tmp_path, drive):
     ran = mikas("export", "drive.pcapng", "-o", "a.csv", "fuel_flow", "TWAT", "TWAT", "--json")
     assert ran.object["channels"] == 2
     header = cells(tmp_path / "a.csv")[0]
@@ -100,7 +100,7 @@ def test_chosen_channels_stand_in_the_order_asked(mikas, tmp_path, drive):
     assert all(column(tmp_path / "a.csv", "FUEL_FLOW"))
 
 
-def test_what_was_not_recorded_is_an_empty_column_and_said(mikas, tmp_path, drive):
+def test_a_channel_that_was_not_recorded_is_an_empty_column_with_a_notice(mikas, tmp_path, drive):
     ran = mikas("export", "drive.pcapng", "-o", "a.csv", "TWAT", "UACC", "AIR_STROKE")
     assert ran.status == 0
     assert "Not in this recording: UACC, AIR_STROKE." in ran.err
@@ -181,7 +181,7 @@ def test_a_cut_capture(mikas, tmp_path, drive):
     is_russian(ran.err)
 
 
-def test_many_problems_are_counted_not_all_told(mikas, tmp_path):
+def test_many_problems_are_counted_and_not_all_printed(mikas, tmp_path):
     mikas("log", "-o", "drive.pcapng", "TWAT", "--count", "400")
     data = bytearray((tmp_path / "drive.pcapng").read_bytes())
     for at in range(2000, len(data) - 2000, len(data) // 40):
@@ -246,7 +246,7 @@ def test_two_sessions_in_one_file(mikas, tmp_path, drive):
     assert used[:once] == used[once:]  # each session counts from zero
 
 
-def test_that_times_run_back_is_said_once(mikas, tmp_path, drive):
+def test_times_that_run_back_are_reported_once(mikas, tmp_path, drive):
     drive.write_bytes(drive.read_bytes() * 6)
     message = mikas("export", "drive.pcapng", "-o", "a.csv", "TWAT").err
     assert message.count("run back") == message.count("run back in this table (times: 5)") == 1

@@ -104,7 +104,7 @@ def test_columns_come_with_the_width():
     assert "trend" in heads(140)
 
 
-def test_the_first_line_tells_the_state():
+def test_the_first_line_shows_the_state():
     assert "waiting for the first response" in drawn(80, 24)[0]
     first = drawn(80, 24, sample_of())[0]
     assert first.startswith("● sampling · Mikas 7.1 · stream · ")
@@ -126,7 +126,7 @@ def test_a_lost_cycle_is_dashes_never_the_last_number():
         (LineState.ECHO_ONLY, "○ echo, but the ECU is silent: ignition off? · waiting"),
     ],
 )
-def test_a_broken_line_is_said_in_words(state, message):
+def test_a_broken_line_is_reported_in_words(state, message):
     lines = drawn(120, 24, sample_of(), StateChanged(2.0, state, EchoOnly(seconds=1)))
     assert lines[0].startswith(message)
     assert "–" in next(line for line in lines if "TWAT " in line)
@@ -134,7 +134,7 @@ def test_a_broken_line_is_said_in_words(state, message):
     assert not back[0].startswith("○")
 
 
-def test_a_value_of_an_earlier_cycle_is_faded_and_tells_its_age():
+def test_a_value_of_an_earlier_cycle_is_faded_and_shows_its_age():
     channels = (CATALOG.parameter("TWAT"), CATALOG.parameter("FREQ"))
     first = Sampled(1.0, {"TWAT": reading("TWAT", b"\x7d")}, {})
 

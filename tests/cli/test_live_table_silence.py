@@ -1,4 +1,4 @@
-"""The live table while nothing comes and nothing tells why: its values age by the clock alone."""
+"""The live table without values and without events: its values age by the clock alone."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Drawn:
         return lines[0], next(line for line in lines if "TWAT" in line)
 
 
-def test_values_fade_and_go_though_nothing_tells_that_the_wire_is_silent():
+def test_values_fade_and_go_without_an_event_of_silence():
     it = Drawn(0.01, "TWAT")
     it.run(30, "TWAT")
     first, row = it.after(0.9)
@@ -89,7 +89,7 @@ def test_values_fade_and_go_though_nothing_tells_that_the_wire_is_silent():
 def test_what_comes_seldom_by_its_own_pace_is_no_silence():
     it = Drawn(5.0, "TWAT")
     it.sample("TWAT")
-    assert "● sampling" in it.after(60)[0]  # nobody knows yet how often it comes
+    assert "● sampling" in it.after(60)[0]  # its period is not known yet
     it = Drawn(5.0, "TWAT")
     it.run(3, "TWAT")
     assert "● sampling" in it.after(14)[0]

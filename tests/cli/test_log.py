@@ -60,7 +60,7 @@ def test_log(mikas, tmp_path):
     assert "отсчётов: 5" in ran.err
 
 
-def test_log_tells_samples_with_json(mikas):
+def test_log_prints_samples_with_json(mikas):
     ran = mikas("log", "-o", "drive.pcapng", "TWAT", "--count", "3", "--json")
     assert [set(sample) for sample in ran.objects] == [{"schema", "time", "values", "gap"}] * 3
     assert "3 samples" in ran.err
@@ -94,7 +94,7 @@ def test_log_goes_on_when_its_file_can_not_be_written(mikas, monkeypatch, tmp_pa
     assert ran.err.startswith("ЗАПИСЬ ПРЕКРАЩЕНА. b.pcapng")
 
 
-def test_samples_behind_a_next_file_that_could_not_be_begun_are_counted_as_lost(
+def test_samples_after_a_next_file_that_can_not_be_opened_are_counted_as_lost(
     mikas, monkeypatch, tmp_path
 ):
     from mikas.recording import recorder
@@ -136,7 +136,7 @@ def test_a_name_without_a_suffix_is_taken_as_it_is(mikas, tmp_path):
     assert recorded_samples(tmp_path / "drive") >= 2
 
 
-def test_log_leaves_no_file_where_nobody_was(mikas, tmp_path):
+def test_log_leaves_no_file_without_a_unit(mikas, tmp_path):
     """So that the same command works once the ignition is on."""
     assert mikas("log", "-o", "drive.pcapng", "TWAT", sim="&lost=1").status == 3
     assert not (tmp_path / "drive.pcapng").exists()

@@ -142,7 +142,7 @@ NOBODY = [
 
 
 @pytest.mark.parametrize(("sim", "message", "wire"), NOBODY)
-def test_nobody_answers(mikas, sim, message, wire):
+def test_a_line_without_an_answer(mikas, sim, message, wire):
     for argv in (["read", "TWAT"], ["watch", "--count", "1"], ["faults", "erase", "--yes"]):
         ran = mikas(*argv, sim=sim)
         assert (ran.status, ran.out) == (3, "")
@@ -225,7 +225,7 @@ CHANGES = [
 
 
 @pytest.mark.parametrize("argv", CHANGES, ids=" ".join)
-def test_nobody_to_ask(mikas, argv):
+def test_without_a_terminal_a_change_needs_yes(mikas, argv):
     ran = mikas(*argv, "--json", sim="&faults=13")
     assert (ran.status, ran.out) == (6, "")
     assert "--yes" in ran.err

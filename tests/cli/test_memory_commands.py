@@ -187,7 +187,7 @@ def test_a_write_is_announced_read_back_and_journaled(mikas):
     assert len(mikas.journal) == 4
 
 
-def test_a_parameter_write_tells_values(mikas):
+def test_a_parameter_write_shows_values(mikas):
     ran = mikas("write", "UOZ", "-5,5", "--yes")
     assert "after:  -5.5 ° crank (F5)" in ran.err
     assert ran.out.endswith("→ -5.5 ° crank\n")

@@ -53,7 +53,7 @@ def test_a_lost_cycle_is_no_news():
     )
 
 
-def test_many_in_a_row_are_said_once_and_that_it_is_over():
+def test_many_gaps_in_a_row_are_reported_once_and_their_end_once():
     gaps = [CycleFailed(1 + n / 2, CUT) for n in range(1, 12)]
     first, back = lines_of(well(0), sample(1), *gaps, sample(7))
     assert first.startswith("The response is damaged: cut. Check ground and plug")
@@ -72,7 +72,7 @@ def test_from_the_beginning_too():
     assert only.startswith("The response is damaged")
 
 
-def test_a_standing_engine_is_said_at_once_with_what_to_do():
+def test_a_standing_engine_is_reported_at_once_with_advice():
     set_language("ru")
     (only,) = lines_of(
         well(0), CycleFailed(2, EngineStopped(seconds=2)), CycleFailed(5, EngineStopped(seconds=2))
@@ -83,7 +83,7 @@ def test_a_standing_engine_is_said_at_once_with_what_to_do():
     )
 
 
-def test_what_the_state_says_is_not_said_twice():
+def test_an_error_that_the_state_reports_is_not_reported_twice():
     off = StateChanged(6, LineState.ECHO_ONLY, SILENT)
     message = lines_of(
         well(0),

@@ -10,7 +10,7 @@ from cli_harness import is_russian
 from mikas.recording import CaptureReader
 
 
-def test_while_methods_are_tried_no_plan_is_told_as_if_it_were_the_choice(mikas):
+def test_while_methods_are_tried_no_plan_is_printed_as_the_choice(mikas):
     measuring = mikas("watch", "TWAT", "--count", "20", "-v").err
     assert "Testing sampling methods (about 1 s each)" in measuring
     assert "Plan: " not in measuring
@@ -25,7 +25,7 @@ def test_while_methods_are_tried_no_plan_is_told_as_if_it_were_the_choice(mikas)
     is_russian(mikas("watch", "TWAT", "--count", "20", "-v", "--relearn", "--lang", "ru").err)
 
 
-def test_why_a_slower_method_was_taken_is_told(mikas):
+def test_the_reason_for_a_slower_method_is_printed(mikas):
     assert "requested" not in mikas("watch", "TWAT", "--count", "900", "-v").err  # it is learnt
     reported = mikas("watch", "TWAT", "--count", "5", "--rate", "10", "-v").err
     assert "Method: batch (" in reported
@@ -42,7 +42,7 @@ def standing(tmp_path):
     return "&scenario=standing.toml"
 
 
-def test_why_no_strokes_come_is_said_recorded_and_does_not_hold_up_the_end(
+def test_the_reason_for_no_strokes_is_printed_and_recorded_and_does_not_delay_the_end(
     mikas, standing, tmp_path
 ):
     argv = ("FREQ", "--method", "stroke0", "--duration", "20", "--json")
@@ -66,7 +66,7 @@ def test_why_no_strokes_come_is_said_recorded_and_does_not_hold_up_the_end(
     is_russian(russian.err)
 
 
-def test_the_reason_of_a_gap_tells_how_long_it_was_waited(mikas, tmp_path):
+def test_the_reason_of_a_gap_gives_the_length_of_the_wait(mikas, tmp_path):
     """The unit is off so shortly that it is there again when it is asked why it is silent."""
     dip = 'name = "dip"\nduration = 30\n[timeline]\nkey = [[0, 1], [18, 0], [18.5, 1]]\n'
     (tmp_path / "dip.toml").write_text(dip)

@@ -64,7 +64,7 @@ def test_info(mikas):
     assert "supported" in mikas("info", "--quick", "--json").object
 
 
-def test_info_of_a_unit_that_tells_little(mikas):
+def test_info_of_a_unit_that_answers_few_commands(mikas):
     found = mikas("info", "--json", sim="&missing=passports,count&echo=0").object
     assert found["program_passport"] == [None] * 3
     assert found["data_passport"] == [None] * 5
@@ -167,7 +167,7 @@ def test_ports_with_an_adapter(mikas, monkeypatch):
 
 
 @pytest.mark.parametrize("command", ["demo", "dash"])
-def test_the_dashboard_tells_its_address_first(mikas, monkeypatch, command):
+def test_the_dashboard_prints_its_address_first(mikas, monkeypatch, command):
     monkeypatch.setattr("mikas.dashboard.server.serve", lambda app, own, *, ready: ready())
     reported = mikas(command, "--no-browser", "--json").object
     assert set(reported) == {"schema", "url", "lan_url"}
@@ -188,7 +188,7 @@ def test_derived_channels_are_listed(mikas):
     assert row[3] == "∫ FUEL_FLOW / 3600"
 
 
-def test_the_manifest_is_what_dump_tells(mikas, tmp_path):
+def test_the_manifest_is_what_dump_prints(mikas, tmp_path):
     ran = mikas("mem", "dump", "ram", "-o", "ram.bin", "--json")
     manifest = ran.object
     assert (manifest["space"], manifest["first"], manifest["last"]) == ("ram", 0, 255)

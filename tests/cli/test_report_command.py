@@ -90,20 +90,20 @@ def test_what_is_refused(mikas, drive, tmp_path, argv, message) -> None:
         is_russian(mikas("report", *argv, "--lang", "ru").err, names={"html", "pcapng"})
 
 
-def test_it_replaces_when_told_to(mikas, drive, tmp_path) -> None:
+def test_overwrite_replaces_the_file(mikas, drive, tmp_path) -> None:
     (tmp_path / "car.html").write_text("mine", "utf-8")
     assert mikas("report", "drive.pcapng", "-o", "car.html", "--overwrite").status == 0
     assert "Engine report" in page(tmp_path)
 
 
-def test_nobody_there(mikas, tmp_path) -> None:
+def test_without_a_unit(mikas, tmp_path) -> None:
     ran = mikas("report", "-o", "car.html", "--port", str(tmp_path / "no-adapter"))
     assert ran.status == 3
     is_one_short_paragraph(ran.err)
     assert not (tmp_path / "car.html").exists()
 
 
-def test_ended_by_hand_it_reports_what_came(mikas, tmp_path, monkeypatch) -> None:
+def test_ended_by_hand_it_reports_the_samples_so_far(mikas, tmp_path, monkeypatch) -> None:
     from mikas.cli.commands.recordings import report
 
     events = report.SamplingRun.events
@@ -123,7 +123,7 @@ def test_ended_by_hand_it_reports_what_came(mikas, tmp_path, monkeypatch) -> Non
     assert 40 <= int(samples[1]) < 400  # with those by which the method was chosen
 
 
-def test_ended_before_anything_came(mikas, tmp_path, monkeypatch) -> None:
+def test_ended_before_the_first_sample(mikas, tmp_path, monkeypatch) -> None:
     from mikas.cli.commands.recordings import report
 
     def stops(current):

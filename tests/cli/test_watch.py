@@ -98,7 +98,7 @@ def test_every_tenth_cycle_is_null_in_the_other_nine(mikas):
 
 
 @pytest.mark.parametrize("bad", ["TWAT/0", "TWAT/x", "TWAT/", "TWAT/-1", "NOSUCH/10", "/10"])
-def test_a_wrong_name_or_turn_is_said_before_anything_is_sent(mikas, bad, tmp_path):
+def test_a_wrong_name_or_divisor_is_an_error_before_anything_is_sent(mikas, bad, tmp_path):
     ran = mikas("log", "-o", "a.pcapng", bad)
     assert (ran.status, ran.out) == (2, "")
     is_one_short_paragraph(ran.err)
@@ -135,14 +135,14 @@ def test_what_was_learnt_is_shown_and_forgotten(mikas):
     is_russian(mikas("info", "--quick", "--lang", "ru").out, wordy=False, names=("batch", "ms"))
 
 
-def test_a_parameter_that_is_refused_is_said_once(mikas):
+def test_a_refused_parameter_is_reported_once(mikas):
     ran = mikas("watch", "0x55", "TWAT", "--count", "30", "--json")
     assert ran.err.count("0x55") == 1
     assert "the other parameters are still read" in ran.err
     is_russian(mikas("watch", "0x55", "TWAT", "--count", "3", "--lang", "ru").err)
 
 
-def test_an_alarm_is_said_in_words_and_recorded(mikas, tmp_path):
+def test_an_alarm_is_reported_in_words_and_recorded(mikas, tmp_path):
     (tmp_path / "mine.toml").write_text("[parameter.TWAT.limits]\nwarning_high = 50\n")
     ran = mikas("log", "-o", "a.pcapng", "TWAT", "--count", "5", "--catalog", "mine.toml")
     assert "▲ Coolant temperature" in ran.err
@@ -151,7 +151,7 @@ def test_an_alarm_is_said_in_words_and_recorded(mikas, tmp_path):
     assert note.data["channel"] == "TWAT"
 
 
-def test_an_alarm_of_the_very_last_sample_is_said_and_recorded_too(mikas, tmp_path):
+def test_an_alarm_of_the_very_last_sample_is_reported_and_recorded_too(mikas, tmp_path):
     (tmp_path / "mine.toml").write_text("[parameter.TWAT.limits]\nwarning_high = 50\n")
     argv = ("TWAT", "--count", "1", "--catalog", "mine.toml", "--json")
     ran = mikas("log", "-o", "a.pcapng", *argv)

@@ -49,7 +49,7 @@ class Bench:
         self.bus.fault_injector.next(*line_faults)
 
     def power_cycle(self, ecu: Ecu) -> None:
-        """Off and on again, while nobody asks anything."""
+        """Off and on again, without a request in between."""
         self.car.on = False
         self.bus.ecu.transmit(ecu.tester.link.now())
         self.car.on = True

@@ -202,7 +202,7 @@ def test_an_error_in_a_stream_comes_out_as_it_is():
     asyncio.run(play())
 
 
-def test_the_loop_goes_on_while_the_unit_is_asked():
+def test_the_loop_goes_on_during_a_request():
     it = bench()
 
     async def play():

@@ -220,7 +220,7 @@ class TestTheList:
             assert all(r.raw == DATA[r.parameter.code] for r in readings.values())
         assert it.requests() == [b"\x64\x1a\x07\x3f", b"\x63", b"\x63"]
 
-    def test_it_is_told_in_plain_words(self, tmp_path):
+    def test_it_is_described_in_plain_words(self, tmp_path):
         asked = []
         ecu = ecu_on(bench(), confirm=lambda c: asked.append(c) or True, journal=tmp_path / "j")
         ecu.set_list("TWAT", "INJ")
@@ -311,7 +311,7 @@ class TestRaw:
         assert ecu.raw(b"\x71\x1a\x29")
         assert ecu.read("TWAT")["TWAT"].raw == DATA[0x1A]
 
-    def test_damage_is_told(self):
+    def test_damage_is_an_error(self):
         it = bench()
         ecu = ecu_on(it)
         it.next_faults(LineFault.DAMAGED)
@@ -319,7 +319,7 @@ class TestRaw:
             ecu.raw(b"\x61\x1a")
         assert ecu.read("TWAT")
 
-    def test_an_unknown_one_is_asked_about(self):
+    def test_an_unknown_command_needs_a_confirmation(self):
         changes = []
         ecu = ecu_on(bench(unknown="01"), confirm=lambda c: changes.append(c) or True)
         assert ecu.raw(b"\x99\x01") == b"\x01"
@@ -327,7 +327,7 @@ class TestRaw:
         assert changes[0].safety is Safety.LASTING
         assert "99 01" in changes[0].what.en
 
-    def test_nobody_there(self):
+    def test_without_a_unit(self):
         it = bench()
         ecu = ecu_on(it)
         ecu.read("TWAT")

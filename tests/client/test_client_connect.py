@@ -98,7 +98,7 @@ def test_an_own_catalog_is_used(links, tmp_path):
         assert ecu.read("BOOST")["BOOST"].unit == "kPa"
 
 
-def test_the_port_is_let_go_of_when_nobody_answers(links):
+def test_the_port_is_closed_when_no_ecu_answers(links):
     silent = bench()
     silent.car.on = False
     links.units.append(silent)

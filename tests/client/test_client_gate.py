@@ -69,7 +69,7 @@ class TestTheGate:
         assert not (tmp_path / "journal").exists()
         assert ecu.read("TWAT")
 
-    def test_nobody_to_ask_stops_only_what_is_dangerous(self, name):
+    def test_without_a_confirmation_only_dangerous_changes_stop(self, name):
         it = bench()
         ecu = ecu_on(it)
         if name in DANGEROUS:
@@ -165,7 +165,7 @@ class TestTheJournal:
         assert bytes.fromhex(started["before"]) == before
         assert bytes.fromhex(done["outcome"]) == bytes(600)
 
-    def test_a_refused_change_is_told_with_its_reason(self, tmp_path):
+    def test_a_refused_change_is_an_error_with_its_reason(self, tmp_path):
         it = bench(missing="write", unknown="01")
         ecu = ecu_on(it, journal=tmp_path / "journal")
         with pytest.raises(WriteRefused):

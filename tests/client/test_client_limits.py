@@ -124,7 +124,7 @@ class TestKeptForTheUnit:
     def test_units_without_a_passport_share_nothing_but_what_is_measured_anyway(
         self, tmp_path, unknown
     ):
-        """Nothing tells them apart: what one refuses the other may have."""
+        """They can't be distinguished: one may have the parameter that the other refuses."""
         passports = "+".join(f"{code:02X}" for code in range(0x51, 0x59))
         poor = {code: raw for code, raw in DATA.items() if code not in (0x1A, 0x3F)}
         it = bench(poor, max_list=10, missing=passports, unknown=unknown)
@@ -139,7 +139,7 @@ class TestKeptForTheUnit:
         assert other.limits() == Limits(methods={"cable, 2 ms": {"batch": MethodTiming(21, 0.002)}})
         assert len(other.read()) == 23
 
-    def test_the_passport_is_asked_only_if_there_is_anything_to_know(self, tmp_path):
+    def test_the_passport_is_read_only_if_there_are_limits_to_look_up(self, tmp_path):
         it = bench()
         ecu_on(it, state=tmp_path).read("TWAT")
         assert it.requests() == [b"\x61\x1a"]
@@ -167,7 +167,7 @@ class TestKeptForTheUnit:
         kept.write_text(text, "latin-1")
         ecu = ecu_on(it, state=tmp_path)
         assert len(ecu.read()) == 23
-        assert json.loads(kept.read_text("utf-8"))["max_list"] == 10  # learnt anew
+        assert json.loads(kept.read_text("utf-8"))["max_list"] == 10  # learnt again
 
     def test_nonsense_numbers_are_brought_back_into_bounds(self, tmp_path):
         it = self.learnt(tmp_path)
@@ -190,7 +190,7 @@ class TestKeptForTheUnit:
         monkeypatch.setattr("pathlib.Path.glob", denied)
         assert LimitsStore(tmp_path).empty
 
-    def test_a_half_written_file_is_never_seen(self, tmp_path):
+    def test_a_half_written_file_is_never_visible(self, tmp_path):
         self.learnt(tmp_path)
         assert [path.suffix for path in tmp_path.iterdir()] == [".json"]
 

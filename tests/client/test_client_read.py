@@ -37,13 +37,13 @@ def test_all_of_the_catalog_in_one_request_and_in_its_order():
         assert reading.raw == DATA[reading.parameter.code]
 
 
-def test_named_ones_in_the_order_asked():
+def test_named_parameters_come_in_the_order_of_the_request():
     it = bench()
     assert list(ecu_on(it).read("FREQ", "twat", "INJ")) == ["FREQ", "TWAT", "INJ"]
     assert it.requests() == [bytes([0x61, 0x29, 0x1A, 0x3F])]
 
 
-def test_flags_of_one_byte_are_asked_once():
+def test_flags_of_one_byte_are_requested_once():
     it = bench()
     readings = ecu_on(it).read("RXX", "BITPOW", "RDET")
     assert it.requests() == [b"\x61\x07"]
@@ -155,7 +155,7 @@ class TestAParameterThatTheUnitRefuses:
             ecu.read("RCOK")
         assert ecu.info().limits.refused == [0x42]
 
-    def test_named_is_asked_for_again_and_found(self, unknown, tmp_path):
+    def test_a_named_parameter_is_requested_again_and_found(self, unknown, tmp_path):
         it = bench(without(0x42), unknown=unknown)
         ecu = ecu_on(it, state=tmp_path)
         assert "RCOK" not in ecu.read()
@@ -202,7 +202,7 @@ class TestAParameterThatTheUnitRefuses:
         it.car._data[0x20] = b"\x03"
         assert ecu.read("THR")["THR"].value == 3
 
-    def test_where_nothing_tells_01_from_a_refusal_it_is_neither(self, unknown):
+    def test_an_ambiguous_01_is_neither_a_value_nor_a_refusal(self, unknown):
         it = bench(DATA | {0x20: b"\x01"}, unknown=unknown, max_list=1, long_list="silent")
         ecu = ecu_on(it)
         if unknown == "silent":  # then 01 is no refusal
@@ -223,7 +223,7 @@ def test_when_every_code_is_refused_it_is_an_error_and_not_an_empty_result():
         ecu.read()
 
 
-def test_another_size_than_asked_is_no_refusal():
+def test_another_size_than_requested_is_no_refusal():
     it = bench()
     ecu = ecu_on(it)
     ecu.read("TWAT")
@@ -235,7 +235,7 @@ def test_another_size_than_asked_is_no_refusal():
 @pytest.mark.parametrize(
     "line_fault", [LineFault.LOST, LineFault.DAMAGED, LineFault.CUT, LineFault.LATE]
 )
-def test_a_spoilt_response_is_asked_for_again(line_fault):
+def test_a_damaged_response_is_requested_again(line_fault):
     it = bench()
     ecu = ecu_on(it)
     it.next_faults(line_fault)
@@ -244,7 +244,7 @@ def test_a_spoilt_response_is_asked_for_again(line_fault):
     assert not ecu.info().limits.learnt
 
 
-def test_damage_that_goes_on_is_told():
+def test_damage_that_goes_on_is_an_error():
     it = bench()
     ecu = ecu_on(it, retries=1)
     it.next_faults(

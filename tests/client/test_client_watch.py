@@ -27,7 +27,7 @@ class CountingCar(TableCar):
 
 @pytest.mark.parametrize("method", METHODS)
 class TestEveryMethod:
-    def test_gives_what_was_asked_for(self, method):
+    def test_it_gives_the_requested_parameters(self, method):
         it = bench()
         ecu = ecu_on(it)
         samples = list(ecu.watch("TWAT", "INJ", "RXX", method=method, count=4))
@@ -116,7 +116,7 @@ class TestEveryMethod:
         samples = ecu.watch("TWAT", method=method, count=2)
         next(samples)
         next(samples)
-        assert ecu.read("FREQ")  # nobody has had to ask for a third
+        assert ecu.read("FREQ")  # without a third request
         assert list(samples) == []
 
     def test_no_count_at_all_sends_nothing(self, method):
@@ -151,7 +151,7 @@ class TestEveryMethod:
         assert min(steps[1:]) > 0.07  # it goes on from now, at once
         samples.close()
 
-    def test_a_misspelt_name_is_told_at_once(self, method):
+    def test_a_misspelt_name_is_an_error_at_once(self, method):
         it = bench()
         with pytest.raises(UnknownParameter):
             ecu_on(it).watch("TWATT", method=method)
@@ -171,7 +171,7 @@ class TestEveryMethod:
         {"method": ""},
     ],
 )
-def test_bad_settings_are_told_at_once(settings):
+def test_bad_settings_are_an_error_at_once(settings):
     it = bench()
     with pytest.raises(UsageError):
         ecu_on(it).watch("TWAT", **settings)

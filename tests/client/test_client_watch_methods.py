@@ -104,7 +104,7 @@ def test_a_lost_beginning_of_a_stream_is_no_refusal(unknown, method, monkeypatch
 
 
 class TestTheList:
-    def test_it_is_set_again_after_a_power_cycle_that_nobody_noticed(self):
+    def test_it_is_set_again_after_an_unnoticed_power_cycle(self):
         it = bench()
         ecu = ecu_on(it)
         for names in (("TWAT", "INJ"), ("TWAT",)):  # one byte: 01 could pass for a datum
@@ -160,7 +160,7 @@ def test_a_standing_engine_gives_gaps_that_say_so(method):
 
 
 @pytest.mark.parametrize("method", STREAMS)
-def test_a_stream_that_falls_silent_tells_how_long_it_was_waited_for(method):
+def test_a_stream_that_falls_silent_gives_the_length_of_the_wait(method):
     it = bench()
     ecu = ecu_on(it)
     with closing(ecu.watch("TWAT", method=method)) as samples:
@@ -176,7 +176,7 @@ def test_a_stream_that_falls_silent_tells_how_long_it_was_waited_for(method):
 
 
 @pytest.mark.parametrize("method", STREAMS)
-def test_during_a_stream_nothing_else_can_be_asked_in_this_thread(method):
+def test_during_a_stream_this_thread_can_send_no_other_request(method):
     ecu = ecu_on(bench())
     samples = ecu.watch("TWAT", method=method)
     next(samples)
@@ -218,4 +218,4 @@ def test_a_damaged_response_of_a_stream_is_a_gap_and_the_stream_goes_on():
         came = list(islice(samples, 12))
     assert [type(s.error) for s in came if s.gap] == [DamagedResponse, WrongLength]
     assert all(s.error.received for s in came if s.gap)
-    assert len(it.requests(0x71)) == 1  # it was not begun again
+    assert len(it.requests(0x71)) == 1  # it was not started again

@@ -77,7 +77,7 @@ def test_an_adapter_without_echo():
         ("&late=1", "ecu", "did not answer within"),
     ],
 )
-def test_nobody_to_talk_to(settings, step, words):
+def test_a_line_without_an_ecu(settings, step, words):
     found = Examined(settings)
     failed = found.failed()
     assert failed.name == step == found.names[-1]
@@ -133,7 +133,7 @@ def test_a_clean_unit_that_answers_01_to_what_it_does_not_know():
 
 
 @pytest.mark.parametrize("line_fault", ["damaged", "noise", "cut", "bad-echo"])
-def test_a_noisy_line_is_told(line_fault):
+def test_a_noisy_line_is_reported(line_fault):
     judged = set()
     for seed in range(6):
         found = Examined(f"&{line_fault}=0.3&seed={seed}")
@@ -153,7 +153,7 @@ def test_a_little_noise_is_no_failure():
             assert "из 20" in line.detail.ru
 
 
-def test_another_pace_than_was_asked_for():
+def test_another_pace_than_the_requested_one():
     """As with a wire at 4800 behind a port that says 9600."""
     steps = Examined("&baud=4800").steps
     assert steps["baud"].ok is False

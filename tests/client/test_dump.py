@@ -166,7 +166,7 @@ def test_differences(a, first_a, b, first_b):
     assert list(differences(a, first_a, b, first_b)) == expected
 
 
-def test_compare_tells_addresses(ecu):
+def test_compare_gives_addresses(ecu):
     data = bytearray(ecu.memory.xram.read_block(0x100, 20))
     data[3] ^= 1
     data[19] ^= 1

@@ -52,8 +52,8 @@ def test_a_datum_that_becomes_01_costs_one_request_more():
         assert it.requests(0x61) == asked
 
 
-def test_a_unit_that_takes_one_at_a_time_is_not_asked_for_two_again_and_again():
-    """It says 01 to a parameter that it lacks; nothing tells that from a datum."""
+def test_a_unit_that_takes_one_at_a_time_is_not_sent_two_again_and_again():
+    """It answers 01 to a parameter that it lacks, which may as well be a datum."""
     without = {code: raw for code, raw in DATA.items() if code != 0x1A}
     for long_list in ("silent", "short"):
         it = bench(without, unknown="01", max_list=1, long_list=long_list)
@@ -104,7 +104,7 @@ class TestAUnitWithoutWhatIsCommon:
         names = ("INJ", "THR", "UOZ", "JAIR", "UGB")
         assert list(ecu_on(it).read(*names)) == list(names)
 
-    def test_a_true_01_of_it_is_told_from_a_refusal(self, unknown, long_list):
+    def test_a_true_01_is_distinguished_from_a_refusal(self, unknown, long_list):
         it = bench(GOOD | {0x20: b"\x01"}, unknown=unknown, long_list=long_list, max_list=2)
         ecu = ecu_on(it)
         assert ecu.read("THR")["THR"].value == 1

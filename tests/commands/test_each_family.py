@@ -170,7 +170,7 @@ def test_malformed_requests(body):
         c.parse(hexed(body), lambda _: 1)
 
 
-def test_the_list_of_63_is_known_to_nobody_from_its_bytes():
+def test_the_list_of_63_is_not_known_from_its_bytes():
     with pytest.raises(c.MalformedRequest):
         c.ReadList.parse(b"\x63", lambda _: 1)
 
@@ -191,6 +191,6 @@ def test_a_stream_is_parsed_with_its_stroke():
     assert not stream.repeatable
 
 
-def test_goto_says_what_it_is_told_to():
+def test_goto_responds_with_the_given_bytes_and_is_not_repeatable():
     assert c.GoTo(0x8000).respond(b"\x55") == b"\x55"
     assert not c.GoTo(0x8000).repeatable

@@ -73,7 +73,7 @@ def test_parsing_any_body_gives_that_request_or_says_malformed(body):
 
 
 @given(exchanges)
-def test_01_is_never_taken_for_data_where_the_length_tells(exchange):
+def test_01_is_never_taken_for_data_where_the_length_decides(exchange):
     """D10: a unit may answer 01 to a command that it does not know."""
     command, _ = exchange
     if command.ANSWERED and 1 not in command.response_lengths():

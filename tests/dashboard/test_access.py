@@ -200,7 +200,7 @@ def test_a_body_without_end_is_refused(shared_off):
     assert (answer.status_code, answer.json()["error"]["code"]) == (413, "TooLarge")
 
 
-def test_what_is_not_there_is_told_as_every_error(shared_off):
+def test_a_wrong_path_method_or_value_gets_an_error_of_the_usual_shape(shared_off):
     error = shared_off.get("/nowhere", 404)
     assert error["code"] == "NotFound"
     assert error["ru"]

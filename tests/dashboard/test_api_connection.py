@@ -30,7 +30,7 @@ def test_a_click_connects_to_the_one_likely_adapter(off):
     assert (state["line"], state["port"]) == ("off", None)
 
 
-def test_no_adapter_or_two_are_told_apart_in_words(off):
+def test_no_adapter_and_two_adapters_have_different_messages(off):
     off.cars.ports.clear()
     error = off.post("/connect", {}, 503)
     assert error["code"] == "NoPortGiven"
@@ -127,7 +127,7 @@ def test_a_plan_made_while_nothing_is_connected_is_kept(off):
     assert off.until(lambda it: "data" in it)["data"]["names"] == ["UOZ"]
 
 
-def test_what_a_channel_costs_is_told_before_it_is_added(shared_idle):
+def test_the_cost_of_a_channel_is_known_before_it_is_added(shared_idle):
     price = shared_idle.post("/plan/price", {"wanted": [{"name": "FREQ"}], "method": "batch"})
     assert price["rate"] == pytest.approx(1 / price["seconds"])
     assert price["more"]["TWAT"]["rate"] < price["rate"]
@@ -200,13 +200,13 @@ def test_a_doctor_that_is_stopped_lets_go_of_the_port_at_once(patient, idle):
         idle.post("/doctor/stop")
         with pytest.raises(LinkLost):
             examined.write(b"")
-        assert list(lines) == []  # what it says of a port that we closed ourselves is not told
-    idle.post("/connect", {"port": "sim:?scenario=warm-idle"})  # nobody is in the way
+        assert list(lines) == []  # the error of a port that we closed ourselves is not reported
+    idle.post("/connect", {"port": "sim:?scenario=warm-idle"})  # the port is free
     assert idle.sampling()["line"] == "sampling"
     idle.post("/doctor/stop")  # there is none: nothing to do
 
 
-def test_a_doctor_to_whom_nobody_listens_ends(patient, idle):
+def test_a_doctor_without_a_listener_ends(patient, idle):
     with idle.client.stream("POST", "/api/doctor", json={}, headers=ME) as answer:
         next(answer.iter_lines())
     assert idle.sampling()["line"] == "sampling"

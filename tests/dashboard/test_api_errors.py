@@ -40,6 +40,6 @@ def test_the_field_is_named() -> None:
     assert text == ("“name” is missing", "«name» не указано")
 
 
-def test_what_is_not_known_is_told_all_the_same() -> None:
+def test_an_unknown_validation_error_has_a_text_too() -> None:
     text = validation_text({"type": "something_new", "loc": ("query",), "msg": "English"})
     assert text.en == "“query” has an invalid value"

@@ -113,7 +113,7 @@ def test_exports_that_can_not_be_made_leave_nothing(desk, temporary) -> None:
 
 
 @pytest.mark.parametrize(("suffix", "library"), [("mf4", "asammdf"), ("parquet", "duckdb")])
-def test_a_missing_extra_is_told_with_its_command(
+def test_a_missing_extra_is_an_error_with_its_command(
     desk, temporary, monkeypatch, suffix, library
 ) -> None:
     monkeypatch.setitem(sys.modules, library, None)
@@ -189,7 +189,7 @@ def test_a_queue_that_is_too_long_is_refused(desk, monkeypatch) -> None:
     assert desk.get("/recordings/drive.pcapng/export").content
 
 
-def test_nothing_is_left_when_nobody_waits_for_it_any_more(temporary) -> None:
+def test_nothing_is_left_after_the_client_has_gone(temporary) -> None:
     import asyncio
 
     folder = Path(tempfile.mkdtemp())
@@ -222,7 +222,7 @@ def test_the_report(desk) -> None:
     assert desk.get("/recordings/drive.pcapng/report", 400, lang="de")["ru"]
 
 
-def test_the_report_to_be_looked_at_may_do_nothing_but_be_seen(desk) -> None:
+def test_the_inline_report_runs_in_a_sandbox_without_scripts(desk) -> None:
     answer = desk.get("/recordings/drive.pcapng/report", inline=1)
     assert "content-disposition" not in answer.headers
     policy_sent = answer.headers["content-security-policy"]
@@ -269,7 +269,7 @@ def erase(idle) -> None:
     assert idle.post(f"/changes/{nonce}", headers=ME)["after"] == []
 
 
-def test_the_live_report_tells_what_was_erased(idle) -> None:
+def test_the_live_report_names_the_erased_faults(idle) -> None:
     begun = idle.dashboard.connection.now()
     erase(idle)
     idle.until(lambda it: it["now"] > begun + 20)
@@ -280,7 +280,7 @@ def test_the_live_report_tells_what_was_erased(idle) -> None:
     assert "read the faults again" in text
 
 
-def test_a_recording_begun_in_mid_session_knows_the_faults_read_before(idle) -> None:
+def test_a_recording_started_in_mid_session_knows_the_faults_read_before(idle) -> None:
     idle.until(lambda it: it["state"]["fault_count"] == 1)
     idle.post("/recording/start", {"name": "now"})
     idle.until(lambda it: it["state"]["recording"]["samples"] > 20)
@@ -290,7 +290,7 @@ def test_a_recording_begun_in_mid_session_knows_the_faults_read_before(idle) -> 
     assert "Read at " in text
 
 
-def test_a_recording_begun_after_erasing_says_so(idle) -> None:
+def test_a_recording_started_after_erasing_says_so(idle) -> None:
     erase(idle)
     idle.post("/recording/start", {"name": "now"})
     idle.until(lambda it: it["state"]["recording"]["samples"] > 20)

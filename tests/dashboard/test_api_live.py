@@ -41,7 +41,7 @@ def test_values_come_as_the_car_has_them(idle):
     assert latest["DET"] in (0, 1)
 
 
-def test_what_is_asked_less_often_is_null_in_between(idle):
+def test_a_slow_parameter_is_null_between_its_turns(idle):
     idle.put(
         "/plan",
         {"wanted": [{"name": "FREQ"}, {"name": "TWAT", "every": 3}], "method": "batch", "rate": 5},
@@ -107,7 +107,7 @@ def test_who_floods_is_shown_the_door_and_the_others_see_nothing_of_it(idle):
         assert other.until(lambda it: "data" in it)["dropped"] == 0
 
 
-def test_who_does_not_read_stops_nobody_and_loses_whole_messages(tmp_path):
+def test_a_slow_reader_stops_no_other_and_loses_whole_messages(tmp_path):
     with rig(tmp_path, "sim:?scenario=warm-idle", rate=None) as it:
         it.sampling()
         deaf = socket.create_connection(("127.0.0.1", it.port))
@@ -127,7 +127,7 @@ def test_who_does_not_read_stops_nobody_and_loses_whole_messages(tmp_path):
             live.until(lambda m: m["state"]["viewers"] == 1)
 
 
-def test_the_queue_is_bounded_and_tells_what_it_lost():
+def test_the_queue_is_bounded_and_counts_its_losses():
     listener = Listener(Client("x", "", False))
     for number in range(QUEUE + 3):
         listener.offer(f',"data":{number}')
@@ -160,7 +160,7 @@ def listener(name):
     return Listener(Client(name, "", False))
 
 
-def test_when_the_last_has_gone_nothing_is_gathered_for_nobody(tmp_path):
+def test_nothing_is_gathered_after_the_last_client_has_gone(tmp_path):
     dashboard = Dashboard(Settings(tmp_path, state=tmp_path))
 
     def gathered():
@@ -207,7 +207,7 @@ def test_a_bug_in_one_message_does_not_end_the_others(idle, monkeypatch, caplog)
     assert "the bug of this test" in caplog.text
 
 
-def test_one_more_than_there_is_place_for_is_told_to_try_later(shared_off, monkeypatch):
+def test_one_client_too_many_gets_try_later(shared_off, monkeypatch):
     with shared_off.live() as live:
         live.next()
         monkeypatch.setattr("mikas.dashboard.api.live._MAX_CLIENTS", 1)

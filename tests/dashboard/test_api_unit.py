@@ -63,7 +63,7 @@ def test_the_units_list_is_no_change_of_the_car(tmp_path):
         assert [entry["time"] for entry in it.get("/journal")["entries"]] == [2]
 
 
-def test_older_entries_of_the_journal_are_told_in_english(tmp_path):
+def test_older_entries_of_the_journal_are_in_english(tmp_path):
     with rig(tmp_path, None) as it:
         it.dashboard.settings.journal.parent.mkdir(parents=True)
         it.dashboard.settings.journal.write_text('{"time": 1.0, "change": "jump to 1234"}\n{}\n5\n')
@@ -128,7 +128,7 @@ def test_who_disconnects_meanwhile_spoils_no_answer(faulty):
     assert faulty.dashboard.info is None
 
 
-def test_every_command_is_tried_when_asked(shared_idle):
+def test_every_command_is_tried_on_request(shared_idle):
     reported = shared_idle.post("/passport/probe")["supported"]
     known = {it["source_name"]: it["supported"] for it in reported}
     assert known["CREADP"] is True

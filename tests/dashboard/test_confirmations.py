@@ -38,8 +38,8 @@ def test_what_is_no_longer_as_it_was_shown_does_not_pass():
             it.confirm(WRITE)
 
 
-def test_a_dangerous_change_that_nobody_confirmed_does_not_reach_the_unit(idle):
-    """Whoever asks for it inside the program; nobody unlocked anything, nobody said yes."""
+def test_a_dangerous_change_without_confirmation_does_not_reach_the_unit(idle):
+    """Whoever asks for it inside the program; changes are locked, and no client has confirmed."""
 
     def ask(job):
         return idle.dashboard.connection.thread.call(job).result(60)

@@ -59,7 +59,7 @@ def test_with_a_socket_it_is_kept_and_a_reload_does_not_lose_it(lease):
     assert lease.holder is None
 
 
-def test_a_page_that_was_closed_does_not_keep_it_by_a_request_that_came_late(lease):
+def test_a_late_request_of_a_closed_page_does_not_keep_control(lease):
     lease.socket_opened(ME)
     lease.socket_closed(ME)
     lease.demand(ME)  # was under way when the page was closed
@@ -94,7 +94,7 @@ def test_viewers_are_clients_not_sockets(lease):
     assert lease.viewers == 2
 
 
-def test_every_change_of_hands_is_told(lease):
+def test_every_change_of_control_is_reported(lease):
     hands = []
     lease._changed = lambda: hands.append(lease._holder and lease._holder.id)
     lease.demand(ME)
@@ -107,7 +107,7 @@ def test_every_change_of_hands_is_told(lease):
     assert hands == ["me", "it", None, "me", None]
 
 
-def test_a_request_that_came_to_nothing_is_taken_back(lease):
+def test_a_failed_request_is_taken_back(lease):
     undo = lease.demand(ME)
     undo()
     assert lease.holder is None
@@ -151,7 +151,7 @@ def test_who_only_looks_does_not_take_the_seat(idle):
     assert idle.get("/state", headers={})["controller"]["you"] is False
 
 
-def test_who_gives_no_id_is_told_what_is_known_and_asks_for_nothing(idle):
+def test_a_client_without_an_id_gets_known_data_and_no_new_request(idle):
     error = idle.get("/passport", 400, {})
     assert "X-Mikas-Client" in error["ru"]
     asked = []

@@ -199,7 +199,7 @@ def test_a_range_that_makes_no_sense_is_refused(shared_idle, wish):
     assert shared_idle.get("/dumps") == {"dumps": []}
 
 
-def test_a_folder_that_can_not_be_written_is_told(idle):
+def test_a_folder_that_can_not_be_written_is_an_error(idle):
     idle.dashboard.settings.recordings.write_text("in the way")
     name = idle.post("/dumps", XRAM)["id"]
     failed = ended(idle, name, "failed", "done")

@@ -64,7 +64,7 @@ def test_what_a_second_pass_found_outlives_the_program(tmp_path):
         assert (found["state"], found["done"], found["differences"]) == ("done", 4096, 1)
 
 
-def test_a_second_pass_that_has_not_begun_is_still_wanted(tmp_path, monkeypatch):
+def test_a_second_pass_that_has_not_started_is_still_wanted(tmp_path, monkeypatch):
     hold(monkeypatch)
     with program(tmp_path) as it:
         it.sampling()
@@ -146,7 +146,7 @@ def test_a_file_that_is_cut_in_the_second_pass_is_made_whole_first(idle):
     assert (dump["state"], dump["done"], dump["differences"]) == ("done", 128, 0)
 
 
-def test_a_file_that_is_gone_is_told(idle, monkeypatch):
+def test_a_missing_file_is_an_error(idle, monkeypatch):
     hold(monkeypatch)
     name = idle.post("/dumps", XRAM)["id"]
     begun(idle, name)

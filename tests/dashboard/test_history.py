@@ -23,7 +23,7 @@ def test_columns_for_json():
     }  # fmt: skip
 
 
-def test_whole_numbers_are_told_as_such():
+def test_whole_numbers_stay_whole():
     assert plain([1.0, -0.0, 0.1, NAN]) == [1, 0, 0.1, None]
 
 

@@ -12,7 +12,7 @@ def alarms(message):
 
 
 def voltage(rig, raw):
-    """What the unit tells of its supply from now on."""
+    """Set the supply voltage that the unit sends from now on."""
     car = rig.cars.car(rig.dashboard.connection.port.url)
     car.write(shipped().parameter("UACC").code, bytes([raw]))
 
@@ -24,10 +24,10 @@ def plan(rig, *names):
     return rig.until(lambda it: it.get("data", {}).get("names") == list(names))
 
 
-def test_an_alarm_is_there_again_when_its_channel_is_asked_for_again(idle):
+def test_an_alarm_is_there_again_when_its_channel_is_requested_again(idle):
     voltage(idle, LOW)
     idle.until(lambda it: alarms(it) == [("UACC", "warning")])
-    assert alarms(plan(idle, "TWAT")) == []  # nobody looks: whether it still is so is not known
+    assert alarms(plan(idle, "TWAT")) == []  # not sampled: its level is unknown
     plan(idle, "TWAT", "UACC")
     idle.until(lambda it: alarms(it) == [("UACC", "warning")])
     assert idle.get("/state")["alarm_count"] == 1

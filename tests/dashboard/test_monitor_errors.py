@@ -27,7 +27,7 @@ def spoilt(time, kind=NoResponse):
     return kind(seconds=0.5, request=b"\x01\x02", received=b"\x03", time=time)
 
 
-def test_what_a_repetition_cured_is_told_with_its_bytes():
+def test_an_error_cured_by_a_retry_is_reported_with_its_bytes():
     monitor, statistics = connected(), Statistics()
     statistics.fail(spoilt(5.0))
     monitor.count_failures(tuple(statistics.failures), 6.0)
@@ -39,7 +39,7 @@ def test_what_a_repetition_cured_is_told_with_its_bytes():
     assert (monitor.meters.errors, monitor.meters.errors_minute(10.0)) == (1, 1)
 
 
-def test_an_error_that_ended_a_cycle_too_is_told_once():
+def test_an_error_that_also_ended_a_cycle_is_reported_once():
     monitor, statistics = connected(), Statistics()
     cured, last = spoilt(5.0), spoilt(5.5)
     for error in (cured, last):
@@ -51,7 +51,7 @@ def test_an_error_that_ended_a_cycle_too_is_told_once():
     assert monitor.meters.errors == 2
 
 
-def test_a_verdict_on_exchanges_that_were_told_is_no_more_errors():
+def test_a_verdict_on_reported_exchanges_adds_no_errors():
     monitor, statistics = connected(), Statistics()
     last = spoilt(5.5)
     statistics.fail(last)
@@ -63,7 +63,7 @@ def test_a_verdict_on_exchanges_that_were_told_is_no_more_errors():
 
 
 @pytest.mark.parametrize("received", [b"", b"\x01"])
-def test_what_the_unit_does_not_know_is_told_but_is_no_error_of_the_line(received):
+def test_an_unknown_command_is_reported_and_is_no_error_of_the_line(received):
     monitor = connected()
     verdict = NotSupported(command="x", request=b"\x71", received=received, time=5.5)
     verdict.__cause__ = None if received else spoilt(5.5)

@@ -71,7 +71,7 @@ def test_a_session_that_ended_by_itself_says_why():
     assert gaps(monitor) == [(1.0, 11.0, ADVICE.text(EchoOnly()).en)]
 
 
-def test_a_plan_that_pauses_for_long_is_told_and_a_quick_one_not():
+def test_a_long_pause_for_a_plan_is_reported_and_a_short_one_is_not():
     monitor = connected()
     sample(monitor, 1.0, 1.1)
     monitor.take(PlanChanged(1.3, _Plan()))
@@ -80,7 +80,7 @@ def test_a_plan_that_pauses_for_long_is_told_and_a_quick_one_not():
     monitor.take(PlanChanged(2.7, _Plan()))
     sample(monitor, 2.8)
     assert gaps(monitor) == [(1.5, 2.8, OTHER_PLAN.en)]
-    sample(monitor, 9.0)  # seldom, and nobody has done anything
+    sample(monitor, 9.0)  # seldom, and without a new plan
     assert len(gaps(monitor)) == 1
 
 
@@ -97,7 +97,7 @@ def test_a_gap_that_begins_vaguely_ends_with_what_it_was():
     assert gaps(monitor) == [(1.0, 9.0, ADVICE.text(EchoOnly()).en)]
 
 
-def test_silence_is_told_before_it_is_known_what_it_is():
+def test_silence_is_reported_before_its_reason_is_known():
     monitor = connected()
     sample(monitor, 1.0, 1.2)
     assert monitor.silent(3.0) is None

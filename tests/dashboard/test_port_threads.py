@@ -28,7 +28,7 @@ def dashboard_of(tmp_path, **more):
     return Dashboard(Settings(tmp_path, state=tmp_path, **more))
 
 
-def test_what_a_session_of_before_tells_is_not_of_this_one(tmp_path):
+def test_events_of_an_earlier_session_are_not_of_this_one(tmp_path):
     dashboard = dashboard_of(tmp_path)
     dashboard.connection.state_known = lambda: None
     dashboard.connection.thread, before = OneThat(), OneThat()
@@ -54,7 +54,7 @@ class Opening:
         return self.link
 
 
-def test_a_port_that_opens_when_nobody_samples_any_more_is_closed_at_once(tmp_path):
+def test_a_port_that_opens_after_the_end_of_sampling_is_closed_at_once(tmp_path):
     opening = Opening(tmp_path)
     opening.wanting = SamplingThread(
         PortSettings("sim:"),
@@ -70,7 +70,7 @@ def test_a_port_that_opens_when_nobody_samples_any_more_is_closed_at_once(tmp_pa
         link.write(b"\x00")
 
 
-def test_a_port_that_opens_when_nobody_wants_the_doctor_any_more_is_not_used(tmp_path):
+def test_a_port_that_opens_after_the_end_of_the_doctor_is_not_used(tmp_path):
     opening, reported = Opening(tmp_path), []
     opening.wanting = Diagnosis("sim:", opening.settings)
     opening.wanting.run(reported.append)

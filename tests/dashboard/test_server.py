@@ -29,7 +29,7 @@ def built(tmp_path_factory):
         yield it
 
 
-def test_the_page_is_asked_for_again_its_parts_are_kept(built):
+def test_the_page_is_not_cached_and_its_parts_are(built):
     page = built.client.get("/")
     assert page.text == "<!doctype html>the page"
     assert page.headers["cache-control"] == "no-cache"
@@ -87,7 +87,7 @@ def test_every_route_says_what_it_takes_gives_and_refuses(shared_off):
                 assert "$ref" in json["schema"], operation
 
 
-def test_shapes_are_said_in_a_word_or_two():
+def test_shapes_are_named_in_a_word_or_two():
     assert shape({"anyOf": [{"type": "string"}, {"type": "null"}]}) == "string or null"
     assert shape({"type": "array", "items": {"$ref": "#/x/Y"}}) == "list of Y"
     assert shape({"enum": ["a", 1]}) == '"a" | 1'

@@ -47,7 +47,7 @@ class UnderWay(Future):
 
 
 class Running:
-    """A session that has begun with a job before anybody waits for it."""
+    """A session that runs a job before any thread waits for it."""
 
     def __init__(self, future):
         self.future = future
@@ -65,7 +65,7 @@ def test_a_job_whose_turn_did_not_come_is_never_done():
     assert done == []
 
 
-def test_a_job_that_has_begun_is_waited_for_and_its_end_told():
+def test_a_started_job_is_waited_for_and_its_end_reported():
     assert asyncio.run(run_in_turn(Running(UnderWay()), lambda _: None, 0.0)) == "written"
     with pytest.raises(ZeroDivisionError):
         asyncio.run(run_in_turn(Running(UnderWay(ZeroDivisionError())), lambda _: None, 0.0))
@@ -118,7 +118,7 @@ def test_who_comes_second_is_refused_not_kept_waiting(tmp_path, second):
 
 
 class Lock:
-    """A lock that tells when somebody has to wait for it."""
+    """A lock that reports when a thread has to wait for it."""
 
     def __init__(self, waited_for):
         self._lock, self._waited_for = threading.Lock(), waited_for
@@ -132,7 +132,7 @@ class Lock:
         self._lock.release()
 
 
-def test_of_two_plans_at_once_the_one_that_is_sampled_is_the_one_that_is_told(monkeypatch):
+def test_of_two_plans_at_once_the_sampled_one_is_reported(monkeypatch):
     sampled, reported, over = [], [], threading.Event()
 
     def second():

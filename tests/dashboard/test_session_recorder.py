@@ -47,7 +47,7 @@ def test_a_name_can_not_lead_elsewhere(name, kept):
     assert file_stem(name) == kept
 
 
-def test_a_folder_that_can_not_be_written_is_told_and_sampling_goes_on(idle):
+def test_a_folder_that_can_not_be_written_is_reported_and_sampling_goes_on(idle):
     idle.dashboard.settings.recordings.write_text("in the way")
     error = idle.post("/recording/start", {}, 400)
     assert error["ru"]
@@ -80,7 +80,7 @@ def test_without_a_connection_nothing_can_be_recorded(off):
     assert off.post("/recording/stop")["recording"] is None
 
 
-def test_it_begins_while_nobody_answers_and_waits_with_the_line(idle):
+def test_it_begins_without_an_ecu_and_waits_with_the_line(idle):
     idle.cars.pull()
     idle.until(lambda it: it["state"]["line"] == "no-port")
     idle.post("/recording/start", {"name": "waiting"})
@@ -114,7 +114,7 @@ def test_a_lid_closed_for_ten_minutes_is_a_gap_and_nothing_is_doubled(idle):
     assert all(value is None or value < 10 for value in fuel)
 
 
-def test_what_was_asked_for_before_the_recording_began_can_be_read_in_it(idle):
+def test_a_list_set_before_the_recording_began_can_be_decoded_in_it(idle):
     idle.put("/plan", {"wanted": [{"name": "TWAT"}], "method": "list", "rate": 5})
     idle.until(lambda it: it["state"]["method"] == "list" and "data" in it)
     idle.post("/recording/start", {"name": "list"})
@@ -125,7 +125,7 @@ def test_what_was_asked_for_before_the_recording_began_can_be_read_in_it(idle):
     assert len(rows["times"]) > 3
 
 
-def test_where_nobody_has_answered_yet_nothing_can_be_recorded(tmp_path):
+def test_nothing_can_be_recorded_before_the_first_answer(tmp_path):
     with rig(tmp_path, "sim:?supplied=0") as it:
         it.until(lambda message: message["state"]["line"] == "no-echo")
         error = it.post("/recording/start", {}, 503)

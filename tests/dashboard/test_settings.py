@@ -46,7 +46,7 @@ def test_an_address_with_nothing_behind_it_is_a_page_in_words(shared_off):
     assert "Reload" not in error["en"]
 
 
-def test_a_folder_where_nothing_can_be_kept_is_told_at_the_start(tmp_path):
+def test_an_unusable_folder_is_an_error_at_the_start(tmp_path):
     (tmp_path / "file").touch()
     options = {"host_port": None, "lan": False, "lan_control": False, "no_browser": True}
     with pytest.raises(UsageError, match="--record"):
@@ -55,7 +55,7 @@ def test_a_folder_where_nothing_can_be_kept_is_told_at_the_start(tmp_path):
     assert not (tmp_path / "new").exists()
 
 
-def test_a_folder_where_nothing_can_be_kept_is_told_in_the_list(tmp_path):
+def test_an_unusable_folder_is_a_problem_in_the_list(tmp_path):
     with rig(tmp_path, None) as it:
         assert it.get("/recordings")["problem"] is None
         it.dashboard.settings.recordings.write_text("in the way")

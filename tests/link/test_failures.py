@@ -75,7 +75,7 @@ def test_the_reason_decides_the_error(error, raised):
         (ValueError(), "ValueError"),
     ],
 )
-def test_other_reasons_are_told(error, message):
+def test_other_reasons_are_in_the_message(error, message):
     failed = opening_failed("socket://host:1", error)
     assert isinstance(failed, PortFailed)
     assert message in str(failed)

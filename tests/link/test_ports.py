@@ -124,7 +124,7 @@ def test_a_list_for_a_message():
     assert listed([]).en == "none"
 
 
-def test_the_system_can_be_asked():
+def test_the_systems_ports_can_be_listed():
     assert all(port.url and port.description for port in find_ports())
 
 

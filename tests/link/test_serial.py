@@ -124,7 +124,7 @@ def test_denied(native, monkeypatch):
 
 
 @pytest.mark.parametrize("scheme", ["socket", "rfc2217"])
-def test_nobody_listens(scheme):
+def test_a_refused_connection(scheme):
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
     with pytest.raises(PortFailed, match="no program listens there"):
@@ -171,7 +171,7 @@ class TestSocket:
         with tcp_rig() as rig, pytest.raises(LinkLost, match="takes no more bytes"):
             write_until_lost(rig.link, bytes(1_000_000))
 
-    def test_what_came_before_the_end_is_read_first(self):
+    def test_bytes_received_before_the_end_are_read_first(self):
         with tcp_rig() as rig:
             rig.peer.send(b"\x09\xf7\r")
             rig.peer.vanish()
@@ -228,7 +228,7 @@ class TestRfc2217:
             finally:
                 blocked.set()
 
-    def test_a_plain_tcp_server_is_told_apart(self, monkeypatch):
+    def test_a_plain_tcp_server_has_its_own_message(self, monkeypatch):
         monkeypatch.setattr(serial.rfc2217.Timeout, "TIME", Hasty())
         with (
             socket.create_server(("127.0.0.1", 0)) as server,

@@ -104,7 +104,7 @@ def test_options_given_by_name_win_and_show_in_the_url():
     ]
 
 
-def test_a_wrong_option_is_told_with_the_url():
+def test_the_error_of_a_wrong_option_names_the_url():
     def picky(url, options):
         check_names(options, ("baud",))
 

@@ -19,7 +19,7 @@ from .contract import FAR, LinkContract, RealTimeContract, Rig
 
 
 class PlainBus:
-    """A wire with nobody on it: what is sent is kept, what the test says arrives."""
+    """A wire without a unit: bytes sent are kept, bytes from the test arrive."""
 
     def __init__(self) -> None:
         self.ecu = SimpleNamespace(baud=9600)

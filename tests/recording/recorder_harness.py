@@ -58,7 +58,7 @@ def state(time: float, which: LineState) -> StateChanged:
 
 
 def begin_session(recorder, time: float = 1.0) -> None:
-    """What a session tells first."""
+    """Pass the first events of a session to the recorder."""
     for event in (
         state(time, LineState.ECU_ALIVE),
         unit(time + 0.1),

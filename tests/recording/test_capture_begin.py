@@ -1,4 +1,4 @@
-"""A capture that can't be begun: what to do about it is said, and nothing is left behind."""
+"""A capture that can't be started: the error says what to do, and no file is left behind."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def test_a_named_pipe_to_watch_through(tmp_path):
 
 
 def test_a_folder_that_may_not_be_written(tmp_path):
-    # Root may write anywhere, so the folder is one where nobody can.
+    # Root may write anywhere, so the folder is one where no user can.
     with pytest.raises(CaptureError):
         CaptureWriter("/proc/line.pcapng", url="sim:")
 

@@ -177,7 +177,7 @@ def test_a_packet_recorded_in_part(path):
 # Damaged files
 
 
-def test_cut_at_every_byte_it_yields_what_came_before(path):
+def test_a_capture_cut_at_any_byte_yields_everything_before_the_cut(path):
     whole = small_capture(path)
     everything = list(CaptureReader(path))
     ends = {item.offset for item in everything} | {len(whole)}

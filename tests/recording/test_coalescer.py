@@ -95,7 +95,7 @@ def test_same_bytes_same_order_and_frames_begin_when_they_did(chunks):
     times = [time for _, _, time in packets]
     assert times == sorted(times)
     for (_, data, time), last in zip(packets, _last_times(chunks, packets), strict=True):
-        assert time <= last  # nothing is told to have come later than it did
+        assert time <= last  # no byte has a later time than its arrival
         assert last - time <= 8.6 * BYTE + 1e-6
         assert len(data) <= 4096
 

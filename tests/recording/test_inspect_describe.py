@@ -76,7 +76,7 @@ def test_a_list_is_remembered():
     assert description("63", None, describe).en == "read the list"
 
 
-def test_while_a_list_is_being_set_nobody_knows_which_one_the_unit_has():
+def test_while_a_list_is_being_set_the_units_list_is_unknown():
     describe = Describer(shipped())
     description("641A29", None, describe)
     description("641A29", "00", describe)

@@ -86,7 +86,7 @@ def test_the_echo_that_was_found_late_is_believed():
     assert lines[2:] == ["= 01", "< 0A to 01", "> 60", "= 60"]
 
 
-def test_an_echo_that_never_came_is_not_found_later():
+def test_a_missing_echo_is_not_found_later():
     ask = frame("1111")
     assert described(f"> {ask}", "< 0D", "> 60A00D", f"< {ask}") == [
         "> 1111",
@@ -204,7 +204,7 @@ def test_a_message_with_an_empty_body():
     assert to_text(item).endswith("> —")
 
 
-def test_describe_is_asked_for_requests_and_answers_not_for_echo():
+def test_requests_and_responses_are_described_and_echo_is_not():
     asked = []
 
     def describe(request, response):

@@ -199,7 +199,7 @@ def test_alarms_what_was_learnt_markers_and_words(recorder, tmp_path):
     assert reported["note"] == {"text": "smoke"}
 
 
-def test_a_marker_before_anything_was_seen_has_no_time(recorder):
+def test_a_marker_before_the_first_event_has_no_time(recorder):
     assert recorder.marker(label="x") is None
 
 

@@ -1,4 +1,4 @@
-"""The recorder on a disk that is full, at any byte: nothing written is hurt, and it is told."""
+"""The recorder on a disk that is full at any byte: the file stays whole, the error is reported."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_samples_that_are_not_in_the_file_are_counted_apart(recorder, tmp_path, 
     assert (status.samples, status.lost) == (1, 0)
 
 
-def test_a_disk_that_is_full_at_the_start_is_told_there(tmp_path, monkeypatch):
+def test_a_disk_that_is_full_at_the_start_is_an_error_at_the_start(tmp_path, monkeypatch):
     disk = SmallDisk(monkeypatch)
     disk.room = 10
     recorder = Recorder()
@@ -100,7 +100,7 @@ def test_a_disk_that_is_full_at_the_start_is_told_there(tmp_path, monkeypatch):
     recorder.stop()
 
 
-def test_why_it_broke_off_is_told_to_the_end(recorder, tmp_path, monkeypatch):
+def test_the_reason_of_the_break_off_is_kept_to_the_end(recorder, tmp_path, monkeypatch):
     disk = SmallDisk(monkeypatch)
     recorder.start(tmp_path / "a.pcapng", url="sim:")
     begin_session(recorder)

@@ -228,7 +228,7 @@ def test_an_input_holds_for_a_cycle_that_is_longer_and_no_longer_than_that():
     np.testing.assert_array_equal(np.concatenate(parts), at_once)
 
 
-def test_what_is_asked_seldom_holds_for_a_second_beside_what_is_asked_often():
+def test_a_slow_parameter_holds_for_a_second_beside_a_fast_one():
     times = np.arange(0, 12, 0.5)
     pulses = np.where(times % 4 == 0, 4.0, NAN)
     column = Deriver(shipped(), ["DUTY"]).columns(
@@ -266,7 +266,7 @@ def test_what_adds_up_is_the_same_as_it_was_live_though_responses_were_spoilt(tm
     np.testing.assert_allclose(used - used[0], [value.value for value in live], atol=1e-9)
 
 
-def test_it_tells_the_methods_that_were_used_not_the_first_guess(tmp_path):
+def test_it_names_the_methods_used_and_not_the_first_guess(tmp_path):
     path = tmp_path / "measured.pcapng"
     wanted = (PlannedParameter(shipped().parameter("FREQ")),)
     with CaptureWriter(path, url=PORT) as sink:

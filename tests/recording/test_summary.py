@@ -100,7 +100,7 @@ def test_sessions_in_one_file_are_added_up(tmp_path):
     assert (both.samples, both.markers) == (2 * once.samples, 2 * once.markers)
 
 
-def test_samples_of_a_long_file_are_estimated_and_said_to_be(tmp_path, monkeypatch):
+def test_samples_of_a_long_file_are_estimated_and_marked_as_estimated(tmp_path, monkeypatch):
     path = record(tmp_path / "a.pcapng", count=400)
     counted = summarise(path)
     monkeypatch.setattr(summaries, "_COUNTED", 1000)
@@ -166,7 +166,7 @@ def test_any_damage_is_survived(whole, tmp_path_factory, data):
 # What the notes tell
 
 
-def test_a_recording_tells_whose_it_is_and_what_happened(tmp_path):
+def test_a_recording_names_its_unit_and_its_events(tmp_path):
     recording = mikas.open(record(tmp_path / "a.pcapng", count=5))
     assert recording.unit.adapter == "cable"
     assert recording.about["unit"] == "Mikas 7.1"

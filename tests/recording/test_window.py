@@ -80,7 +80,7 @@ def test_a_spike_stays_and_so_does_its_order(count):
     assert (rows.values["OWN"][0], rows.values["OWN"][-1]) == (0.0, 1.0)
 
 
-def test_a_time_in_which_nothing_came_is_a_hole():
+def test_a_time_without_values_is_a_hole():
     times = np.concatenate((np.arange(2000) / 100, 40 + np.arange(2000) / 100))
     speed = np.full(4000, 840.0)
     speed[1000:1500] = NAN

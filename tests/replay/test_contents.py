@@ -85,7 +85,7 @@ def test_a_lone_01_counts_as_it_does_in_a_table(tmp_path, exchanges, data):
     assert played(path) == sorted(wanted)
 
 
-def test_while_it_was_refused_its_last_value_is_not_told_again(tmp_path):
+def test_the_last_value_is_not_repeated_while_the_parameter_was_refused(tmp_path):
     path = tmp_path / "a.pcapng"
     refusing = [("6120", "01"), ("612020", "01"), *[("6129", "16")] * 30]
     write(path, [*[("612029", "1415")] * 30, *refusing, *[("612029", "1617")] * 30])
@@ -173,7 +173,7 @@ NO_PORT = note_of(StateChanged(2.5, LineState.NO_PORT))
 
 
 @pytest.mark.parametrize("notes", [[], [GAP], [NO_PORT]])
-def test_where_nobody_listened_no_old_value_is_played(tmp_path, notes):
+def test_no_old_value_is_played_where_nothing_was_recorded(tmp_path, notes):
     path = tmp_path / "a.pcapng"
     steady(path, notes)
     recorded = load(path)

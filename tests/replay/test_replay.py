@@ -52,7 +52,7 @@ def test_the_same_questions_at_the_same_times_get_the_recorded_answers(
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "drive.pcapng"
         url = sim(scenario=scenario, seed=seed, **how)
-        # A recording does not know its baud rate from the URL: whoever opens the port tells it.
+        # A recording does not know its baud rate from the URL: the opener of the port gives it.
         with (
             CaptureWriter(path, url=url, baud=baud) as writer,
             coalescing(writer, baud=baud) as sink,
@@ -71,7 +71,7 @@ def test_the_same_questions_at_the_same_times_get_the_recorded_answers(
 
 @given(st.lists(st.floats(0, 15), min_size=1, max_size=8))
 @settings(max_examples=15)
-def test_at_any_time_it_tells_what_was_recorded_last(moments):
+def test_at_any_time_it_gives_the_value_recorded_last(moments):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "drive.pcapng"
         with session(sim(scenario="city"), folder, path) as ecu:

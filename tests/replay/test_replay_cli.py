@@ -57,7 +57,7 @@ def test_a_recording_is_served_with_the_other_options(capture, served, capsys):
 
 
 @pytest.mark.parametrize("more", [[], ["--json"], ["-v"], ["--lang", "ru"]])
-def test_the_end_of_a_served_recording_is_told_once(capture, served, capsys, more):
+def test_the_end_of_a_served_recording_is_reported_once(capture, served, capsys, more):
     """On the wire it is a silence like that of a key that was turned off."""
     assert run(["sim", "--replay", str(capture), *more]) == 0
     capsys.readouterr()
@@ -114,7 +114,7 @@ def test_a_file_that_is_no_recording(capture, capsys, tmp_path):
     assert run(["read", "FREQ", "--port", f"replay:{tmp_path / 'nowhere'}"]) == 2
 
 
-def test_what_nobody_asked_while_it_was_recorded_is_not_the_units_lack(capture, capsys):
+def test_a_command_that_was_not_recorded_does_not_count_as_refused(capture, capsys):
     assert run(["faults", "--port", f"replay:{capture}?clock=simulated&loop=1"]) == 5
     err = capsys.readouterr().err
     assert "A recording answers only the requests that it contains" in err
@@ -124,7 +124,7 @@ def test_what_nobody_asked_while_it_was_recorded_is_not_the_units_lack(capture, 
 def test_info_of_a_recording_is_quick_and_says_what_a_recording_cannot_tell(
     capture, capsys, tmp_path
 ):
-    """A unit that is silent to 02 does not know it; a recording in which nobody asked may."""
+    """A unit that is silent to 02 does not know it; the unit of a recording without 02 may."""
     port = f"replay:{capture}?clock=simulated&loop=1"
     capsys.readouterr()
     wire = tmp_path / "wire.pcapng"
@@ -144,7 +144,9 @@ def test_info_of_a_recording_is_quick_and_says_what_a_recording_cannot_tell(
     assert "в записи нет" in capsys.readouterr().out
 
 
-def test_info_of_a_recording_tells_what_its_unit_refused(tmp_path, monkeypatch, capsys):
+def test_info_of_a_recording_names_the_commands_that_its_unit_refused(
+    tmp_path, monkeypatch, capsys
+):
     for name in ("HOME", "XDG_CONFIG_HOME", "XDG_STATE_HOME"):
         monkeypatch.setenv(name, str(tmp_path))
     file = str(tmp_path / "info.pcapng")

@@ -1,4 +1,4 @@
-"""A recording that is played to its end says so, and nobody waits for the ignition."""
+"""A recording played to its end is reported as such, without a wait for the ignition."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def test_log_ends_with_it_and_its_file_has_no_gap(mikas, drive, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["watch", "log"])
-def test_one_that_ends_before_anything_came_is_an_error(mikas, drive, tmp_path, name):
+def test_a_recording_that_ends_before_the_first_byte_is_an_error(mikas, drive, tmp_path, name):
     seek = load(drive).duration - 0.001
     argv = (name, *(("-o", "a.pcapng") if name == "log" else ()), "TWAT")
     status, out, err = mikas(*argv, "--port", again(drive, seek=f"{seek:.4f}"))
@@ -170,7 +170,7 @@ def test_the_ignition_that_was_off_in_the_middle_of_it_is_still_waited_out(mikas
     assert over.endswith("is over.")
 
 
-def test_a_report_is_of_what_came(mikas, tmp_path):
+def test_a_report_is_of_the_samples_received(mikas, tmp_path):
     assert mikas("log", "-o", "all.pcapng", "--count", "99", "--port", sim())[0] == 0
     argv = ("report", "-o", "a.html", "--duration", "600", "--port", again("all.pcapng"))
     status, _, err = mikas(*argv)

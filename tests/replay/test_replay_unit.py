@@ -36,7 +36,7 @@ def test_faults_and_identity_as_they_were_read_and_an_erase(tmp_path):
         assert ecu.erase_faults().after == ()
 
 
-def test_what_was_never_asked_is_not_made_up(tmp_path):
+def test_an_answer_that_was_never_recorded_is_not_made_up(tmp_path):
     path = tmp_path / "a.pcapng"
     with session(sim(), tmp_path, path) as ecu:
         ecu.read("FREQ")
@@ -55,7 +55,7 @@ def test_what_was_never_asked_is_not_made_up(tmp_path):
         assert ecu.raw(b"\x99") is None
 
 
-def test_the_unit_is_known_from_a_note_if_it_was_asked_before_the_recording_began(tmp_path):
+def test_the_unit_is_known_from_a_note_without_a_recorded_request(tmp_path):
     path = tmp_path / "a.pcapng"
     with CaptureWriter(path, url="a") as writer:
         write_session_header(
@@ -120,7 +120,7 @@ def test_one_lost_answer_proves_nothing(tmp_path):
     assert recorded.silences == []
 
 
-def test_commands_that_nobody_knows_are_answered_as_recorded(tmp_path):
+def test_unknown_commands_are_answered_as_recorded(tmp_path):
     path = tmp_path / "a.pcapng"
     with CaptureWriter(path, url="a") as writer:
         time = 0.0

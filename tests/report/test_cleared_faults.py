@@ -50,7 +50,7 @@ def test_a_report_right_after_erasing_is_not_green() -> None:
     assert "read the faults again" in render(it, "en")
 
 
-def test_what_did_not_come_back_for_long_is_told_and_no_more() -> None:
+def test_faults_that_stayed_away_for_long_are_good_news() -> None:
     it = after(gone(13), read=START + 20 + 900)
     assert it.outcome is Outcome.GOOD
     assert "13" in summary_sentence(it).en
@@ -69,7 +69,7 @@ def test_a_message_that_was_erased_changes_nothing() -> None:
     assert it.outcome is Outcome.GOOD
 
 
-def test_nobody_was_seen_to_erase_them() -> None:
+def test_faults_that_vanish_without_an_erase_are_not_cleared() -> None:
     it = after(gone(13, erased=False))
     assert it.outcome is Outcome.OPEN
     assert "erased" not in summary_sentence(it).en

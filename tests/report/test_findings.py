@@ -160,7 +160,7 @@ def test_too_few_values_of_one_parameter() -> None:
     assert "UACC" in {value.channel.name for value in findings.unrated}
 
 
-def test_without_what_tells_warm_idle() -> None:
+def test_without_the_parameters_of_warm_idle() -> None:
     findings = found(rows(THR=None, RXX=None))
     assert findings.rated == ()
     assert (
@@ -217,7 +217,7 @@ def test_what_the_file_could_not_tell() -> None:
     assert "damaged" not in all_texts(found())
 
 
-def test_a_unit_that_tells_no_passport_and_one_that_was_not_asked() -> None:
+def test_a_unit_without_a_passport_and_one_whose_passport_was_not_read() -> None:
     from dataclasses import replace
 
     from mikas.report.subject import UnitIdentity

@@ -92,7 +92,7 @@ def test_the_values_are_those_of_the_recording(drive: Path) -> None:
         assert stats.most == pytest.approx(values.max(), abs=10**-decimals)
 
 
-def test_faults_that_nobody_asked_for(tmp_path: Path) -> None:
+def test_faults_that_were_never_read(tmp_path: Path) -> None:
     found = find_in_recording(record(tmp_path / "a.pcapng", count=50, faults=False), shipped())
     assert found.faults is None
 
@@ -108,7 +108,7 @@ def test_the_last_answer_about_faults_counts(tmp_path: Path) -> None:
     assert find_in_recording(path, shipped()).faults == ()
 
 
-def test_without_a_head_nobody_knows_who_it_was(tmp_path: Path) -> None:
+def test_without_a_session_header_the_unit_is_unknown(tmp_path: Path) -> None:
     found = find_in_recording(record(tmp_path / "bare.pcapng", count=5, head=False), shipped())
     assert found.subject.unit is None
     render(found, "ru")

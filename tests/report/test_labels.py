@@ -1,4 +1,4 @@
-"""No word of the page that nobody says."""
+"""Every label is used by the page."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ def test_a_virtual_unit_is_called_so_in_the_page_s_language(language, printed) -
     assert printed in Parsed(text).printed
 
 
-def test_a_virtual_car_is_told_in_words() -> None:
+def test_a_virtual_car_is_named_in_words() -> None:
     url = "sim:?scenario=warm-idle&seed=1"
     text = page.render(found(port=url, adapter="virtual ECU"), "ru")
     assert "scenario=" not in text
@@ -252,7 +252,7 @@ def test_a_spike_is_drawn_and_a_gap_is_one() -> None:
 
 
 @pytest.mark.parametrize("language", ["en", "ru"])
-def test_why_nothing_came_is_told_without_bytes_and_advice(language) -> None:
+def test_the_reason_of_a_gap_has_no_bytes_and_no_advice(language) -> None:
     error = EchoOnly(request=b"\x01\xff\x0d", received=b"\x01\xff\x0d")
     gap = Gap(START + 50, START + 40, START + 50, error.text)
     text = page.render(found(rows(60), interruptions=(gap,)), language)

@@ -35,7 +35,7 @@ def test_the_same_as_of_all_values_at_once(stretches) -> None:
     assert stats.inside == pytest.approx(((values >= 1) & (values <= 3)).mean())
 
 
-def test_a_share_is_only_told_of_a_reference() -> None:
+def test_only_a_parameter_with_a_reference_has_a_share() -> None:
     spread = ValueCounts(0)
     spread.add(np.array([1.0]))
     stats = spread.stats()

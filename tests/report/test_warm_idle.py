@@ -87,7 +87,7 @@ def test_the_throttle_itself_counts_where_it_is_known() -> None:
     assert idle.stretches == ()
 
 
-def test_what_nothing_told_is_counted() -> None:
+def test_samples_without_the_rules_values_are_counted() -> None:
     idle, _ = look(rows(60, THR=only(20), RXX=None))
     assert idle.seconds == pytest.approx(20 - SETTLING + PAUSE, abs=0.2)
     (throttle,) = [observed for observed in idle.rules if observed.name == "THR"]

@@ -96,7 +96,7 @@ def test_what_is_added_up_goes_on_when_other_channels_are_wanted_but_not_in_anot
         made.reconfigure(["FUEL_USED"], "batch")
         third = used(events)
         assert third.value > second.value
-        assert (third.since, third.gaps) == (first.since, 1)  # and that is told
+        assert (third.since, third.gaps) == (first.since, 1)  # and that is counted
         made.reconfigure(["FREQ"], "batch")
         take(events, enough)
         plug.bus.ecu.responder.car.on = False
@@ -192,7 +192,7 @@ def test_alarms_follow_their_sample():
         assert made.alarms["TWAT"].level.value == "danger"
         plug.pull()
         take(events, lambda e: bool(of(StateChanged, e)))
-        assert made.alarms["TWAT"].stale  # nobody knows now
+        assert made.alarms["TWAT"].stale  # unknown without a port
         assert made.alarms["TWAT"].level.value == "danger"
 
 
@@ -375,7 +375,7 @@ def test_other_threads_may_want_ask_and_forget_as_they_like():
                     case _ if turn % 31 == 0:
                         made.relearn()
                 assert made.price(["FREQ"]).rate > 0
-        except Exception as error:  # it is to be told in the test's own thread
+        except Exception as error:  # raised again in the test's own thread
             failed.append(error)
 
     threads = [threading.Thread(target=others, args=(turn,)) for turn in range(2)]

@@ -76,7 +76,7 @@ def test_a_steady_flow_of_them_does_not_stop_the_sampling_nor_the_other_way_roun
         took = samples[-1].time - samples[0].time
         after = take(events, enough)
     assert len(samples) >= 95  # one between any two of them
-    assert took < 100 * 0.1  # no stream is begun and ended for each
+    assert took < 100 * 0.1  # no stream is started and ended for each
     assert len(of(Sampled, after)) == 40
     assert not of(CycleFailed, reported + after)
 
@@ -153,7 +153,7 @@ def test_the_end_of_sampling_fails_them():
         waiting = sampler.call(faults)
     assert isinstance(waiting.exception(0), LinkLost)
     assert isinstance(sampler.call(faults).exception(0), LinkLost)
-    with closing(sampler.run()) as events:  # begun again, it looks after them again
+    with closing(sampler.run()) as events:  # started again, it looks after them again
         take(events, enough)
         again = sampler.call(faults)
         take(events, enough)

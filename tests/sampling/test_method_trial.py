@@ -1,4 +1,4 @@
-"""Measuring the methods keeps nobody waiting: looks between two cycles, on a slow unit too."""
+"""Measuring the methods delays no call: looks between two cycles, on a slow unit too."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sampling on simulated time: the method that is chosen, what is told, and what comes back."""
+"""Sampling on simulated time: the chosen method, the events, and the values."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ def test_line_faults_make_gaps_and_no_wrong_value():
 
 @pytest.mark.parametrize(("method", "most"), [("batch", 3.0), ("stream", 4.0)])
 def test_ignition_off_is_reported_as_soon_as_certain(method, most):
-    """Ending a stream tells as much as asking anew would: nobody is asked twice over."""
+    """Ending a stream proves as much as a new request would: no second request is sent."""
     bus = make_bus()
     with closing(make_sampler(SimulatedPlug(bus), method=method).run()) as events:
         last = take(events, enough)[-1].time

@@ -1,4 +1,4 @@
-"""The way to the ECU: what is told on it, who is met at its end, and that time goes on."""
+"""Connecting to the ECU: the states reported, the unit found, and that time goes on."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ class TestAnotherCar:
         assert [u.another for u in of(UnitFound, reported)] == [True]
         assert of(UnitFound, reported)[0].passport.program[0] == "ANOTHER"
         assert of(PlanChanged, reported)  # a new recording begins with it
-        assert of(MethodChosen, reported)[0].method == "batch"  # found out anew
+        assert of(MethodChosen, reported)[0].method == "batch"  # measured again
         assert_values_are_the_units(reported)
 
     def test_of_another_model(self):

@@ -30,7 +30,7 @@ METHODS = ["single", "batch", "list", "stream", "stroke0"]
 
 
 def after_an_outage(method: str, seconds: float, identity: Identity) -> list[Event]:
-    """What is told when the plug is carried to the car of `identity` and other data."""
+    """The events when the plug is carried to the car of `identity` and other data."""
     plug = SimulatedPlug(make_bus())
     unit = plug.bus.ecu
 

@@ -76,7 +76,7 @@ def test_a_streams_response_began_no_later_than_any_of_its_lumps_says(handed_ove
         assert time > before
 
 
-def test_what_came_late_and_then_at_once_does_not_run_back():
+def test_late_bytes_in_one_chunk_do_not_run_back_in_time():
     """The first response was held up for 0.2 s, and the others with it: they come right behind."""
     ends = [FIRST + (r + 1) * len(WIRE) * BYTE for r in range(40)]
     came = [(max(end, ends[0] + 0.2), WIRE) for end in ends]
@@ -100,7 +100,7 @@ def test_so_did_the_one_response_to_a_request(handed_over, late):
     assert began == pytest.approx(earliest(came, 0), abs=1e-9)
 
 
-def test_with_an_adapter_of_16_ms_it_is_right_to_a_lump_less_what_came_in_it():
+def test_with_an_adapter_of_16_ms_it_is_right_to_one_chunk_less_its_bytes():
     """A response of 6 bytes by strokes: within 16 ms less 5 bytes; it was up to 16 ms."""
     unit = Watched(adapter=SLOW, rpm=3100.0)
     tester = unit.connected()

@@ -46,7 +46,7 @@ def test_finds_out_by_itself_whether_the_line_echoes(adapter):
 
 
 @each_adapter
-def test_takes_the_echo_mode_that_it_is_told(adapter):
+def test_it_takes_the_echo_mode_that_is_set(adapter):
     tester = Watched(adapter=adapter).connected(echo=Echo.ON if adapter.echo else Echo.OFF)
     assert tester.echoes is adapter.echo
     right(tester)
@@ -86,7 +86,7 @@ def test_with_the_ignition_off_there_is_only_the_echo(echo):
     assert unit.link.now() < 3
 
 
-def test_an_echo_on_a_line_said_to_have_none_is_no_version_code():
+def test_an_echo_on_a_line_set_to_no_echo_is_no_version_code():
     unit = Watched()
     unit.car.on = False
     with pytest.raises(EchoOnly):
@@ -111,14 +111,14 @@ def test_it_connects_once_the_ignition_is_on():
     right(tester)
 
 
-def test_the_wrong_echo_setting_is_told_as_such():
+def test_the_wrong_echo_setting_has_its_own_error():
     with pytest.raises(EchoDiffers):
         Watched(adapter=SILENT_ADAPTER).tester(echo=Echo.ON).connect()
     with pytest.raises(EchoDiffers):
         Watched().tester(echo=Echo.OFF).connect()
 
 
-def test_an_echo_that_always_differs_is_told():
+def test_an_echo_that_always_differs_is_an_error():
     link = ScriptedLink(lambda sent: [(0.0, bytes(b ^ 0x10 for b in sent))], echo=False)
     with pytest.raises(EchoDiffers) as caught:
         make(link).connect()
@@ -172,7 +172,7 @@ def test_noise_before_connecting_is_let_pass(noise, adapter):
 @each_adapter
 @pytest.mark.parametrize("datum", [b"\x0a", b"\x09", b"\x55", b"\x12\x34"])
 @pytest.mark.parametrize("after", [0.005, 0.05, 0.07, 0.1, 0.13, 0.2, 0.27, 0.35, 0.5, 0.7])
-def test_a_late_answer_to_an_earlier_program_is_nobodys_version(after, datum, adapter):
+def test_a_late_answer_to_an_earlier_program_is_no_version_code(after, datum, adapter):
     unit = Watched(adapter=adapter)
     unit.bus._unit.transmit(encode(datum), after)
     tester = unit.tester()
@@ -214,7 +214,7 @@ def test_a_stream_left_over_from_an_earlier_session_is_ended(command, end, adapt
     assert unit.link.now() < 12
 
 
-def test_a_line_that_never_becomes_quiet_is_told():
+def test_a_line_that_never_becomes_quiet_is_an_error():
     class Babbling(ScriptedLink):
         def read(self, deadline):
             self.arrive(self._now + self.byte_time, b"\x55")

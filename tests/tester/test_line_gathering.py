@@ -174,7 +174,7 @@ def test_pauses_that_are_allowed_are_allowed_wherever_they_are(pauses, echo):
 
 
 def test_an_echo_that_the_adapter_makes_itself_is_timed_when_it_comes():
-    """Its baud rate is told from that."""
+    """Its baud rate follows from that."""
     link = ScriptedGathering(lambda sent: [(0.003, encode(bytes([VERSION])))])
     link_write = link.write
 

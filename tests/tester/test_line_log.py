@@ -31,7 +31,7 @@ def test_a_stream_is_logged_frame_by_frame(caplog, tmp_path):
     assert sum(line.startswith("< ") for line in lines(caplog)) >= 3
 
 
-def test_a_failure_is_logged_with_the_bytes_that_came(caplog, tmp_path):
+def test_a_failure_is_logged_with_the_bytes_received(caplog, tmp_path):
     with connect(SIM, state=tmp_path) as ecu, caplog.at_level(logging.DEBUG, logger="mikas.tester"):
         ecu.tester.link.bus.fault_injector.next(LineFault.DAMAGED)
         ecu.read("TWAT")

@@ -66,7 +66,7 @@ each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
 # A late datum that looks like the unit's own answer to 01.
 @example([16, 22, 22], [(LATE, 0.6), (LOST, 0), (LOST, 0)], 0, 0)
 @example([16, 22, 22], [(LATE, 0.95), (LATE, 0.95), (LOST, 0)], 0, 0)
-# The second copy meets the next request, and no echo tells.
+# The second copy meets the next request, and no echo marks it.
 @example([16, 16, 17, 18, 18], [(LineFault.DOUBLED, 0)] * 5, 0, 0)
 def test_never_another_parameters_value(adapter, codes, fates, seed, retries):
     never_anothers(codes, fates, adapter, seed, retries=retries)
@@ -193,7 +193,7 @@ def test_after_plain_damage_it_goes_on_at_once():
 
 
 @pytest.mark.parametrize("adapter", [ECHOING, ADAPTERS[1]], ids=adapter_name)
-def test_a_unit_that_is_gone_is_told_and_found_again(adapter):
+def test_a_unit_that_is_gone_is_reported_and_found_again(adapter):
     unit = Watched(adapter=adapter)
     tester = unit.connected()
     right(tester)
@@ -207,7 +207,7 @@ def test_a_unit_that_is_gone_is_told_and_found_again(adapter):
     right(tester)
 
 
-def test_an_adapter_that_loses_its_supply_is_told_as_such():
+def test_an_adapter_that_loses_its_supply_has_its_own_error():
     unit = Watched()
     tester = unit.connected()
     kind = unit.bus.adapter.kind

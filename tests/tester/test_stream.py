@@ -1,4 +1,4 @@
-"""Streams: begun, read, and ended from any state (D12, D15)."""
+"""Streams: started, read, and ended from any state (D12, D15)."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def test_line_faults_at_the_end_of_a_stream_give_no_wrong_value(command, end, la
             unit.bus.fault_injector = Fate([(LineFault.LOST, 0)])
             right(tester)
         except MikasError:
-            pass  # told; but never a wrong value
+            pass  # reported, and never a wrong value
         unit.bus.fault_injector = Fate([])
         right(tester)
 

@@ -1,4 +1,4 @@
-"""Streams that are refused, fall silent, are cut off or damaged: told, and ended all the same."""
+"""Streams that are refused, fall silent, are cut off or damaged: reported, and ended."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def test_the_adapter_is_pulled_out_meanwhile(command):
 
 
 @each_stream
-def test_without_a_break_a_deaf_unit_is_told(command):
+def test_without_a_break_a_deaf_unit_is_reported(command):
     unit = Watched(stream_end=StreamEnd.BREAK)
     tester = unit.connected(BreaklessLink(unit.bus))
     with pytest.raises(LineNotQuiet), tester.stream(command) as stream:
@@ -197,7 +197,7 @@ def test_reads_and_streams_by_turns_in_heavy_weather(seed):
             right(tester, random.choice(sorted(ONE_BYTE)))
 
 
-def test_a_response_that_is_left_out_is_told_to_who_asks_for_it():
+def test_raise_errors_raises_for_each_response_left_out():
     unit = Watched()
     tester = unit.connected()
     with tester.stream(c.StreamCyclic(SEVERAL)) as stream:

@@ -109,13 +109,13 @@ each_case = pytest.mark.parametrize(
 
 
 @each_case
-def test_an_adapter_that_goes_away_at_any_point_is_told(end, command):
+def test_an_adapter_that_goes_away_at_any_point_is_reported(end, command):
     for at in some_of(operations_of(end, command)):
         unit = Watched(stream_end=end)
         link = StrikingLink(unit.bus, at, StrikingLink.unplug)
         with pytest.raises(LinkLost):
             session(unit, link, command)
-        assert link.operations < at + 20  # nobody goes on trying
+        assert link.operations < at + 20  # no thread goes on trying
 
 
 @each_case
@@ -132,7 +132,7 @@ def test_ctrl_c_at_any_point_leaves_it_usable(end, command):
         except KeyboardInterrupt:
             pass
         else:
-            raise AssertionError("nobody was interrupted")
+            raise AssertionError("no request was interrupted")
         if tester.version_code is None:
             tester.connect()
         unit.bus.fault_injector = Fate([(LineFault.LOST, 0)])

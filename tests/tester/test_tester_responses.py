@@ -1,4 +1,4 @@
-"""Each way in which a response can be wrong, what is told of it, and what is sent again."""
+"""Each way in which a response can be wrong, the error for it, and what is sent again."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_a_read_is_repeated(command, line_fault, adapter):
 @each_adapter
 @pytest.mark.parametrize("line_fault", ERROR_OF)
 @pytest.mark.parametrize("command", READS, **by_name)
-def test_what_is_told_when_repeating_does_not_help(command, line_fault, adapter):
+def test_the_error_when_retries_do_not_help(command, line_fault, adapter):
     unit = Watched(adapter=adapter)
     tester = unit.connected(retries=0)
     tester.request(command)
@@ -116,7 +116,7 @@ def test_a_write_whose_echo_differs_is_not_sent_twice(command):
 
 
 @pytest.mark.parametrize("retries", [0, 1, 2, 5])
-def test_as_often_as_it_was_told(retries):
+def test_it_retries_as_often_as_set(retries):
     unit = Watched()
     tester = unit.connected(retries=retries)
     right(tester, 22)
@@ -243,7 +243,7 @@ def test_content_that_makes_no_sense_is_never_accepted(command, body):
 
 
 @pytest.mark.parametrize("command", WRITES[4:], **by_name)
-def test_a_refused_write_is_told_and_leaves_the_tester_in_step(command):
+def test_a_refused_write_is_an_error_and_leaves_the_tester_in_sync(command):
     tester = make(answering({command.body(): encode(b"\x01")}))
     tester.connect()
     with pytest.raises(WriteRefused):
@@ -377,7 +377,7 @@ def test_anything_may_be_sent_raw_and_the_next_value_is_right(body, adapter):
 
 
 @pytest.mark.parametrize("line_fault", [LineFault.DAMAGED, LineFault.CUT, LineFault.MISSING_BYTE])
-def test_a_raw_exchange_that_is_spoilt_is_told_and_not_repeated(line_fault):
+def test_a_damaged_raw_exchange_is_an_error_and_not_repeated(line_fault):
     unit = Watched()
     tester = unit.connected()
     unit.bus.fault_injector = Fate([(line_fault, 0)], seed=1)

@@ -42,7 +42,7 @@ def adapter_name(kind: AdapterKind) -> str:
 
 
 class Watched:
-    """A unit on its wire, and everything that its watcher was told."""
+    """A unit on its wire, and every event of its watcher."""
 
     def __init__(
         self,

@@ -130,7 +130,7 @@ def ask_when_free(connection: socket.socket) -> bytes:
 
 
 def test_a_wire_too_fast_for_this_computer_does_not_block_others():
-    """A stream at 400 kB a second, into a socket that nobody empties."""
+    """A stream at 400 kB a second, into a socket that is never read."""
     cars = ({"baud": "4000000", "turn_round": "0"}, {})
     with serving(a_tcp_port, *cars) as server, client(server.urls[1]) as other:
         with client(server.urls[0]) as deaf:
@@ -207,7 +207,7 @@ def test_a_host_that_does_not_exist():
 
 
 def test_the_testers_bytes_precede_overdue_ones():
-    """The loop woke late: the unit's next response had not begun when the tester's byte came."""
+    """The loop woke late: the unit's next response had not started when the tester's byte came."""
     now = 0.0
     heard = bytearray()
 

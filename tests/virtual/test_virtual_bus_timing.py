@@ -42,7 +42,7 @@ def test_at_another_pace(baud):
     assert tester.times[-1] == pytest.approx(6 * 10 / baud + TURN, abs=EXACT)
 
 
-def test_what_is_said_in_pieces_goes_out_without_gaps():
+def test_bytes_written_in_pieces_are_sent_without_gaps():
     tester = RawTester(make_bus())
     for value in b"\x01\xff\x0d":
         tester.say(bytes([value]))

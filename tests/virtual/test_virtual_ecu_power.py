@@ -1,4 +1,4 @@
-"""The supply, and what a unit keeps of what it was told: faults, writes, memory, pinned values."""
+"""The supply, and what a unit keeps without it: faults, writes, memory, pinned values."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ def test_the_address_of_sim_is_the_first_line(start, sim):
     assert process.wait(PATIENCE) == 130
 
 
-def test_sim_on_tcp_tells_events(start):
+def test_sim_on_tcp_prints_events(start):
     process = start("sim", "--tcp", "127.0.0.1:0", "--json")
     url = json.loads(process.stdout.readline())["url"]
     assert url.startswith("socket://127.0.0.1:")

@@ -185,7 +185,7 @@ def test_a_damaged_file(tmp_path_factory, plan, wounds):
 def test_two_recordings_in_a_file_do_not_mix(tmp_path):
     path = tmp_path / "line.pcapng"
     record(path, [("batch", ["TWAT", "FREQ"], 3)])
-    record(path, [("list", ["UACC"], 3)])  # time begins anew
+    record(path, [("list", ["UACC"], 3)])  # time starts again
     table = TableReader(path, CATALOG)
     (first, _), (second, rows) = table.stretches()
     assert (first.recording, second.recording) == (0, 1)
@@ -242,7 +242,7 @@ def test_channels_say_what_they_are(tmp_path):
     lump=st.integers(1, 40),
     size=st.sampled_from([3, 65536]),
 )
-def test_responses_that_came_late_and_at_once_have_the_times_that_they_had_live(
+def test_late_responses_in_one_chunk_have_the_times_that_they_had_live(
     tmp_path_factory, held_up, lump, size
 ):
     """They rise, so that no table has two rows at one time."""

@@ -70,7 +70,7 @@ def test_msl_has_them_as_lines_between_the_rows(tmp_path):
     assert lines[4].split("\t")[1:] == ["NaN", "NaN", "NaN"]
 
 
-def test_marks_speak_the_language_that_was_asked_for(tmp_path):
+def test_marks_are_in_the_requested_language(tmp_path):
     out = tmp_path / "log.msl"
     export(out, CHANNELS, FIXED, events=EVENTS, language="ru")
     assert "MARK 001 - разрыв 1,0 с: нет ответа" in out.read_text("utf-8").splitlines()

@@ -25,7 +25,7 @@ def disk_of(size):
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_a_full_disk_is_told_and_leaves_nothing(tmp_path, suffix):
+def test_a_full_disk_is_an_error_and_leaves_no_file(tmp_path, suffix):
     out = tmp_path / f"log{suffix}"
     chance = np.random.default_rng(7)
     pieces = (

@@ -62,7 +62,7 @@ def test_unless_it_may_be_overwritten(tmp_path, suffix):
 
 
 @every_format
-def test_a_file_that_came_while_we_wrote_stays(tmp_path, suffix):
+def test_a_file_created_during_the_export_stays(tmp_path, suffix):
     out = tmp_path / f"log{suffix}"
 
     def source():

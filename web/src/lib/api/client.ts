@@ -51,7 +51,7 @@ export const clientName = (): string => {
   return [browser, system].filter(Boolean).join(", ") + ` (${tabLabel})`;
 };
 
-/** A short label that tells this tab from another of the same browser; it survives a reload. */
+/** A short label that distinguishes this tab from others of the same browser; it survives a reload. */
 export const tabLabel = clientId.slice(-3).toUpperCase();
 
 globalThis.window?.addEventListener("pagehide", () => {
