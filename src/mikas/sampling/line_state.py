@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import Enum
-from typing import Final, TypeAlias
+from typing import Final
 
 from mikas.errors import EchoOnly, LineError, MikasError, NoConnection
 from mikas.sampling.events import LineState
@@ -46,27 +46,60 @@ class ImpossibleTransition(RuntimeError):
         self.event = event
 
 
-_Row: TypeAlias = Mapping[LineTrigger, LineState | None]
-_FROM_EVERY_STATE: Final[_Row] = {
-    LineTrigger.PORT_LOST: LineState.NO_PORT,  # also at the first use of the opened port
-    LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-    LineTrigger.SILENT: LineState.ECHO_ONLY,
-    LineTrigger.SPOILT: LineState.ECHO_ONLY,
-    LineTrigger.ENDED: None,
-}
-_PORT_MISSING: Final[_Row] = {LineTrigger.PORT_MISSING: LineState.NO_PORT}
-_IDENTIFIED: Final[_Row] = {LineTrigger.IDENTIFIED: LineState.ECU_ALIVE}
-_REQUESTED: Final[_Row] = {
-    LineTrigger.ACCEPTED: LineState.SAMPLING,
-    LineTrigger.REFUSED: LineState.ECU_ALIVE,
-}
-TRANSITIONS: Final[Mapping[LineState | None, _Row]] = {
-    None: {**_FROM_EVERY_STATE, **_PORT_MISSING, **_IDENTIFIED},  # not running
-    LineState.NO_PORT: {**_FROM_EVERY_STATE, **_PORT_MISSING, **_IDENTIFIED},
-    LineState.NO_ECHO: {**_FROM_EVERY_STATE, **_IDENTIFIED},
-    LineState.ECHO_ONLY: {**_FROM_EVERY_STATE, **_IDENTIFIED},
-    LineState.ECU_ALIVE: {**_FROM_EVERY_STATE, **_IDENTIFIED, **_REQUESTED},  # IDENTIFIED: another
-    LineState.SAMPLING: {**_FROM_EVERY_STATE, **_REQUESTED},  # ACCEPTED: another plan
+TRANSITIONS: Final[Mapping[LineState | None, Mapping[LineTrigger, LineState | None]]] = {
+    None: {  # not running
+        LineTrigger.PORT_MISSING: LineState.NO_PORT,
+        LineTrigger.PORT_LOST: LineState.NO_PORT,
+        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+        LineTrigger.SILENT: LineState.ECHO_ONLY,
+        LineTrigger.SPOILT: LineState.ECHO_ONLY,
+        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
+        LineTrigger.ENDED: None,
+    },
+    LineState.NO_PORT: {
+        LineTrigger.PORT_MISSING: LineState.NO_PORT,
+        LineTrigger.PORT_LOST: LineState.NO_PORT,  # the port opened, and failed at its first use
+        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+        LineTrigger.SILENT: LineState.ECHO_ONLY,
+        LineTrigger.SPOILT: LineState.ECHO_ONLY,
+        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
+        LineTrigger.ENDED: None,
+    },
+    LineState.NO_ECHO: {
+        LineTrigger.PORT_LOST: LineState.NO_PORT,
+        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+        LineTrigger.SILENT: LineState.ECHO_ONLY,
+        LineTrigger.SPOILT: LineState.ECHO_ONLY,
+        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
+        LineTrigger.ENDED: None,
+    },
+    LineState.ECHO_ONLY: {
+        LineTrigger.PORT_LOST: LineState.NO_PORT,
+        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+        LineTrigger.SILENT: LineState.ECHO_ONLY,
+        LineTrigger.SPOILT: LineState.ECHO_ONLY,
+        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
+        LineTrigger.ENDED: None,
+    },
+    LineState.ECU_ALIVE: {
+        LineTrigger.PORT_LOST: LineState.NO_PORT,
+        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+        LineTrigger.SILENT: LineState.ECHO_ONLY,
+        LineTrigger.SPOILT: LineState.ECHO_ONLY,
+        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,  # another unit
+        LineTrigger.ACCEPTED: LineState.SAMPLING,
+        LineTrigger.REFUSED: LineState.ECU_ALIVE,
+        LineTrigger.ENDED: None,
+    },
+    LineState.SAMPLING: {
+        LineTrigger.PORT_LOST: LineState.NO_PORT,
+        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+        LineTrigger.SILENT: LineState.ECHO_ONLY,
+        LineTrigger.SPOILT: LineState.ECHO_ONLY,
+        LineTrigger.ACCEPTED: LineState.SAMPLING,  # another plan
+        LineTrigger.REFUSED: LineState.ECU_ALIVE,
+        LineTrigger.ENDED: None,
+    },
 }
 
 FAILURES: Final[tuple[tuple[type[MikasError], LineTrigger], ...]] = (
