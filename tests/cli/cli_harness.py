@@ -116,3 +116,8 @@ def is_russian(text: str, *, wordy: bool = True, names: Iterable[str] = ()) -> N
     left = set(re.findall(r"[A-Za-z][A-Za-z-]{2,}", plain)) - WORDS - set(names)
     assert not left, (left, text)
     assert re.search("[а-я]", text) or not wordy
+
+
+def is_hex(text: object) -> bool:
+    """Whether `text` is bytes in hex, as the JSON writes them."""
+    return isinstance(text, str) and re.fullmatch("([0-9A-F]{2})*", text) is not None

@@ -185,13 +185,3 @@ def test_a_write_is_announced_read_back_and_journaled(mikas):
     assert done["outcome"] == "0D 40"
     assert "DANGER" in mikas("mem", "write", "code", "8000", "0D", "--yes").err
     assert len(mikas.journal) == 4
-
-
-def test_a_parameter_write_shows_values(mikas):
-    ran = mikas("write", "UOZ", "-5,5", "--yes")
-    assert "after:  -5.5 ° crank (F5)" in ran.err
-    assert ran.out.endswith("→ -5.5 ° crank\n")
-    assert mikas.journal[-1]["after"] == "F5"
-    ran = mikas("write", "INJ", "--raw", "5802", "--yes", "--lang", "ru")
-    assert ran.status in (0, 5)
-    assert "будет: 4,80 мс (58 02)" in ran.err

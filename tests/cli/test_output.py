@@ -5,50 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-
-from mikas.catalog import shipped
-from mikas.virtual.cars import EngineCar
-from mikas.virtual.model.engine import Engine
-from protocol_codes import NAMES
-
-HEX = re.compile("([0-9A-F]{2})*")
-
-
-def is_hex(text: object) -> bool:
-    return isinstance(text, str) and HEX.fullmatch(text) is not None
-
-
-def test_read(mikas):
-    readings = mikas("read", "TWAT", "RXX", "0x3F:2", "--json").object["readings"]
-    assert set(readings) == {"TWAT", "RXX", "0x3F:2"}
-    assert readings["TWAT"]["unit"] == "°C"
-    assert type(readings["TWAT"]["value"]) in (int, float)
-    assert readings["RXX"]["value"] in (True, False)
-    assert type(readings["RXX"]["value"]) is bool
-    for reading in readings.values():
-        assert set(reading) == {"value", "unit", "raw", "time"}
-        assert is_hex(reading["raw"])
-        assert type(reading["time"]) is float
-    assert len(readings["0x3F:2"]["raw"]) == 4
-
-
-def test_every_parameter_is_read_when_none_is_named(mikas):
-    listed = {it["name"] for it in mikas("params", "--json").object["parameters"]}
-    assert listed == {parameter.name for parameter in shipped().parameters}
-    codes = EngineCar(Engine(), shipped()).codes  # the simulated engine may lack a shipped code
-    simulated = {parameter.name for parameter in shipped().parameters if parameter.code in codes}
-    assert set(mikas("read", "--json").object["readings"]) == simulated
-    assert set(NAMES) <= simulated
-
-
-def test_params(mikas):
-    ran = mikas("params", "--json", sim="&supplied=0")  # needs no port
-    parameters = {it["name"]: it for it in ran.object["parameters"]}
-    inj = parameters["INJ"]
-    assert {"name", "code", "size", "unit", "formula", "text", "errata"} <= set(inj)
-    assert (inj["code"], inj["size"], inj["unit"]) == ("3F", 2, "ms")
-    assert set(inj["text"]) == {"en", "ru"}
-    assert parameters["FREQ"]["errata"][0]["name"] == "E1"
+from cli_harness import is_hex
 
 
 def test_info(mikas):
@@ -89,13 +46,6 @@ def test_faults(mikas):
 def test_erased_faults(mikas):
     ran = mikas("faults", "erase", "--yes", "--json", sim="&faults=13,53").object
     assert ran == {"schema": 1, "before": [13, 53], "after": []}
-
-
-def test_write(mikas):
-    ran = mikas("write", "UOZ", "10", "--yes", "--json").object
-    assert set(ran) == {"schema", "name", "before", "after", "raw_before", "raw_after"}
-    assert (ran["name"], ran["after"], ran["raw_after"]) == ("UOZ", 10, "14")
-    assert is_hex(ran["raw_before"])
 
 
 def test_memory(mikas):

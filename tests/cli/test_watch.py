@@ -202,13 +202,6 @@ def test_the_engine_stands_and_there_are_no_strokes(mikas):
     assert samples[-1]["time"] <= 75
 
 
-def test_read_in_text(mikas):
-    ran = mikas("read", "TWAT", "RXX")
-    assert [line.split("\t")[0] for line in ran.lines] == ["name", "TWAT", "RXX"]
-    assert mikas("read", "UACC", "--lang", "ru").lines[1].split("\t")[1].startswith("14,")
-    assert "80 … 95" in ran.out
-
-
 def test_faults_in_text(mikas):
     assert mikas("faults", sim="").out == "No faults are stored.\n"
     ran = mikas("faults", sim="&faults=13,200")

@@ -1,0 +1,67 @@
+"""`mikas read`, `write` and `params`: their JSON of docs/cli.md, and their text."""
+
+from __future__ import annotations
+
+from cli_harness import is_hex
+
+from mikas.catalog import shipped
+from mikas.virtual.cars import EngineCar
+from mikas.virtual.model.engine import Engine
+from protocol_codes import NAMES
+
+
+def test_read(mikas):
+    readings = mikas("read", "TWAT", "RXX", "0x3F:2", "--json").object["readings"]
+    assert set(readings) == {"TWAT", "RXX", "0x3F:2"}
+    assert readings["TWAT"]["unit"] == "°C"
+    assert type(readings["TWAT"]["value"]) in (int, float)
+    assert readings["RXX"]["value"] in (True, False)
+    assert type(readings["RXX"]["value"]) is bool
+    for reading in readings.values():
+        assert set(reading) == {"value", "unit", "raw", "time"}
+        assert is_hex(reading["raw"])
+        assert type(reading["time"]) is float
+    assert len(readings["0x3F:2"]["raw"]) == 4
+
+
+def test_every_parameter_is_read_when_none_is_named(mikas):
+    listed = {it["name"] for it in mikas("params", "--json").object["parameters"]}
+    assert listed == {parameter.name for parameter in shipped().parameters}
+    codes = EngineCar(Engine(), shipped()).codes  # the simulated engine may lack a shipped code
+    simulated = {parameter.name for parameter in shipped().parameters if parameter.code in codes}
+    assert set(mikas("read", "--json").object["readings"]) == simulated
+    assert set(NAMES) <= simulated
+
+
+def test_params(mikas):
+    ran = mikas("params", "--json", sim="&supplied=0")  # needs no port
+    parameters = {it["name"]: it for it in ran.object["parameters"]}
+    inj = parameters["INJ"]
+    assert {"name", "code", "size", "unit", "formula", "text", "errata"} <= set(inj)
+    assert (inj["code"], inj["size"], inj["unit"]) == ("3F", 2, "ms")
+    assert set(inj["text"]) == {"en", "ru"}
+    assert parameters["FREQ"]["errata"][0]["name"] == "E1"
+
+
+def test_write(mikas):
+    ran = mikas("write", "UOZ", "10", "--yes", "--json").object
+    assert set(ran) == {"schema", "name", "before", "after", "raw_before", "raw_after"}
+    assert (ran["name"], ran["after"], ran["raw_after"]) == ("UOZ", 10, "14")
+    assert is_hex(ran["raw_before"])
+
+
+def test_read_in_text(mikas):
+    ran = mikas("read", "TWAT", "RXX")
+    assert [line.split("\t")[0] for line in ran.lines] == ["name", "TWAT", "RXX"]
+    assert mikas("read", "UACC", "--lang", "ru").lines[1].split("\t")[1].startswith("14,")
+    assert "80 … 95" in ran.out
+
+
+def test_a_parameter_write_shows_values(mikas):
+    ran = mikas("write", "UOZ", "-5,5", "--yes")
+    assert "after:  -5.5 ° crank (F5)" in ran.err
+    assert ran.out.endswith("→ -5.5 ° crank\n")
+    assert mikas.journal[-1]["after"] == "F5"
+    ran = mikas("write", "INJ", "--raw", "5802", "--yes", "--lang", "ru")
+    assert ran.status in (0, 5)
+    assert "будет: 4,80 мс (58 02)" in ran.err
