@@ -24,8 +24,6 @@ from mikas.recording.table.channels import Rows, all_channels, calendar, is_reco
 from mikas.sampling.events import Event, MethodChosen
 
 if TYPE_CHECKING:
-    from mikas.recording.table.dataframes import Table
-    from mikas.recording.table.reader import TableReader
     from mikas.recording.table.window import Windows
 
 
@@ -64,6 +62,8 @@ class Recording:
         interpretation: str = "corrected",
         names: Iterable[str] = (),
     ) -> None:
+        from mikas.recording.table.reader import TableReader
+
         if isinstance(names, str):
             names = (names,)
         wanted = [named(catalog, name) for name in names]
@@ -71,14 +71,14 @@ class Recording:
         self.path = capture.path
         self.catalog = catalog
         self.interpretation = interpretation
-        self._reader = _reader(self.path, catalog, interpretation)
+        self._reader = TableReader(self.path, catalog, interpretation)
         self._corrected = self._reader
         recorded = {channel.name: channel for channel in self._reader.channels}
         known = all_channels(self._reader.channels, catalog, recorded, wanted)
         self.channels = tuple(known[name] for name in dict.fromkeys(wanted or known))
         self._derived = [each.name for each in self.channels if each.name in catalog.derived]
         if self._derived and interpretation != "corrected":
-            self._corrected = _reader(self.path, catalog, "corrected")
+            self._corrected = TableReader(self.path, catalog, "corrected")
         self.absent = tuple(
             each.name for each in self.channels if not is_recorded(each.name, catalog, recorded)
         )
@@ -191,24 +191,15 @@ class Recording:
 
     def to_pandas(self) -> Any:  # noqa: ANN401  (pandas may not be installed)
         """Return a `pandas.DataFrame`; its index: seconds since the start; units are in `attrs`."""
-        from mikas.recording.table import dataframes
-
-        dataframes.library("pandas")
-        return dataframes.pandas_frame(self._table())
+        return self._frame("pandas")
 
     def to_polars(self) -> Any:  # noqa: ANN401  (polars may not be installed)
         """Return a `polars.DataFrame`; a missing value is null."""
-        from mikas.recording.table import dataframes
-
-        dataframes.library("polars")
-        return dataframes.polars_frame(self._table())
+        return self._frame("polars")
 
     def to_arrow(self) -> Any:  # noqa: ANN401  (pyarrow may not be installed)
         """Return a `pyarrow.Table`; units and texts are in the metadata of its fields."""
-        from mikas.recording.table import dataframes
-
-        dataframes.library("pyarrow")
-        return dataframes.arrow_table(self._table())
+        return self._frame("pyarrow")
 
     def _stretches(self) -> Iterator[tuple[Source, Rows, Rows]]:
         """Yield each stretch with its corrected values, for the derived channels."""
@@ -227,12 +218,13 @@ class Recording:
         values = {each.name: rows.values.get(each.name, missing) for each in self.channels}
         return Rows(rows.times, values)
 
-    def _table(self) -> Table:
+    def _frame(self, name: str) -> Any:  # noqa: ANN401  (of a library that may not be installed)
         import numpy as np
 
         from mikas.recording.table.channels import with_gaps
-        from mikas.recording.table.dataframes import Table
+        from mikas.recording.table.dataframes import FRAMES, Table, library
 
+        library(name)  # may be missing: before the file is read
         stretches = list(with_gaps(self.rows(), self.events))
         times = np.concatenate([np.empty(0), *(rows.times for rows in stretches)])
         values = {
@@ -242,19 +234,11 @@ class Recording:
             for each in self.channels
         }
         zero = float(times[0]) if times.size else 0.0
-        return Table(self.channels, times - zero, values, self._facts(zero))
-
-    def _facts(self, zero: float) -> dict[str, Any]:
         started = calendar(zero)
-        return {
+        facts = {
             "started": started.isoformat() if started else None,
             "about": dict(self.about),
             "units": {channel.name: channel.unit for channel in self.channels},
             "channels": {channel.name: channel.facts() for channel in self.channels},
         }
-
-
-def _reader(path: Path, catalog: Catalog, interpretation: str) -> TableReader:
-    from mikas.recording.table.reader import TableReader
-
-    return TableReader(path, catalog, interpretation)
+        return FRAMES[name](Table(self.channels, times - zero, values, facts))

@@ -1,6 +1,6 @@
 """A recording as a data frame: pandas, polars or Arrow, whichever is installed.
 
-Floatss are named as the channels; `time` counts seconds from the first row. A missing value is NaN
+Columns are named as the channels; `time` counts seconds from the first row. A missing value is NaN
 in numbers and null in flags (polars and Arrow: null in both). Units and texts are in a pandas
 frame's `attrs` and in the metadata of Arrow's fields and schema; polars has no place for them.
 """
@@ -11,7 +11,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -86,3 +86,6 @@ def arrow_table(table: Table) -> Any:  # noqa: ANN401  (pyarrow may not be insta
 
 def _about(unit: str, text: Text) -> dict[str, str]:
     return {"unit": unit, "en": text.en, "ru": text.ru}
+
+
+FRAMES: Final = {"pandas": pandas_frame, "polars": polars_frame, "pyarrow": arrow_table}
