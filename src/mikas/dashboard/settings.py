@@ -26,10 +26,6 @@ _ELSEWHERE = Text(
 )
 
 
-def _state_folder() -> Path:
-    return gate.default_journal().parent
-
-
 def default_recordings() -> Path:
     """Return the folder mikas in the user's documents."""
     from platformdirs import user_documents_path
@@ -79,7 +75,7 @@ class Settings:
     """
 
     recordings: Path
-    state: Path = field(default_factory=_state_folder)
+    state: Path = field(default_factory=lambda: gate.default_journal().parent)
     connection: ConnectionOptions = field(default_factory=ConnectionOptions)
     find: Callable[[], list[Port]] = find_ports
     open_port: Callable[[str], Link] = open_link

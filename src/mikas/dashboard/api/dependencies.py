@@ -68,14 +68,11 @@ def _library(request: Request) -> RecordingService:
     return _dashboard(request).library
 
 
-def _may_control(request: Request) -> bool:
-    return bool(request.scope["state"]["rights"] == "control")
-
-
 def _viewer(request: Request, client_id: ClientId = None, client_name: ClientName = None) -> Client:
+    may_control = request.scope["state"]["rights"] == "control"
     if client_id is None:
-        return Client("", "", _may_control(request))
-    return client_of(client_id, client_name, may_control=_may_control(request))
+        return Client("", "", may_control)
+    return client_of(client_id, client_name, may_control=may_control)
 
 
 TheDashboard = Annotated[Dashboard, Depends(_dashboard)]

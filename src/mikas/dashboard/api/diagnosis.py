@@ -15,7 +15,7 @@ from pydantic import BaseModel, Field
 
 from mikas.client.doctor import Step
 from mikas.dashboard.api.dependencies import AllowedPorts, Controller, TheDashboard
-from mikas.dashboard.api.errors import TwoTexts, errors, two, two_or_none
+from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two_or_none
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import ADVICE, Busy
@@ -125,10 +125,5 @@ def _line(step: Step) -> DiagnosisStep:
             for detail, shown in zip(step.detail, advice, strict=True)
         )
     )
-    return DiagnosisStep(
-        name=step.name,
-        title=two(_TITLES[step.name]),
-        ok=step.ok,
-        detail=two(found),
-        to_try=two_or_none(to_try),
-    )
+    shown = {"title": _TITLES[step.name], "detail": found, "to_try": two_or_none(to_try)}
+    return made_of(DiagnosisStep, step, **shown)

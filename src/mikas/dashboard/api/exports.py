@@ -49,7 +49,7 @@ class _Temporary(FileResponse):
         try:
             await super().__call__(scope, receive, send)
         finally:
-            await asyncio.shield(asyncio.to_thread(_remove, self._folder))
+            await asyncio.shield(asyncio.to_thread(shutil.rmtree, self._folder, ignore_errors=True))
 
 
 @router.get("/{identity}/file", response_class=Response, responses=errors(404) | _FILE)
@@ -98,7 +98,7 @@ async def export(
     try:
         await library.run_alone(write)
     except BaseException:
-        await asyncio.shield(asyncio.to_thread(_remove, folder))
+        await asyncio.shield(asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True))
         raise
     return _Temporary(out, media_type=_TYPES[format], filename=out.name)
 
@@ -118,7 +118,3 @@ async def _written_part(file: RecordingFile) -> AsyncIterator[bytes]:
                 return
             left -= len(data)
             yield data
-
-
-def _remove(folder: Path) -> None:
-    shutil.rmtree(folder, ignore_errors=True)

@@ -5,11 +5,9 @@ An id is a file's name in the folder, and nothing else: no path, no link to else
 
 from __future__ import annotations
 
-import os
 import re
 import stat
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -18,7 +16,6 @@ from mikas.dashboard.errors import NotFound
 from mikas.errors import CaptureError, reason_of
 
 SUFFIX: Final = ".pcapng"
-_NO_NAME: Final = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]')
 _UNFIT: Final = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]+')
 _RESERVED: Final = re.compile(r"(?i)(?:con|prn|aux|nul|com\d|lpt\d)(?:\.|$)")
 _MAX_NAME: Final = 100
@@ -47,7 +44,12 @@ class RecordingFolder:
 
     def all(self) -> list[RecordingFile]:
         """Return all recordings, the latest first."""
-        return sorted(self._found(), key=lambda it: (-it.stamp[0], it.id))
+        try:
+            paths = list(self.folder.iterdir())
+        except OSError:  # nothing was recorded yet, or the drive is gone
+            return []
+        found = [it for path in paths if _is_name(path.name) and (it := _file_at(path))]
+        return sorted(found, key=lambda it: (-it.stamp[0], it.id))
 
     def one(self, identity: str) -> RecordingFile:
         """Return the recording of that id. Raises `NotFound`."""
@@ -70,15 +72,6 @@ class RecordingFolder:
         except OSError as error:
             raise CaptureError(str(file.path), reason_of(error)) from error
 
-    def _found(self) -> Iterator[RecordingFile]:
-        try:
-            names = [entry.name for entry in os.scandir(self.folder)]
-        except OSError:  # nothing was recorded yet, or the drive is gone
-            return
-        for name in names:
-            if _is_name(name) and (found := _file_at(self.folder / name)):
-                yield found
-
 
 def file_stem(name: str | None) -> str:
     """Return `name` as a file name without suffix; empty if no character of it fits."""
@@ -88,7 +81,7 @@ def file_stem(name: str | None) -> str:
 
 
 def _is_name(name: str) -> bool:
-    return name.endswith(SUFFIX) and not name.startswith(".") and not _NO_NAME.search(name)
+    return name.endswith(SUFFIX) and not name.startswith(".") and not _UNFIT.search(name)
 
 
 def _file_at(path: Path) -> RecordingFile | None:

@@ -76,13 +76,10 @@ class EventLog:
 def page_json(event: Event) -> dict[str, Any]:
     """Return `event` for the page: a state with its error's class and advice, rounded rates."""
     shown = event.as_json()
-    match event:
-        case StateChanged(error=None):
-            shown["code"] = None
-        case StateChanged(error=error):
-            assert error is not None
-            text = ADVICE.text(error)
-            shown |= {"reason": {"en": text.en, "ru": text.ru}, "code": type(error).__name__}
-        case MethodChosen():
-            shown["rates"] = {name: round(rate, 2) for name, rate in event.rates.items()}
+    if isinstance(event, StateChanged):
+        shown["code"] = type(event.error).__name__ if event.error else None
+        if event.error:
+            shown["reason"] = ADVICE.text(event.error)._asdict()
+    elif isinstance(event, MethodChosen):
+        shown["rates"] = {name: round(rate, 2) for name, rate in event.rates.items()}
     return shown
