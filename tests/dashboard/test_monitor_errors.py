@@ -97,7 +97,7 @@ def test_many_errors_push_out_nothing_else():
     monitor = connected()
     monitor.log(Marker(1.0, "knock"))
     for number in range(6000):
-        monitor.log(ExchangeFailed.of_error(2.0 + number, spoilt(2.0 + number)))
+        monitor.log(ExchangeFailed.of(2.0 + number, spoilt(2.0 + number)))
     monitor.log(Marker(9000.0, "again"))
     kinds = [event.kind for event in monitor.events]
     assert kinds[:3] == ["state", "marker", "error"]

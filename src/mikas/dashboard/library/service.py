@@ -61,8 +61,7 @@ class SummaryCache:
 
     def keep_only(self, present: Iterable[RecordingFile]) -> None:
         """Drop the summaries of all other files."""
-        names = {file.id for file in present}
-        for name in [name for name in self._kept if name not in names]:
+        for name in self._kept.keys() - {file.id for file in present}:
             self._kept.pop(name, None)
 
 

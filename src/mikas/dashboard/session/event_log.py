@@ -28,17 +28,13 @@ class ExchangeFailed(Event):
     received: str | None
 
     @classmethod
-    def of_error(cls, time: float, error: MikasError) -> Self:
-        """Return the event of `error`, which ended a cycle."""
-        sent, received = hex_or_none(error.request), hex_or_none(error.received)
-        return cls(time, type(error).__name__, ADVICE.text(error), sent, received)
-
-    @classmethod
-    def of_failure(cls, failure: Failure, now: float) -> Self:
-        """Return the event of a failure that the tester counted."""
-        time = now if failure.time is None else failure.time
-        sent, received = hex_or_none(failure.request), hex_or_none(failure.received)
-        return cls(time, failure.code, failure.reason, sent, received)
+    def of(cls, time: float, cause: MikasError | Failure) -> Self:
+        """Return the event of the error that ended a cycle, or of a failure that was counted."""
+        if isinstance(cause, Failure):
+            code, text = cause.code, cause.reason
+        else:
+            code, text = type(cause).__name__, ADVICE.text(cause)
+        return cls(time, code, text, hex_or_none(cause.request), hex_or_none(cause.received))
 
 
 @dataclass(frozen=True, slots=True)

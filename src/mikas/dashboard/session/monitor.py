@@ -262,7 +262,8 @@ class ConnectionMonitor:
                 self._newest = failures[-1]
                 for failure in failures:
                     if self._is_new(failure):
-                        self._log_error(ExchangeFailed.of_failure(failure, now))
+                        time = now if failure.time is None else failure.time
+                        self._log_error(ExchangeFailed.of(time, failure))
 
     def _sampled(self, event: Sampled) -> None:
         values = {name: float(reading.value) for name, reading in event.fresh.items()}
@@ -285,7 +286,7 @@ class ConnectionMonitor:
             cause = event.error.__cause__  # of a verdict on exchanges, which the tester counted
             counted_as = cause if isinstance(cause, LineError) else event.error
             if self._is_new(counted_as):
-                failed = ExchangeFailed.of_error(event.time, event.error)
+                failed = ExchangeFailed.of(event.time, event.error)
                 # A refusal is an answer, even if it is silence: the line is not at fault.
                 log = self.log if isinstance(event.error, EcuRefused) else self._log_error
                 log(failed)
