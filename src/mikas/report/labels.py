@@ -12,7 +12,7 @@ _LABELS: Final = {
     "model": Text("Model", "Модель"),
     "program": Text("Program", "Программа"),
     "data": Text("Calibration", "Калибровка"),
-    "not_told": Text("not reported by the unit", "блок не сообщает"),
+    "not_reported": Text("not reported by the unit", "блок не сообщает"),
     "not_asked": Text("not read", "не считывалось"),
     "of_recording": Text("From the recording", "По записи"),
     "live": Text("measured live", "измерено на подключённой машине"),

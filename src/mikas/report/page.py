@@ -94,7 +94,7 @@ class _Page:
         yield label("model"), unit.model.text.to(self._language)
         for name, pieces in (("program", unit.program), ("data", unit.data)):
             passport = " · ".join(piece.strip() for piece in pieces if piece and piece.strip())
-            yield label(name), passport or label("not_told")
+            yield label(name), passport or label("not_reported")
 
     def _faults_read(self) -> str:
         found = self._found
