@@ -28,6 +28,8 @@ TO_RADIANS = pi / 30  # rpm -> rad/s
 class LookupTable:
     """A piecewise linear function as an evenly spaced table: a look-up costs one index."""
 
+    __slots__ = ("_last", "_low", "_per", "_table")
+
     def __init__(self, points: dict[float, float], cell: float) -> None:
         knots = sorted(points.items())
         self._low, self._per = knots[0][0], 1 / cell

@@ -44,6 +44,12 @@ def _settled_plant(start: Start, timeline: ScenarioTimeline, seed: int, lost: Lo
 class Plant:
     """The state at one step of the grid; `plant_at_start` returns a new one."""
 
+    __slots__ = (
+        "_burning", "_burnt", "_fuel", "_noise", "_signals", "_start", "_timeline", "_viscosity",
+        "board", "crank", "cycles", "fuel_used", "heat", "key", "manifold", "program",
+        "step_number", "vehicle",
+    )  # fmt: skip
+
     def __init__(self, start: Start, timeline: ScenarioTimeline, seed: int, lost: Lost) -> None:
         self._start = start
         self._timeline = timeline

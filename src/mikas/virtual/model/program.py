@@ -37,6 +37,11 @@ class Phase:
     `after_start` falls from 1 to 0 after a start.
     """
 
+    __slots__ = (
+        "_tables_in", "after_start", "air_at_start", "coolant_at_start", "cranking_mixture",
+        "idle_air", "run_time", "running", "start_air", "target_speed", "turned", "warm_up_mixture",
+    )  # fmt: skip
+
     def __init__(self, coolant: float, intake_air: float) -> None:
         self.coolant_at_start = coolant
         self.air_at_start = intake_air
@@ -88,6 +93,8 @@ class IdleControl:
     `valve_set` and `valve` in steps.
     """
 
+    __slots__ = ("_air_trim", "_speed_trim", "air_set", "idle", "valve", "valve_set")
+
     def __init__(self, phase: Phase, valve: float) -> None:
         self.idle = False
         self.air_set = phase.start_air
@@ -136,6 +143,11 @@ class MixtureControl:
 
     `mixture` is λ, `trim` the λ loop's share, `fuel` mg a stroke, `injection` ms.
     """
+
+    __slots__ = (
+        "_exhaust", "_last_rpm", "_last_throttle", "_limited", "_overrun", "_tip_in", "fuel",
+        "full_power", "injection", "mixture", "trim",
+    )  # fmt: skip
 
     def __init__(self, phase: Phase) -> None:
         self.mixture = phase.cranking_mixture
@@ -219,6 +231,8 @@ class SparkControl:
     `advance` contains `correction` (negative, after knock).
     """
 
+    __slots__ = ("_shown", "advance", "correction", "knock", "knock_corrected")
+
     def __init__(self) -> None:
         self._reset()
 
@@ -264,6 +278,8 @@ PARKED = 40.0  # position of the idle valve before it is first driven
 
 class Program:
     """One control unit."""
+
+    __slots__ = ("fan", "idle", "mixture", "phase", "sensors", "spark")
 
     def __init__(self, lost: Lost, coolant: float, intake_air: float) -> None:
         self._begin(lost, coolant, intake_air, PARKED)

@@ -68,6 +68,8 @@ NOTHING = Lost()
 class Signals:
     """The true values, as sound sensors give them; the plant updates them."""
 
+    __slots__ = ("air", "coolant", "demand", "intake_air", "rpm", "throttle", "voltage")
+
     def __init__(self, coolant: float, intake_air: float) -> None:
         self.rpm = 0.0
         self.throttle = 0.0  # %
@@ -80,6 +82,10 @@ class Signals:
 
 class Sensors:
     """The program's readings, in the same units. `lost`: the signals that faults take away."""
+
+    __slots__ = (
+        "air", "coolant", "idle_co", "intake_air", "lost", "rpm", "throttle", "voltage",
+    )  # fmt: skip
 
     def __init__(self, lost: Lost, coolant: float, intake_air: float) -> None:
         self.lost = lost

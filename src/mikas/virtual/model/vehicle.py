@@ -26,6 +26,8 @@ THERMOSTAT = (80.0, 92.0)  # °C: begins to open, fully open
 class Heat:
     """Temperatures: `coolant`, and `intake_air` at its sensor."""
 
+    __slots__ = ("ambient", "coolant", "intake_air")
+
     def __init__(self, start: Start) -> None:
         self.ambient = start.ambient
         self.coolant = start.coolant
@@ -50,6 +52,8 @@ class Heat:
 
 class Board:
     """Battery and alternator: the board's voltage."""
+
+    __slots__ = ("_deficit", "_resistance", "_rest", "voltage")
 
     def __init__(self, start: Start) -> None:
         cold = max(0.0, 20.0 - start.ambient)
@@ -99,6 +103,22 @@ def resistance(speed: float) -> float:
 
 class Vehicle:
     """Body, gearbox and driver. `throttle`, `starter` and `load` act on the engine."""
+
+    __slots__ = (
+        "_foot",
+        "_hill",
+        "_rolling_road",
+        "_shifting",
+        "_stalled",
+        "_starting",
+        "_was_running",
+        "brake",
+        "gear",
+        "load",
+        "speed",
+        "starter",
+        "throttle",
+    )  # fmt: skip
 
     def __init__(self, first: Inputs, *, running: bool) -> None:
         self.speed = (first.speed or 0.0) / 3.6
