@@ -7,6 +7,7 @@ here. A test that means everything shipped derives its numbers from `mikas.catal
 from __future__ import annotations
 
 from mikas.catalog import Catalog, shipped
+from mikas.virtual.build import build_bus
 
 # Each mnemonic with its code, in the order of §4; RXX, BITPOW and RDET share a code.
 CODE_OF = {
@@ -18,6 +19,9 @@ CODE_OF = {
 NAMES = tuple(CODE_OF)  # 23
 CODES = tuple(dict.fromkeys(CODE_OF.values()))  # 21
 TWO_BYTES = frozenset({0x3F, 0x21, 0x40, 0x59})  # every other code has one data byte: 25 in all
+
+SIMULATED = len(build_bus({}).ecu.responder.car.codes)
+"""The number of codes that the virtual ECU answers: those of §4, and others that it simulates."""
 
 SECTION_4 = Catalog(
     parameters=tuple(map(shipped().parameter, NAMES)),

@@ -44,7 +44,7 @@ class Mikas:
         self.home = home
 
     def __call__(self, *argv: str, sim: str | None = None) -> Ran:
-        """Runs `mikas *argv`; `sim`: settings of the virtual ECU, as `&damaged=1`."""
+        """Runs `mikas *argv`; `sim`: settings of the virtual ECU from here on, as `&damaged=1`."""
         if sim is not None:
             self._monkeypatch.setenv("MIKAS_PORT", SIM + sim)
         self._capsys.readouterr()

@@ -7,6 +7,8 @@ import re
 import pytest
 from cli_harness import is_hex
 
+from protocol_codes import SIMULATED
+
 
 def test_info(mikas):
     found = mikas("info", "--json", sim="&model=5.4").object
@@ -14,7 +16,7 @@ def test_info(mikas):
     assert found["version_code"] == "09"
     assert len(found["program_passport"]) == 3
     assert len(found["data_passport"]) == 5
-    assert found["parameter_count"] == 21
+    assert found["parameter_count"] == SIMULATED
     assert found["echo"] is True
     assert found["supported"]["CREADP (61)"] is True
     assert found["supported"]["CGOTO (41)"] is None

@@ -52,7 +52,9 @@ def test_one_more_parameter_costs_its_bytes():
 
 
 wishes = st.lists(
-    st.tuples(st.sampled_from(shipped().parameters), st.integers(1, 12)), min_size=1, max_size=23
+    st.tuples(st.sampled_from(shipped().parameters), st.integers(1, 12)),
+    min_size=1,
+    max_size=30,
 ).map(lambda pairs: tuple(PlannedParameter(p, every) for p, every in pairs))
 
 

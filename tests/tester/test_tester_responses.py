@@ -55,6 +55,8 @@ ERROR_OF = {
     LineFault.MISSING_BYTE: (DamagedResponse, WrongLength, NoResponse),
     LineFault.FOREIGN: (WrongLength, WrongAddress, WrongContent, DamagedResponse),
 }
+SURVIVED = {LineFault.DOUBLED, LineFault.NOISE, LineFault.ECHO}  # often without an error
+assert ERROR_OF.keys() | SURVIVED == set(LineFault), "what must the tester report?"
 by_name = {"ids": lambda command: command.name}
 each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
 

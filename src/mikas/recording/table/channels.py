@@ -117,7 +117,7 @@ def with_gaps(rows: Iterable[Rows], events: Iterable[Event]) -> Iterator[Rows]:
         if not len(stretch.times):
             continue
         begin, end = float(stretch.times[0]), float(stretch.times[-1])
-        if last is not None and last.times[-1] <= begin:  # else it is another session
+        if last is not None and last.times[-1] <= begin:  # the same session: times rise
             begin = float(last.times[-1])
         inside = [span for span in left if begin <= span[0] < end]
         left = [span for span in left if not begin <= span[0] < end]
