@@ -9,7 +9,7 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-/** A job that fails so often, and when it was asked. */
+/** A job that fails so many times, and the seconds at which it ran. */
 function failing(times: number) {
   const asked: number[] = [];
   const began = Date.now();

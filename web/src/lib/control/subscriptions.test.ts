@@ -33,7 +33,7 @@ describe("planFor", () => {
     expect(passing[1]!.every).toBeGreaterThanOrEqual(10);
     const asked = { plan: { wanted: passing, method: "auto" as const, rate: null }, recording: null };
     expect(planFor(["FREQ"], ["TWAT"], asked)).toBeNull();
-    // Shown, it is asked as what is shown; out of sight, in passing again.
+    // On the screen it is sampled at its own rate, off the screen at the low rate of alarms again.
     const shown = planFor(["FREQ", "TWAT"], ["TWAT"], asked)!;
     expect(shown).toEqual([{ name: "FREQ", every: 1 }, { name: "TWAT", every: 1 }]);
     expect(planFor(["FREQ"], ["TWAT"], { ...asked, plan: { ...asked.plan, wanted: shown } })).toEqual(passing);

@@ -18,7 +18,7 @@ export const byteText = (value: number) => value.toString(16).toUpperCase().padS
 
 /** The filled fields. Null (the ECU does not support the command) and "" (not filled in) have different texts. */
 export function piecesText(pieces: readonly (string | null)[]): string {
-  if (pieces.every((piece) => piece === null)) return t("not_told");
+  if (pieces.every((piece) => piece === null)) return t("not_supported");
   const filled = pieces.filter((piece) => piece?.trim());
   return filled.length > 0 ? filled.join(" · ") : t("not_filled");
 }
@@ -31,7 +31,7 @@ export function unitLines(passport: Passport): Line[] {
     [t("data"), piecesText(passport.data_passport)],
     [
       t("parameters"),
-      passport.parameter_count === null ? t("not_told") : number(passport.parameter_count),
+      passport.parameter_count === null ? t("not_supported") : number(passport.parameter_count),
     ],
   ];
 }

@@ -16,7 +16,7 @@ export const t = dictionary({
   program: { en: "Program passport", ru: "Паспорт программы" },
   data: { en: "Data passport", ru: "Паспорт данных" },
   not_filled: { en: "not filled in", ru: "не заполнен" },
-  not_told: { en: "not supported by this ECU", ru: "блок не сообщает" },
+  not_supported: { en: "not supported by this ECU", ru: "блок не сообщает" },
   parameters: { en: "Parameters", ru: "Параметров" },
   private_note: {
     en: "A passport can contain serial numbers of this unit. Check it before publishing.",
