@@ -19,7 +19,7 @@ from bench.rows import Row, Scope, Theme
 _METHOD = """\
 `mikas log` records all parameters at full rate: user and system time of the whole process, all its
 threads, over the time that passed, in percent of one core. It is looked at from outside (`/proc`)
-{settle:.0f} s after its start, when it has connected, tried the methods and begun, and again
+{settle:.0f} s after its start, when it has connected and tried the methods, and again
 {seconds} s later; each run is another process. The virtual ECU is a process too, and not
 counted."""
 _SETTLE = 10.0  # s

@@ -121,8 +121,8 @@ def test_an_alarm_is_kept_in_the_recording(car, visitor):
     (made,) = car.get("/recordings")["recordings"]
     events = car.get(f"/recordings/{made['id']}")["events"]
     alarms = [it for it in events if it["kind"] == "alarm"]
-    told = [(it["name"], it["before"], it["level"], it["side"], it["limit"]) for it in alarms]
-    assert told == [
+    changes = [(it["name"], it["before"], it["level"], it["side"], it["limit"]) for it in alarms]
+    assert changes == [
         ("UACC", "none", "warning", "low", 10),
         ("UACC", "warning", "none", "low", 10),
     ]

@@ -54,9 +54,9 @@ def more_read(tab, card, before):
 
 
 def downloaded(tab, where):
-    with tab.page.expect_download() as begun:
+    with tab.page.expect_download() as download:
         where.click()
-    return Path(begun.value.path()).read_bytes()
+    return Path(download.value.path()).read_bytes()
 
 
 def test_the_cells_are_those_of_the_unit(fast, visitor):

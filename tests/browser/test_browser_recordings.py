@@ -95,10 +95,10 @@ def test_what_is_played_is_never_taken_for_live(recorded, visitor):
 def test_a_table_of_it_is_downloaded(recorded, visitor):
     tab = visitor(recorded.url).show("recordings")
     tab.press("Export drive.pcapng")
-    with tab.page.expect_download() as begun:
+    with tab.page.expect_download() as download:
         tab.press(".csv", exact=True)
-    assert begun.value.suggested_filename == "drive.csv"
-    text = Path(begun.value.path()).read_text("utf-8-sig")
+    assert download.value.suggested_filename == "drive.csv"
+    text = Path(download.value.path()).read_text("utf-8-sig")
     head, *rows = csv.reader(StringIO(text))
     column = next(n for n, name in enumerate(head) if name.startswith("TWAT"))
     values = [float(row[column]) for row in rows if row[column]]

@@ -40,8 +40,8 @@ def test_an_alarm_stays_when_another_preset_is_chosen(car, visitor):
     car.until(lambda: every(car).get("TWAT", 1) > 1)
     before = car.state()["samples"]
     car.until(lambda: car.state()["samples"] > before + 25)
-    (told,) = car.state()["alarms"]
-    assert told["name"] == "TWAT"
+    (alarm,) = car.state()["alarms"]
+    assert alarm["name"] == "TWAT"
     expect(alarm).to_be_visible()
     expect(tab.value("TWAT")).to_have_count(0)
     # It ends, and comes again, while something else is looked at.
@@ -91,18 +91,18 @@ def test_a_phone_shows_the_recording_while_the_line_is_down(own, visitor):
     expect(tab.page.get_by_role("region", name="Проигрыватель")).to_be_visible()
     tab.show("chart")
     own.garage.pull()
-    told = tab.find("header").get_by_role("alert").get_by_role("button")
-    expect(told).to_contain_text("Подключите его снова, и опрос продолжится.")
+    advice = tab.find("header").get_by_role("alert").get_by_role("button")
+    expect(advice).to_contain_text("Подключите его снова, и опрос продолжится.")
     room = tab.find("#screen").bounding_box()
     assert room["height"] > 844 * 0.4
-    brief = told.bounding_box()["height"]
+    brief = advice.bounding_box()["height"]
     assert brief < 50
-    told.click()
-    expect(told).to_have_attribute("aria-expanded", "true")
+    advice.click()
+    expect(advice).to_have_attribute("aria-expanded", "true")
     expect(tab.find("header").get_by_role("link", name="Связь")).to_be_visible()
-    assert told.bounding_box()["height"] >= brief
+    assert advice.bounding_box()["height"] >= brief
     own.garage.put_back()
-    expect(told).to_have_count(0)
+    expect(advice).to_have_count(0)
 
 
 @pytest.mark.parametrize(

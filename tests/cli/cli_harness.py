@@ -85,7 +85,7 @@ class NoTerminal:
         return False
 
     def readline(self) -> str:
-        raise AssertionError("asked where nobody can answer")
+        raise AssertionError("a question was asked without a terminal")
 
 
 def is_one_short_paragraph(text: str) -> None:

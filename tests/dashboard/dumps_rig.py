@@ -23,7 +23,7 @@ def ended(it, name, *phases):
     return when(it, name, lambda dump: dump["state"] in phases)
 
 
-def begun(it, name, least=1):
+def until_read(it, name, least=1):
     dump = when(it, name, lambda dump: dump["done"] >= least or dump["state"] != "running")
     assert dump["done"] >= least, dump
     return dump

@@ -250,8 +250,8 @@ def idle(tmp_path, temporary):
 
 
 def test_the_live_report(idle) -> None:
-    begun = idle.dashboard.connection.now()
-    idle.until(lambda it: it["now"] > begun + 20 and it["state"]["fault_count"] == 1)
+    began = idle.dashboard.connection.now()
+    idle.until(lambda it: it["now"] > began + 20 and it["state"]["fault_count"] == 1)
     text = idle.get("/report", lang="ru").text
     assert "измерено на подключённой машине" in text
     assert "В памяти блока 1 ошибка: 13;" in text
@@ -270,9 +270,9 @@ def erase(idle) -> None:
 
 
 def test_the_live_report_names_the_erased_faults(idle) -> None:
-    begun = idle.dashboard.connection.now()
+    began = idle.dashboard.connection.now()
     erase(idle)
-    idle.until(lambda it: it["now"] > begun + 20)
+    idle.until(lambda it: it["now"] > began + 20)
     text = idle.get("/report").text
     assert "verdict open" in text
     assert "No problems found" not in text

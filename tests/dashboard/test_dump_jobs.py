@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from dashboard.dumps_rig import XRAM, begun, ended, hold, let_go, when
+from dashboard.dumps_rig import XRAM, until_read, ended, hold, let_go, when
 from dashboard.rig import ME, OTHER, rig
 
 
@@ -44,7 +44,7 @@ def test_a_dump_is_what_the_unit_holds(idle):
 
 def test_it_is_paused_and_goes_on_behind_what_was_read(held, idle):
     name = idle.post("/dumps", XRAM)["id"]
-    begun(idle, name)
+    until_read(idle, name)
     paused = idle.post(f"/dumps/{name}/pause")
     assert paused["state"] == "paused"
     assert idle.get(f"/dumps/{name}")["done"] == paused["done"] < 2048
@@ -59,7 +59,7 @@ def test_it_is_paused_and_goes_on_behind_what_was_read(held, idle):
 
 def test_a_pulled_adapter_costs_nothing_that_was_read(held, idle):
     name = idle.post("/dumps", XRAM)["id"]
-    begun(idle, name, 300)
+    until_read(idle, name, 300)
     idle.cars.pull()
     let_go(held, idle, name)
     waits = when(idle, name, lambda dump: dump["error"])
@@ -75,7 +75,7 @@ def test_a_dump_outlives_the_program(held, tmp_path):
     with rig(tmp_path, "sim:?scenario=warm-idle") as it:
         it.sampling()
         name = it.post("/dumps", XRAM)["id"]
-        begun(it, name, 300)
+        until_read(it, name, 300)
         it.post(f"/dumps/{name}/pause")
     with rig(tmp_path, "sim:?scenario=warm-idle") as it:
         it.sampling()
@@ -90,7 +90,7 @@ def test_it_is_not_gone_on_with_on_another_unit(held, tmp_path):
     with rig(tmp_path, "sim:?scenario=warm-idle") as it:
         it.sampling()
         name = it.post("/dumps", XRAM)["id"]
-        begun(it, name)
+        until_read(it, name)
         it.post(f"/dumps/{name}/pause")
         it.post("/connect", {"port": "sim:?model=5.4", "method": "batch", "rate": 5})
         it.until(lambda m: "5.4" in (m["state"]["model"] or {}).get("en", ""))

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from dashboard.dumps_rig import XRAM, begun, ended, hold, when
+from dashboard.dumps_rig import XRAM, until_read, ended, hold, when
 from dashboard.rig import rig
 from mikas.client.dumps import Manifest, manifest_path
 from mikas.dashboard.api import dumps
@@ -47,7 +47,7 @@ def test_what_a_second_pass_found_outlives_the_program(tmp_path):
         hold_the_second_pass(patch, spoil)
         it.sampling()
         name = it.post("/dumps", {**XRAM, "verify": True})["id"]
-        begun(it, name, 2049)
+        until_read(it, name, 2049)
         before = it.post(f"/dumps/{name}/pause")
         assert (before["state"], before["total"], before["differences"]) == ("paused", 4096, 1)
     with program(tmp_path) as it:
@@ -69,7 +69,7 @@ def test_a_second_pass_that_has_not_started_is_still_wanted(tmp_path, monkeypatc
     with program(tmp_path) as it:
         it.sampling()
         name = it.post("/dumps", {**XRAM, "verify": True})["id"]
-        begun(it, name)
+        until_read(it, name)
     with program(tmp_path) as it:
         found = it.get(f"/dumps/{name}")
         assert (found["state"], found["total"], found["differences"]) == ("paused", 4096, None)
@@ -149,7 +149,7 @@ def test_a_file_that_is_cut_in_the_second_pass_is_made_whole_first(idle):
 def test_a_missing_file_is_an_error(idle, monkeypatch):
     hold(monkeypatch)
     name = idle.post("/dumps", XRAM)["id"]
-    begun(idle, name)
+    until_read(idle, name)
     idle.post(f"/dumps/{name}/pause")
     (idle.dashboard.settings.dumps / f"{name}.bin").unlink()
     idle.post(f"/dumps/{name}/resume")

@@ -33,12 +33,12 @@ def test_a_disk_that_is_full_at_any_byte_hurts_nothing_written(tmp_path, monkeyp
     disk = SmallDisk(monkeypatch)
     recorder = Recorder()
     recorder.start(tmp_path / "whole.pcapng", url="sim:")
-    begun = recorder.status.bytes
+    first = recorder.status.bytes
     _session(recorder)
     whole = recorder.stop().bytes
     passed = wire(tmp_path / "whole.pcapng")
     reported = kinds(tmp_path / "whole.pcapng")
-    for room in range(begun, whole):
+    for room in range(first, whole):
         file = tmp_path / f"{room}.pcapng"
         disk.room = room
         recorder = Recorder()

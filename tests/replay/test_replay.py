@@ -28,8 +28,8 @@ def a_step(*methods):
     )
 
 
-# When the stroke after the last recorded one would have been, no recording tells, and it moves what
-# comes then by milliseconds: so a stream by strokes is the last thing that is compared.
+# A recording does not contain the time of the stroke after the last recorded one, which shifts all
+# that follows by milliseconds: so a stream by strokes is compared last.
 steps = st.builds(
     lambda most, last: [*most, *last],
     st.lists(a_step(*METHODS), min_size=1, max_size=5),
