@@ -12,12 +12,18 @@ Mask = NDArray[np.bool_]
 Floats = NDArray[np.float64]
 
 
+def present(numbers: Index) -> list[int]:
+    """Return the small numbers, 0 and up, that occur: quicker than `np.unique`."""
+    found: list[int] = np.bincount(numbers).nonzero()[0].tolist()
+    return found
+
+
 def joined(buffer: Bytes, starts: Index, lengths: Index) -> Bytes:
-    """Return the joined pieces."""
-    total = int(lengths.sum())
-    shift = starts - (lengths.cumsum() - lengths)
-    taken: Bytes = buffer[np.repeat(shift, lengths) + np.arange(total)]
-    return taken
+    """Return the joined pieces of a buffer below 2 GiB: indexes of 32 bits are twice as quick."""
+    shift = (starts - (lengths.cumsum() - lengths)).astype(np.int32)
+    places = np.repeat(shift, lengths)
+    places += np.arange(places.size, dtype=np.int32)
+    return buffer.take(places)
 
 
 def side_by_side(buffer: Bytes, starts: Index, length: int) -> Bytes:
@@ -31,7 +37,7 @@ def side_by_side(buffer: Bytes, starts: Index, length: int) -> Bytes:
 def equal(one: Bytes, one_starts: Index, other: Bytes, other_starts: Index, lengths: Index) -> Mask:
     """Return which pieces of `one` equal those of `other`."""
     same = np.zeros(lengths.size, np.bool_)
-    for length in np.unique(lengths).tolist():
+    for length in present(lengths):
         chosen = (lengths == length).nonzero()[0]
         left = side_by_side(one, one_starts[chosen], length)
         right = side_by_side(other, other_starts[chosen], length)

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from mikas.commands.base import ERROR
-from mikas.recording.exchanges.arrays import Index, Mask
+from mikas.recording.exchanges.arrays import Index, Mask, present
 from mikas.recording.exchanges.columnar import ExchangeColumns, ResponseColumns
 from mikas.recording.exchanges.layouts import (
     LIST_IS_SET,
@@ -66,10 +66,9 @@ class ResponseClassifier:
         """Yield the groups; every response with a layout is in one of them."""
         responses, bodies = exchanges.responses, exchanges.bodies
         lists = self._lists(exchanges)
-        for number in np.unique(responses.numbers).tolist():
-            if number < 0 or not (request := bodies[number]):
-                continue
-            if request.startswith(WRITE_LIST):
+        for number in present(responses.numbers[responses.numbers >= 0]):
+            request = bodies[number]
+            if not request or request.startswith(WRITE_LIST):
                 continue
             rows = (responses.numbers == number).nonzero()[0]
             if request == READ_LIST:

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import BinaryIO, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mikas.errors import CaptureError
 from mikas.link.base import Direction
@@ -110,16 +111,18 @@ class PacketColumns:
         self._window = window
         self._found = found
         words = window.words
-        interface, high, low, captured, original = (
-            words[found + at].astype(np.int64) for at in range(2, 7)
+        length, interface, high, low, taken, original = (
+            words[at:].take(found) for at in range(1, 7)
         )
-        flags_at = found + _HEAD // 4 + (captured + 3) // 4
-        plain = words[found + 1] == _PLAIN + (captured + 3) // 4 * 4
-        plain &= (interface < len(blocks.interfaces)) & (captured >= original)
+        captured = taken.astype(np.int64)
+        data_words = (captured + 3) // 4
+        flags_at = found + _HEAD // 4 + data_words
+        plain = length == _PLAIN + data_words * 4
+        plain &= (interface < len(blocks.interfaces)) & (taken >= original)
         flags_at[~plain] = 0
-        flags = words[np.minimum(flags_at + 1, words.size - 1)] & 3
-        plain &= words[flags_at] == _FLAGS_OPTION[window.order]
-        plain &= words[np.minimum(flags_at + 2, words.size - 1)] == 0
+        flags = words.take(flags_at + 1, mode="clip") & 3
+        plain &= words.take(flags_at) == _FLAGS_OPTION[window.order]
+        plain &= words.take(flags_at + 2, mode="clip") == 0
         self._sent: Mask = flags == FLAGS[Direction.SENT]
         plain &= self._sent | (flags == FLAGS[Direction.RECEIVED])
         self._at: Index = 4 * found + _HEAD
@@ -179,13 +182,15 @@ class PacketColumns:
                 )
 
 
-def seconds(interface: pcapng.Interface, high: Index, low: Index) -> Floats:
+def seconds(
+    interface: pcapng.Interface, high: NDArray[np.uint32], low: NDArray[np.uint32]
+) -> Floats:
     """Return `Interface.time` of many ticks, with the same rounding."""
     per_second = interface.ticks_per_second
     zero = interface.tsoffset * per_second
     small = bool((high < _EXACT >> 33).all()) and abs(zero) < _EXACT >> 1
     if small and per_second <= _EXACT:
-        ticks = (high << 32 | low) + zero
+        ticks = (high.astype(np.int64) << 32 | low) + zero
         return ticks / float(per_second)
     both = zip(high.tolist(), low.tolist(), strict=True)
     return np.array([interface.time(upper << 32 | lower) for upper, lower in both])
