@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from dashboard.dumps_rig import XRAM, until_read, ended, hold, let_go, when
+from dashboard.dumps_rig import XRAM, ended, hold, let_go, until_read, when
 from dashboard.rig import ME, OTHER, rig
 
 

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from dashboard.dumps_rig import XRAM, until_read, ended, hold, when
+from dashboard.dumps_rig import XRAM, ended, hold, until_read, when
 from dashboard.rig import rig
 from mikas.client.dumps import Manifest, manifest_path
 from mikas.dashboard.api import dumps
