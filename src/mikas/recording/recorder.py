@@ -180,8 +180,10 @@ class Recorder:
             if direction is Direction.RECEIVED or not self._annotator.echoes:
                 self.wire_bytes += len(data)
             if (running := self._running) is not None:
-                with self._failing(running):
+                try:  # not `_failing`: this is called for each piece of bytes
                     running.sink.record(direction, data, time)
+                except CaptureError as error:
+                    self._fail(running, error)
 
     def note(self, note: Note) -> None:
         """Write a note of the caller. Raises `ValueError` for data that JSON can't hold."""
@@ -258,11 +260,14 @@ class Recorder:
         try:
             yield
         except CaptureError as error:
-            running.failure = error
-            # All samples so far are in the file, unless that was deleted.
-            running.written = 0 if running.writer.deleted else self._annotator.samples
-            with suppress(CaptureError):
-                running.writer.close()
+            self._fail(running, error)
+
+    def _fail(self, running: _Open, error: CaptureError) -> None:
+        running.failure = error
+        # All samples so far are in the file, unless that was deleted.
+        running.written = 0 if running.writer.deleted else self._annotator.samples
+        with suppress(CaptureError):
+            running.writer.close()
 
     def _advance(self, time: float) -> None:
         self._time = time
