@@ -158,7 +158,7 @@ def _delays(unit: CountingUnit, painted: Sequence[tuple[float, str]]) -> list[fl
     """ms for each response sent between the first paint and the last."""
     seen: list[tuple[int, float]] = []
     # Where to begin counting: the newest response when the first value was painted, or before.
-    last = max(n for n, sent in unit.sent.items() if sent <= painted[0][0] / 1000) - 128
+    last = max(n for n, sent in list(unit.sent.items()) if sent <= painted[0][0] / 1000) - 128
     for stamp, text in painted:
         shown = text.replace("−", "-")
         if not shown.lstrip("-").isdigit():
