@@ -40,8 +40,8 @@ def test_an_alarm_stays_when_another_preset_is_chosen(car, visitor):
     car.until(lambda: every(car).get("TWAT", 1) > 1)
     before = car.state()["samples"]
     car.until(lambda: car.state()["samples"] > before + 25)
-    (alarm,) = car.state()["alarms"]
-    assert alarm["name"] == "TWAT"
+    (reported,) = car.state()["alarms"]
+    assert reported["name"] == "TWAT"
     expect(alarm).to_be_visible()
     expect(tab.value("TWAT")).to_have_count(0)
     # It ends, and comes again, while something else is looked at.
