@@ -18,7 +18,7 @@ from mikas.catalog import shipped
 from mikas.client import Ecu
 from mikas.client.polling import FixedMethod
 from mikas.link import Chunk, open_link
-from mikas.link.base import Link
+from mikas.link.base import Link, LinkWrapper
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.events import CycleFailed, MethodChosen, Sampled
 from mikas.sampling.plan import PlannedParameter
@@ -32,34 +32,17 @@ Port = Callable[..., Any]
 """`simulated` or `paced`: gives a context in which there is a `ReconnectingPort`."""
 
 
-class Meter(Link):
-    """A link that counts what came: echo and responses, so everything that the wire carried."""
+class Meter(LinkWrapper):
+    """A link that counts received bytes: echo and responses, so all that the wire carried."""
 
     def __init__(self, link: Link) -> None:
-        self.link = link
-        self.url = link.url
-        self.baud = link.baud
+        super().__init__(link)
         self.received = 0
-
-    def write(self, data: bytes) -> None:
-        self.link.write(data)
 
     def read(self, deadline: float) -> Chunk:
         chunk = self.link.read(deadline)
         self.received += len(chunk.data)
         return chunk
-
-    def gather(self, until: float) -> None:
-        self.link.gather(until)
-
-    def now(self) -> float:
-        return self.link.now()
-
-    def send_break(self, seconds: float) -> None:
-        self.link.send_break(seconds)
-
-    def close(self) -> None:
-        self.link.close()
 
 
 @contextmanager

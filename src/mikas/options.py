@@ -9,7 +9,7 @@ import re
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from enum import Enum
-from math import inf
+from math import inf, nan
 from typing import TypeVar
 
 from mikas.errors import UsageError, usage_error
@@ -43,9 +43,9 @@ def check_number(
     name: str, value: object, *, lowest: float, highest: float = inf, whole: bool = False
 ) -> None:
     """Raise `UsageError` if `value` is not a finite number within these limits."""
-    kinds = int if whole else int | float
-    valid = isinstance(value, kinds) and not isinstance(value, bool)
-    if not (valid and lowest <= value <= highest and value < inf):  # type: ignore[operator]
+    kinds = int if whole else (int, float)
+    number = value if isinstance(value, kinds) and not isinstance(value, bool) else nan
+    if not (lowest <= number <= highest and number < inf):  # false for nan
         raise invalid_value(name, value, _range(lowest, highest, whole=whole))
 
 

@@ -71,7 +71,8 @@ def load() -> dict[str, Any]:
 
 def _expected(name: str, value: object) -> Text | None:
     """Return the values allowed for this setting; None if `value` is one."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if isinstance(value, bool):  # an int in Python, and allowed nowhere
+        value = None
     if name in _WORDS:
         words = ", ".join(_WORDS[name])
         return None if value in _WORDS[name] else Text(f"one of {words}", f"одно из {words}")
@@ -79,14 +80,14 @@ def _expected(name: str, value: object) -> Text | None:
         good = isinstance(value, str) and bool(value.strip())
         return None if good else Text('a port in quotes, like "COM3"', 'порт в кавычках: "COM3"')
     if name == "timeout":
-        good = number and 0 < value <= MAX_TIMEOUT  # type: ignore[operator]  # a number, as tested
+        good = isinstance(value, int | float) and 0 < value <= MAX_TIMEOUT
         return (
             None
             if good
             else Text(f"seconds, up to {MAX_TIMEOUT}", f"число секунд, до {MAX_TIMEOUT}")
         )
     if name == "retries":
-        good = number and isinstance(value, int) and 0 <= value <= MAX_RETRIES
+        good = isinstance(value, int) and 0 <= value <= MAX_RETRIES
         return (
             None
             if good

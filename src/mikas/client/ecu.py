@@ -284,5 +284,5 @@ def poller_of(
 
     `again`: also request parameters that the unit has refused before.
     """
-    parameters = ecu._parameters  # noqa: SLF001  (a method in all but its place)
+    parameters = ecu._parameters  # noqa: SLF001  (of the class above; not in its public interface)
     return create_poller(parameters, method, streamed, again=again)

@@ -185,8 +185,8 @@ class CaptureTee(LinkWrapper):
             return
         try:
             self._sink.record(direction, data, time)
-        except Exception as error:
-            self.failure = error  # the sink's code must not end the session
+        except Exception as error:  # any: a sink of other code must not end the session
+            self.failure = error
 
 
 class WallClock:

@@ -68,7 +68,7 @@ def _model(event: type[Event], **other: Any) -> type[BaseModel]:
 
 
 def _one_of(*models: type[BaseModel]) -> GetPydanticSchema:
-    union: Any = Annotated[Union[models], Field(discriminator="kind")]  # noqa: UP007
+    union: Any = Annotated[Union[models], Field(discriminator="kind")]  # noqa: UP007  (of a tuple)
     return GetPydanticSchema(lambda _, handler: handler.generate_schema(union))
 
 

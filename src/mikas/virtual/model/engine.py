@@ -29,7 +29,7 @@ from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS, Scenario
 NEUTRAL = -0.5  # E3: byte 128, no correction, by the letter of the formula
 
 
-def _of(parameter: str) -> Any:  # noqa: ANN401  (as `field`)
+def _of(parameter: str) -> Any:  # noqa: ANN401  (`field` is typed as its default, of any type)
     """Return the field that the unit gives as this parameter of §4."""
     return field(metadata={"of": parameter})
 
