@@ -32,7 +32,7 @@ class ConnectionOptions:
     timeout: float = 0.5
     """Seconds from the end of a request to the first byte of its response (D14)."""
 
-    inter_byte_timeout: float = 0.02
+    inter_byte_timeout: float = 0.2
     """Seconds of silence inside a response after which it counts as cut (D14)."""
 
     retries: int = 2
@@ -96,7 +96,7 @@ def connect(
     *,
     echo: str = "auto",
     timeout: float = 0.5,
-    inter_byte_timeout: float = 0.02,
+    inter_byte_timeout: float = 0.2,
     retries: int = 2,
     interpretation: str = "corrected",
     catalogs: Iterable[Path] = (),

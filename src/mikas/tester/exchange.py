@@ -24,7 +24,7 @@ class Timing:
     """
 
     response_timeout: float = 0.5
-    inter_byte_timeout: float = 0.02
+    inter_byte_timeout: float = 0.2
     idle_time: float = 0.06
     max_busy_time: float = 1.0
 

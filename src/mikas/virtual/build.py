@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 
 from mikas.catalog import shipped
 from mikas.options import OptionParser, check_names, invalid_value
-from mikas.virtual.bus import AdapterKind, Bus, Elm327
+from mikas.virtual.bus import AdapterKind, Bus, Elm327, Stalls
 from mikas.virtual.cars import EngineCar
 from mikas.virtual.ecu import EcuEvent, VirtualEcu
 from mikas.virtual.fault_injector import LATE_BY, FaultInjector, LineFault, parse_rates
@@ -24,7 +24,7 @@ ADAPTERS = ("kkl", "elm327")
 _LINE_FAULTS = tuple(fault.value for fault in LineFault)
 SETTINGS = (
     "scenario", "seed", "model", "faults", "baud", "adapter", "echo", "latency_ms", "supplied",
-    "late_by", *QUIRK_NAMES, *_LINE_FAULTS,
+    "stall_every", "stall_ms", "late_by", *QUIRK_NAMES, *_LINE_FAULTS,
 )  # fmt: skip
 """Names of all settings; docs/simulator.md describes each."""
 CAR_SETTINGS = ("scenario", "model", "faults")
@@ -83,6 +83,11 @@ def wired(
             parse_rates({name: settings[name] for name in _LINE_FAULTS if name in settings}),
             seed=given.integer("seed", 0),
             late_by=given.number("late_by", LATE_BY, highest=60),
+        ),
+        stalls=Stalls(
+            given.number("stall_every", 0.0, highest=3600),
+            given.number("stall_ms", 180.0, highest=10_000) / 1000,
+            seed=given.integer("seed", 0),
         ),
     )
     return bus if given.choice("adapter", "kkl", ADAPTERS) == "kkl" else Elm327(bus.ecu)

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 from math import ceil, inf
+from random import Random
 
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector
@@ -31,11 +32,47 @@ class AdapterKind:
     supplied: bool = True  # False: no 12 V, so neither the wire nor an echo comes through
 
 
+SHORTEST_STALL = 1 / 6  # of the longest
+
+
+class Stalls:
+    """Pauses of a network or a busy computer between the tester and the wire (D14).
+
+    About every `every` seconds (0: never) no byte passes, in either direction, for up to `longest`
+    seconds; nothing is lost. Seeded. Times must not run back.
+    """
+
+    def __init__(self, every: float = 0.0, longest: float = 0.18, *, seed: int = 0) -> None:
+        self.every = every
+        self.longest = longest
+        self.total = 0.0
+        """Seconds of all stalls that have begun."""
+        self._random = Random(seed)
+        self._begin = self._end = -inf
+
+    def passed(self, time: float) -> float:
+        """Return when a byte that comes at `time` passes: at once, or at the end of the stall."""
+        if not self.every:
+            return time
+        if self._end == -inf:
+            self._schedule(time)
+        while time >= self._end:
+            self._schedule(self._end)
+        return self._end if time >= self._begin else time
+
+    def _schedule(self, after: float) -> None:
+        self._begin = after + self.every * self._random.uniform(0.5, 1.5)
+        length = self.longest * self._random.uniform(SHORTEST_STALL, 1)
+        self._end = self._begin + length
+        self.total += length
+
+
 class Adapter:
     """The receiving half of an adapter: bytes in from the wire, lumps out."""
 
-    def __init__(self, kind: AdapterKind) -> None:
+    def __init__(self, kind: AdapterKind, stalls: Stalls) -> None:
         self.kind = kind
+        self.stalls = stalls
         self._pending = bytearray()
         self._ready: deque[tuple[float, bytes]] = deque()
         self._tick_at = inf  # when the latency timer expires, if bytes wait
@@ -43,7 +80,7 @@ class Adapter:
     def receive(self, value: int, time: float) -> None:
         """Receive a byte of the wire that ended at `time`."""
         if not self.kind.latency:
-            self._ready.append((time, bytes([value])))
+            self._ready.append((self.stalls.passed(time), bytes([value])))
             return
         self.tick(time)
         self._pending.append(value)
@@ -59,7 +96,7 @@ class Adapter:
             self._flush(self._tick_at)
 
     def _flush(self, time: float) -> None:
-        self._ready.append((time, bytes(self._pending)))
+        self._ready.append((self.stalls.passed(time), bytes(self._pending)))
         self._pending.clear()
         self._tick_at = inf
 
@@ -140,11 +177,12 @@ class Bus:
         *,
         adapter: AdapterKind | None = None,
         fault_injector: FaultInjector | None = None,
+        stalls: Stalls | None = None,
     ) -> None:
         self.ecu = ecu
         self.byte_time = 10 / ecu.baud
         self.fault_injector = fault_injector or FaultInjector()
-        self.adapter = Adapter(adapter or AdapterKind())
+        self.adapter = Adapter(adapter or AdapterKind(), stalls or Stalls())
         self.bytes_carried = 0
         self._tester = _Transmitter(self.byte_time)
         self._unit = _Transmitter(self.byte_time)
@@ -156,7 +194,7 @@ class Bus:
         """Put `data` of the tester on the wire, after the bytes that it is still sending."""
         self.advance(now)
         if self.adapter.kind.supplied:
-            self._tester.transmit(data, now)
+            self._tester.transmit(data, self.adapter.stalls.passed(now))
             self._next = self._next_on_wire()
 
     def send_break(self, seconds: float, now: float) -> None:
