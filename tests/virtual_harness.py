@@ -60,6 +60,10 @@ class TableCar:
         self._data[code] = data
         return True
 
+    def engine_speed(self, now: float) -> float:
+        """Return `rpm`."""
+        return self.rpm
+
     def powered(self, now: float) -> bool:
         """Return `on`."""
         return self.on

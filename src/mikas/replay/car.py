@@ -171,6 +171,10 @@ class ReplayCar:
         self._written[code] = data
         return True
 
+    def engine_speed(self, now: float) -> float:  # noqa: ARG002
+        """Return 0: the recorded gap between responses has the load in it (D16)."""
+        return 0.0
+
     def powered(self, now: float) -> bool:
         """Return whether the recorded ECU had its supply, and the line was recorded."""
         if self._waiting:

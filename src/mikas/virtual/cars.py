@@ -73,6 +73,11 @@ class EngineCar:
         self._written[code] = data
         return True
 
+    def engine_speed(self, now: float) -> float:
+        """Return the rpm of the engine at `now`."""
+        self.engine.advance(now - self._start)
+        return self.engine.state.rpm
+
     def powered(self, now: float) -> bool:
         """Return whether the ignition is on."""
         return self.engine.scenario.timeline.key_on(now - self._start)

@@ -1,4 +1,4 @@
-"""The virtual Mikas on its wire: bytes in, bytes out, on the caller's clock (§3, D12, D15).
+"""The virtual Mikas on its wire: bytes in, bytes out, on the caller's clock (§3, D12, D15, D16).
 
 No I/O, no clock, no sleep: the same times and bytes give the same responses. The bus calls
 `receive` with the bytes on the wire, `next_event` for the time of the next `transmit`, and puts the
@@ -134,9 +134,14 @@ class VirtualEcu:
         wire = encode(body, raw_checksum=self.responder.quirks.raw_checksum)
         self._free_at = now + len(wire) * 10 / self.baud
         if self._stream:
-            gap = self.responder.quirks.stream_gap
-            self._stream.due = self._due(self._stream.command, self._free_at, gap)
+            self._stream.due = self._due(self._stream.command, self._free_at, self._stream_gap(now))
         return wire
+
+    def _stream_gap(self, now: float) -> float:
+        """Return the seconds between two responses: a faster engine leaves less time (D16)."""
+        quirks, car = self.responder.quirks, self.responder.car
+        load = quirks.stream_load and quirks.stream_load * car.engine_speed(now) / 1000
+        return quirks.stream_gap + load / 1000
 
     def _take(self, body: bytes, now: float) -> None:
         self._report("request", now, body)

@@ -1,4 +1,5 @@
-"""Behaviour that the source does not define, as switches of the virtual ECU (D3, D7, D10–D12, D14).
+"""Behaviour that the source does not define, as switches of the virtual ECU (D3, D7, D10–D12, D14,
+D16, D17).
 
 A tester must work with every combination of these switches.
 """
@@ -19,6 +20,13 @@ class Unknown(Enum):
 
     SILENT = "silent"
     ERROR = "01"
+
+
+class BadWrite(Enum):
+    """The response to a write that the unit knows and can't do (D17)."""
+
+    ERROR = "01"
+    SILENT = "silent"
 
 
 class LongList(Enum):
@@ -57,10 +65,12 @@ class EcuQuirks:
 
     turn_round: float = 0.002  # s from a request's last byte to the response's first, D14
     stream_gap: float = 0.0004  # s between two responses of a stream; §5 assumes 0
+    stream_load: float = 0.1  # ms more for each 1,000 rpm, D16
     max_list: int = 255  # most parameters in one 61, 64, 71, 7F–83; D11
     long_list: LongList = LongList.SILENT
     max_block: int = 255  # most bytes in one 21–26
     unknown: Unknown = Unknown.SILENT  # D10
+    bad_write: BadWrite = BadWrite.ERROR  # D17
     missing: frozenset[int] = field(default_factory=frozenset)  # command codes
     counted_blocks: bool = False  # 23, 25 repeat the count as 21 does, D7
     raw_checksum: bool = False  # D3
@@ -73,10 +83,12 @@ class EcuQuirks:
         return EcuQuirks(
             turn_round=given.number("turn_round", self.turn_round, highest=10),
             stream_gap=given.number("stream_gap", self.stream_gap, highest=10),
+            stream_load=given.number("stream_load", self.stream_load, highest=100),
             max_list=given.integer("max_list", self.max_list, lowest=1, highest=255),
             long_list=given.member("long_list", self.long_list),
             max_block=given.integer("max_block", self.max_block, lowest=1, highest=255),
             unknown=given.member("unknown", self.unknown),
+            bad_write=given.member("bad_write", self.bad_write),
             missing=_missing(options["missing"]) if "missing" in options else self.missing,
             counted_blocks=given.switch("counted_blocks", default=self.counted_blocks),
             raw_checksum=given.switch("raw_checksum", default=self.raw_checksum),

@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from mikas import commands as c
+from mikas.commands.base import Write
 from mikas.virtual.memory import EcuMemory
-from mikas.virtual.quirks import EcuQuirks, LongList, Unknown
+from mikas.virtual.quirks import BadWrite, EcuQuirks, LongList, Unknown
 
 ERASE_CELL = 0x0E
 
@@ -42,6 +43,9 @@ class Car(Protocol):
 
     def next_stroke(self, stroke: int, after: float) -> float:
         """Return when the engine next reaches this stroke (D15); infinity if it stands."""
+
+    def engine_speed(self, now: float) -> float:
+        """Return the rpm that load the unit's program (D16); 0 if the data say nothing of it."""
 
     def power_cycle(self) -> None:
         """Forget volatile data: the supply went off."""
@@ -85,7 +89,7 @@ class Responder:
         try:
             command = c.parse(body, self.car.size_of)
         except c.MalformedRequest:
-            return self._unknown()
+            return self._bad_write() if body[:1] and body[0] in _WRITES else self._unknown()
         return self._perform(command, now)
 
     def data(self, parameters: tuple[c.Datum, ...], now: float) -> bytes | None:
@@ -99,6 +103,9 @@ class Responder:
     def _unknown(self) -> bytes | None:
         return b"\x01" if self.quirks.unknown is Unknown.ERROR else None
 
+    def _bad_write(self) -> bytes | None:
+        return b"\x01" if self.quirks.bad_write is BadWrite.ERROR else None
+
     def _perform(self, command: c.Command[Any], now: float) -> Answer:
         match command:
             case c.StreamCyclic() | c.StreamAtStroke():
@@ -110,11 +117,12 @@ class Responder:
                 return self.data(parameters, now)
             case c.WriteList(parameters):
                 if len(parameters) > self.quirks.max_list:
-                    return b"\x01"
+                    return self._bad_write()
                 self._list = parameters
                 return b"\x00"
             case c.WriteParameter(parameter, data):
-                return b"\x00" if self._write_parameter(parameter, data) else b"\x01"
+                written = self._write_parameter(parameter, data)
+                return b"\x00" if written else self._bad_write()
             case c.ReadFaults():
                 return command.respond(tuple(self.car.faults))
             case c.GoTo():
@@ -141,10 +149,12 @@ class Responder:
         return self.car.size_of(code) == len(data) and self.car.write(code, data)
 
     def _erase(self, data: bytes) -> bool:
-        if data == b"\x00" and self._erase_armed:
+        """Return whether `data` is the first write of the erase, or the second that follows it."""
+        erases = data == b"\x00" and self._erase_armed
+        if erases:
             self.car.faults.clear()
         self._erase_armed = data == b"\x08"
-        return data in (b"\x08", b"\x00")
+        return erases or self._erase_armed
 
     def _access_memory(self, command: c.Command[Any]) -> bytes | None:
         memory, max_block = self.memory, self.quirks.max_block
@@ -156,7 +166,7 @@ class Responder:
             return command.respond(data, counted=counted)
         if isinstance(command, _BLOCK_WRITES):
             if len(command.data) > max_block:
-                return b"\x01"
+                return self._bad_write()
             memory.write(command.SPACE, command.address, command.data)
             return b"\x00"
         if isinstance(command, _BYTE_WRITES):
@@ -167,6 +177,9 @@ class Responder:
         raise AssertionError(f"{command.name} is not implemented")
 
 
+_WRITES = frozenset(
+    code for command in c.ALL_COMMANDS if issubclass(command, Write) for code in command.CODES
+)
 _IDENTITY = (c.Availability, c.ReadProgramPassport, c.ReadDataPassport, c.CountParameters)
 _BLOCK_READS = (c.ReadRamBlock, c.ReadXramBlock, c.ReadCodeBlock)
 _BLOCK_WRITES = (c.WriteRamBlock, c.WriteXramBlock, c.WriteCodeBlock)
