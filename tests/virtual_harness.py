@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
-from mikas.virtual.bus import AdapterKind, Bus
+from mikas.virtual.bus import AdapterKind, Bus, Stalls
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector
 from mikas.virtual.quirks import EcuQuirks
@@ -93,11 +93,12 @@ def make_bus(
     quirks: EcuQuirks | None = None,
     adapter: AdapterKind | None = None,
     fault_injector: FaultInjector | None = None,
+    stalls: Stalls | None = None,
     rpm: float = 850.0,
 ) -> Bus:
     car = TableCar(DATA, faults=FAULTS, rpm=rpm)
     ecu = VirtualEcu(Responder(car, IDENTITY, quirks or EcuQuirks()))
-    return Bus(ecu, adapter=adapter, fault_injector=fault_injector)
+    return Bus(ecu, adapter=adapter, fault_injector=fault_injector, stalls=stalls)
 
 
 def make_tester(bus: Bus, **settings: object) -> Tester:

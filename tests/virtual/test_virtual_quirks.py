@@ -1,6 +1,10 @@
-"""Each switch for what the source leaves open, seen from the wire (D3, D7, D10, D11, D12, D14)."""
+"""Each switch for what the source leaves open, seen from the wire (D3, D7, D10, D11, D12, D14,
+D16, D17).
+"""
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import pytest
 
@@ -49,7 +53,6 @@ def test_the_defaults_are_the_letter():
         "23 00 FF",  # no count
         "25 FF FF 02",  # over the end of CODE
         "21 00 00",  # nothing
-        "22 00 02 01",  # a byte is missing
         "01 01",
         "41 00",
         "71",
@@ -61,6 +64,53 @@ def test_what_a_unit_does_not_know(body):
     body = bytes.fromhex(body)
     assert a_tester().ask(body) == b""
     assert a_tester(unknown="01").ask(body) == NO
+
+
+# D17
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "22 FE 03 01 02 03",  # beyond the end of RAM
+        "22 00 02 01",  # a byte is missing
+        "22 00 02 01 02 03",  # a byte too many
+        "24 FF FF 02 01 02",  # beyond the end of XRAM
+        "26 00 80 00",  # no data
+        "62 99 00",  # no such parameter
+        "62 1A",  # no data
+        "62 1A 00 00",  # two bytes for one
+        "62 3F 00",  # one byte for two
+        "62 0E 00",  # the second write of the erase without the first
+        "62 0E 01",
+        "64",  # an empty list
+        "64 1A 99",
+    ],
+)
+def test_a_write_that_the_unit_knows_and_cannot_do(body):
+    body = bytes.fromhex(body)
+    assert a_tester().ask(body) == NO
+    assert a_tester(unknown="01", bad_write="silent").ask(body) == b""
+
+
+@pytest.mark.parametrize("body", ["22 00 02 01", "62 99 00", "64 99"])
+def test_a_unit_without_the_command_treats_a_bad_write_as_unknown(body):
+    tester = a_tester(missing="blocks,write,list")
+    assert tester.ask(bytes.fromhex(body)) == b""
+
+
+# D16
+
+
+@pytest.mark.parametrize(("rpm", "load"), [(0.0, 0.1), (850.0, 0.1), (5200.0, 0.1), (5200.0, 2.0)])
+def test_a_faster_engine_slows_the_stream(rpm, load):
+    tester = RawTester(make_bus(quirks=EcuQuirks(stream_load=load), rpm=rpm))
+    tester.say(encode(b"\x71\x1a"))
+    tester.listen(1.0)
+    ends = [time for time, value in tester.heard if value == 0x0D][1:]
+    period = len(encode(DATA[0x1A])) * BYTE + 0.0004 + load * rpm / 1e6
+    for before, after in pairwise(ends):
+        assert after - before == pytest.approx(period)
 
 
 def test_goto_is_known_and_not_answered():
