@@ -41,8 +41,9 @@ def test_help(mikas, path, command):
     assert "Examples:" in english.out
     assert not re.search("[а-яА-Я]", english.out)
     assert max(map(len, english.lines)) <= 80 or "--line-fault" in english.out
-    for option in ("--port", "--echo", "--timeout", "--retries", "--capture", "--interpretation",
-                   "--lang", "--json", "--verbose"):  # fmt: skip
+    for option in ("--port", "--echo", "--timeout", "--inter-byte", "--retries", "--checksum",
+                   "--strict", "--capture", "--interpretation", "--lang", "--json",
+                   "--verbose"):  # fmt: skip
         assert option in english.out
 
     russian = mikas("--lang", "ru", *path, "--help")

@@ -77,6 +77,12 @@ def test_an_empty_port_in_the_environment_is_none(mikas, monkeypatch):
         ("timeout = true", "seconds"),
         ("timeout = 0", "seconds"),
         ("timeout = nan", "seconds"),
+        ("inter_byte = '0.2'", "seconds"),
+        ("inter_byte = 0.0005", "0.001 … 60"),
+        ("checksum = 'maybe'", "stuffed, raw"),
+        ("checksum = true", "stuffed, raw"),
+        ("strict = 1", "true or false"),
+        ("strict = 'yes'", "true or false"),
         ("retries = 1.5", "whole number"),
         ("retries = -1", "whole number"),
         ("catalog = 'my.toml'", "list of files"),
@@ -106,6 +112,95 @@ def test_a_relative_catalog_is_beside_the_config_file(mikas):
     file = config(mikas, 'catalog = ["mine.toml"]')
     (file.parent / "mine.toml").write_text(OWN, "utf-8")
     assert mikas("read", "BARO", "--json").object["readings"]["BARO"]["unit"] == "kPa"
+
+
+SUM_0D, SUM_40 = "6192", "615F"  # bodies whose checksum is 0D, 40
+
+
+@pytest.mark.parametrize(
+    ("file", "argv", "sent"),
+    [
+        ("", [], "61 92 40 CD 0D"),
+        ("", ["--checksum", "raw"], "61 92 0D 0D"),
+        ("checksum = 'raw'", [], "61 92 0D 0D"),
+        ("checksum = 'raw'", ["--checksum", "stuffed"], "61 92 40 CD 0D"),
+    ],
+)
+def test_the_form_of_a_requests_checksum(mikas, file, argv, sent):
+    """D3."""
+    if file:
+        config(mikas, file)
+    mikas("raw", SUM_0D, "--capture", "x.pcapng", *argv)
+    assert sent.replace(" ", "") in wires(mikas)
+
+
+def test_a_unit_that_takes_a_raw_checksum_only(mikas, monkeypatch):
+    """D3: as a receiver that knows no stuffing in the checksum."""
+    from mikas.virtual.ecu import VirtualEcu
+
+    receive = VirtualEcu.receive
+
+    def only_raw(self, data, now):
+        return receive(self, data.replace(b"\x40\x00\x0d", b"\x00\x0d"), now)
+
+    monkeypatch.setattr(VirtualEcu, "receive", only_raw)
+    ran = mikas(
+        "raw", SUM_40, "--capture", "x.pcapng", "--checksum", "raw", "--json", sim="&unknown=01"
+    )
+    assert ran.object["response"] == "01"
+    assert "615F400D" in wires(mikas)
+
+
+IRREGULAR = b"\x40\x3d\x83\x0d"  # 7D of TWAT, 85 °C, as 40 + 3D
+
+
+@pytest.mark.parametrize(
+    ("file", "argv", "damaged"),
+    [
+        ("", [], False),
+        ("", ["--strict"], True),
+        ("strict = true", [], True),
+        ("strict = true", ["--no-strict"], False),
+    ],
+)
+def test_an_irregular_escape(mikas, monkeypatch, file, argv, damaged):
+    """D4."""
+    from mikas.virtual import ecu
+
+    encode = ecu.encode
+    monkeypatch.setattr(
+        ecu, "encode", lambda body, **form: encode(body, **form) if body == b"\x0a" else IRREGULAR
+    )
+    if file:
+        config(mikas, file)
+    for command in (["raw", "611A"], ["watch", "TWAT", "--count", "1", "--method", "single"]):
+        ran = mikas(*command, "--json", *argv)
+        assert ("damaged" in ran.err + ran.out) is damaged, (command, ran)
+
+
+@pytest.mark.parametrize(
+    ("file", "argv", "status"),
+    [
+        ("", [], 0),
+        ("", ["--inter-byte", "0,01"], 4),
+        ("inter_byte = 0.01", [], 4),
+        ("inter_byte = 0.01", ["--inter-byte", "0.2"], 0),
+    ],
+)
+def test_the_longest_pause_inside_a_response(mikas, file, argv, status):
+    """D14: several pauses of 10 to 60 ms inside a response of 44 ms."""
+    if file:
+        config(mikas, file)
+    many = ",".join(map(str, range(1, 21)))
+    ran = mikas(
+        "faults", *argv, "--retries", "0", sim=f"&faults={many}&stall_every=0.01&stall_ms=60"
+    )
+    assert ran.status == status, ran.err
+
+
+def wires(mikas) -> list[str]:
+    """The bytes of each frame that the capture holds."""
+    return [it.get("wire", "") for it in mikas("decode", "x.pcapng", "--json").objects]
 
 
 @pytest.mark.parametrize(

@@ -57,3 +57,12 @@ def test_a_recording_that_is_over_plays_again_when_it_is_connected_to_again(tmp_
 def test_a_port_that_is_there(started, tmp_path):
     (tmp_path / "ttyUSB0").touch()
     assert started("--port", str(tmp_path / "ttyUSB0"))[1] == "Ctrl-C ends it.\n"
+
+
+def test_it_connects_with_the_options_of_the_command_line(started, monkeypatch):
+    apps = []
+    monkeypatch.setattr("mikas.dashboard.server.serve", lambda app, own, *, ready: apps.append(app))
+    started("--checksum", "raw", "--strict", "--inter-byte", "0.5", "--timeout", "1")
+    options = apps[0].state.dashboard.settings.connection
+    assert (options.raw_checksum, options.strict) == (True, True)
+    assert (options.inter_byte_timeout, options.timeout) == (0.5, 1)

@@ -3,6 +3,7 @@
 # ~/.config/mikas/config.toml (or the system's own place; MIKAS_CONFIG names another)
 port = "/dev/ttyUSB0"
 lang = "ru"
+inter_byte = 0.5                   # a slow network
 catalog = ["~/my-catalog.toml"]    # a relative path is relative to this file
 """
 
@@ -18,13 +19,22 @@ from mikas.errors import UsageError, reason_of, usage_error
 from mikas.i18n import Text
 
 ECHO = ("auto", "on", "off")
+CHECKSUMS = ("stuffed", "raw")
 INTERPRETATIONS = ("corrected", "literal", "alternative")
 LANGUAGES = ("en", "ru")
-MAX_TIMEOUT = 60
+MIN_TIMEOUT, MAX_TIMEOUT = 0.001, 60
 MAX_RETRIES = 100
 
-_WORDS = {"echo": ECHO, "interpretation": INTERPRETATIONS, "lang": LANGUAGES}
-_SETTINGS = ("port", "echo", "timeout", "retries", "interpretation", "lang", "catalog")
+_WORDS = {
+    "echo": ECHO,
+    "checksum": CHECKSUMS,
+    "interpretation": INTERPRETATIONS,
+    "lang": LANGUAGES,
+}
+_SETTINGS = (
+    "port", "echo", "timeout", "inter_byte", "retries", "checksum", "strict", "interpretation",
+    "lang", "catalog",
+)  # fmt: skip
 
 
 def path() -> Path:
@@ -71,7 +81,9 @@ def load() -> dict[str, Any]:
 
 def _expected(name: str, value: object) -> Text | None:
     """Return the values allowed for this setting; None if `value` is one."""
-    if isinstance(value, bool):  # an int in Python, and allowed nowhere
+    if name == "strict":
+        return None if isinstance(value, bool) else Text("true or false", "true или false")
+    if isinstance(value, bool):  # an int in Python, and allowed nowhere else
         value = None
     if name in _WORDS:
         words = ", ".join(_WORDS[name])
@@ -79,13 +91,10 @@ def _expected(name: str, value: object) -> Text | None:
     if name == "port":
         good = isinstance(value, str) and bool(value.strip())
         return None if good else Text('a port in quotes, like "COM3"', 'порт в кавычках: "COM3"')
-    if name == "timeout":
-        good = isinstance(value, int | float) and 0 < value <= MAX_TIMEOUT
-        return (
-            None
-            if good
-            else Text(f"seconds, up to {MAX_TIMEOUT}", f"число секунд, до {MAX_TIMEOUT}")
-        )
+    if name in ("timeout", "inter_byte"):
+        good = isinstance(value, int | float) and MIN_TIMEOUT <= value <= MAX_TIMEOUT
+        limits = f"{MIN_TIMEOUT} … {MAX_TIMEOUT}"
+        return None if good else Text(f"seconds, {limits}", f"число секунд, {limits}")
     if name == "retries":
         good = isinstance(value, int) and 0 <= value <= MAX_RETRIES
         return (

@@ -38,8 +38,15 @@ _NOT_RECORDED = Text(
 )
 
 
-_CONNECTION = ("echo", "timeout", "retries", "interpretation")
-"""Options of the command line that are fields of `ConnectionOptions`."""
+def _connection(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields of `ConnectionOptions` that are among `settings`."""
+    same = ("echo", "timeout", "retries", "interpretation", "strict")
+    fields = {name: settings[name] for name in same if name in settings}
+    if "inter_byte" in settings:
+        fields["inter_byte_timeout"] = settings["inter_byte"]
+    if "checksum" in settings:
+        fields["raw_checksum"] = settings["checksum"] == "raw"
+    return fields
 
 
 @dataclass
@@ -67,7 +74,7 @@ class CommandContext:
             port=given.get("port", environment or stored.get("port")),
             capture=given.get("capture"),
             catalogs=tuple(map(Path, [*stored.get("catalog", ()), *given.get("catalog", ())])),
-            connection={name: settings[name] for name in _CONNECTION if name in settings},
+            connection=_connection(settings),
             output=Output(json=bool(given.get("json")), verbose=verbosity > 0),
             logs=verbosity > 1,
         )

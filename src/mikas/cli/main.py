@@ -15,8 +15,9 @@ from pathlib import Path
 import click
 
 from mikas.cli import config
-from mikas.cli.click_extensions import LocalizedGroup, LocalizedOption, common_options
+from mikas.cli.click_extensions import LocalizedGroup
 from mikas.cli.commands import COMMANDS
+from mikas.cli.common_options import LocalizedOption, common_options
 from mikas.cli.language import capital, detect_language, localized, set_language, tr
 from mikas.i18n import Text
 
@@ -157,7 +158,9 @@ def _name(parameter: click.Parameter | None) -> str:
 
 def _is_flag(name: str, context: click.Context | None) -> bool:
     parameters = context.command.params if context else []
-    return any(name in p.opts and getattr(p, "is_flag", False) for p in parameters)
+    return any(
+        name in (*p.opts, *p.secondary_opts) and getattr(p, "is_flag", False) for p in parameters
+    )
 
 
 def _failed(error: Exception, *, verbose: bool) -> int:

@@ -9,12 +9,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from math import inf, isfinite, nan
+from math import inf, nan
 from pathlib import Path
 from typing import Final
 
 import click
 
+from mikas.cli.config import MAX_TIMEOUT, MIN_TIMEOUT
 from mikas.cli.language import tr
 
 
@@ -63,23 +64,38 @@ def size_in_bytes(text: str) -> int:
     return count
 
 
-def number(*, above: float, most: float = inf) -> Callable[[str], float]:
-    """Return the type of a number more than `above`, at most `most`; a decimal comma is allowed."""
+def _decimal(text: str) -> float:
+    """Return the number of `text`, which may have a decimal comma; nan if it is none."""
+    try:
+        return float(text.replace(",", "."))
+    except ValueError:
+        return nan
+
+
+def number(*, above: float) -> Callable[[str], float]:
+    """Return the type of a number more than `above`; a decimal comma is allowed."""
 
     def parse(text: str) -> float:
-        try:
-            value = float(text.replace(",", "."))
-        except ValueError:
-            value = nan
-        if isfinite(value) and above < value <= most:
+        value = _decimal(text)
+        if above < value < inf:
             return value
-        en, ru = (f", {most:g} at most", f", не больше {most:g}") if isfinite(most) else ("", "")
         raise _invalid(
-            f"“{text}” is not allowed; it must be a number more than {above:g}{en}.",
-            f"«{text}» не подходит; нужно число больше {above:g}{ru}.",
+            f"“{text}” is not allowed; it must be a number more than {above:g}.",
+            f"«{text}» не подходит; нужно число больше {above:g}.",
         )
 
     return parse
+
+
+def timeout(text: str) -> float:
+    """Return the seconds of a time-out (D14)."""
+    value = _decimal(text)
+    if MIN_TIMEOUT <= value <= MAX_TIMEOUT:
+        return value
+    raise _invalid(
+        f"“{text}” is not allowed; it must be seconds, {MIN_TIMEOUT} to {MAX_TIMEOUT}.",
+        f"«{text}» не подходит; нужно число секунд от {MIN_TIMEOUT} до {MAX_TIMEOUT}.",
+    )
 
 
 def whole(low: int, high: int | None = None) -> Callable[[str], int]:

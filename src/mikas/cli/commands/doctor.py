@@ -61,7 +61,12 @@ def ports(context: CommandContext) -> None:
         "Проверяет связь по шагам: порт, эхо, скорость по эху, задержка, ошибки на линии, блок, "
         "команды; подсказывает, что исправить. Ничего не меняет.",
     ),
-    examples=("mikas doctor", "mikas doctor --port /dev/ttyUSB0"),
+    examples=(
+        "mikas doctor",
+        "mikas doctor --port /dev/ttyUSB0",
+        "mikas doctor --port socket://192.168.1.5:2000 --inter-byte 0.5",
+        "mikas doctor --checksum raw --strict",
+    ),
 )
 def doctor(context: CommandContext) -> int:
     steps = []

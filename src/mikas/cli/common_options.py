@@ -1,0 +1,159 @@
+"""The options that every command has (docs/cli.md, Everywhere).
+
+They may stand before or after the command's name: the group and every command have them; the last
+one on the line wins. The config file sets the same, but `capture`, `json` and `verbose`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from mikas.cli.config import CHECKSUMS, ECHO, INTERPRETATIONS, LANGUAGES, MAX_RETRIES
+from mikas.cli.language import localized
+from mikas.cli.parameter_types import any_file, choices, one_of, timeout, whole
+from mikas.i18n import Text
+
+
+class LocalizedOption(click.Option):
+    """An option whose help is a `Text`."""
+
+    def __init__(self, *args: Any, text: Text, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.text = text
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        record = super().get_help_record(ctx)
+        # click's notes in brackets are English only; our texts contain limits and "required".
+        return (record[0], localized(self.text)) if record else None
+
+
+class CommonOption(LocalizedOption):
+    """An option that every command has, before or after its name."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, expose_value=False, callback=_keep, **kwargs)
+
+
+def _keep(ctx: click.Context, option: click.Parameter, value: object) -> object:
+    """Store the value in the settings of this command; the last one on the line wins."""
+    given = ctx.get_parameter_source(option.name or "")
+    if given is click.core.ParameterSource.COMMANDLINE:
+        ctx.find_root().ensure_object(dict)[option.name] = value
+    return value
+
+
+def common_options() -> list[click.Parameter]:
+    """Return new instances of the common options, for one command."""
+    return [
+        CommonOption(
+            ["--port"],
+            metavar="URL",
+            text=Text(
+                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (a virtual "
+                "ECU), replay:FILE (a recorded one)",
+                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (виртуальный "
+                "блок), replay:FILE (записанный)",
+            ),
+        ),
+        CommonOption(
+            ["--echo"],
+            type=one_of(ECHO),
+            metavar=choices(ECHO),
+            text=Text(
+                "whether the adapter echoes what it sends (auto: detect)",
+                "возвращает ли адаптер эхо (auto: определить)",
+            ),
+        ),
+        CommonOption(
+            ["--timeout"],
+            type=timeout,
+            metavar="SECONDS",
+            text=Text(
+                "how long to wait for the first byte of a response (0.5)",
+                "сколько ждать первого байта ответа, секунд (0.5)",
+            ),
+        ),
+        CommonOption(
+            ["--inter-byte"],
+            type=timeout,
+            metavar="SECONDS",
+            text=Text(
+                "longest pause inside a response (0.2); longer for a slow network or a busy "
+                "computer: --inter-byte 0.5",
+                "наибольшая пауза внутри ответа, секунд (0.2); для медленной сети или занятого "
+                "компьютера больше: --inter-byte 0.5",
+            ),
+        ),
+        CommonOption(
+            ["--retries"],
+            type=whole(0, MAX_RETRIES),
+            metavar="N",
+            text=Text(
+                "how often to repeat a failed request, if that is safe (2)",
+                "сколько раз повторять неудачный запрос, если это безопасно (2)",
+            ),
+        ),
+        CommonOption(
+            ["--checksum"],
+            type=one_of(CHECKSUMS),
+            metavar=choices(CHECKSUMS),
+            text=Text(
+                "how a request's checksum of 0D or 40 is sent: stuffed as 40 CD, 40 00, or raw; "
+                "responses are accepted in both forms (stuffed)",
+                "как посылать контрольную сумму 0D или 40: stuffed — заменять на 40 CD, 40 00, "
+                "raw — как есть; ответы принимаются в обоих видах (stuffed)",
+            ),
+        ),
+        CommonOption(
+            ["--strict/--no-strict"],
+            default=None,
+            text=Text(
+                "treat a response with an escape other than 40 CD, 40 00 as damaged",
+                "считать повреждённым ответ, где после 40 стоит не CD и не 00",
+            ),
+        ),
+        CommonOption(
+            ["--capture"],
+            type=any_file,
+            metavar="FILE",
+            text=Text(
+                "record everything on the line (.pcapng)", "записать весь обмен на линии (.pcapng)"
+            ),
+        ),
+        CommonOption(
+            ["--interpretation"],
+            type=one_of(INTERPRETATIONS),
+            metavar=choices(INTERPRETATIONS),
+            text=Text(
+                "how the doubtful places of the protocol's source are interpreted (corrected)",
+                "как толковать сомнительные места описания протокола (corrected)",
+            ),
+        ),
+        CommonOption(
+            ["--catalog"],
+            type=any_file,
+            multiple=True,
+            metavar="FILE",
+            text=Text(
+                "your own parameters and faults, added to the shipped ones",
+                "свои параметры и ошибки в дополнение к встроенным",
+            ),
+        ),
+        CommonOption(
+            ["--lang"],
+            type=one_of(LANGUAGES),
+            metavar=choices(LANGUAGES),
+            text=Text("language", "язык: en или ru"),
+        ),
+        CommonOption(["--json"], is_flag=True, text=Text("JSON on stdout", "вывод в виде JSON")),
+        CommonOption(
+            ["-v", "--verbose"],
+            count=True,
+            text=Text(
+                "more details (on stderr); -vv: the log too, with every frame",
+                "больше подробностей (в stderr); -vv — ещё и журнал с каждым кадром",
+            ),
+        ),
+    ]
