@@ -171,9 +171,9 @@ class TestWritingAParameter:
     def test_one_that_may_be_written_but_not_read(self):
         it = bench({0x29: b"\x10"})
         ecu = ecu_on(it)
-        written = ecu.write_parameter("0x0E", 0)
+        written = ecu.write_parameter("0x0E", 8)
         assert (written.before, written.after) == (None, None)
-        assert it.requests(0x62) == [b"\x62\x0e\x00"]
+        assert it.requests(0x62) == [b"\x62\x0e\x08"]
 
     @pytest.mark.parametrize("known", [False, True])
     def test_a_lost_answer_is_settled_by_reading_back(self, known):

@@ -20,12 +20,14 @@ class Timing:
 
     `response_timeout`: from the end of a request to its response. `inter_byte_timeout`: silence
     inside a response after which the rest is given up. `idle_time`: silence that counts as a quiet
-    line when no response is pending. `max_busy_time`: the longest wait for a busy line to go quiet.
+    line when no response is pending. `stream_gap`: silence that counts as the gap between two
+    responses of a stream (D12). `max_busy_time`: the longest wait for a busy line to go quiet.
     """
 
     response_timeout: float = 0.5
     inter_byte_timeout: float = 0.2
     idle_time: float = 0.06
+    stream_gap: float = 0.02
     max_busy_time: float = 1.0
 
     @property

@@ -70,9 +70,9 @@ class Stalls:
 class Adapter:
     """The receiving half of an adapter: bytes in from the wire, lumps out."""
 
-    def __init__(self, kind: AdapterKind, stalls: Stalls) -> None:
+    def __init__(self, kind: AdapterKind, stalls: Stalls | None = None) -> None:
         self.kind = kind
-        self.stalls = stalls
+        self.stalls = stalls or Stalls()
         self._pending = bytearray()
         self._ready: deque[tuple[float, bytes]] = deque()
         self._tick_at = inf  # when the latency timer expires, if bytes wait
@@ -182,7 +182,7 @@ class Bus:
         self.ecu = ecu
         self.byte_time = 10 / ecu.baud
         self.fault_injector = fault_injector or FaultInjector()
-        self.adapter = Adapter(adapter or AdapterKind(), stalls or Stalls())
+        self.adapter = Adapter(adapter or AdapterKind(), stalls)
         self.bytes_carried = 0
         self._tester = _Transmitter(self.byte_time)
         self._unit = _Transmitter(self.byte_time)
