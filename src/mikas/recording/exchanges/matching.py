@@ -24,8 +24,8 @@ E_co = TypeVar("E_co", covariant=True)
 P = TypeVar("P")
 E = TypeVar("E")
 
-# s; an unfinished frame is abandoned after such a silence: longer than D14's pause inside a response
-# and a latency timer. If a request was sent in between, the tester has abandoned the frame before.
+# s; an unfinished frame is abandoned after such a silence: longer than D14's pause inside a
+# response and a latency timer. If a request was sent in between, the tester has abandoned it.
 SILENCE: Final = 0.25
 SILENCE_AFTER_SENDING: Final = 0.02
 
