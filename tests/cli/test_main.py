@@ -260,12 +260,25 @@ def test_the_answer_is_yes(mikas, answer):
         is_russian(ran.out, wordy=False)
 
 
-def test_goto_takes_two_yeses(mikas):
-    assert mikas("mem", "goto", "8000", "--yes", sim="&supplied=0").status == 6  # not even tried
-    assert mikas("mem", "goto", "8000", "--i-know-what-this-does", sim="").status == 6
+TWO_YESES = [["mem", "goto", "8000"], ["raw", "410080"], ["raw", "41"],
+             ["raw", "1600800D"], ["raw", "26 00 80 01 0D"]]  # fmt: skip
+
+
+@pytest.mark.parametrize("argv", TWO_YESES, ids=" ".join)
+def test_a_jump_and_a_raw_write_to_code_take_two_yeses(mikas, argv):
+    ran = mikas(*argv, "--yes", sim="&supplied=0")  # not even tried
+    assert ran.status == 6
+    assert "--i-know-what-this-does" in ran.err
+    is_russian(mikas(*argv, "--yes", "--lang", "ru").err)
+    assert mikas(*argv, "--i-know-what-this-does", sim="").status == 6
     both = ["--yes", "--i-know-what-this-does"]
-    assert mikas("mem", "goto", "8000", *both).status == 0
+    assert mikas(*argv, *both).status == 0
     assert [it["state"] for it in mikas.journal] == ["started", "done"]
+
+
+@pytest.mark.parametrize("body", ["620E08", "1240 0D", "22 40 01 0D", "14 00 10 0D", "32 81 07"])
+def test_another_raw_change_takes_one(mikas, body):
+    assert mikas("raw", body, "--yes").status == 0
 
 
 @pytest.mark.parametrize("verbose", [False, True])

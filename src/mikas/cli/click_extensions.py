@@ -46,6 +46,15 @@ def grouped(
 
 
 YES = option("--yes", is_flag=True, text=Text("do not ask", "не спрашивать"))
+SURE = option(
+    "--i-know-what-this-does",
+    "sure",
+    is_flag=True,
+    text=Text(
+        "required together with --yes for what can leave the unit unable to run",
+        "обязателен вместе с --yes, если после команды блок может перестать работать",
+    ),
+)
 OUT = option(
     "-o",
     "--out",

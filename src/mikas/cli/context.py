@@ -32,6 +32,10 @@ _NO_TERMINAL = Text(
     "Нет терминала, чтобы спросить; подтвердить заранее можно ключом --yes.",
 )
 _ANSWERED_NO = Text("The answer was no.", "Ответ был «нет».")
+_NOT_SURE = Text(
+    "Here --yes requires --i-know-what-this-does.",
+    "Здесь --yes действует только вместе с --i-know-what-this-does.",
+)
 _NOT_RECORDED = Text(
     "A recording answers only the requests that it contains; for others the car is needed.",
     "Запись отвечает только на те запросы, которые в ней есть; для остальных нужна машина.",
@@ -90,6 +94,12 @@ class CommandContext:
     def say(self, en: str, ru: str) -> None:
         """Print a sentence on stderr, in the current language."""
         self.output.note(tr(en, ru))
+
+    def say_sent(self) -> None:
+        """Print that a request without an expected response was sent."""
+        self.say(
+            "Sent. No response, as expected (D9).", "Отправлено. Ответа нет, как и ожидалось (D9)."
+        )
 
     @contextmanager
     def ecu(self, confirm: Confirm | None = None) -> Iterator[Ecu]:
@@ -154,6 +164,12 @@ class CommandContext:
             return True
 
         return ask
+
+
+def check_sure(change: Text, *, yes: bool, sure: bool) -> None:
+    """Raise `NotConfirmed` if `--yes` stands without `--i-know-what-this-does`."""
+    if yes and not sure:
+        raise NotConfirmed(change=change, how=_NOT_SURE)
 
 
 def _confirmed() -> bool:

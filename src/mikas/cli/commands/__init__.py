@@ -34,7 +34,7 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "read, write, dump and compare memory",
         "память блока: чтение, запись, дамп, сравнение",
     ),
-    "raw": _command("unit.info", "send any request", "отправить любой запрос"),
+    "raw": _command("unit.raw", "send any request", "отправить любой запрос"),
     "decode": _command(
         "recordings.export",
         "show a capture frame by frame (needs no port)",

@@ -6,10 +6,9 @@ from collections.abc import Iterator
 
 import click
 
-from mikas.cli.click_extensions import YES, command, option
-from mikas.cli.context import CommandContext
+from mikas.cli.click_extensions import SURE, YES, command
+from mikas.cli.context import CommandContext, check_sure
 from mikas.cli.parameter_types import hex_address, hex_bytes, one_of, size_in_bytes
-from mikas.errors import NotConfirmed
 from mikas.i18n import Text
 
 SPACE = one_of(("ram", "xram", "code", "sfr"))
@@ -71,21 +70,10 @@ def write(context: CommandContext, space: str, address: int, data: bytes, *, yes
 )
 @click.argument("address", metavar="ADDR", type=hex_address)
 @YES
-@option(
-    "--i-know-what-this-does",
-    "sure",
-    is_flag=True,
-    text=Text("required together with --yes", "обязателен вместе с --yes"),
-)
+@SURE
 def goto(context: CommandContext, address: int, *, yes: bool, sure: bool) -> None:
-    if yes and not sure:
-        raise NotConfirmed(
-            change=Text(f"jump to {address:04X}", f"переход на {address:04X}"),
-            how=Text(
-                "Here --yes requires --i-know-what-this-does.",
-                "Здесь --yes действует только вместе с --i-know-what-this-does.",
-            ),
-        )
+    jump = Text(f"jump to {address:04X}", f"переход на {address:04X}")
+    check_sure(jump, yes=yes, sure=sure)
     with context.ecu(context.confirm(yes=yes)) as ecu:
         response = ecu.goto(address)
     if context.output.json:
@@ -93,9 +81,7 @@ def goto(context: CommandContext, address: int, *, yes: bool, sure: bool) -> Non
     elif response:
         context.output.line(response.hex(" ").upper())
     else:
-        context.say(
-            "Sent. No response, as expected (D9).", "Отправлено. Ответа нет, как и ожидалось (D9)."
-        )
+        context.say_sent()
 
 
 def _hexdump(data: bytes, address: int) -> Iterator[str]:
