@@ -207,7 +207,7 @@ def test_a_changed_formula_changes_an_old_recording(mikas, tmp_path, drive):
     for ours, mine in zip(
         column(tmp_path / "ours.csv", "TWAT"), column(tmp_path / "mine.csv", "TWAT"), strict=True
     ):
-        assert int(mine) == round((int(ours) + 40) * 9 / 5 - 40)
+        assert float(mine) == (9 * (int(ours) + 40) - 200) / 5
     for ours, mine in zip(
         column(tmp_path / "ours.csv", "FUEL_STROKE"),
         column(tmp_path / "mine.csv", "FUEL_STROKE"),

@@ -1,17 +1,20 @@
 """CSV as RomRaider's logger writes it, which spreadsheets read as well; text cells for both logs.
 
 One header line, `Time (msec),TWAT Coolant temperature (°C),…`; a column's unit in parentheses at
-its end; milliseconds since the start, as a whole number; a missing value is an empty cell. UTF-8.
+its end; milliseconds since the start, as a whole number; values with all their digits; a missing
+value is an empty cell. UTF-8.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mikas.catalog.conversion import EXACT
 from mikas.recording.export.sheet import Sheet, without
 from mikas.recording.table.channels import Channel
 
@@ -25,10 +28,9 @@ def write(path: Path, sheet: Sheet) -> None:
         header = ["Time (msec)", *(_title(channel, sheet) for channel in sheet.channels)]
         file.write(lines([[cell] for cell in header], dialect.separator))
         for times, columns in sheet.stretches:
-            cells = [list(map(str, np.rint(times * 1000).astype(np.int64).tolist()))]
-            for channel, values in zip(sheet.channels, columns, strict=True):
-                cells.append(formatted(channel, values, missing="", decimal=dialect.decimal))
-            file.write(lines(cells, dialect.separator))
+            milliseconds = map(str, np.rint(times * 1000).astype(np.int64).tolist())
+            cells = (formatted(each, missing="", decimal=dialect.decimal) for each in columns)
+            file.write(lines([list(milliseconds), *cells], dialect.separator))
 
 
 def _title(channel: Channel, sheet: Sheet) -> str:
@@ -37,23 +39,28 @@ def _title(channel: Channel, sheet: Sheet) -> str:
     return without(title, sheet.dialect.separator, '"')
 
 
-def formatted(
-    channel: Channel, values: NDArray[np.float64], *, missing: str, decimal: str = "."
-) -> list[str]:
-    """Return `values` with the channel's decimals, never “-0”; `missing` for NaN and infinity.
+def formatted(values: NDArray[np.float64], *, missing: str, decimal: str = ".") -> list[str]:
+    """Return `values` as the shortest numbers that read back as the same floats.
 
-    A parameter of one byte has 256 different values, so each different value is formatted once:
-    about 2 µs a row of 24 columns, not 12 µs.
+    Rounded numbers would not lead back to the raw datum: 0.008 ms is one step of INJ. Never “-0”,
+    never an exponent; `missing` for NaN and infinity. A parameter of one byte has 256 different
+    values, so each different value is formatted once: about 2 µs a row of 24 columns, not 12 µs.
     """
     different, places = np.unique(values, return_inverse=True)
-    decimals = max(channel.decimals, 0)
     texts = np.empty(len(different), object)
     texts[:] = [
-        f"{value:z.{decimals}f}".replace(".", decimal) if finite else missing
-        for value, finite in zip(different.tolist(), np.isfinite(different).tolist(), strict=True)
+        _shortest(value).replace(".", decimal) if isfinite(value) else missing
+        for value in different.tolist()
     ]
     column: list[str] = texts[places].tolist()
     return column
+
+
+def _shortest(value: float) -> str:
+    if value.is_integer() and abs(value) < EXACT:
+        return str(int(value))
+    text = repr(value)
+    return np.format_float_positional(value, trim="-") if "e" in text else text
 
 
 def lines(columns: Sequence[Sequence[str]], separator: str) -> bytes:

@@ -1,9 +1,10 @@
 """MegaLogViewer's text log (.msl) as TunerStudio writes it, and the parts that .mlg shares with it.
 
 Tab separated: two quoted lines, the fields' names, their units, the data; the first field is `Time`
-in seconds. A missing value is `NaN`: some readers take an empty field for a zero, and lose it at a
-line's end. Some readers rely on exactly two quoted lines, so both texts of every channel are in the
-first one, after the program and the facts of the recording.
+in seconds with three decimals, values have all their digits. A missing value is `NaN`: some readers
+take an empty field for a zero, and lose it at a line's end. Some readers rely on exactly two quoted
+lines, so both texts of every channel are in the first one, after the program and the facts of the
+recording.
 
 A mark, `MARK 000 - words` between two rows, is a marker, a note, a gap or an alarm; MegaLogViewer
 draws a line there. A mark has no time of its own: it precedes the first row that is not older.
@@ -19,12 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mikas.i18n import Text
 from mikas.recording.export.csv import formatted, lines
 from mikas.recording.export.sheet import Column, Sheet, program, without
-from mikas.recording.table.channels import Channel
-
-_TIME = Channel("Time", "s", Text("Time", "Время"), decimals=3)
 
 
 class LogMark(NamedTuple):
@@ -43,20 +40,18 @@ class Piece(NamedTuple):
 
 def write(path: Path, sheet: Sheet) -> None:
     """Write the whole sheet as a text log."""
-    fields = (_TIME, *sheet.channels)
+    fields = (("Time", "s"), *((channel.name, channel.unit) for channel in sheet.channels))
     with path.open("wb") as file:
         file.write(heading(sheet))
-        file.write(lines([[without(field.name, '"')] for field in fields], "\t"))
-        file.write(lines([[without(field.unit, '"')] for field in fields], "\t"))
+        for line in zip(*fields, strict=True):
+            file.write(lines([[without(cell, '"')] for cell in line], "\t"))
         for piece in marked(sheet):
             if isinstance(piece, LogMark):
                 file.write(f"{piece.text}\n".encode())
                 continue
-            cells = [
-                formatted(field, values, missing="NaN")
-                for field, values in zip(fields, (piece.times, *piece.columns), strict=True)
-            ]
-            file.write(lines(cells, "\t"))
+            times = [f"{time:z.3f}" for time in piece.times.tolist()]
+            columns = (formatted(values, missing="NaN") for values in piece.columns)
+            file.write(lines([times, *columns], "\t"))
 
 
 def heading(sheet: Sheet) -> bytes:
