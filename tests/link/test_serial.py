@@ -13,6 +13,7 @@ import serial
 from mikas.errors import BadPortUrl, LinkLost, PortDenied, PortFailed, PortNotFound
 from mikas.link import Port, open_link
 from mikas.link import serial as serial_link
+from mikas.link.base import AT_ONCE, LATENCY_TIMER
 from mikas.link.serial import TICK, SerialLink
 
 from .contract import FAR, meanwhile, write_until_lost
@@ -76,12 +77,12 @@ def test_low_latency_where_the_driver_agrees(native, monkeypatch, agreed):
     adapter = Port("/dev/ttyUSB0", "FT232R USB UART (FTDI)", "FT232R")
     monkeypatch.setattr(serial_link, "find_ports", lambda: [adapter])
     link = open_link("/dev/ttyUSB0")
-    assert link.low_latency is agreed
+    assert (link.granularity == AT_ONCE) is agreed
     assert link.description == "FT232R USB UART (FTDI)" + ", low latency" * agreed
 
 
 def test_low_latency_where_there_is_no_such_thing(native):
-    assert not open_link("COM3").low_latency
+    assert open_link("COM3").granularity == LATENCY_TIMER
 
 
 @pytest.mark.parametrize(

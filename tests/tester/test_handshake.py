@@ -189,6 +189,15 @@ def test_not_even_if_the_first_request_then_is_lost(after):
     right(unit.connected())
 
 
+@pytest.mark.parametrize("turn_round", [0.05, 0.1, 0.2, 0.3, 0.4, 0.45])
+@pytest.mark.parametrize("after", [0.02 + 0.04 * i for i in range(13)])
+def test_a_slow_unit_is_not_read_one_answer_late(after, turn_round):
+    """An earlier program's 01 is answered during ours, so each answer seems to be the next one."""
+    unit = Watched(turn_round=turn_round)
+    unit.bus._unit.transmit(encode(b"\x0a"), after)
+    right(unit.connected())
+
+
 STREAMS = [
     c.StreamCyclic((c.Datum(16, 1),)),
     c.StreamCyclic((c.Datum(16, 1), c.Datum(22, 1), c.Datum(67, 2))),

@@ -12,7 +12,7 @@ from mikas.i18n import Text
 from mikas.link import Chunk, Link
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
-from mikas.virtual.bus import AdapterKind, Bus
+from mikas.virtual.bus import AdapterKind, Bus, Stalls
 from mikas.virtual.ecu import EcuEvent, VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault, Sent
 from mikas.virtual.quirks import EcuQuirks
@@ -49,6 +49,7 @@ class Watched:
         *,
         adapter: AdapterKind = ECHOING,
         fault_injector: FaultInjector | None = None,
+        stalls: Stalls | None = None,
         rpm: float = 850.0,
         version: int = VERSION,
         data: dict[int, bytes] = DATA,
@@ -59,7 +60,7 @@ class Watched:
         responder = Responder(self.car, Identity(version), EcuQuirks(**quirks))
         self.ecu = VirtualEcu(responder, watcher=self.happenings.append)
         self.fault_injector = fault_injector or FaultInjector()
-        self.bus = Bus(self.ecu, adapter=adapter, fault_injector=self.fault_injector)
+        self.bus = Bus(self.ecu, adapter=adapter, fault_injector=self.fault_injector, stalls=stalls)
         self.link = VirtualLink(self.bus)
 
     def tester(self, link: Link | None = None, **settings: object) -> Tester:

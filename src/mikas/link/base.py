@@ -16,6 +16,11 @@ from typing import NamedTuple, Protocol, Self
 
 BITS_PER_BYTE = 10  # §1: start bit, eight data bits, stop bit
 
+# s; by so much bytes may come late and together, through (D14):
+AT_ONCE = 0.001  # an adapter without a latency timer, or with one of 1 ms
+LATENCY_TIMER = 0.016  # the FT232's own setting
+NETWORK = 0.2  # a Wi-Fi bridge
+
 
 class Chunk(NamedTuple):
     """The bytes of one read; empty if the deadline passed first.
@@ -45,6 +50,11 @@ class Link(ABC):
     def description(self) -> str:
         """The adapter's name for display; never empty."""
         return self.url
+
+    @property
+    def granularity(self) -> float:
+        """Seconds by which bytes may come late and together (D14); that of a latency timer."""
+        return LATENCY_TIMER
 
     @property
     def byte_time(self) -> float:
@@ -119,6 +129,10 @@ class LinkWrapper(Link):
     @property
     def can_break(self) -> bool:
         return self.link.can_break
+
+    @property
+    def granularity(self) -> float:
+        return self.link.granularity
 
     def write(self, data: bytes) -> None:
         self.link.write(data)

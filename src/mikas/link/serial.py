@@ -26,7 +26,7 @@ import serial
 
 from mikas.errors import LinkLost
 from mikas.i18n import Text
-from mikas.link.base import BITS_PER_BYTE, Chunk, Link, WallClock
+from mikas.link.base import AT_ONCE, BITS_PER_BYTE, LATENCY_TIMER, NETWORK, Chunk, Link, WallClock
 from mikas.link.failures import SYSTEM_ERRORS, TAKES_NO_BYTES, is_unable, opening_failed, why_lost
 from mikas.link.network import Rfc2217Port, SocketPort, host_and_port
 from mikas.link.ports import find_ports
@@ -53,9 +53,8 @@ class SerialLink(Link):
     """A link over the open `port`, which it owns.
 
     The system can wait on the `fileno` of a port with `timeout` 0. Any other port has `timeout`
-    `TICK` and is polled: deadlines are kept to about 1 ms. `low_latency`: the system hands over
-    bytes at once. `paced`: bytes arrive one by one; through a network they arrive late and
-    together, where `gather` would only lose time.
+    `TICK` and is polled: deadlines are kept to about 1 ms. `granularity`: as `Link.granularity`;
+    through a network `gather` would only lose time, so it does not sleep.
     """
 
     def __init__(
@@ -65,16 +64,14 @@ class SerialLink(Link):
         *,
         baud: int = BAUD,
         about: str = "",
-        low_latency: bool = False,
         can_break: bool = True,
-        paced: bool = True,
+        granularity: float = LATENCY_TIMER,
     ) -> None:
         self.url = url
         self.baud = baud
-        self.low_latency = low_latency
         self._about = about
         self._can_break = can_break
-        self._paced = paced
+        self._granularity = granularity
         self._port = port
         self._receive = _by_select(port) if port.timeout == 0 else _by_asking(port)
         self._clock = WallClock()
@@ -85,12 +82,16 @@ class SerialLink(Link):
         """`FT232R USB UART (FTDI), low latency`, or the port's name if nothing else is known."""
         if not self._about:  # looked up on first use: listing the ports takes time
             self._about = _described(parse(self.url).address)
-        return f"{self._about}, low latency" if self.low_latency else self._about
+        return f"{self._about}, low latency" if self._granularity <= AT_ONCE else self._about
 
     @property
     def can_break(self) -> bool:
         """False over plain TCP, and once the system has refused."""
         return self._can_break
+
+    @property
+    def granularity(self) -> float:
+        return self._granularity
 
     def now(self) -> float:
         return self._clock.now()
@@ -117,7 +118,7 @@ class SerialLink(Link):
                 return Chunk(data, now)
 
     def gather(self, until: float) -> None:
-        if self._paced and self._gone is None:
+        if self._granularity < NETWORK and self._gone is None:
             time.sleep(min(max(until - self._clock.now(), 0.0), LONGEST_WAIT))
 
     def send_break(self, seconds: float) -> None:
@@ -202,7 +203,8 @@ def open_serial(url: str, options: dict[str, str]) -> SerialLink:
     port.exclusive = True
     port.timeout = 0 if os.name == "posix" else TICK
     baud = _open(port, url, options)
-    return SerialLink(url, port, baud=baud, low_latency=_ask_low_latency(port))
+    granularity = AT_ONCE if _ask_low_latency(port) else LATENCY_TIMER
+    return SerialLink(url, port, baud=baud, granularity=granularity)
 
 
 def open_socket(url: str, options: dict[str, str]) -> SerialLink:
@@ -213,7 +215,9 @@ def open_socket(url: str, options: dict[str, str]) -> SerialLink:
     port.port = f"socket://{place}"
     port.timeout = 0
     baud = _open(port, url, options)
-    return SerialLink(url, port, baud=baud, about=f"TCP {place}", can_break=False, paced=False)
+    return SerialLink(
+        url, port, baud=baud, about=f"TCP {place}", can_break=False, granularity=NETWORK
+    )
 
 
 def open_rfc2217(url: str, options: dict[str, str]) -> SerialLink:
@@ -224,7 +228,7 @@ def open_rfc2217(url: str, options: dict[str, str]) -> SerialLink:
     port.port = f"rfc2217://{place}"
     port.timeout = TICK
     baud = _open(port, url, options)
-    return SerialLink(url, port, baud=baud, about=f"RFC 2217 {place}", paced=False)
+    return SerialLink(url, port, baud=baud, about=f"RFC 2217 {place}", granularity=NETWORK)
 
 
 def _open(port: OpenPort, url: str, options: dict[str, str]) -> int:

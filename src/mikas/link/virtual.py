@@ -31,6 +31,12 @@ class _BusLink(Link):
     def description(self) -> str:
         return VIRTUAL.en
 
+    @property
+    def granularity(self) -> float:
+        """The virtual adapter's latency timer, and its stalls."""
+        adapter = self.bus.adapter
+        return adapter.kind.latency + (adapter.stalls.longest if adapter.stalls.every else 0.0)
+
     def write(self, data: bytes) -> None:
         self._check()
         self.bus.send(data, self.now())

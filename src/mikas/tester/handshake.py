@@ -14,6 +14,7 @@ from mikas.errors import (
     SyncLost,
 )
 from mikas.framing import TERMINATOR, encode
+from mikas.tester.exchange import Reply
 from mikas.tester.line import Line
 from mikas.tester.line_sync import AVAILABILITY, LineSync, no_ecu_error
 
@@ -35,14 +36,25 @@ def handshake(line: Line, sync: LineSync, echo: Echo, *, again: bool = False) ->
     short waits of the first attempt may miss. Raises `NoEcho`, `EchoOnly`, `EchoDiffers`,
     `NotAKLineAdapter`, `SyncLost` or another `LineError`.
     """
+    opened, patience = line.link.now(), line.timing.response_timeout
     received = sync.silence(patient=again)
     answered = _find_echo(line, echo, received)
-    first = _request_version(line, line.timing.idle_time, answered=answered)
-    # A late answer or a stream by strokes of an earlier session shows in the silence of a whole
-    # `response_timeout` at the end.
-    if _request_version(line, line.timing.response_timeout, answered=True) != first:
-        raise SyncLost(received=bytes([first]), time=line.link.now())
-    return first
+    first = _request_version(line, answered=answered)
+    _expect_silence(line, first, line.timing.idle_time)
+    sent_before = line.sent_until
+    second = _request_version(line, answered=True)
+    # What an earlier session left shows in a silence of `response_timeout`: after the opening, or
+    # in case of doubt at the end. If this was the late answer to the request before, its own comes
+    # as much later as it was sent later.
+    until = opened + patience
+    if again or not answered:
+        until = second.ended + patience
+    lag = line.sent_until - sent_before
+    quiet = max(until - line.link.now(), lag + line.idle_time)
+    _expect_silence(line, second, quiet)
+    if first.body != second.body:
+        raise SyncLost(received=first.body, time=line.link.now())
+    return second.body[0]
 
 
 def _find_echo(line: Line, expected: Echo, received_before: bytes) -> bool:
@@ -77,13 +89,10 @@ def _send_availability(line: Line) -> tuple[bytes, bytes]:
     return request, bytes(received)
 
 
-def _request_version(line: Line, quiet: float, *, answered: bool) -> int:
-    """Return the one-byte answer to `01`, followed by `quiet` seconds of silence.
-
-    `answered`: the unit has answered before, so silence is a lost response.
-    """
+def _request_version(line: Line, *, answered: bool) -> Reply:
+    """Return the answer to `01`. `answered`: one came before, so silence is a lost response."""
     try:
-        reply = line.exchange(AVAILABILITY)
+        return line.exchange(AVAILABILITY)
     except NoResponse as error:
         if answered:
             raise
@@ -91,10 +100,13 @@ def _request_version(line: Line, quiet: float, *, answered: bool) -> int:
     except DamagedResponse as error:
         refuse_elm(error.received or b"")
         raise
-    extra = line.wait_for_quiet(quiet)
+
+
+def _expect_silence(line: Line, reply: Reply, seconds: float) -> None:
+    """Raise `SyncLost` unless `reply` is one byte, followed by `seconds` of silence."""
+    extra = line.wait_for_quiet(seconds)
     if extra or len(reply.body) != 1:
         raise SyncLost(request=encode(AVAILABILITY), received=reply.wire + extra, time=reply.ended)
-    return reply.body[0]
 
 
 def refuse_elm(received: bytes) -> None:

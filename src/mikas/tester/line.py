@@ -36,6 +36,7 @@ _DAMAGE = {
     DamageReason.TOO_LONG: Text("it has no end", "у него нет конца"),
     DamageReason.IRREGULAR_ESCAPE: Text("an escape is wrong", "неверна замена байта"),
 }
+_LONGER = 1.2  # times the link's granularity: more than the longest pause that is none on the wire
 _OVERHEAD = 2  # bytes of a response besides its body, at least: checksum and terminator
 _CUT = Text("it ends in the middle", "он обрывается на середине")
 _TOO_SOON = Text("it began while the request was being sent", "он начался, пока посылался запрос")
@@ -66,6 +67,11 @@ class Line:
         self._unanswered = 0  # requests in a row
         self._ahead = Chunk(b"", 0.0)  # received together with the end of an echo
         self._log = _logger()
+
+    @property
+    def idle_time(self) -> float:
+        """Seconds of silence, as seen through this link, that count as a quiet line (D13, D14)."""
+        return max(self.timing.idle_time, _LONGER * self.link.granularity)
 
     def exchange(self, body: bytes, *, of_many: bool = False, min_length: int = 0) -> Reply:
         """Send `body`; return its only response, or the first one with `of_many`.

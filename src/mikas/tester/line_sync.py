@@ -91,7 +91,7 @@ class LineSync:
             reply = self.line.exchange(AVAILABILITY)
         except NoResponse as error:
             raise no_ecu_error(error, echoes=self.line.echo) from error
-        extra = self.line.wait_for_quiet(self.line.timing.idle_time)
+        extra = self.line.wait_for_quiet(self.line.idle_time)
         return not extra and reply.body == bytes([version_code])
 
     def silence(self, *, patient: bool = False) -> bytes:
@@ -100,7 +100,7 @@ class LineSync:
         A stream is ended; a `patient` wait also detects one by strokes, with long pauses. Raises
         `LineNotQuiet` if a stream can't be ended.
         """
-        seconds = self.line.timing.late if patient else self.line.timing.idle_time
+        seconds = self.line.timing.late if patient else self.line.idle_time
         try:
             return self.line.wait_for_quiet(seconds, until=self._late_until())
         except LineNotQuiet as error:
@@ -113,10 +113,10 @@ class LineSync:
 
     def end_stream(self, version_code: int, *, by_strokes: bool, bytes_each: int) -> None:
         """End a stream (D12) and resynchronize. Raises as `resynchronize` does."""
-        timing, own = self.line.timing, bytes([version_code])
+        own = bytes([version_code])
         tries = 0 if by_strokes or bytes_each == 1 else _CLEAN_TRIES
         for _ in range(tries):
-            if _last_frame(self.interrupt(timing.idle_time)) == own:
+            if _last_frame(self.interrupt(self.line.idle_time)) == own:
                 # No datum looks so: it was the answer to `01`, and the last response.
                 self.streaming = self._awaited = False
                 self.resynchronize(version_code)
@@ -151,7 +151,7 @@ class LineSync:
             else:
                 self._break()
             try:
-                return self.line.wait_for_quiet(seconds, patience=2 * self.line.timing.idle_time)
+                return self.line.wait_for_quiet(seconds, patience=2 * self.line.idle_time)
             except LineNotQuiet:
                 if attempt == _INTERRUPTIONS:
                     raise

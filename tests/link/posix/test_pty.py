@@ -19,6 +19,7 @@ import serial
 from mikas.errors import LinkLost, PortBusy, PortDenied, PortFailed, PortNotFound
 from mikas.link import CaptureTee, open_link
 from mikas.link import serial as serial_link
+from mikas.link.base import LATENCY_TIMER
 
 from ..contract import FAR, RealTimeContract, Rig, meanwhile, write_until_lost
 from ..test_contract import teed
@@ -119,7 +120,7 @@ def test_control_characters_are_bytes_like_any_other(rig):
 
 
 def test_a_pty_has_no_low_latency_and_is_named_by_its_path(rig):
-    assert not rig.link.low_latency
+    assert rig.link.granularity == LATENCY_TIMER
     assert rig.link.description == rig.link.url
 
 
