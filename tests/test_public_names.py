@@ -28,6 +28,7 @@ TREE = {
     "NoConnection": ("MikasError", ConnectionError),
     "PortNotFound": ("NoConnection", ConnectionError),
     "NoPortGiven": ("PortNotFound", ConnectionError),
+    "AnotherAdapter": ("PortNotFound", ConnectionError),
     "PortBusy": ("NoConnection", ConnectionError),
     "PortDenied": ("NoConnection", ConnectionError),
     "PortFailed": ("NoConnection", ConnectionError),

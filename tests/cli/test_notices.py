@@ -9,9 +9,16 @@ import pytest
 from mikas.cli.language import set_language
 from mikas.cli.render.notices import Notices
 from mikas.cli.sampling_run import SamplingOptions
-from mikas.errors import DamagedResponse, EchoOnly, EngineStopped, NotSupported
+from mikas.errors import (
+    AnotherAdapter,
+    DamagedResponse,
+    EchoOnly,
+    EngineStopped,
+    LinkLost,
+    NotSupported,
+)
 from mikas.i18n import Text
-from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
+from mikas.sampling.events import AdapterMoved, CycleFailed, LineState, Sampled, StateChanged
 
 CUT = DamagedResponse(damage=Text("cut", "обрыв"))
 SILENT = EchoOnly(seconds=1)
@@ -111,3 +118,28 @@ def test_no_advice_leaves_no_hole():
     (only,) = lines_of(well(0), sample(1), CycleFailed(9, refused))
     assert "  " not in only
     assert only.endswith(". Waiting; sampling resumes by itself.")
+
+
+@pytest.mark.parametrize(
+    ("language", "stranger", "moved"),
+    [
+        ("en", "another adapter has its port", "The adapter is now at /dev/ttyUSB1."),
+        ("ru", "его порт занял другой", "Адаптер теперь на /dev/ttyUSB1."),
+    ],
+)
+def test_a_stranger_on_the_port_and_a_new_name_are_reported(language, stranger, moved):
+    set_language(language)
+    problem = Text("another adapter has its port", "его порт занял другой")
+    lost, other = LinkLost(url="x", problem=""), AnotherAdapter(url="x", problem=problem)
+    first, second, third, _ = lines_of(
+        well(0),
+        sample(1),
+        StateChanged(2, LineState.NO_PORT, lost),
+        StateChanged(3, LineState.NO_PORT, other),
+        AdapterMoved(9, "/dev/ttyUSB1", "/dev/ttyUSB0"),
+        well(10),
+        sample(11),
+    )
+    assert stranger not in first
+    assert stranger in second
+    assert third == moved

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -65,6 +66,32 @@ def test_an_adapter_pulled_out_is_waited_for_and_found_again(idle):
             )
         )
         live.until(lambda it: it["state"]["line"] == "sampling")
+
+
+def test_an_adapter_that_comes_back_under_another_name_is_followed(off):
+    def cable(name, number):
+        return replace(ADAPTER, url=name, vid=0x0403, pid=0x6001, serial_number=number)
+
+    cars, first, second = off.cars, "/dev/ttyUSB0", "/dev/ttyUSB1"
+    cars.ports[:] = [cable(first, "A1")]
+    off.post("/connect", {"port": None})
+    off.sampling()
+    cars.pull()
+    cars.ports[:] = [cable(first, "B2")]
+    state = off.until(lambda it: it["state"]["reason_code"] == "AnotherAdapter")["state"]
+    assert "another adapter has its port /dev/ttyUSB0" in state["reason"]["en"]
+    cars.ports.append(cable(second, "A1"))
+    cars.put_back()
+    assert off.sampling()["port"] == second
+    events = off.get("/history")["events"]
+    (moved,) = [event for event in events if event["kind"] == "adapter"]
+    assert (moved["port"], moved["before"]) == (second, first)
+    off.client.post("/api/doctor", json={}, headers=ME)
+    assert off.sampling()["port"] == second
+    assert [link.url for link in cars.links] == [first, second, second, second]
+    cars.pull()  # the doctor has not made a stranger of it
+    cars.ports[:] = [cable(second, "B2")]
+    off.until(lambda it: it["state"]["reason_code"] == "AnotherAdapter")
 
 
 KEY_OFF = """

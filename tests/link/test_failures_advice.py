@@ -15,7 +15,7 @@ from mikas.link.ports import choose_port
 
 
 class Listed:
-    manufacturer, serial_number = "FTDI", None
+    manufacturer, serial_number, location = "FTDI", None, None
 
     def __init__(self, device: str, vid: int | None = 0x0403) -> None:
         self.device, self.vid, self.pid = device, vid, 0x6001

@@ -20,6 +20,7 @@ class Listed:
     pid: int | None = None
     serial_number: str | None = None
     manufacturer: str | None = None
+    location: str | None = None
 
 
 FTDI = Listed("/dev/ttyUSB0", "FT232R USB UART", 0x0403, 0x6001, "A50285BI", "FTDI")
@@ -48,6 +49,15 @@ def test_all_that_is_known_of_an_adapter(tmp_path):
     assert port.latency_ms == 16
     assert "16 ms" in port.quirks[0].en
     assert "16 мс" in port.quirks[0].ru
+
+
+@pytest.mark.parametrize(
+    ("given", "number"),
+    [("A50285BI", "A50285BI"), ("5&2A5C8B5&0&3", None), ("", None), (None, None)],
+)
+def test_a_number_that_windows_made_up_is_none(given, number):
+    (port,) = found(Listed("COM3", vid=0x1A86, pid=0x7523, serial_number=given, location="1-4"))
+    assert (port.serial_number, port.location) == (number, "1-4")
 
 
 def test_no_latency_where_the_system_does_not_tell(tmp_path):

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from mikas.errors import PortNotFound
+from mikas.errors import AnotherAdapter, PortNotFound
 from mikas.link import CaptureTee, Chunk, Link
 from mikas.link.ports import Port
 from mikas.link.reconnecting import ReconnectingPort
@@ -51,6 +51,7 @@ class Desk:
         self.slept = 0.0
         self.date_set = 0.0  # by how much somebody has set the computer's date
         self.links: list[QuietLink] = []
+        self.on_open: Callable[[], object] = lambda: None
 
     def open(self, url: str) -> QuietLink:
         if url.partition("?")[0] not in [port.url for port in self.ports] and ":" not in url:
@@ -58,6 +59,7 @@ class Desk:
         self.opened.append(url)
         began = self.slept
         self.links.append(QuietLink(url, began + self.date_set, lambda: self.slept - began))
+        self.on_open()
         return self.links[-1]
 
     def nap(self, seconds: float) -> None:
@@ -74,7 +76,7 @@ class Desk:
         )
 
 
-def ftdi(url: str, serial: str | None = "A1") -> Port:
+def ftdi(url: str, serial: str = "A1") -> Port:
     return Port(
         url, "FT232R", chip="FT232R", likely=True, vid=0x0403, pid=0x6001, serial_number=serial
     )
@@ -88,6 +90,45 @@ def test_it_is_found_under_another_name():
     plug.open()
     assert desk.opened == ["/dev/ttyUSB0?baud=9600", "/dev/ttyUSB1?baud=9600"]
     assert plug.url == "/dev/ttyUSB1?baud=9600"
+
+
+def test_a_stranger_on_its_name_is_never_opened():
+    desk = Desk(ftdi("/dev/ttyUSB0"))
+    plug = desk.plug("/dev/ttyUSB0")
+    plug.open()
+    desk.ports = [ftdi("/dev/ttyUSB0", "other")]
+    with pytest.raises(AnotherAdapter):
+        plug.open()
+    desk.ports.append(ftdi("/dev/ttyUSB1"))
+    plug.open()
+    assert desk.opened == ["/dev/ttyUSB0", "/dev/ttyUSB1"]
+
+
+@pytest.mark.parametrize("opened_before", [False, True])
+@pytest.mark.parametrize("then", [[], [ftdi("/dev/ttyUSB0", "other")]])
+def test_an_adapter_exchanged_while_it_is_opened_is_let_go(opened_before, then):
+    desk = Desk(ftdi("/dev/ttyUSB0"))
+    plug = desk.plug("/dev/ttyUSB0")
+    if opened_before:
+        plug.open()
+    desk.on_open = lambda: setattr(desk, "ports", then)
+    with pytest.raises(PortNotFound):
+        plug.open()
+    assert desk.links[-1].closed
+    assert not desk.links[-1].written
+
+
+def test_a_link_to_its_name_is_kept_while_it_leads_to_it(tmp_path):
+    one, two, alias = tmp_path / "ttyUSB0", tmp_path / "ttyUSB1", tmp_path / "by-id"
+    for file in (one, two):
+        file.touch()
+    alias.symlink_to(one)
+    desk = Desk(ftdi(str(one)))
+    desk.open = lambda url: QuietLink(url, 0.0, lambda: 0.0)
+    plug = desk.plug(str(alias))
+    assert [plug.open().url, plug.open().url] == [str(alias)] * 2
+    desk.ports = [ftdi(str(two)), ftdi(str(one), "other")]
+    assert plug.open().url == str(two)
 
 
 def test_its_own_name_is_kept_while_it_has_it():

@@ -32,6 +32,7 @@ from mikas.recording.capture.reader import Packet
 from mikas.recording.capture.scan import LARGEST
 from mikas.sampling.alarms import Alarms
 from mikas.sampling.events import (
+    AdapterMoved,
     FaultReading,
     Gap,
     LineState,
@@ -119,6 +120,7 @@ def test_what_each_kind_holds():
         note_of(Marker(3)),
         note_of(Gap(4.0, 4.0, 6.0, why)),
         note_of(StateChanged(5.0, LineState.ECHO_ONLY, reason=why)),
+        note_of(AdapterMoved(5.5, "/dev/ttyUSB1", "/dev/ttyUSB0")),
         note_of(alarm),
         note_of(ParameterDropped(8.0, "TAIR", Limits(max_list=8, refused=[0x99]))),
         faults_note(9.0, [FaultReading(7.0, (13, 53)), FaultReading(8.5, (), erased=True)]),

@@ -19,10 +19,20 @@ from sampling_harness import (
     take,
 )
 
-from mikas.errors import EchoOnly, LineError, NoEcho, NotAKLineAdapter, PortBusy, PortNotFound
-from mikas.link import Link
+from mikas.errors import (
+    AnotherAdapter,
+    EchoOnly,
+    LineError,
+    LinkLost,
+    NoEcho,
+    NotAKLineAdapter,
+    PortBusy,
+    PortNotFound,
+)
+from mikas.link import Link, Port
 from mikas.link.reconnecting import ReconnectingPort, _AheadLink
 from mikas.sampling.events import (
+    AdapterMoved,
     CycleFailed,
     LineState,
     MethodChosen,
@@ -219,6 +229,43 @@ def test_the_date_is_set_while_the_adapter_is_out(method, hours):
     assert times == sorted(times)
     samples = [s.time for s in of(Sampled, reported)]
     assert len(set(samples)) == len(samples) == 3 * SAMPLES
+    assert_values_are_the_units(reported)
+
+
+def test_the_right_adapter_is_taken_under_another_name_and_a_strangers_car_is_never_asked():
+    def cable(name: str, number: str) -> Port:
+        return Port(name, "FT232R", vid=0x0403, pid=0x6001, serial_number=number)
+
+    ours, strangers = SimulatedPlug(make_bus()), SimulatedPlug(make_bus())
+    plugged, opened = [cable("/dev/ttyUSB0", "A1")], []
+
+    def open_port(url: str) -> Link:
+        opened.append(url)
+        number = next(p.serial_number for p in plugged if p.url == url.partition("?")[0])
+        return ours.open() if number == "A1" else strangers.open()
+
+    plug = ReconnectingPort(
+        "/dev/ttyUSB0?baud=9600",
+        find=lambda: list(plugged),
+        open_port=open_port,
+        clock=ours.now,
+        nap=ours.wait,
+    )
+    with closing(Sampler(plug, ecu_factory(), SECTION_4, ["FREQ"], method="batch").run()) as events:
+        take(events, enough)
+        plugged[:] = [cable("/dev/ttyUSB0", "B2")]
+        ours.pull()
+        ours.at(ours.now() + 20, lambda: plugged.append(cable("/dev/ttyUSB1", "A1")))
+        ours.at(ours.now() + 20, ours.mend)
+        reported = take(events, enough)
+    errors = [type(event.error) for event in of(StateChanged, reported) if event.error]
+    assert errors == [LinkLost, AnotherAdapter]
+    (moved,) = of(AdapterMoved, reported)
+    assert (moved.port, moved.before) == ("/dev/ttyUSB1", "/dev/ttyUSB0")
+    assert opened == ["/dev/ttyUSB0?baud=9600", "/dev/ttyUSB1?baud=9600"]
+    assert strangers.link is None
+    (unit,) = of(UnitFound, reported)
+    assert not unit.another
     assert_values_are_the_units(reported)
 
 

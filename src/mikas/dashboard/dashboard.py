@@ -31,7 +31,7 @@ from mikas.dashboard.session.recorder import SessionRecorder
 from mikas.dashboard.settings import PortSettings, Settings
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.sampling.events import Event, StateChanged, UnitFound
+from mikas.sampling.events import AdapterMoved, Event, StateChanged, UnitFound
 
 
 class Dashboard:
@@ -147,6 +147,8 @@ class Dashboard:
             return
         if isinstance(event, UnitFound):
             event = self._compared(event)
+        if isinstance(event, AdapterMoved):
+            self.connection.moved(event.port)
         self.recorder.take(event, thread)
         self._measure(thread)
         self.monitor.take(event)

@@ -13,7 +13,8 @@
     │   └── MissingExtra               an optional library is not installed
     ├── NoConnection (ConnectionError) no port, no adapter or no ECU
     │   ├── PortNotFound               no such port, or no adapter at all
-    │   │   └── NoPortGiven            no port named, and not exactly one adapter
+    │   │   ├── NoPortGiven            no port named, and not exactly one adapter
+    │   │   └── AnotherAdapter         its name is another adapter's now
     │   ├── PortBusy                   in use by another program
     │   ├── PortDenied                 no permission to open it
     │   ├── PortFailed                 not opened for another reason
@@ -49,6 +50,7 @@ from mikas.errors.base import MikasError as MikasError
 from mikas.errors.base import hex_dump as hex_dump
 from mikas.errors.base import reason_at as reason_at
 from mikas.errors.base import reason_of as reason_of
+from mikas.errors.connection import AnotherAdapter as AnotherAdapter
 from mikas.errors.connection import EchoOnly as EchoOnly
 from mikas.errors.connection import LinkLost as LinkLost
 from mikas.errors.connection import NoConnection as NoConnection

@@ -35,6 +35,18 @@ class NoPortGiven(PortNotFound):
         super().__init__(example=example, **given)  # type: ignore[arg-type]  # as MikasError's
 
 
+class AnotherAdapter(PortNotFound):
+    """The adapter is away, and its port's name or its kind is another adapter's."""
+
+    what = Text("The adapter is gone: {problem}", "Адаптера нет: {problem}")
+    advice = Text(
+        "Plug the right one in again, into the same USB socket if you can: it is found under any "
+        "name. To use another one, connect anew.",
+        "Подключите прежний адаптер, лучше в то же гнездо USB: он найдётся под любым именем. Чтобы "
+        "работать с другим, соединитесь заново.",
+    )
+
+
 class PortBusy(NoConnection):
     """Another program has the port open."""
 

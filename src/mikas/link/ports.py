@@ -7,8 +7,10 @@ pyserial is imported when ports are listed.
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from serial.tools.list_ports_common import ListPortInfo
 
 _SYSFS = Path("/sys/bus/usb-serial/devices")  # Linux
+_LISTINGS = 5  # attempts; two adapters on one hub come and go at once
 
 _LATENCY = Text(
     "hands over received bytes after up to 16 ms (its latency timer); that is lowered to 1 ms "
@@ -103,16 +106,17 @@ class Port:
     pid: int | None = None
     serial_number: str | None = None
     latency_ms: int | None = None
+    location: str | None = None
 
 
 def system_ports() -> Iterable[ListPortInfo]:
-    """List the ports; retry if pyserial 3.5 fails on an adapter that was just plugged in."""
+    """List the ports; retry if pyserial 3.5 fails on an adapter that comes or goes just now."""
     from serial.tools.list_ports import comports
 
-    try:
-        return list(comports())
-    except (OSError, TypeError, ValueError):
-        return list(comports())
+    for _ in range(_LISTINGS - 1):
+        with suppress(OSError, TypeError, ValueError):
+            return list(comports())
+    return list(comports())
 
 
 def find_ports(lister: Lister = system_ports, sysfs: Path = _SYSFS) -> list[Port]:
@@ -131,6 +135,16 @@ def choose_port(lister: Lister = system_ports) -> str:
     return likely[0]
 
 
+def named(address: str, ports: Iterable[Port]) -> Port | None:
+    """Return the port with this name; `address` may be a link to it (`/dev/serial/by-id/…`)."""
+    real = _real(address)
+    return next((port for port in ports if address == port.url or real == _real(port.url)), None)
+
+
+def _real(address: str) -> str:
+    return os.path.normcase(os.path.realpath(address))
+
+
 def listed(ports: Iterable[Port]) -> Text:
     """`/dev/ttyUSB0 (FT232R), /dev/ttyS0`, for a message; "none" if there are none."""
     names = [f"{port.url} ({port.chip})" if port.chip else port.url for port in ports]
@@ -147,9 +161,16 @@ def _port(it: ListPortInfo, sysfs: Path) -> Port:
         likely=bool(chip),
         vid=it.vid,
         pid=it.pid,
-        serial_number=it.serial_number,
+        serial_number=_serial_number(it),
         latency_ms=_latency(it.device, sysfs),
+        location=it.location or None,
     )
+
+
+def _serial_number(it: ListPortInfo) -> str | None:
+    """Return the adapter's own number: Windows makes one up, with an `&`, for each USB socket."""
+    number = it.serial_number or ""
+    return None if "&" in number else number or None
 
 
 def _chip(it: ListPortInfo) -> tuple[str, tuple[Text, ...]]:

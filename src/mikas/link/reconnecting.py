@@ -1,9 +1,11 @@
 """A port that is opened again after its adapter was unplugged, perhaps under another name.
 
-A lost `Link` stays lost; this port opens a new one. A USB adapter is identified by vendor, product
-and serial number: `/dev/ttyUSB0` may return as `/dev/ttyUSB1`. The port has a clock of its own for
-the time without a link. A new link whose clock would run back (the computer's date was set back)
-continues the port's clock.
+A lost `Link` stays lost; this port opens a new one, of the same adapter (`identity`): a name may be
+a stranger's by then. The name is looked up before opening and again after it, so that an adapter
+which took the name in between is let go before a byte is sent.
+
+The port has a clock of its own for the time without a link. A new link whose clock would run back
+(the computer's date was set back) continues the port's clock.
 """
 
 from __future__ import annotations
@@ -11,9 +13,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
+from mikas.errors import AnotherAdapter, PortNotFound
+from mikas.i18n import Text
 from mikas.link.base import CaptureTee, Chunk, Link, LinkWrapper, Sink, WallClock
-from mikas.link.ports import Port, find_ports
-from mikas.link.urls import open_link, parse
+from mikas.link.identity import KnownAdapter, identity_of, is_same
+from mikas.link.ports import Port, find_ports, listed, named
+from mikas.link.urls import open_link, parse, with_address
 
 
 class ReconnectingPort:
@@ -37,18 +42,41 @@ class ReconnectingPort:
         self._sink = sink
         self._link: Link | None = None
         self._ahead = 0.0  # the latest link's clock minus `_clock`
-        self._identity: tuple[int, int, str | None] | None = None
+        self.adapter: KnownAdapter | None = None
+        """The adapter that is opened; None: the first one at `url`, or known by its name only."""
 
     def open(self) -> Link:
-        """Open the link under the adapter's present name. Raises `NoConnection`."""
-        self.url = self._where()
-        link = self._open_port(self.url)
-        self._identity = self._identity or self._identify()
+        """Open the adapter under its present name, which `url` then is.
+
+        Raises `NoConnection`: `AnotherAdapter` if its name or its kind is another's.
+        """
+        link = self._open_adapter() if parse(self.url).scheme == "serial" else self._open_url()
         if self._link is not None and (lag := self.now() - link.now()) > 0:
             link = _AheadLink(link, lag)
         self._link = link
         self._ahead = link.now() - self._clock()
         return link if self._sink is None else CaptureTee(link, self._sink)
+
+    def _open_url(self) -> Link:
+        return self._open_port(self.url)
+
+    def _open_adapter(self) -> Link:
+        address = parse(self.url).address
+        present = self._find()
+        port = self.adapter.locate(present, address) if self.adapter else named(address, present)
+        if port is not None and named(address, [port]) is None:
+            address = port.url
+            self.url = with_address(self.url, address)
+        link = self._open_url()
+        present = self._find()
+        after = named(address, present)
+        if not is_same(port, after):
+            link.close()
+            raise _changed(address, after, present)
+        if port is not None and identity_of(port) is not None:
+            self.adapter = self.adapter or KnownAdapter(port, present)
+            self.adapter.opened(port)
+        return link
 
     def now(self) -> float:
         """Return the seconds of a clock that runs without a link and never runs back."""
@@ -59,21 +87,16 @@ class ReconnectingPort:
         """Sleep. Ctrl-C interrupts it."""
         self._nap(seconds)
 
-    def _where(self) -> str:
-        """Return the port with the adapter's identity; its old name if there is none."""
-        if self._identity is None:
-            return self.url
-        same = [port.url for port in self._find() if _identity(port) == self._identity]
-        if not same or parse(self.url).address in same:
-            return self.url
-        _, question, options = self.url.partition("?")
-        return f"{same[0]}{question}{options}"
 
-    def _identify(self) -> tuple[int, int, str | None] | None:
-        address = parse(self.url)
-        if address.scheme != "serial":
-            return None
-        return next((_identity(p) for p in self._find() if p.url == address.address), None)
+def _changed(address: str, after: Port | None, present: list[Port]) -> PortNotFound:
+    """Return the error of a port that became another adapter's while it was opened."""
+    if after is None:
+        return PortNotFound(url=address, found=listed(present))
+    problem = Text(
+        f"another adapter took its port {address} just now ({after.description})",
+        f"его порт {address} только что занял другой ({after.description})",
+    )
+    return AnotherAdapter(url=address, problem=problem)
 
 
 class _AheadLink(LinkWrapper):
@@ -92,9 +115,3 @@ class _AheadLink(LinkWrapper):
 
     def now(self) -> float:
         return self.link.now() + self._ahead
-
-
-def _identity(port: Port) -> tuple[int, int, str | None] | None:
-    if port.vid is None or port.pid is None:
-        return None
-    return port.vid, port.pid, port.serial_number

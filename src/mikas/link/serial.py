@@ -29,7 +29,7 @@ from mikas.i18n import Text
 from mikas.link.base import AT_ONCE, BITS_PER_BYTE, LATENCY_TIMER, NETWORK, Chunk, Link, WallClock
 from mikas.link.failures import SYSTEM_ERRORS, TAKES_NO_BYTES, is_unable, opening_failed, why_lost
 from mikas.link.network import Rfc2217Port, SocketPort, host_and_port
-from mikas.link.ports import find_ports
+from mikas.link.ports import find_ports, named
 from mikas.link.urls import parse
 from mikas.options import OptionParser, check_names
 
@@ -258,8 +258,5 @@ def _ask_low_latency(port: serial.Serial) -> bool:
 
 
 def _described(path: str) -> str:
-    real = os.path.realpath(path)
-    for port in find_ports():
-        if port.url == path or os.path.realpath(port.url) == real:
-            return port.description
-    return path
+    port = named(path, find_ports())
+    return path if port is None else port.description

@@ -80,6 +80,11 @@ def parse(url: str) -> PortUrl:
     return PortUrl(scheme, address, _options(url, query))
 
 
+def with_address(url: str, address: str) -> str:
+    """Return the `url` of a serial port with another name and the same options."""
+    return address + url.removeprefix(url.partition("?")[0])
+
+
 def take_clock(options: dict[str, str]) -> bool:
     """Remove the option `clock`, `real` or `simulated`; return whether it is `simulated`."""
     clock = OptionParser(options).choice("clock", "real", ("real", "simulated"))

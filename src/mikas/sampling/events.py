@@ -148,6 +148,23 @@ class StateChanged(Event):
 
 
 @dataclass(frozen=True, slots=True)
+class AdapterMoved(Event):
+    """The adapter was plugged in again and has the name `port` now; `before`: its name until then.
+
+    It is the same adapter, as far as its identity tells (`mikas.link.identity`).
+    """
+
+    kind = "adapter"
+    port: str
+    before: str
+
+    @property
+    def text(self) -> Text:
+        """The move in words."""
+        return Text(f"the adapter is now at {self.port}", f"адаптер теперь на {self.port}")
+
+
+@dataclass(frozen=True, slots=True)
 class UnitFound(Event):
     """A unit answers. `another`: not the unit before, so another car.
 

@@ -21,6 +21,7 @@ from typing import Final
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.sampling.events import (
+    AdapterMoved,
     CycleFailed,
     Event,
     Gap,
@@ -217,6 +218,8 @@ class EventLogger:
         match event:
             case StateChanged(text=text, reason=reason):
                 _logger.info("state: %s%s", text.en, f" ({reason.en})" if reason else "")
+            case AdapterMoved(text=text):
+                _logger.info("%s", text.en)
             case UnitFound(version_code=code, passport=passport, another=another):
                 pieces = ", ".join(filter(None, passport.pieces)) if passport else ""
                 new = "another unit" if another else "unit"

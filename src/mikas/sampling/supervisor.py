@@ -20,8 +20,16 @@ from mikas.errors import (
 )
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
+from mikas.link.urls import parse
 from mikas.sampling.context import SamplingContext
-from mikas.sampling.events import CycleFailed, Event, LineState, StateChanged, UnitFound
+from mikas.sampling.events import (
+    AdapterMoved,
+    CycleFailed,
+    Event,
+    LineState,
+    StateChanged,
+    UnitFound,
+)
 from mikas.sampling.line_state import LineStateMachine, LineTrigger, trigger_of
 
 UnitIdentity = tuple[int, Passport]
@@ -53,9 +61,13 @@ class ConnectionSupervisor:
 
     def open_port(self) -> Generator[Event, None, Link | None]:
         """Open the port; None: sampling was stopped before."""
+        before = parse(self._port.url).address
         while not self._context.stopped:
             try:
-                return self._port.open()
+                link = self._port.open()
+                if (name := parse(self._port.url).address) != before:
+                    yield AdapterMoved(link.now(), name, before)
+                return link
             except NoConnection as error:
                 yield from self._broken(LineTrigger.PORT_MISSING, self._port.now(), error)
                 self._port.wait(_RETRY_PORT)

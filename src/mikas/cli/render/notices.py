@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.advice import ADVICE
 from mikas.cli.language import capital, decimal, localized, tr
-from mikas.errors import EngineStopped, MikasError, NoConnection, SyncLost
+from mikas.errors import AnotherAdapter, EngineStopped, MikasError, NoConnection, SyncLost
 from mikas.sampling.events import (
+    AdapterMoved,
     AlarmChanged,
     CycleFailed,
     Gap,
@@ -75,6 +76,8 @@ class Notices:
                 yield from self._failed(event)
             case StateChanged():
                 yield from self._state(event)
+            case AdapterMoved():
+                yield f"{capital(localized(event.text))}."
             case UnitFound(another=True):
                 self._shown_state = None  # the earlier unit is not back
                 yield tr(
@@ -138,7 +141,9 @@ class Notices:
         if not event.is_broken:
             self._well_since = event.time
         elif self._session.connected:
-            if event.state is not self._shown_state:  # a new reason alone is not shown
+            if isinstance(event.error, AnotherAdapter):
+                yield f"{localized(event.error.text)} {_waits()}"
+            elif event.state is not self._shown_state:  # a new reason alone is not shown
                 yield waiting_sentence(event)
             self._shown_state = event.state
             if self._verbose and event.error is not None:

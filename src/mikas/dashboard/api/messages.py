@@ -20,6 +20,7 @@ from mikas.dashboard.session.event_log import ExchangeFailed, RecordingChanged
 from mikas.i18n import Text
 from mikas.sampling.alarms import Side
 from mikas.sampling.events import (
+    AdapterMoved,
     AlarmChanged,
     Event,
     Gap,
@@ -79,6 +80,7 @@ _IN_BOTH: Final = (
         code=(str | None, Field(None, description="the error's class; not in recordings")),
     ),
     _model(Gap),
+    _model(AdapterMoved),
     _model(UnitFound),
     _model(MethodChosen),
     _model(ParameterDropped),

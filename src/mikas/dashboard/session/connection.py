@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
+from dataclasses import replace
 from functools import cached_property
 from typing import TypeVar
 
@@ -29,9 +30,10 @@ from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
 from mikas.errors import NoPortGiven, UsageError
 from mikas.i18n import Text
+from mikas.link.identity import KnownAdapter
 from mikas.link.ports import listed
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.link.urls import parse
+from mikas.link.urls import parse, with_address
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import LineState
 from mikas.sampling.plan import Price
@@ -129,13 +131,18 @@ class Connection:
     async def lent(self) -> AsyncIterator[None]:
         """Close the port meanwhile, and open it again."""
         async with self._alone():
-            port = self.port
+            port, adapter = self.port, self.thread.port.adapter if self.thread else None
             await self.close(DIAGNOSIS)
             try:
                 yield
             finally:
                 if port is not None:
-                    self._open(port)
+                    self._open(port, adapter)
+
+    def moved(self, address: str) -> None:
+        """Note the present name of the adapter; in the sampling thread."""
+        if (port := self.port) is not None:
+            self.port = replace(port, url=with_address(port.url, address))
 
     async def close(self, why: Text = DISCONNECTED) -> None:
         """End the sampling thread, if there is one; the connection keeps its port settings."""
@@ -198,9 +205,10 @@ class Connection:
         async with self._changing:
             yield
 
-    def _open(self, port: PortSettings) -> None:
+    def _open(self, port: PortSettings, adapter: KnownAdapter | None = None) -> None:
         self._first_state.clear()
         thread = self._create(port)
+        thread.port.adapter = adapter
         self.thread = thread
         thread.start()
 

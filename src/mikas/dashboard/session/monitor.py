@@ -20,6 +20,7 @@ from mikas.dashboard.session.history import History
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.i18n import Text
 from mikas.sampling.events import (
+    AdapterMoved,
     AlarmChanged,
     CycleFailed,
     Event,
@@ -230,6 +231,8 @@ class ConnectionMonitor:
                 case MethodChosen():
                     self.method = event.method
                     self.rates = {name: round(rate, 2) for name, rate in event.rates.items()}
+                    self.log(event)
+                case AdapterMoved():
                     self.log(event)
                 case ParameterDropped():
                     if event.name not in self.dropped:

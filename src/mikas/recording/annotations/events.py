@@ -19,6 +19,7 @@ from mikas.client import Passport
 from mikas.i18n import Text
 from mikas.recording.capture.notes import Kind, Note
 from mikas.sampling.events import (
+    AdapterMoved,
     AlarmChanged,
     Event,
     FaultReading,
@@ -48,7 +49,7 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
     data = event.as_json()
     del data["kind"], data["time"]
     match event:
-        case TextNote() | Marker() | Gap() | StateChanged():
+        case TextNote() | Marker() | Gap() | StateChanged() | AdapterMoved():
             time = event.began if isinstance(event, Gap) else event.time
             return Note(Kind(event.kind), time, data)
         case UnitFound():
@@ -196,6 +197,8 @@ def _event(note: Note, catalog: Catalog) -> Event | None:
         case Kind.STATE if (state := _word(data.get("state"))) is not None:
             text, reason = _text(data.get("text")) or _NO_TEXT, _text(data.get("reason"))
             return StateChanged(time, state, text=text, reason=reason, recording=recording)
+        case Kind.ADAPTER if (port := _word(data.get("port"))) is not None:
+            return AdapterMoved(time, port, _word(data.get("before")) or "", recording=recording)
         case Kind.ALARM if (name := _word(data.get("channel"))) is not None:
             return AlarmChanged(
                 time,

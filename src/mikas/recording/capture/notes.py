@@ -51,6 +51,7 @@ class Kind(StrEnum):
     MARKER = "marker"
     GAP = "gap"
     STATE = "state"
+    ADAPTER = "adapter"
     ALARM = "alarm"
     LEARNT = "learnt"
     FAULTS = "faults"

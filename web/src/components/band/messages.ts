@@ -33,6 +33,7 @@ export const t = dictionary({
     en: "The adapter {port} was unplugged. Plug it back in and sampling resumes. For another adapter, open Connection.",
     ru: "Адаптер {port} отключён. Подключите его снова, и опрос продолжится. Другой адаптер можно выбрать на экране «Связь».",
   },
+  adapterMoved: { en: "The adapter is now at {port}.", ru: "Адаптер теперь на {port}." },
   whole: { en: "Show all of it or one line", ru: "Показать целиком или одной строкой" },
   frozen: { en: "View frozen", ru: "Показания заморожены" },
   goOn: { en: "Resume", ru: "Продолжить" },

@@ -30,6 +30,17 @@ export interface components {
             limit: number;
             since: number;
         };
+        /** @description The adapter was plugged in again and has the name `port` now; `before`: its name until then. */
+        AdapterEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "adapter";
+            time: number;
+            port: string;
+            before: string;
+        };
         /** @description The alarm of the channel `name` changed from the level `before` to `level`. */
         AlarmEvent: {
             /**
@@ -310,7 +321,7 @@ export interface components {
             names: string[];
             times: number[];
             values: (number | null)[][];
-            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
         };
         /**
          * @description A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure.
@@ -356,7 +367,7 @@ export interface components {
             /** @description in the first, and when it has changed */
             state?: components["schemas"]["State"];
             data?: components["schemas"]["LiveRows"];
-            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
+            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
             pong?: number | string;
         };
         /** @description Columns over time. null: no value in that row. */
@@ -541,7 +552,7 @@ export interface components {
             channels: string[];
             first: number | null;
             last: number | null;
-            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["NoteEvent"])[];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["NoteEvent"])[];
             problems: components["schemas"]["RecordingProblem"][];
             method: string | null;
         };

@@ -27,6 +27,7 @@ const BY_CODE: Record<string, Situation> = {
   NoPortGiven: "several",
   PortFailed: "not-openable",
   LinkLost: "unplugged",
+  AnotherAdapter: "unplugged",
   RecordingOver: "recording-ended",
   NoEcho: "no-echo",
   EchoOnly: "echo-only",
