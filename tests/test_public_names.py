@@ -111,6 +111,7 @@ def test_the_async_connect_has_the_options_of_connect():
 def test_the_client():
     assert mikas.client.__all__ == [
         "METHODS",
+        "Answer",
         "AsyncEcu",
         "AsyncItems",
         "AsyncMemory",
@@ -127,6 +128,7 @@ def test_the_client():
         "Passport",
         "Reading",
         "Sample",
+        "ScannedCode",
         "Support",
         "Written",
         "WrittenParameter",

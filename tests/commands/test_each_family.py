@@ -194,3 +194,16 @@ def test_a_stream_is_parsed_with_its_stroke():
 def test_goto_responds_with_the_given_bytes_and_is_not_repeatable():
     assert c.GoTo(0x8000).respond(b"\x55") == b"\x55"
     assert not c.GoTo(0x8000).repeatable
+
+
+def test_d10_a_code_of_unknown_size():
+    once, twice = c.ReadUnknownSize.of(0x33, 1), c.ReadUnknownSize.of(0x33, 2)
+    assert (once.body(), twice.body()) == (hexed("61 33"), hexed("61 33 33"))
+    assert once.read(hexed("AA BB")) == (hexed("AA BB"),)
+    assert once.read(b"\x01") == (b"\x01",)  # a datum or a refusal
+    assert once.read(b"") == twice.read(b"") == ()
+    assert twice.read(hexed("AA BB AA BC")) == (hexed("AA BB"), hexed("AA BC"))
+    assert twice.read(hexed("AA BB CC")) == (hexed("AA BB CC"),)
+    with pytest.raises(NotSupported, match="61"):
+        twice.read(b"\x01")
+    assert twice.read(hexed("01 01")) == (b"\x01", b"\x01")

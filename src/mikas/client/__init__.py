@@ -12,12 +12,14 @@ from mikas.client.limits import Limits
 from mikas.client.memory import Memory, MemorySpace, Written
 from mikas.client.parameters import Reading, Sample, WrittenParameter
 from mikas.client.polling import METHODS, Method
+from mikas.client.scanning import Answer, ScannedCode
 
 if TYPE_CHECKING:
     from mikas.client.asynchronous import AsyncEcu, AsyncItems, AsyncMemory, AsyncMemorySpace
 
 __all__ = [
     "METHODS",
+    "Answer",
     "AsyncEcu",
     "AsyncItems",
     "AsyncMemory",
@@ -34,6 +36,7 @@ __all__ = [
     "Passport",
     "Reading",
     "Sample",
+    "ScannedCode",
     "Support",
     "Written",
     "WrittenParameter",

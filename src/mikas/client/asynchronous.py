@@ -195,6 +195,7 @@ class AsyncEcu(_Remote[Ecu]):
     forget_limits = _delegated(Ecu.forget_limits)
     watch = _iterated(Ecu.watch)
     supported = _iterated(Ecu.supported)
+    scan = _iterated(Ecu.scan)
 
     def __init__(self, ecu: Ecu, worker: ThreadPoolExecutor) -> None:
         self.ecu = ecu

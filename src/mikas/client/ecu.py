@@ -14,7 +14,7 @@ from typing import Self
 from mikas import commands as c
 from mikas.catalog import Catalog, Fault, Model, Parameter
 from mikas.catalog.model import check_interpretation
-from mikas.client.data import DataReader
+from mikas.client.data import COMMON, DataReader
 from mikas.client.gate import Change, Confirm, Gate, Journal, hex_or_none
 from mikas.client.identity import (
     Info,
@@ -28,6 +28,7 @@ from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory import Memory
 from mikas.client.parameters import Parameters, Reading, Sample, WrittenParameter
 from mikas.client.polling import FixedMethod, Method, Poller, create_poller, fixed_method
+from mikas.client.scanning import Scan, ScannedCode
 from mikas.client.watching import Watcher
 from mikas.errors import NoResponse, NotSupported, usage_error
 from mikas.i18n import Text, counted
@@ -171,6 +172,15 @@ class Ecu:
     def forget_list(self) -> None:
         """Treat the unit's list as lost, as after a power cycle: it has to be set again."""
         self._parameters.forget_list()
+
+    def scan(self) -> Generator[ScannedCode, None, None]:
+        """Request every code 00–FF by 61; yield the answer to each, the catalog's codes first.
+
+        A code whose answer was unclear is requested, and comes, once more at the end. A silent code
+        takes two seconds. Changes nothing. Raises `NoConnection`, `SyncLost`, `LineNotQuiet`.
+        """
+        known = [*(datum.code for datum in COMMON), *(code for code, _ in self.catalog.codes)]
+        return Scan(self.tester, known).codes()
 
     def write_parameter(
         self, name: str, value: float | None = None, *, raw: bytes | None = None

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple, Self, TypeVar
 
 from mikas.commands.base import (
+    ERROR,
     Command,
     MalformedRequest,
     ReadNumber,
@@ -18,6 +19,7 @@ from mikas.commands.base import (
     Write,
     check_byte,
 )
+from mikas.errors import NotSupported
 from mikas.i18n import Text
 
 T = TypeVar("T")
@@ -99,6 +101,32 @@ class ReadParameters(_DataCommand):
     CODES: ClassVar[tuple[int, ...]] = (0x61,)
     SOURCE_NAME: ClassVar[str] = "CREADP"
     TITLE: ClassVar[Text] = Text("read parameters", "чтение параметров")
+
+
+class ReadUnknownSize(ReadParameters):
+    """61 for a code of unknown size, listed once or more: the response's length gives the size.
+
+    The data are one for each listing; a single one of the whole response if its length does not
+    divide so; none for an empty response. Listed once, `01` may be a datum or a refusal (D10).
+    """
+
+    __slots__ = ()
+    LONGEST: ClassVar[int] = 0xFF  # bytes of a datum
+
+    @classmethod
+    def of(cls, code: int, times: int) -> Self:
+        """Return the request for `code`, listed `times` times."""
+        return cls((Datum(code, 1),) * times)
+
+    def response_lengths(self) -> Sequence[int]:
+        return range(self.LONGEST * len(self.parameters) + 1)
+
+    def _read(self, body: bytes) -> Data:
+        times = len(self.parameters)
+        if times > 1 and body == ERROR:
+            raise NotSupported(command=self.display_name)
+        size = len(body) // times if len(body) % times == 0 else len(body)
+        return tuple(body[start : start + size] for start in range(0, len(body), size or 1))
 
 
 @dataclass(frozen=True, slots=True)

@@ -281,6 +281,19 @@ def test_the_live_table_on_a_terminal(start):
         assert watch.wait(PATIENCE) == 130
 
 
+def test_ctrl_c_shows_the_codes_that_a_scan_has_found(start, sim):
+    _, url = sim
+    with terminal() as (behind, front):
+        scan = start("scan", "--json", "--port", url, stderr=front)
+        read_until(behind, "found 21")
+        scan.send_signal(signal.SIGINT)
+        out, _ = scan.communicate(timeout=PATIENCE)
+    assert scan.returncode == 130
+    found = json.loads(out)
+    assert len(found["codes"]) == found["promised"] == 21
+    assert 21 <= found["requested"] < 256
+
+
 def test_a_question_at_a_terminal(start, tmp_path):
     argv = ("write", "UOZ", "10", "--port", "sim:?clock=simulated")
     for answer, status in (("n\n", 6), ("y\n", 0), ("\x04", 6), ("\x03", 130)):

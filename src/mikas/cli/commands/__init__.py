@@ -23,6 +23,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "показать все параметры (порт не нужен)",
     ),
     "read": _command("unit.parameters", "read parameters once", "прочитать параметры один раз"),
+    "scan": _command(
+        "unit.scan",
+        "which codes the unit answers; a catalog file to start from",
+        "на какие коды отвечает блок; заготовка каталога",
+    ),
     "watch": _command("watch", "live table of values", "таблица текущих значений"),
     "log": _command("log", "record to a file", "запись в файл"),
     "faults": _command(

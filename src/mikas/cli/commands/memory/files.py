@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -14,7 +12,7 @@ from mikas.cli.commands.memory.cells import SPACE
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
 from mikas.cli.parameter_types import any_file, existing_file, hex_address, size_in_bytes
-from mikas.cli.render.output import stderr_console
+from mikas.cli.render.progress import progress
 from mikas.client.dumps import Difference, Dump, compare, differences, read_manifest
 from mikas.errors import usage_error
 from mikas.i18n import Text
@@ -91,14 +89,14 @@ def dump(
         job = Dump(ecu, memory, out, first=first, last=end, resume=resume)
         manifest = job.manifest
         try:
-            with _progress(tr("reading", "чтение"), manifest.size, manifest.bytes_read) as done:
+            with progress(tr("reading", "чтение"), manifest.size, manifest.bytes_read) as done:
                 job.advance(block=block, progress=done)
         except BaseException:
             if manifest.bytes_read:
                 context.output.note(_stopped(job, out))
             raise
         if verify:
-            with _progress(tr("second pass", "второй проход"), manifest.size) as done:
+            with progress(tr("second pass", "второй проход"), manifest.size) as done:
                 found = job.verify(block=block, progress=done)
             _show_differences(context, found, tr("first pass differs", "проходы расходятся"))
     place = f"{out}: {space} {first:04X}–{end:04X}"
@@ -148,7 +146,7 @@ def verify(
             f"{file} — дамп {manifest.space}, а не {space}",
         )
     start = first if first is not None else manifest.first if manifest else 0
-    with context.ecu() as ecu, _progress(tr("comparing", "сравнение"), len(data)) as done:
+    with context.ecu() as ecu, progress(tr("comparing", "сравнение"), len(data)) as done:
         found = list(compare(ecu.memory[space], data, start, block, done))
     _report(context, found, tr("unit", "блок"), file.name)
 
@@ -189,38 +187,3 @@ def _line(difference: Difference) -> str:
 
 def _hex(value: int | None) -> str | None:
     return None if value is None else f"{value:02X}"
-
-
-@contextmanager
-def _progress(what: str, total: int, already: int = 0) -> Iterator[Callable[[int], None]]:
-    """A progress bar with speed and time left, on a terminal only."""
-    if not sys.stderr.isatty():
-        yield lambda _: None
-        return
-    from rich.progress import (
-        BarColumn,
-        Progress,
-        ProgressColumn,
-        Task,
-        TextColumn,
-        TimeRemainingColumn,
-    )
-    from rich.text import Text as RichText
-
-    class Speed(ProgressColumn):
-        """Bytes per second; rich's own column is English only."""
-
-        def render(self, task: Task) -> RichText:
-            speed = f"{task.finished_speed or task.speed or 0:.0f}"
-            return RichText(tr(f"{speed} bytes/s", f"{speed} байт/с"))
-
-    with Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:.0f}/{task.total:.0f}"),
-        Speed(),
-        TimeRemainingColumn(),
-        console=stderr_console(),
-    ) as bar:
-        task = bar.add_task(what, total=total, completed=already)
-        yield lambda count: bar.advance(task, count)
