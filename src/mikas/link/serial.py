@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import os
 import select
+import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -41,8 +42,9 @@ GLANCE = 0.001  # s between two polls of such a port when less than two ticks ar
 LONGEST_WAIT = 1.0  # s; then a check whether another thread has closed the link
 MOST_AT_ONCE = 4096  # bytes
 
-# pyserial raises TypeError when another thread has closed the port.
-_READ_ERRORS: tuple[type[Exception], ...] = (*SYSTEM_ERRORS, TypeError)
+# pyserial raises these in the middle of a call when another thread closes the port.
+_CLOSED_MEANWHILE: tuple[type[Exception], ...] = (TypeError, AttributeError)
+_ERRORS = SYSTEM_ERRORS + _CLOSED_MEANWHILE
 _CLOSED = Text("it was closed here", "он закрыт этой программой")
 
 
@@ -76,6 +78,7 @@ class SerialLink(Link):
         self._receive = _by_select(port) if port.timeout == 0 else _by_asking(port)
         self._clock = WallClock()
         self._gone: Text | None = None
+        self._closing = threading.Lock()  # held by the thread that closes the port, for good
 
     @property
     def description(self) -> str:
@@ -100,8 +103,8 @@ class SerialLink(Link):
         self._must_be_open(data)
         try:
             accepted = self._port.write(data)
-        except SYSTEM_ERRORS as error:
-            raise self._lose(why_lost(error), data) from error
+        except _ERRORS as error:
+            raise self._failed(error, data) from error
         if accepted is not None and accepted != len(data):
             raise self._lose(TAKES_NO_BYTES, data)
 
@@ -111,8 +114,8 @@ class SerialLink(Link):
             left = deadline - self._clock.now()
             try:
                 data = self._receive(min(max(left, 0.0), LONGEST_WAIT))
-            except _READ_ERRORS as error:
-                raise self._lose(why_lost(error)) from error
+            except _ERRORS as error:
+                raise self._failed(error) from error
             now = self._clock.now()
             if data or now >= deadline:
                 return Chunk(data, now)
@@ -140,14 +143,20 @@ class SerialLink(Link):
             return
         try:
             self._port.break_condition = low
-        except SYSTEM_ERRORS as error:
-            if not is_unable(error):
-                raise self._lose(why_lost(error)) from error
+        except _ERRORS as error:
+            if self._gone is not None or not is_unable(error):
+                raise self._failed(error) from error
             self._can_break = False
 
     def _must_be_open(self, request: bytes | None = None) -> None:
         if self._gone is not None:
             raise self._lost(self._gone, request)
+
+    def _failed(self, error: Exception, request: bytes | None = None) -> LinkLost:
+        """Return the error to raise after the port's `error`, which is raised if it is a bug."""
+        if isinstance(error, _CLOSED_MEANWHILE) and self._gone is None:
+            raise error
+        return self._lose(why_lost(error), request)
 
     def _lose(self, why: Text, request: bytes | None = None) -> LinkLost:
         """Close the lost adapter; return the error to raise."""
@@ -159,8 +168,10 @@ class SerialLink(Link):
         return LinkLost(url=self.url, problem=why, request=request, time=self.now())
 
     def _close_port(self) -> None:
-        with suppress(*SYSTEM_ERRORS):  # the adapter may be gone already
-            self._port.close()
+        """Close the port, once: a second thread might close a descriptor that is in use again."""
+        if self._closing.acquire(blocking=False):
+            with suppress(*SYSTEM_ERRORS):  # the adapter may be gone already
+                self._port.close()
 
 
 Receive = Callable[[float], bytes]

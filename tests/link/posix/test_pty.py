@@ -21,7 +21,9 @@ from mikas.link import CaptureTee, open_link
 from mikas.link import serial as serial_link
 from mikas.link.base import LATENCY_TIMER
 
+from ..closing import close_at_each_line
 from ..contract import FAR, RealTimeContract, Rig, meanwhile, write_until_lost
+from ..test_closing import USES
 from ..test_contract import teed
 
 pytestmark = pytest.mark.realtime
@@ -251,3 +253,8 @@ def test_opening_leaves_nothing_behind_when_it_fails(tmp_path):
     with pytest.raises(PortFailed):
         open_link(str(tmp_path / "file"))
     assert set(Path("/dev/fd").iterdir()) == before
+
+
+@pytest.mark.parametrize("use", USES)
+def test_closed_by_another_thread_at_any_moment(use):
+    assert close_at_each_line(pty_rig, USES[use]) > 1
