@@ -6,7 +6,7 @@ import json
 from hashlib import sha256
 
 import pytest
-from cli_harness import SIM
+from cli_harness import SIM, is_one_short_paragraph, is_russian
 
 from mikas.errors import LinkLost
 
@@ -185,3 +185,54 @@ def test_a_write_is_announced_read_back_and_journaled(mikas):
     assert done["outcome"] == "0D 40"
     assert "DANGER" in mikas("mem", "write", "code", "8000", "0D", "--yes").err
     assert len(mikas.journal) == 4
+
+
+@pytest.mark.parametrize("unknown", ["silent", "01"])
+def test_a_unit_without_single_bytes_is_written_in_blocks(mikas, unknown):
+    ran = mikas("mem", "write", "ram", "40", "0D", "--yes", sim=f"&missing=bytes&unknown={unknown}")
+    assert ran.out == "ram 0040: 45 → 0D\n"
+    assert [it["command"] for it in mikas.journal] == ["CWRTI", "CWRITDI"]
+
+
+@pytest.mark.parametrize(
+    ("argv", "missing", "found"),
+    [
+        (["sfr", "90", "01"], "32", ["SWRITSFR (32)", "there is no block form"]),
+        (["xram", "0", "0102"], "14,24", ["CWRITDX (24), CWRITX (14)", "nothing was changed"]),
+        (["xram", "0", "01"], "bytes,blocks", ["Nothing was written"]),
+    ],
+)
+@pytest.mark.parametrize("unknown", ["silent", "01"])
+def test_a_refused_write(mikas, argv, missing, found, unknown):
+    words = ["mem", "write", *argv, "--yes"]
+    ran = mikas(*words, sim=f"&missing={missing}&unknown={unknown}")
+    assert (ran.status, ran.out) == (5, "")
+    error = ran.err.splitlines()[-1]
+    assert all(each in error for each in found), error
+    is_one_short_paragraph(error)
+    is_russian(mikas(*words, "--lang", "ru").err)
+
+
+def test_ctrl_c_in_the_middle_says_what_to_read(mikas, monkeypatch):
+    from mikas.client.memory.writing import SpaceWriter
+
+    some = SpaceWriter._some
+
+    def interrupted(self, address, *rest):
+        if address > 0x1000:
+            raise KeyboardInterrupt
+        return some(self, address, *rest)
+
+    monkeypatch.setattr(SpaceWriter, "_some", interrupted)
+    ran = mikas("mem", "write", "xram", "1000", "00" * 300, "--yes")
+    assert ran.status == 130
+    assert "some of the bytes may be written. Read them: mikas mem read xram 1000 300." in ran.err
+    assert [it["state"] for it in mikas.journal] == ["started", "interrupted"]
+    is_russian(mikas("mem", "write", "xram", "1000", "00" * 300, "--yes", "--lang", "ru").err)
+    mikas.answers()
+    monkeypatch.setattr("sys.stdin.readline", _interrupt)
+    assert "may be written" not in mikas("mem", "write", "xram", "0", "01").err
+
+
+def _interrupt() -> str:
+    raise KeyboardInterrupt

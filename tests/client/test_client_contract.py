@@ -167,6 +167,21 @@ async def test_memory(client):
 
 
 @run
+async def test_memory_of_a_unit_that_lacks_a_form(client):
+    for missing in ("bytes", "blocks"):
+        for unknown in ("silent", "01"):
+            it = bench(missing=missing, unknown=unknown)
+            async with client(it, confirm=lambda _: True) as ecu:
+                for space in ("ram", "xram", "code"):
+                    memory = ecu.memory[space]
+                    assert (await memory.write(0x40, 7)).after == b"\x07"
+                    assert (await memory.write_block(0x41, b"abc")).after == b"abc"
+                    assert await memory.read_block(0x40, 4) == b"\x07abc"
+                    assert await memory.read(0x43) == ord("c")
+                assert (await ecu.memory["sfr"].write(0x90, 7)).after == b"\x07"
+
+
+@run
 async def test_the_same_errors(client):
     async with client(bench(missing="stream,sfr")) as ecu:
         for error, call in (

@@ -10,7 +10,7 @@ import json
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -67,9 +67,16 @@ class Gate:
         self._journal = journal
         self._one_at_a_time = threading.RLock()
 
-    def make(self, change: Change, act: Callable[[], T], read_back: Callable[[T], str | None]) -> T:
+    def make(
+        self,
+        change: Change,
+        act: Callable[[], T],
+        read_back: Callable[[T], str | None],
+        commands: Callable[[], str] | None = None,
+    ) -> T:
         """Confirm, journal, act, and journal the outcome with the hex bytes of `read_back`.
 
+        `commands`: returns the commands that `act` has used, if they may not be `change.command`.
         Raises `NotConfirmed` or `JournalError` before the change, the errors of `act`, or a
         `JournalError` after the change, which says so.
         """
@@ -78,18 +85,23 @@ class Gate:
         with self._one_at_a_time:
             self._ask(change)
             self._note(change, "started", None)
+
+            def used() -> Change:
+                names = commands() if commands else ""
+                return replace(change, command=names) if names else change
+
             try:
                 outcome = act()
             except MikasError as error:
                 with suppress(JournalError):  # the error on the wire matters more
-                    self._note(change, "failed", str(error))
+                    self._note(used(), "failed", str(error))
                 raise
             except BaseException as error:
                 with suppress(JournalError):
-                    self._note(change, "interrupted", type(error).__name__)
+                    self._note(used(), "interrupted", type(error).__name__)
                 raise
             try:
-                self._note(change, "done", read_back(outcome))
+                self._note(used(), "done", read_back(outcome))
             except JournalError as error:
                 error.advice = _NO_OUTCOME
                 raise

@@ -70,6 +70,16 @@ def test_the_address_of_sim_is_the_first_line(start, sim):
     assert process.wait(PATIENCE) == 130
 
 
+def test_memory_of_a_unit_without_single_bytes(start):
+    unit = start("sim", "--set", "missing=bytes")
+    url = unit.stdout.readline().strip()
+    write = start("mem", "write", "xram", "1000", "0D40", "--yes", "--json", "--port", url)
+    out, err = write.communicate(timeout=PATIENCE)
+    assert json.loads(out)["after"] == "0D40", err
+    out, err = start("mem", "read", "xram", "1001", "--port", url).communicate(timeout=PATIENCE)
+    assert out.split()[:2] == ["1000", "40"], err
+
+
 def test_sim_on_tcp_prints_events(start):
     process = start("sim", "--tcp", "127.0.0.1:0", "--json")
     url = json.loads(process.stdout.readline())["url"]

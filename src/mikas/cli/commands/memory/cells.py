@@ -9,6 +9,7 @@ import click
 from mikas.cli.click_extensions import SURE, YES, command
 from mikas.cli.context import CommandContext, check_sure
 from mikas.cli.parameter_types import hex_address, hex_bytes, one_of, size_in_bytes
+from mikas.client import Change
 from mikas.i18n import Text
 
 SPACE = one_of(("ram", "xram", "code", "sfr"))
@@ -38,9 +39,11 @@ def read(context: CommandContext, space: str, address: int, count: int) -> None:
     "write",
     Text(
         "Writes the bytes HEX from ADDR: asks first, reads them back, adds them to the journal. "
+        "A unit that lacks single-byte commands gets blocks, one that lacks blocks single bytes. "
         "Writing CODE can make the unit unusable.",
         "Записывает байты HEX с адреса ADDR: спрашивает подтверждение, проверяет чтением, ведёт "
-        "журнал. После записи в CODE блок может перестать работать.",
+        "журнал. Если у блока нет побайтовых команд, пишет блочными, и наоборот. После записи в "
+        "CODE блок может перестать работать.",
     ),
     examples=("mikas mem write ram 40 0D", "mikas mem write xram 1000 AABB --yes"),
 )
@@ -49,8 +52,27 @@ def read(context: CommandContext, space: str, address: int, count: int) -> None:
 @click.argument("data", metavar="HEX", type=hex_bytes)
 @YES
 def write(context: CommandContext, space: str, address: int, data: bytes, *, yes: bool) -> None:
-    with context.ecu(context.confirm(yes=yes)) as ecu:
-        written = ecu.memory[space].write_block(address, data)
+    ask = context.confirm(yes=yes)
+    confirmed = False
+
+    def confirm(change: Change) -> bool:
+        nonlocal confirmed
+        confirmed = ask(change)
+        return confirmed
+
+    try:
+        with context.ecu(confirm) as ecu:
+            written = ecu.memory[space].write_block(address, data)
+    except KeyboardInterrupt:
+        if confirmed:
+            again = f"mikas mem read {space} {address:X} {len(data)}"
+            context.say(
+                f"\nStopped: some of the bytes may be written. Read them: {again}. The journal has "
+                "the bytes before.",
+                f"\nПрервано: часть байтов могла быть записана. Прочтите их: {again}. Прежние "
+                "байты есть в журнале.",
+            )
+        raise
     before, after = written.before.hex(" ").upper(), written.after.hex(" ").upper()
     context.output.result(
         {"space": space, "address": address, "before": written.before, "after": written.after},

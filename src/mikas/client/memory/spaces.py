@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from mikas import commands as c
 from mikas.client.gate import Change, Gate, hex_or_none
 from mikas.client.limits import LimitsCache
+from mikas.client.memory.writing import Attempts, SpaceWriter, WriteBlock, WriteByte
 from mikas.commands.base import check_byte, check_range
 from mikas.errors import (
     EcuRefused,
@@ -19,7 +20,6 @@ from mikas.errors import (
     NoResponse,
     NotSupported,
     ReadBackDiffers,
-    WriteRefused,
     WrongLength,
     hex_dump,
     usage_error,
@@ -40,9 +40,9 @@ class _Commands:
     """The command classes of one space."""
 
     read: type[c.ReadRamByte | c.ReadXramByte | c.ReadCodeByte | c.ReadSfr]
-    write: type[c.WriteRamByte | c.WriteXramByte | c.WriteCodeByte | c.WriteSfr]
+    write: type[WriteByte]
     read_block: type[c.ReadRamBlock | c.ReadXramBlock | c.ReadCodeBlock] | None = None
-    write_block: type[c.WriteRamBlock | c.WriteXramBlock | c.WriteCodeBlock] | None = None
+    write_block: type[WriteBlock] | None = None
 
 
 _SPACES = {
@@ -54,9 +54,9 @@ _SPACES = {
 
 
 _SMALL_BLOCK = 2
-_IN_PART = Text(
-    "Some of the bytes were written before the refusal; the journal has the bytes before it.",
-    "Часть байтов до отказа записана; прежние байты есть в журнале.",
+_UNREADABLE = Text(
+    "Nothing was written: the bytes to be replaced can't be read first.",
+    "Ничего не записано: заменяемые байты нельзя сначала прочитать.",
 )
 
 
@@ -81,15 +81,29 @@ class MemorySpace:
         self._gate = gate
         self._cache = cache
         self._longest = 1  # block that this unit has returned
+        self._lacks_bytes = False  # it refuses single bytes and returns a block of one
+        self._writer = SpaceWriter(
+            tester,
+            self._commands.write,
+            self._commands.write_block,
+            read_block=self.read_block,
+            largest=lambda: cache.limits().block(name),
+        )
 
     def read(self, address: int) -> int:
         """Read the byte at `address`. Raises `AddressOutOfRange`, `NotSupported`."""
+        byte, block = self._commands.read(address), self._commands.read_block
+        if block is not None and self._lacks_bytes:
+            with suppress(NotSupported):
+                return self._tester.request(block(address, 1))[0]
         try:
-            return self._tester.request(self._commands.read(address))
+            return self._tester.request(byte)
         except NotSupported:
-            if self._commands.read_block is not None:  # a unit may lack the other form
+            if block is not None:  # a unit may lack the other form
                 with suppress(EcuRefused, LineError):
-                    return self._tester.request(self._commands.read_block(address, 1))[0]
+                    (value,) = self._tester.request(block(address, 1))
+                    self._lacks_bytes = True
+                    return value
             raise
 
     def read_block(self, address: int, count: int) -> bytes:
@@ -176,59 +190,50 @@ class MemorySpace:
         where = f"{self.name} {address:04X}"
         what = writing(len(data), where)
         self._gate.refuse_unasked(what, self._commands.write.SAFETY)
-        before = self.read_block(address, len(data))
+        before = self._before(address, len(data))
         change = Change(
             what=what,
             safety=self._commands.write.SAFETY,
-            command=self._commands.write.SOURCE_NAME,
+            command=self._writer.planned(address, data),
             before=hex_or_none(before),
             after=hex_or_none(data),
         )
+        attempts = Attempts()
 
         def act() -> Written:
             try:
-                self._send(address, data)
-            except (WriteRefused, NotSupported) as error:
-                with suppress(MikasError):
-                    if self.read_block(address, len(data)) != before:
-                        error.advice = _IN_PART
+                self._writer.write(address, data, before, attempts)
+                self._check(address, data)
+            except MikasError as error:
+                standing = self._writer.standing(address, data, before)
+                error.advice = Text(
+                    f"{error.advice.en} {standing.en}", f"{error.advice.ru} {standing.ru}"
+                )
                 raise
-            after = self.read_block(address, len(data))
-            if after != data:
-                raise ReadBackDiffers(name=where, wanted=hex_dump(data), got=hex_dump(after))
-            return Written(self.name, address, before, after)
+            return Written(self.name, address, before, data)
 
-        return self._gate.make(change, act, lambda written: hex_or_none(written.after))
+        return self._gate.make(
+            change, act, lambda written: hex_or_none(written.after), lambda: attempts.names
+        )
 
-    def _send(self, address: int, data: bytes) -> None:
-        while data:
-            count = min(len(data), self._cache.limits().block(self.name))
-            part, data = data[:count], data[count:]
-            if self._commands.write_block is None or count == 1:
-                for offset, value in enumerate(part):
-                    self._send_byte(address + offset, value)
-            else:
-                self._send_part(self._commands.write_block, address, part)
-            address += count
-
-    def _send_part(
-        self,
-        block: type[c.WriteRamBlock | c.WriteXramBlock | c.WriteCodeBlock],
-        address: int,
-        part: bytes,
-    ) -> None:
+    def _before(self, address: int, count: int) -> bytes:
         try:
-            self._tester.request(block(address, part))
-        except (WriteRefused, NotSupported):
-            # The unit may only lack the block form; single bytes are the same approved change.
-            for offset, value in enumerate(part):
-                self._send_byte(address + offset, value)
+            return self.read_block(address, count)
+        except NotSupported as error:
+            error.advice = _UNREADABLE
+            raise
 
-    def _send_byte(self, address: int, value: int) -> None:
-        got = self._tester.request(self._commands.write(address, value))
-        if got != value:
-            name = f"{self.name} {address:04X}"
-            raise ReadBackDiffers(name=name, wanted=f"{value:02X}", got=f"{got:02X}")
+    def _check(self, address: int, data: bytes) -> None:
+        """Read back. Raises `ReadBackDiffers` with the bytes from the first to the last wrong."""
+        after = self.read_block(address, len(data))
+        wrong = [i for i, pair in enumerate(zip(data, after, strict=True)) if pair[0] != pair[1]]
+        if wrong:
+            first, end = wrong[0], wrong[-1] + 1
+            raise ReadBackDiffers(
+                name=f"{self.name} {address + first:04X}",
+                wanted=hex_dump(data[first:end]),
+                got=hex_dump(after[first:end]),
+            )
 
 
 class Memory:
