@@ -17,6 +17,7 @@ TREE = {
     "MikasError": ("Exception", Exception),
     "UsageError": ("MikasError", ValueError),
     "UnknownParameter": ("UsageError", ValueError),
+    "NoList": ("UsageError", ValueError),
     "AddressOutOfRange": ("UsageError", ValueError),
     "ValueDoesNotFit": ("UsageError", ValueError),
     "BadPortUrl": ("UsageError", ValueError),
@@ -50,6 +51,7 @@ TREE = {
     "EcuRefused": ("MikasError", Exception),
     "WriteRefused": ("EcuRefused", Exception),
     "NotSupported": ("EcuRefused", Exception),
+    "ListLost": ("NotSupported", Exception),
     "ReadBackDiffers": ("EcuRefused", Exception),
     "NotConfirmed": ("MikasError", Exception),
 }

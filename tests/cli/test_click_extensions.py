@@ -75,8 +75,8 @@ def test_the_contract_s_commands_are_all_there():
     paths = {" ".join(path) for path, _ in ALL}
     assert {
         "ports", "doctor", "info", "params", "read", "scan", "watch", "log", "faults", "write",
-        "mem read", "mem write", "mem dump", "mem verify", "mem diff", "mem goto", "raw", "decode",
-        "export", "sim", "dash", "demo",
+        "list set", "list read", "mem read", "mem write", "mem dump", "mem verify", "mem diff",
+        "mem goto", "raw", "decode", "export", "sim", "dash", "demo",
     } <= paths  # fmt: skip
 
 

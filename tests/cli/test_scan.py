@@ -57,6 +57,8 @@ def test_the_file_serves_as_a_catalog(mikas, odd):
     again = mikas("scan", "-o", "mine.toml")
     assert again.status == 2
     is_one_short_paragraph(again.err)
+    nowhere = mikas("scan", "-o", "nosuch/mine.toml")
+    assert (nowhere.status, nowhere.out) == (2, "")  # before ten minutes of requests
 
 
 def test_words(mikas, odd):

@@ -79,6 +79,7 @@ def ecu_on(
     *,
     journal: Path | None = None,
     state: Path | None = None,
+    lists: Path | None = None,
     confirm: object = None,
     interpretation: str = "corrected",
     **settings: object,
@@ -96,6 +97,7 @@ def ecu_on(
         confirm=confirm,
         journal=Journal(journal) if journal else None,
         store=LimitsStore(state) if state else None,
+        lists=lists,
     )
     it.forget()
     return ecu

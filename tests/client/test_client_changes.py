@@ -10,7 +10,9 @@ from mikas.errors import (
     AddressOutOfRange,
     DamagedResponse,
     EcuRefused,
+    ListLost,
     NoConnection,
+    NoList,
     NoResponse,
     NotSupported,
     ReadBackDiffers,
@@ -247,9 +249,9 @@ class TestTheList:
         ecu.set_list(*names)
         ecu.read_list()
         it.power_cycle(ecu)
-        with pytest.raises(NotSupported):
+        with pytest.raises(ListLost, match="forgets its list when its supply goes off"):
             ecu.read_list()
-        with pytest.raises(UsageError, match="set_list"):
+        with pytest.raises(NoList, match="set_list"):
             ecu.read_list()
         ecu.set_list(*names)
         assert ecu.read_list()["TWAT"].raw == DATA[0x1A]

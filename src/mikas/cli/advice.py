@@ -9,6 +9,7 @@ from mikas.errors import (
     EchoDiffers,
     LineError,
     LinkLost,
+    ListLost,
     NoEcho,
     NoPortGiven,
     NoResponse,
@@ -57,6 +58,7 @@ _HINTS = {
         "`mikas info` shows the commands of this one.",
         "Команды этого блока показывает `mikas info`.",
     ),
+    ListLost: Text("`mikas list set` does that.", "Это делает `mikas list set`."),
     UnknownParameter: Text(
         "`mikas params` lists all parameters.", "Все параметры: `mikas params`."
     ),

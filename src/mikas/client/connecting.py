@@ -51,7 +51,7 @@ class ConnectionOptions:
     """The file of changes; None: the one in the user's state folder."""
 
     state: Path | None = None
-    """The folder of learnt limits; None: the one in the user's state folder."""
+    """The folder of learnt limits and lists; None: the one in the user's state folder."""
 
     raw_checksum: bool = False
     """Send a checksum 0D or 40 as it is (D3)."""
@@ -81,13 +81,15 @@ class ConnectionOptions:
 
     def create_ecu(self, link: Link) -> Ecu:
         """Create an `Ecu` on `link`; it is not connected yet: `ecu.tester.connect()` does that."""
+        state = Path(self.state or limits.default_folder())
         return Ecu(
             self.create_tester(link),
             self.catalog,
             interpretation=self.interpretation,
             confirm=self.confirm,
             journal=Journal(Path(self.journal or gate.default_journal())),
-            store=LimitsStore(Path(self.state or limits.default_folder())),
+            store=LimitsStore(state),
+            lists=state / "lists",
         )
 
 

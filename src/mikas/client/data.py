@@ -13,9 +13,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
 
+from mikas.catalog import Parameter
 from mikas.client.limits import Limits, LimitsCache
 from mikas.commands import Datum, ReadParameters
-from mikas.errors import EcuRefused, LineError, NoResponse, NotSupported, WrongLength
+from mikas.errors import EcuRefused, LineError, NoResponse, NotSupported, WrongLength, usage_error
 from mikas.i18n import Text
 from mikas.tester import Reply, Tester
 
@@ -257,6 +258,21 @@ class _Requests:
         limits.max_list = 1
         self._cache.keep()
         return False
+
+
+def distinct(parameters: Sequence[Parameter]) -> tuple[Datum, ...]:
+    """Return each code once: RXX, BITPOW and RDET share one byte (§5).
+
+    Raises `UsageError` for a code with two sizes, whose data could not be separated.
+    """
+    sizes: dict[int, int] = {}
+    for p in parameters:
+        if sizes.setdefault(p.code, p.size) != p.size:
+            raise usage_error(
+                f"code 0x{p.code:02X} can't have {sizes[p.code]} and {p.size} bytes at once",
+                f"у кода 0x{p.code:02X} не может быть {sizes[p.code]} и {p.size} байта сразу",
+            )
+    return tuple(Datum(code, size) for code, size in sizes.items())
 
 
 def refused(name: str, code: int) -> NotSupported:

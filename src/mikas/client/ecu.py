@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Self
 
 from mikas import commands as c
@@ -29,6 +30,7 @@ from mikas.client.memory import Memory
 from mikas.client.parameters import Parameters, Reading, Sample, WrittenParameter
 from mikas.client.polling import FixedMethod, Method, Poller, create_poller, fixed_method
 from mikas.client.scanning import Scan, ScannedCode
+from mikas.client.unit_list import KeptLists, UnitList
 from mikas.client.watching import Watcher
 from mikas.errors import NoResponse, NotSupported, usage_error
 from mikas.i18n import Text, counted
@@ -61,15 +63,19 @@ class Ecu:
         confirm: Confirm | None = None,
         journal: Journal | None = None,
         store: LimitsStore | None = None,
+        lists: Path | None = None,
     ) -> None:
         check_interpretation(interpretation)
         self.tester = tester
         self.catalog = catalog
         self._passport: Passport | None = None
-        self._limits = LimitsCache(store, lambda: (self.version_code, self.passport().pieces))
+        self._limits = LimitsCache(store, self._identify)
         self._gate = Gate(tester, self._whose, confirm, journal)
         data = DataReader(tester, self._limits)
-        self._parameters = Parameters(tester, catalog, self._gate, data, interpretation)
+        unit_list = UnitList(tester, self._gate, KeptLists(lists, self._identify))
+        self._parameters = Parameters(
+            tester, catalog, self._gate, data, unit_list, interpretation=interpretation
+        )
         self.memory = Memory(tester, self._gate, self._limits)
 
     @property
@@ -158,16 +164,19 @@ class Ecu:
     def set_list(self, *names: str) -> tuple[str, ...]:
         """Set the list that `read_list` reads (64); return the names in it.
 
-        Raises `UnknownParameter`, `NotConfirmed`, `WriteRefused`, `NotSupported`.
+        The names are kept for later sessions with this unit. Raises `UnknownParameter`,
+        `NotConfirmed`, `WriteRefused`, `NotSupported`.
         """
         return self._parameters.set_list(names)
 
-    def read_list(self) -> dict[str, Reading]:
-        """Read each parameter of the list once (63).
+    def read_list(self, *names: str) -> dict[str, Reading]:
+        """Read each parameter of the list once (63): of `names`, or as mikas has set it last.
 
-        Raises `UsageError` without a `set_list`, also after silence: the unit may have lost it.
+        The unit does not say which parameters its list has; only the response's length is checked.
+        Raises `NoList` without a `set_list`, also after a failure, `ListLost` for a refusal (the
+        unit has lost its list), `WrongLength` for another list, `NoResponse`.
         """
-        return self._parameters.read_list()
+        return self._parameters.read_list(names)
 
     def forget_list(self) -> None:
         """Treat the unit's list as lost, as after a power cycle: it has to be set again."""
@@ -272,6 +281,9 @@ class Ecu:
     def forget_limits(self) -> None:
         """Delete the learnt limits of this unit, the saved ones too."""
         self._limits.forget()
+
+    def _identify(self) -> tuple[int, tuple[str, ...]]:
+        return self.version_code, self.passport().pieces
 
     def _whose(self) -> dict[str, object]:
         return {"port": self.tester.link.url, "model": self.model.text.en}

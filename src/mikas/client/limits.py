@@ -120,8 +120,13 @@ class LimitsStore:
             self._file(version_code, passports).unlink(missing_ok=True)
 
     def _file(self, version_code: int, passports: tuple[str, ...]) -> Path:
-        named = "\0".join((f"{version_code:02X}", *passports))
-        return self.folder / f"{sha256(named.encode()).hexdigest()[:16]}.json"
+        return unit_file(self.folder, version_code, passports)
+
+
+def unit_file(folder: Path, version_code: int, passports: tuple[str, ...]) -> Path:
+    """Return the file of a unit in `folder`."""
+    named = "\0".join((f"{version_code:02X}", *passports))
+    return folder / f"{sha256(named.encode()).hexdigest()[:16]}.json"
 
 
 class LimitsCache:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -11,21 +10,19 @@ from typing import TYPE_CHECKING
 
 from mikas import commands as c
 from mikas.catalog import Catalog, Parameter
-from mikas.client.data import DataReader, RawDatum, refused
+from mikas.client.data import DataReader, RawDatum, distinct, refused
 from mikas.client.gate import Change, Gate, hex_or_none
+from mikas.client.unit_list import UnitList
 from mikas.errors import (
     MikasError,
-    NoConnection,
     NoResponse,
     NotSupported,
     ReadBackDiffers,
     ValueDoesNotFit,
-    WriteRefused,
-    WrongLength,
     hex_dump,
     usage_error,
 )
-from mikas.i18n import Text, byte_count, counted
+from mikas.i18n import Text, byte_count
 from mikas.tester import StreamItem, Tester
 
 if TYPE_CHECKING:
@@ -79,13 +76,6 @@ class Sample:
         return self.error is not None
 
 
-_TOO_LONG = Text(
-    "The list may be too long for this unit: name fewer parameters, or read without a list.",
-    "Возможно, список для этого блока слишком длинен: назовите меньше параметров или читайте без "
-    "списка.",
-)
-
-
 @dataclass(frozen=True, slots=True)
 class WrittenParameter:
     """The result of a parameter write. `before`, `after`: None if unreadable."""
@@ -99,15 +89,21 @@ class Parameters:
     """Reads and writes parameters by name; the unit knows codes and bytes."""
 
     def __init__(
-        self, tester: Tester, catalog: Catalog, gate: Gate, data: DataReader, interpretation: str
+        self,
+        tester: Tester,
+        catalog: Catalog,
+        gate: Gate,
+        data: DataReader,
+        unit_list: UnitList,
+        *,
+        interpretation: str,
     ) -> None:
         self.tester = tester
         self._catalog = catalog
         self._gate = gate
         self._data = data
         self._interpretation = interpretation
-        self._listed: tuple[Parameter, ...] = ()
-        self._list_lock = threading.RLock()  # the unit has one list for all threads
+        self._list = unit_list
 
     def named(self, names: Sequence[str]) -> tuple[Parameter, ...]:
         """Return the parameters of these names; without names, all of the catalog."""
@@ -153,76 +149,30 @@ class Parameters:
     # Lists, 63 and 64
 
     def set_list(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Set the unit's list (64) for `read_list`; a power cycle clears it."""
+        """Set the unit's list (64) for `read_list`, also of later sessions."""
         wanted = self.named(names)
-        self._write_list(wanted)
+        self._list.set(wanted, keep=True)
         return tuple(p.name for p in wanted)
-
-    def _write_list(self, wanted: tuple[Parameter, ...]) -> None:
-        data = _list_of(wanted)
-        parameters = counted(
-            len(data), ("parameter", "parameters"), ("параметр", "параметра", "параметров")
-        )
-        change = Change(
-            what=Text(
-                f"set what the unit is to tell at once: {parameters.en}",
-                f"задать список блока: {parameters.ru}",
-            ),
-            safety=c.WriteList.SAFETY,
-            command=c.WriteList.SOURCE_NAME,
-            after=hex_or_none(bytes(d.code for d in data)),
-        )
-
-        def act() -> None:
-            self.forget_list()
-            try:
-                self.tester.request(c.WriteList(data))
-            except WriteRefused as error:
-                error.advice = _TOO_LONG
-                raise
-            except (NoResponse, NotSupported) as error:
-                if error.received:
-                    raise
-                # Perhaps only the answer was lost; setting the list twice has the same effect.
-                self.tester.request(c.WriteList(data))
-            self._listed = wanted
-
-        with self._holding_the_list():
-            self._gate.make(change, act, lambda _: None)
-
-    @contextmanager
-    def _holding_the_list(self) -> Iterator[None]:
-        self.tester.check_free()  # the lock's holder may wait for a stream of this thread
-        with self._list_lock:
-            yield
 
     def forget_list(self) -> None:
         """Treat the unit's list as lost: it has to be set before `read_list`."""
-        self._listed = ()
+        self._list.forget()
 
-    def read_list(self) -> dict[str, Reading]:
-        """Read each parameter of the list that this session set (63).
-
-        A power cycle clears the list, so after silence or a refusal it has to be set again.
-        """
-        with self._holding_the_list():
-            if not self._listed:
-                raise usage_error("set_list() comes first", "сначала нужен set_list()")
-            data = _list_of(self._listed)
-            try:
-                values, reply = self.tester.exchange(c.ReadList(data))
-            except (NoConnection, NoResponse, NotSupported, WrongLength):
-                self.forget_list()
-                raise
-            got = {d.code: RawDatum(raw, reply.began) for d, raw in zip(data, values, strict=True)}
-            return self.readings(self._listed, got)
+    def read_list(self, names: Sequence[str] = ()) -> dict[str, Reading]:
+        """Read each parameter of the list once (63); `names`: of a list that others have set."""
+        return self._of_list(self.named(names) if names else ())
 
     def through_list(self, wanted: tuple[Parameter, ...]) -> dict[str, Reading]:
         """Read `wanted` by the unit's list, which is set first if it differs."""
-        with self._holding_the_list():
-            if self._listed != wanted:
-                self._write_list(wanted)
-            return self.read_list()
+        with self._list.held():
+            if self._list.current != wanted:
+                self._list.set(wanted)
+            return self._of_list(wanted)
+
+    def _of_list(self, wanted: tuple[Parameter, ...]) -> dict[str, Reading]:
+        with self._list.held():
+            wanted = wanted or self._list.current or self.named(self._list.kept())
+            return self.readings(wanted, self._list.read(wanted))
 
     # Streams, 71 and 7F … 83
 
@@ -305,26 +255,3 @@ class Parameters:
         except NotSupported:
             return None
         return self.readings([parameter], got).get(parameter.name)
-
-
-def distinct(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
-    """Return each code once: RXX, BITPOW and RDET share one byte (§5).
-
-    Raises `UsageError` for a code with two sizes, whose data could not be separated.
-    """
-    sizes: dict[int, int] = {}
-    for p in parameters:
-        if sizes.setdefault(p.code, p.size) != p.size:
-            raise usage_error(
-                f"code 0x{p.code:02X} can't have {sizes[p.code]} and {p.size} bytes at once",
-                f"у кода 0x{p.code:02X} не может быть {sizes[p.code]} и {p.size} байта сразу",
-            )
-    return tuple(c.Datum(code, size) for code, size in sizes.items())
-
-
-def _list_of(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
-    """Return the list for 64. A single byte is listed twice: a unit that has lost its list may
-    answer 63 with 01 (D10), which must not look like a datum.
-    """
-    data = distinct(parameters)
-    return data * 2 if data == ((data[0].code, 1),) else data

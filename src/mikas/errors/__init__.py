@@ -3,6 +3,7 @@
     MikasError
     ├── UsageError (ValueError)        wrong use; nothing was sent to the ECU
     │   ├── UnknownParameter           no such name or code; carries the nearest names
+    │   ├── NoList                     the parameters of the unit's list are unknown
     │   ├── AddressOutOfRange          outside the memory space
     │   ├── ValueDoesNotFit            not representable in the parameter's raw bytes
     │   ├── BadPortUrl                 invalid port URL, or an invalid option in it
@@ -36,6 +37,7 @@
     ├── EcuRefused                     the ECU refused
     │   ├── WriteRefused               response 01 to a write (§3)
     │   ├── NotSupported               unknown command or parameter (D10)
+    │   │   └── ListLost               the unit no longer has the list that was set (§3)
     │   └── ReadBackDiffers            write accepted, another value read back
     └── NotConfirmed                   a change that was not approved
 
@@ -68,6 +70,7 @@ from mikas.errors.exchange import EcuRefused as EcuRefused
 from mikas.errors.exchange import EngineStopped as EngineStopped
 from mikas.errors.exchange import LineError as LineError
 from mikas.errors.exchange import LineNotQuiet as LineNotQuiet
+from mikas.errors.exchange import ListLost as ListLost
 from mikas.errors.exchange import NoResponse as NoResponse
 from mikas.errors.exchange import NotConfirmed as NotConfirmed
 from mikas.errors.exchange import NotSupported as NotSupported
@@ -84,6 +87,7 @@ from mikas.errors.usage import CatalogError as CatalogError
 from mikas.errors.usage import ExportError as ExportError
 from mikas.errors.usage import JournalError as JournalError
 from mikas.errors.usage import MissingExtra as MissingExtra
+from mikas.errors.usage import NoList as NoList
 from mikas.errors.usage import UnknownParameter as UnknownParameter
 from mikas.errors.usage import UsageError as UsageError
 from mikas.errors.usage import ValueDoesNotFit as ValueDoesNotFit

@@ -128,6 +128,16 @@ class NotSupported(EcuRefused):
     advice = Text("Not every unit has every command.", "Не каждый блок знает все команды.")
 
 
+class ListLost(NotSupported):
+    """The unit refused to give its list (63), which was set before (§3)."""
+
+    what = Text("The unit has no list now", "Сейчас в блоке нет списка")
+    advice = Text(
+        "A unit forgets its list when its supply goes off: set the list again.",
+        "При отключении питания блок забывает список: задайте его заново.",
+    )
+
+
 class ReadBackDiffers(EcuRefused):
     """The write was accepted, but another value was read back."""
 

@@ -36,6 +36,16 @@ class UnknownParameter(UsageError):
         super().__init__(name=name, nearest=nearest if listed else "")
 
 
+class NoList(UsageError):
+    """The parameters of the unit's list are unknown: mikas has not set it, or it was lost."""
+
+    what = Text(
+        "It is not known which parameters the unit's list has",
+        "Неизвестно, какие параметры в списке блока",
+    )
+    advice = Text("set_list() comes first.", "Сначала нужен set_list().")
+
+
 class AddressOutOfRange(UsageError):
     """The address, or the last one of a range, lies outside the memory space."""
 

@@ -19,7 +19,7 @@ from functools import cached_property
 from math import gcd, lcm
 
 from mikas.catalog import Catalog, Derived, Parameter
-from mikas.client.parameters import distinct
+from mikas.client.data import distinct
 from mikas.client.polling import STREAMS, FixedMethod
 from mikas.commands import Datum
 from mikas.errors import usage_error

@@ -291,6 +291,15 @@ def test_the_live_table_on_a_terminal(start):
         assert watch.wait(PATIENCE) == 130
 
 
+def test_a_list_is_read_by_a_later_process(start, sim):
+    _, url = sim
+    for argv in (["list", "set", "TWAT", "INJ", "--yes"], ["list", "read", "--json"]):
+        ran = start(*argv, "--port", url)
+        out, err = ran.communicate(timeout=PATIENCE)
+        assert ran.returncode == 0, err
+    assert list(json.loads(out)["readings"]) == ["TWAT", "INJ"]
+
+
 def test_ctrl_c_shows_the_codes_that_a_scan_has_found(start, sim):
     _, url = sim
     with terminal() as (behind, front):

@@ -34,6 +34,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "unit.faults", "stored faults; `faults erase` erases them", "ошибки; сброс: `faults erase`"
     ),
     "write": _command("unit.parameters", "write a parameter", "записать параметр"),
+    "list": _command(
+        "unit.parameter_list",
+        "the unit's own list: set it (64), read it (63)",
+        "список в самом блоке: задать (64), прочитать (63)",
+    ),
     "mem": _command(
         "memory",
         "read, write, dump and compare memory",
@@ -78,3 +83,11 @@ MEMORY_COMMANDS: dict[str, tuple[str, Text]] = {
     "goto": _command("memory.cells", "jump to an address: dangerous", "переход по адресу: опасно"),
 }
 """The commands of `mikas mem`."""
+
+LIST_COMMANDS: dict[str, tuple[str, Text]] = {
+    "set": _command(
+        "unit.parameter_list", "set the parameters of the list", "задать параметры списка"
+    ),
+    "read": _command("unit.parameter_list", "read the list", "прочитать список"),
+}
+"""The commands of `mikas list`."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -126,25 +127,27 @@ def read(context: CommandContext, names: tuple[str, ...]) -> None:
     with context.ecu() as ecu:
         readings = ecu.read(*names)
         missing = [p.name for p in ecu.catalog.parameters if p.name not in readings]
-    if context.output.json:
-        context.output.data({"readings": {name: reading_json(r) for name, r in readings.items()}})
-    else:
-        headers = [
-            tr("name", "имя"), tr("value", "значение"), tr("unit", "ед."),
-            tr("raw", "байты"), tr("warm idle", "на ХХ"), tr("meaning", "параметр"),
-            tr("notes", "см."),
-        ]  # fmt: skip
-        context.output.table(
-            headers, [_reading_row(name, r) for name, r in readings.items()], right="1"
-        )
-        if any(r.parameter.errata for r in readings.values()):
-            context.say(
-                "Notes E1 … are explained by: mikas params", "Пояснения к E1 …: mikas params"
-            )
+    show_readings(context, readings)
     if missing and not names:
         context.output.note(
             tr("This unit does not know: ", "Этот блок не знает: ") + ", ".join(missing)
         )
+
+
+def show_readings(context: CommandContext, readings: Mapping[str, Reading]) -> None:
+    """Print `readings` by name, as JSON or as a table."""
+    if context.output.json:
+        context.output.data({"readings": {name: reading_json(r) for name, r in readings.items()}})
+        return
+    headers = [
+        tr("name", "имя"), tr("value", "значение"), tr("unit", "ед."),
+        tr("raw", "байты"), tr("warm idle", "на ХХ"), tr("meaning", "параметр"),
+        tr("notes", "см."),
+    ]  # fmt: skip
+    rows = [_reading_row(name, r) for name, r in readings.items()]
+    context.output.table(headers, rows, right="1")
+    if any(r.parameter.errata for r in readings.values()):
+        context.say("Notes E1 … are explained by: mikas params", "Пояснения к E1 …: mikas params")
 
 
 def _reading_row(name: str, reading: Reading) -> list[str]:

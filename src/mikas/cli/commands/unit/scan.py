@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
+from math import ceil
 from pathlib import Path
 
 from mikas.catalog import Catalog
@@ -49,20 +51,18 @@ _CODES = 0x100
 )
 @OVERWRITE
 def scan(context: CommandContext, out: Path | None, *, overwrite: bool) -> None:
-    if out is not None and out.exists() and not overwrite:
-        raise usage_error(
-            f"{out}: it exists already; choose another name, or --overwrite",
-            f"{out}: такой файл уже есть; выберите другое имя или добавьте --overwrite",
-        )
+    if out is not None:
+        _check_writable(out, overwrite=overwrite)
     found: dict[int, ScannedCode] = {}
     with context.ecu() as ecu:
         heading = [] if out is None else _heading(ecu)
         promised = count_parameters(ecu.tester)
+        longest = ceil(_CODES * _silence(ecu) / 60)
         context.say(
-            "Requesting 256 codes; each silent one takes about "
-            f"{_silence(ecu):.0f} s. Ctrl-C shows the codes found so far.",
-            "Запрашиваю 256 кодов; на каждый без ответа уходит около "
-            f"{_silence(ecu):.0f} с. Ctrl-C покажет найденное.",
+            f"Requesting {_CODES} codes: up to {longest} min if the unit is silent to the unknown. "
+            "Ctrl-C shows the codes found so far.",
+            f"Запрос кодов ({_CODES}): до {longest} мин, если на неизвестные блок молчит. Ctrl-C "
+            "покажет найденное.",
         )
         try:
             _request_all(ecu, found)
@@ -72,6 +72,17 @@ def scan(context: CommandContext, out: Path | None, *, overwrite: bool) -> None:
                 _write(context, out, ecu.catalog, found, heading)
         if {each.answer for each in found.values()} <= {Answer.SILENT, Answer.REFUSED}:
             raise NotSupported(command=ReadUnknownSize.of(0, 1).display_name)
+
+
+def _check_writable(out: Path, *, overwrite: bool) -> None:
+    """Raise `UsageError` now: after a scan of ten minutes would be late."""
+    if out.exists() and not overwrite:
+        raise usage_error(
+            f"{out}: it exists already; choose another name, or --overwrite",
+            f"{out}: такой файл уже есть; выберите другое имя или добавьте --overwrite",
+        )
+    if not os.access(out if out.exists() else out.parent, os.W_OK):
+        raise usage_error(f"{out}: it can't be written", f"{out}: файл не записать")
 
 
 def _silence(ecu: Ecu) -> float:

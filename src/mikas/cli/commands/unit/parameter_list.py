@@ -1,0 +1,78 @@
+"""`mikas list set`, `mikas list read`: the list in the unit that 63 reads (§3)."""
+
+from __future__ import annotations
+
+import click
+
+from mikas.cli.click_extensions import YES, LocalizedGroup, command
+from mikas.cli.commands import LIST_COMMANDS
+from mikas.cli.commands.unit.parameters import show_readings
+from mikas.cli.common_options import common_options
+from mikas.cli.context import CommandContext
+from mikas.cli.language import tr
+from mikas.errors import NoList
+from mikas.i18n import Text
+
+_SET_OR_NAME = Text(
+    "`mikas list set NAME…` sets it; or name its parameters in their order: "
+    "`mikas list read NAME…`.",
+    "Задать: `mikas list set NAME…`; или назовите его параметры по порядку: "
+    "`mikas list read NAME…`.",
+)
+
+list = LocalizedGroup(  # noqa: A001  (the command's name)
+    "list",
+    homes=LIST_COMMANDS,
+    text=Text(
+        "The list in the unit: `set` chooses its parameters, `read` reads all of them by one short "
+        "request. The unit forgets it when its supply goes off.",
+        "Список в самом блоке: `set` задаёт его параметры, `read` читает их все одним коротким "
+        "запросом. При отключении питания блок его забывает.",
+    ),
+    examples=("mikas list set FREQ TWAT INJ", "mikas list read"),
+    params=common_options(),
+)
+
+
+@command(
+    "set",
+    Text(
+        "Sets the unit's list to each NAME (64): asks first. Changes nothing else in the unit, and "
+        "is undone by its next power-off. The names are kept for `mikas list read`.",
+        "Записывает в блок список из NAME (64): спрашивает подтверждение. Больше в блоке ничего не "
+        "меняет, отключение питания отменяет. Имена сохраняются для `mikas list read`.",
+    ),
+    examples=("mikas list set FREQ TWAT INJ", "mikas list set 0x3F:2 --yes --json"),
+)
+@click.argument("names", metavar="NAME...", nargs=-1, required=True)
+@YES
+def set(context: CommandContext, names: tuple[str, ...], *, yes: bool) -> None:  # noqa: A001
+    shown = " ".join(context.options.catalog.parameter(name).name for name in names)
+    confirm = context.confirm(yes=yes, meaning=lambda hexed: f"{shown} ({hexed})")
+    with context.ecu(confirm) as ecu:
+        listed = ecu.set_list(*names)
+    context.output.result(
+        {"names": listed},
+        tr(f"The unit's list: {shown}", f"Список блока: {shown}"),
+    )
+
+
+@command(
+    "read",
+    Text(
+        "Reads the unit's list once (63), as `mikas list set` has set it last. The unit does not "
+        "say which parameters it has: a list set by another program needs each NAME in order.",
+        "Читает список блока один раз (63), каким его последний раз задала `mikas list set`. Блок "
+        "не сообщает, какие в нём параметры: для списка другой программы назовите NAME по порядку.",
+    ),
+    examples=("mikas list read", "mikas list read FREQ TWAT INJ --json"),
+)
+@click.argument("names", metavar="[NAME]...", nargs=-1)
+def read(context: CommandContext, names: tuple[str, ...]) -> None:
+    with context.ecu() as ecu:
+        try:
+            readings = ecu.read_list(*names)
+        except NoList as error:
+            error.advice = _SET_OR_NAME
+            raise
+    show_readings(context, readings)

@@ -1,0 +1,201 @@
+"""The list in the unit that 64 sets and 63 reads (§3), and its parameters kept for later sessions.
+
+The unit does not say which parameters its list has, so only a list that mikas has set can be read.
+Their names are kept by the unit's passports. Every 64 drops the kept names of all units first: the
+unit's own may be unknown at that moment, and a stale list would give wrong values. Another program
+that sets a list of the same size can't be detected.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from mikas import commands as c
+from mikas.catalog import Parameter
+from mikas.client.data import RawDatum, distinct
+from mikas.client.gate import Change, Gate, hex_or_none
+from mikas.client.limits import unit_file
+from mikas.errors import (
+    LineError,
+    ListLost,
+    NoConnection,
+    NoList,
+    NoResponse,
+    NotSupported,
+    UsageError,
+    WriteRefused,
+    WrongLength,
+    reason_at,
+)
+from mikas.i18n import Text, counted
+from mikas.tester import Tester
+
+Identity = tuple[int, tuple[str, ...]]  # version code and passports
+
+_TOO_LONG = Text(
+    "The list may be too long for this unit: name fewer parameters, or read without a list.",
+    "Возможно, список для этого блока слишком длинен: назовите меньше параметров или читайте без "
+    "списка.",
+)
+_OTHER_LIST = Text(
+    "The unit has another list than the one expected: another program has set it, or the unit has "
+    "lost it. Set the list again.",
+    "В блоке не тот список, который ожидался: его задала другая программа или блок его потерял. "
+    "Задайте список заново.",
+)
+_PERHAPS_LOST = Text(
+    "A unit forgets its list when its supply goes off: set the list again. Else the line is bad.",
+    "При отключении питания блок забывает список: задайте его заново. Иначе плохая связь.",
+)
+
+
+class KeptLists:
+    """The parameters of a unit's last list, by name, in a file; `folder` None: not kept.
+
+    `identify` returns version code and passports of the connected unit. A unit with empty passports
+    can't be distinguished, so its list is not kept.
+    """
+
+    def __init__(self, folder: Path | None, identify: Callable[[], Identity]) -> None:
+        self._folder = folder
+        self._identify = identify
+
+    def load(self) -> tuple[str, ...]:
+        """Return the names; () if none are kept. May read the passports, and raise their errors."""
+        if self._folder is None or not self._files():
+            return ()
+        file = self._file(self._folder)
+        with suppress(OSError, ValueError, TypeError, LookupError):
+            names = json.loads(file.read_text("utf-8"))["names"] if file else ()
+            return tuple(str(name) for name in names)
+        return ()
+
+    def save(self, names: Sequence[str]) -> None:
+        """Keep `names` of the connected unit. A failure only requires a new 64, so it is silent."""
+        if self._folder is None:
+            return
+        with suppress(OSError, LineError, NoConnection):
+            if file := self._file(self._folder):
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_text(json.dumps({"names": list(names)}), "utf-8")
+
+    def drop(self) -> None:
+        """Drop what is kept of all units. Raises `UsageError`: stale names would be worse."""
+        for file in self._files():
+            try:
+                file.unlink(missing_ok=True)
+            except OSError as error:
+                raise UsageError(problem=reason_at(file, error)) from error
+
+    def _files(self) -> list[Path]:
+        return list(self._folder.glob("*.json")) if self._folder else []
+
+    def _file(self, folder: Path) -> Path | None:
+        version_code, passports = self._identify()
+        return unit_file(folder, version_code, passports) if any(passports) else None
+
+
+class UnitList:
+    """The unit's list. `current`: its parameters, as set in this session; () if unknown."""
+
+    def __init__(self, tester: Tester, gate: Gate, kept: KeptLists) -> None:
+        self.current: tuple[Parameter, ...] = ()
+        self._tester = tester
+        self._gate = gate
+        self._kept = kept
+        self._lock = threading.RLock()  # the unit has one list for all threads
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """Hold the list against other threads."""
+        self._tester.check_free()  # the lock's holder may wait for a stream of this thread
+        with self._lock:
+            yield
+
+    def kept(self) -> tuple[str, ...]:
+        """Return the names kept by an earlier session. Raises `NoList` if there are none."""
+        names = self._kept.load()
+        if not names:
+            raise NoList
+        return names
+
+    def forget(self) -> None:
+        """Treat the unit's list as lost or changed."""
+        self.current = ()
+        self._kept.drop()
+
+    def set(self, wanted: tuple[Parameter, ...], *, keep: bool = False) -> None:
+        """Set the list (64); `keep`: for later sessions too.
+
+        Raises `NotConfirmed`, `WriteRefused`, `NotSupported`, a `LineError` or a `NoConnection`.
+        """
+        data = _list_of(wanted)
+        parameters = counted(
+            len(wanted), ("parameter", "parameters"), ("параметр", "параметра", "параметров")
+        )
+        change = Change(
+            what=Text(
+                f"set what the unit is to tell at once: {parameters.en}",
+                f"задать список блока: {parameters.ru}",
+            ),
+            safety=c.WriteList.SAFETY,
+            command=c.WriteList.SOURCE_NAME,
+            after=hex_or_none(bytes(d.code for d in data)),
+        )
+
+        def act() -> None:
+            self.forget()
+            try:
+                self._tester.request(c.WriteList(data))
+            except WriteRefused as error:
+                error.advice = _TOO_LONG
+                raise
+            except (NoResponse, NotSupported) as error:
+                if error.received:
+                    raise
+                # Perhaps only the answer was lost; setting the list twice has the same effect.
+                self._tester.request(c.WriteList(data))
+            self.current = wanted
+            if keep:
+                self._kept.save([p.name for p in wanted])
+
+        with self.held():
+            self._gate.make(change, act, lambda _: None)
+
+    def read(self, wanted: tuple[Parameter, ...]) -> dict[int, RawDatum]:
+        """Read the list of `wanted` (63); return its data by code.
+
+        Raises `ListLost` for a refusal, `NotSupported` if the unit does not know 63, `WrongLength`
+        for another list, `NoResponse`.
+        """
+        data = _list_of(wanted)
+        try:
+            values, reply = self._tester.exchange(c.ReadList(data))
+        except NotSupported as error:
+            never_read = bool(self.current) and not self._tester.has_answered(c.ReadList.CODES[0])
+            self.forget()
+            if never_read:
+                raise
+            raise ListLost(
+                request=error.request, received=error.received, time=error.time
+            ) from error
+        except (NoResponse, WrongLength) as error:
+            self.forget()
+            error.advice = _OTHER_LIST if isinstance(error, WrongLength) else _PERHAPS_LOST
+            raise
+        except NoConnection:
+            self.current = ()
+            raise
+        return {d.code: RawDatum(raw, reply.began) for d, raw in zip(data, values, strict=True)}
+
+
+def _list_of(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
+    """Return the list for 64. A single byte is listed twice: a unit that has lost its list may
+    answer 63 with 01 (D10), which must not look like a datum.
+    """
+    data = distinct(parameters)
+    return data * 2 if data == ((data[0].code, 1),) else data
