@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import signal
+import tempfile
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -21,6 +24,20 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 # What a shell starts in the background ignores Ctrl-C, and so would all that the tests start.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+# What tests learn and change is not the user's: a folder for the process, and one for each test.
+_STATE = tempfile.TemporaryDirectory(prefix="mikas-tests-", ignore_cleanup_errors=True)
+os.environ["MIKAS_STATE"] = _STATE.name
+_count = itertools.count()
+
+
+@pytest.fixture(autouse=True)
+def state_folder(monkeypatch):
+    """The state folder of this test alone, not made yet."""
+    folder = Path(_STATE.name) / str(next(_count))
+    monkeypatch.setenv("MIKAS_STATE", str(folder))
+    return folder
 
 
 @pytest.hookimpl(optionalhook=True)

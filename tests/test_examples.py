@@ -28,8 +28,6 @@ LINK = "own_link/mikas_trace.py"  # a package, which is installed
 def run(tmp_path, monkeypatch, capsys):
     """Run an example in an empty folder; returns its output."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("mikas.client.gate.default_journal", lambda: tmp_path / "journal.jsonl")
-    monkeypatch.setattr("mikas.client.limits.default_folder", lambda: tmp_path / "units")
     monkeypatch.setattr("builtins.input", lambda _: "y")
 
     def run(name):

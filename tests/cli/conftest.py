@@ -20,10 +20,7 @@ def mikas(capsys, monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(home / "config"))
     monkeypatch.setenv("MIKAS_PORT", SIM)
     monkeypatch.setenv("LANG", "C.UTF-8")
-    monkeypatch.setattr(
-        "mikas.client.gate.default_journal", lambda: home / "state/mikas/journal.jsonl"
-    )
-    monkeypatch.setattr("mikas.client.limits.default_folder", lambda: home / "state/mikas/units")
+    monkeypatch.setenv("MIKAS_STATE", str(home / "state/mikas"))
     monkeypatch.setattr("sys.stdin", NoTerminal())
     monkeypatch.chdir(tmp_path)
     yield Mikas(capsys, monkeypatch, home)

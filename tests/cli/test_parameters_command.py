@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from cli_harness import is_hex
 
 from mikas.catalog import shipped
@@ -65,3 +66,13 @@ def test_a_parameter_write_shows_values(mikas):
     ran = mikas("write", "INJ", "--raw", "5802", "--yes", "--lang", "ru")
     assert ran.status in (0, 5)
     assert "будет: 4,80 мс (58 02)" in ran.err
+
+
+@pytest.mark.parametrize(
+    "argv", [["read"], ["info", "--quick"], ["mem", "read", "ram", "40", "8"]], ids=" ".join
+)
+def test_what_was_learnt_is_forgotten(mikas, argv):
+    mikas("read", sim="&max_list=5")
+    assert mikas("info", "--json", "--quick", sim="").object["limits"]["max_list"] == 5
+    assert mikas(*argv, "--relearn").status == 0
+    assert mikas("info", "--json", "--quick").object["limits"]["max_list"] == 64

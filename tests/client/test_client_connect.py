@@ -10,8 +10,10 @@ from mikas import errors
 from mikas.catalog import shipped
 from mikas.client import connect
 from mikas.client.connecting import ConnectionOptions
+from mikas.client.limits import STARTING_LIST
 from mikas.link import Direction, open_link
 from mikas.link.virtual import VirtualLink
+from mikas.virtual.build import build_bus
 
 SIM = "sim:?clock=simulated"
 
@@ -171,10 +173,68 @@ def test_journal_and_state_may_be_given_as_texts(tmp_path):
     assert journal.exists()
 
 
-def test_without_a_journal_named_the_users_own_is_taken(own_state):
+def test_without_a_journal_named_the_users_own_is_taken(state_folder):
     with connect(SIM) as ecu:
         ecu.set_list("TWAT")
-    assert (own_state / "journal.jsonl").exists()
+    assert (state_folder / "journal.jsonl").exists()
+
+
+class Wired(VirtualLink):
+    """A virtual unit behind a pty or TCP: only its passport tells."""
+
+    is_virtual = False
+
+
+class TestLearntLimitsOfVirtualUnits:
+    """A wrong limit costs a session; a virtual unit has others each time."""
+
+    @pytest.fixture
+    def users_own(self, monkeypatch, tmp_path):
+        monkeypatch.delenv("MIKAS_STATE")
+        monkeypatch.setattr("platformdirs.user_state_path", lambda name, **_: tmp_path / name)
+        return tmp_path / "mikas"
+
+    @staticmethod
+    def learn():
+        with connect(f"{SIM}&max_list=5") as ecu:
+            ecu.read()
+            return ecu.limits().max_list
+
+    @staticmethod
+    def remembered(url=SIM):
+        with connect(url) as ecu:
+            return ecu.limits().max_list
+
+    def test_none_is_kept(self, users_own):
+        assert self.learn() == 5
+        assert not users_own.exists()
+
+    def test_none_is_used(self, users_own, monkeypatch):
+        monkeypatch.setenv("MIKAS_STATE", str(users_own))
+        assert self.learn() == 5
+        assert self.remembered() == 5  # asked for
+        monkeypatch.delenv("MIKAS_STATE")
+        assert self.remembered() == STARTING_LIST
+
+    def test_one_on_a_wire_is_known_by_its_passport(self, users_own):
+        def opener(url, options):
+            return Wired(build_bus(options), url=url)
+
+        with registered("wired", opener), connect("wired:?max_list=5") as ecu:
+            ecu.read()
+            assert ecu.limits().max_list == 5
+            ecu.keep_timings("adapter", {})
+        assert not users_own.exists()
+
+    def test_those_of_a_car_are_kept(self, users_own, links):
+        links.units += [bench(max_list=5), bench()]
+        options = ConnectionOptions()
+        for _ in range(2):
+            ecu = options.create_ecu(Wired(links.units.pop(0).bus))
+            ecu.tester.connect()
+            ecu.read()
+            assert ecu.limits().max_list == 5
+        assert list(users_own.glob("units/*.json"))
 
 
 class TestConnectionOptions:

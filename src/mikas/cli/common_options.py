@@ -1,7 +1,8 @@
 """The options that every command has (docs/cli.md, Everywhere).
 
 They may stand before or after the command's name: the group and every command have them; the last
-one on the line wins. The config file sets the same, but `capture`, `json` and `verbose`.
+one on the line wins. The config file sets the same, but `capture`, `json` and `verbose`. RELEARN is
+an option of some commands.
 """
 
 from __future__ import annotations
@@ -42,6 +43,22 @@ def _keep(ctx: click.Context, option: click.Parameter, value: object) -> object:
     if given is click.core.ParameterSource.COMMANDLINE:
         ctx.find_root().ensure_object(dict)[option.name] = value
     return value
+
+
+RELEARN = click.option(
+    "--relearn",
+    cls=LocalizedOption,
+    is_flag=True,
+    expose_value=False,
+    callback=_keep,
+    text=Text(
+        "forget what was learnt of this unit (the fastest method, sizes of lists and blocks, "
+        "refused codes) and find it out again",
+        "забыть всё, что узнано об этом блоке (самый быстрый способ, размеры списков и блоков, "
+        "неизвестные ему коды), и выяснить заново",
+    ),
+)
+"""An option of the commands that use what was learnt of the unit (D10, D11)."""
 
 
 def common_options() -> list[click.Parameter]:

@@ -57,7 +57,8 @@ def _connection(settings: Mapping[str, Any]) -> dict[str, Any]:
 class CommandContext:
     """Settings of this command. `port` None: the one likely adapter.
 
-    `connection`: the fields of `ConnectionOptions` that the user has set. `logs`: show the log.
+    `connection`: the fields of `ConnectionOptions` that the user has set. `relearn`: forget the
+    learnt limits of the unit. `logs`: show the log.
     """
 
     port: str | None = None
@@ -65,6 +66,7 @@ class CommandContext:
     catalogs: tuple[Path, ...] = ()
     connection: dict[str, Any] = field(default_factory=dict)
     output: Output = field(default_factory=Output)
+    relearn: bool = False
     logs: bool = False
 
     @classmethod
@@ -80,6 +82,7 @@ class CommandContext:
             catalogs=tuple(map(Path, [*stored.get("catalog", ()), *given.get("catalog", ())])),
             connection=_connection(settings),
             output=Output(json=bool(given.get("json")), verbose=verbosity > 0),
+            relearn=bool(given.get("relearn")),
             logs=verbosity > 1,
         )
 
@@ -116,6 +119,8 @@ class CommandContext:
                 tr("port", "порт"), port,
                 tr("echo", "эхо"), tr("yes", "есть") if ecu.tester.echoes else tr("no", "нет"),
             )  # fmt: skip
+            if self.relearn:
+                ecu.forget_limits()
             try:
                 yield ecu
             except NotSupported as error:

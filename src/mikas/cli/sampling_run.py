@@ -41,7 +41,6 @@ class SamplingOptions:
     rate: float | None = None
     count: int | None = None
     duration: float | None = None
-    relearn: bool = False
 
     def with_count(self) -> SamplingOptions:
         """Return these with a count, if rate and duration give one: no wait for a late sample."""
@@ -170,7 +169,7 @@ def sampling_session(
         rate=options.rate,
         strict=True,
     )
-    if options.relearn:
+    if context.relearn:
         acquisition.relearn()
     if out is not None:
         recorder.start(out, url=port)

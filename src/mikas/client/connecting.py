@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from mikas.catalog import Catalog, load, shipped
 from mikas.catalog.model import check_interpretation
-from mikas.client import gate, limits
 from mikas.client.ecu import Ecu
 from mikas.client.gate import Confirm, Journal
 from mikas.client.limits import LimitsStore
@@ -16,6 +16,7 @@ from mikas.link import CaptureTee, Link, Sink, choose_port, open_link
 from mikas.options import check_choice, check_number
 from mikas.tester import Echo, Tester, Timing
 
+STATE_VARIABLE = "MIKAS_STATE"
 _SHORTEST = 0.001  # s; a shorter time-out would end before an adapter hands over its first byte
 
 
@@ -48,10 +49,11 @@ class ConnectionOptions:
     """Asked before every change; None: every change passes but the dangerous ones."""
 
     journal: Path | None = None
-    """The file of changes; None: the one in the user's state folder."""
+    """The file of changes; None: the one in `state_folder()`."""
 
     state: Path | None = None
-    """The folder of learnt limits and lists; None: the one in the user's state folder."""
+    """The folder of learnt limits and lists; None: `units` in `state_folder()`, without the limits
+    of virtual units unless MIKAS_STATE names it."""
 
     raw_checksum: bool = False
     """Send a checksum 0D or 40 as it is (D3)."""
@@ -81,16 +83,32 @@ class ConnectionOptions:
 
     def create_ecu(self, link: Link) -> Ecu:
         """Create an `Ecu` on `link`; it is not connected yet: `ecu.tester.connect()` does that."""
-        state = Path(self.state or limits.default_folder())
         return Ecu(
             self.create_tester(link),
             self.catalog,
             interpretation=self.interpretation,
             confirm=self.confirm,
-            journal=Journal(Path(self.journal or gate.default_journal())),
-            store=LimitsStore(state),
-            lists=state / "lists",
+            journal=Journal(Path(self.journal or state_folder() / "journal.jsonl")),
+            store=self._store(link),
+            lists=Path(self.state or state_folder() / "units") / "lists",
         )
+
+    def _store(self, link: Link) -> LimitsStore | None:
+        if self.state is not None:
+            return LimitsStore(Path(self.state))
+        virtual_units = bool(os.environ.get(STATE_VARIABLE))
+        if link.is_virtual and not virtual_units:
+            return None
+        return LimitsStore(state_folder() / "units", virtual_units=virtual_units)
+
+
+def state_folder() -> Path:
+    """Return the folder of the journal and of learnt limits: MIKAS_STATE, or the user's own."""
+    if named := os.environ.get(STATE_VARIABLE):
+        return Path(named)
+    from platformdirs import user_state_path
+
+    return user_state_path("mikas", appauthor=False)
 
 
 def connect(

@@ -164,10 +164,3 @@ class Journal:
                 file.write(line)
         except OSError as error:
             raise JournalError(file=str(self.path), problem=reason_of(error)) from error
-
-
-def default_journal() -> Path:
-    """Return the journal's path in the user's state folder."""
-    from platformdirs import user_state_path
-
-    return user_state_path("mikas", appauthor=False) / "journal.jsonl"

@@ -1,8 +1,12 @@
 """The learnt limits of a unit: the longest list and block (D11), unknown parameters (D10), and the
 speed of each sampling method with each kind of adapter.
 
-`LimitsStore` keeps them in the user's state folder under the unit's passports for the next session.
-`LimitsCache` has those of the connected unit: loaded at first use, saved at each change.
+`LimitsStore` keeps them in a folder under the unit's passports for the next session. `LimitsCache`
+has those of the connected unit: loaded at first use, saved at each change.
+
+A virtual unit has the limits that its settings give it, in each session others: a saved limit would
+be wrong in the next one. In this process it is known by its link, on a pty or on TCP by its
+passport. Passports given by a scenario or a recording (`sim --replay`) look like those of a car.
 """
 
 from __future__ import annotations
@@ -20,6 +24,7 @@ from typing import Any
 
 from mikas.commands import LARGEST_BLOCK
 from mikas.errors import LineError, NoConnection
+from mikas.virtual import VIRTUAL_PASSPORT
 
 STARTING_LIST = 64  # far above the 21 codes of §4; a request of 66 bytes takes only 70 ms
 
@@ -68,10 +73,11 @@ class Limits:
 
 
 class LimitsStore:
-    """The saved limits of every unit, a file each."""
+    """The saved limits of every unit, a file each; of virtual ones only with `virtual_units`."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, virtual_units: bool = True) -> None:
         self.folder = folder
+        self.virtual_units = virtual_units
 
     @property
     def empty(self) -> bool:
@@ -82,6 +88,8 @@ class LimitsStore:
 
     def load(self, version_code: int, passports: tuple[str, ...]) -> Limits:
         """Load the limits of a unit; the starting values if its file is missing or invalid."""
+        if not self._keeps(passports):
+            return Limits()
         with suppress(OSError, *_NO_LIMITS):
             stored = json.loads(self._file(version_code, passports).read_text("utf-8"))
             return Limits(
@@ -104,6 +112,8 @@ class LimitsStore:
         Units with empty passports can't be distinguished: only timings are saved of them, which the
         first cycles of a session check.
         """
+        if not self._keeps(passports):
+            return
         if not any(passports):
             limits = Limits(methods=_working(limits.methods))
         with suppress(OSError):
@@ -118,6 +128,9 @@ class LimitsStore:
         """Delete the limits of a unit; a file that can't be deleted stays in force."""
         with suppress(OSError):
             self._file(version_code, passports).unlink(missing_ok=True)
+
+    def _keeps(self, passports: tuple[str, ...]) -> bool:
+        return self.virtual_units or VIRTUAL_PASSPORT not in passports
 
     def _file(self, version_code: int, passports: tuple[str, ...]) -> Path:
         return unit_file(self.folder, version_code, passports)
@@ -198,10 +211,3 @@ def _timing(stored: dict[str, Any]) -> MethodTiming:
     if not (isfinite(delay) and delay >= 0):
         raise ValueError("a delay is not negative")
     return MethodTiming(codes, float(delay))
-
-
-def default_folder() -> Path:
-    """Return the folder in the user's state folder."""
-    from platformdirs import user_state_path
-
-    return user_state_path("mikas", appauthor=False) / "units"

@@ -11,8 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mikas.client import gate
-from mikas.client.connecting import ConnectionOptions
+from mikas.client.connecting import ConnectionOptions, state_folder
 from mikas.client.polling import FixedMethod
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Language, Text
@@ -70,12 +69,12 @@ def check_folder(folder: Path) -> None:
 @dataclass(frozen=True, slots=True)
 class Settings:
     """`recordings`: the folder of recordings, with `dumps` in it. `state`: presets, learnt limits,
-    the journal. `find`, `open_port`, `link_clock`: the system's ports and the links' clock, which
-    tests replace.
+    the journal; None: `state_folder()`. `find`, `open_port`, `link_clock`: the system's ports and
+    the links' clock, which tests replace.
     """
 
     recordings: Path
-    state: Path = field(default_factory=lambda: gate.default_journal().parent)
+    state: Path | None = None
     connection: ConnectionOptions = field(default_factory=ConnectionOptions)
     find: Callable[[], list[Port]] = find_ports
     open_port: Callable[[str], Link] = open_link
@@ -84,19 +83,23 @@ class Settings:
     """The page's language until the user chooses one there; None: the browser's."""
 
     @property
-    def journal(self) -> Path:
-        """The file of the journal."""
-        return self.state / "journal.jsonl"
+    def _state(self) -> Path:
+        return self.state or state_folder()
 
     @property
-    def units(self) -> Path:
-        """The folder of learnt limits, a file per unit."""
-        return self.state / "units"
+    def journal(self) -> Path:
+        """The file of the journal."""
+        return self._state / "journal.jsonl"
+
+    @property
+    def units(self) -> Path | None:
+        """The folder of learnt limits, a file per unit; None as in `ConnectionOptions.state`."""
+        return None if self.state is None else self.state / "units"
 
     @property
     def presets(self) -> Path:
         """The file of the user's presets."""
-        return self.state / "presets.json"
+        return self._state / "presets.json"
 
     @property
     def dumps(self) -> Path:

@@ -52,6 +52,11 @@ class Link(ABC):
         return self.url
 
     @property
+    def is_virtual(self) -> bool:
+        """Whether the unit is known to be a virtual or a replayed one."""
+        return False
+
+    @property
     def granularity(self) -> float:
         """Seconds by which bytes may come late and together (D14); that of a latency timer."""
         return LATENCY_TIMER
@@ -129,6 +134,10 @@ class LinkWrapper(Link):
     @property
     def can_break(self) -> bool:
         return self.link.can_break
+
+    @property
+    def is_virtual(self) -> bool:
+        return self.link.is_virtual
 
     @property
     def granularity(self) -> float:

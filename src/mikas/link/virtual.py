@@ -32,6 +32,10 @@ class _BusLink(Link):
         return VIRTUAL.en
 
     @property
+    def is_virtual(self) -> bool:
+        return True
+
+    @property
     def granularity(self) -> float:
         """The virtual adapter's latency timer, and its stalls."""
         adapter = self.bus.adapter

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 
 from mikas.catalog import shipped
 from mikas.options import OptionParser, check_names, invalid_value
+from mikas.virtual import VIRTUAL_PASSPORT
 from mikas.virtual.bus import AdapterKind, Bus, Elm327, Stalls
 from mikas.virtual.cars import EngineCar
 from mikas.virtual.ecu import EcuEvent, VirtualEcu
@@ -94,7 +95,7 @@ def wired(
 
 
 def _passports(model: str) -> tuple[str, ...]:
-    return (f"МИКАС {model}", "ВИРТУАЛЬНЫЙ БЛОК", "", "2000.09.27", "ЗМЗ-4062.10", "", "", "")
+    return (f"МИКАС {model}", VIRTUAL_PASSPORT, "", "2000.09.27", "ЗМЗ-4062.10", "", "", "")
 
 
 def _faults(text: str) -> list[int]:

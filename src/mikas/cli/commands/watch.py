@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mikas.cli.click_extensions import command, grouped, option
+from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, tr
 from mikas.cli.parameter_types import number, one_of, whole
@@ -64,14 +65,7 @@ sampling_options = grouped(
         metavar="S",
         text=Text("stop after this many seconds", "остановиться через столько секунд"),
     ),
-    option(
-        "--relearn",
-        is_flag=True,
-        text=Text(
-            "forget the fastest method of this unit and measure again",
-            "забыть самый быстрый способ для этого блока и измерить заново",
-        ),
-    ),
+    RELEARN,
 )
 """The options that `watch` and `log` share."""
 

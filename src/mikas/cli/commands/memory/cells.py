@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import click
 
 from mikas.cli.click_extensions import SURE, YES, command
+from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext, check_sure
 from mikas.cli.parameter_types import hex_address, hex_bytes, one_of, size_in_bytes
 from mikas.client import Change
@@ -27,6 +28,7 @@ SPACE = one_of(("ram", "xram", "code", "sfr"))
 @click.argument("space", metavar="SPACE", type=SPACE)
 @click.argument("address", metavar="ADDR", type=hex_address)
 @click.argument("count", metavar="[COUNT]", type=size_in_bytes, default="1")
+@RELEARN
 def read(context: CommandContext, space: str, address: int, count: int) -> None:
     with context.ecu() as ecu:
         data = ecu.memory[space].read_block(address, count)
@@ -51,6 +53,7 @@ def read(context: CommandContext, space: str, address: int, count: int) -> None:
 @click.argument("address", metavar="ADDR", type=hex_address)
 @click.argument("data", metavar="HEX", type=hex_bytes)
 @YES
+@RELEARN
 def write(context: CommandContext, space: str, address: int, data: bytes, *, yes: bool) -> None:
     ask = context.confirm(yes=yes)
     confirmed = False

@@ -9,6 +9,7 @@ import click
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.commands.memory.cells import SPACE
+from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
 from mikas.cli.parameter_types import any_file, existing_file, hex_address, size_in_bytes
@@ -72,6 +73,7 @@ BLOCK = option(
     is_flag=True,
     text=Text("continue an interrupted dump", "продолжить прерванное чтение"),
 )
+@RELEARN
 def dump(
     context: CommandContext,
     space: str,
@@ -134,6 +136,7 @@ def _show_differences(context: CommandContext, found: Sequence[Difference], what
     "--from", "first", type=hex_address, metavar="ADDR", text=Text("first address", "первый адрес")
 )
 @BLOCK
+@RELEARN
 def verify(
     context: CommandContext, space: str, file: Path, first: int | None, block: int | None
 ) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mikas.cli.click_extensions import OUT, OVERWRITE, command, option
+from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, decimal, localized, tr
 from mikas.cli.parameter_types import existing_file, number
@@ -54,6 +55,7 @@ _SECONDS = 30.0
     ),
 )
 @OVERWRITE
+@RELEARN
 def report(
     context: CommandContext,
     file: Path | None,
@@ -62,10 +64,12 @@ def report(
     duration: float | None,
     overwrite: bool,
 ) -> None:
-    if file is not None and (duration is not None or context.capture is not None):
+    if file is not None and (duration is not None or context.capture or context.relearn):
         raise usage_error(
-            "--duration and --capture apply to measuring now; with FILE nothing is measured",
-            "--duration и --capture действуют при измерении; с FILE ничего не измеряется",
+            "--duration, --capture and --relearn apply to measuring now; with FILE nothing is "
+            "measured",
+            "--duration, --capture и --relearn действуют при измерении; с FILE ничего не "
+            "измеряется",
         )
     from mikas.report.from_recording import find_in_recording
     from mikas.report.page import check_output, render, write_page

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mikas.catalog import Catalog
 from mikas.cli.click_extensions import command, option
+from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, localized, tr
 from mikas.client import Ecu, Info, Support
@@ -31,6 +32,7 @@ _BAUD = 9600  # §1
     examples=("mikas info", "mikas info --quick", "mikas info --port socket://192.168.1.5:2000"),
 )
 @option("--quick", is_flag=True, text=Text("do not try the commands", "не проверять команды"))
+@RELEARN
 def info(context: CommandContext, *, quick: bool) -> None:
     with context.ecu() as ecu:
         found = ecu.info()

@@ -10,6 +10,7 @@ import click
 
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.cli.click_extensions import YES, command, option
+from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.cli.parameter_types import hex_bytes
@@ -123,6 +124,7 @@ def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str)
     examples=("mikas read", "mikas read TWAT FREQ UACC", "mikas read 0x3F:2 --json"),
 )
 @click.argument("names", metavar="[NAME]...", nargs=-1)
+@RELEARN
 def read(context: CommandContext, names: tuple[str, ...]) -> None:
     with context.ecu() as ecu:
         readings = ecu.read(*names)
