@@ -81,7 +81,9 @@ def test_log_goes_on_when_its_file_can_not_be_written(mikas, monkeypatch, tmp_pa
 
     monkeypatch.setattr(CaptureWriter, "record", full)
     ran = mikas("log", "-o", "drive.pcapng", "TWAT", "--count", "300", "--json")
-    assert (ran.status, len(ran.objects)) == (2, 300)
+    *samples, last = ran.objects
+    assert (ran.status, len(samples)) == (2, 300)
+    assert last["error"]["code"] == "CaptureError"
     reported, last = ran.err.splitlines()
     assert reported.startswith("RECORDING STOPPED. drive.pcapng: there is no room left")
     assert last.startswith("NOT RECORDING · drive.pcapng: 300 samples, ")

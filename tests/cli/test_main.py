@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from cli_harness import is_one_short_paragraph, is_russian
+from cli_harness import is_hex, is_one_short_paragraph, is_russian
 
 USAGE = [
     [],
@@ -125,11 +125,37 @@ def test_wrong_usage(mikas, bad_files, argv, language):
     mikas.speaks(language)
     ran = mikas(*argv)
     assert ran.status == 2
+    if "--json" in argv:
+        assert is_error(ran, "UsageError")
+        return
     assert ran.out == ""
     if argv not in ([], ["mem"]):  # those get the whole help
         is_one_short_paragraph(ran.err)
         if language == "ru":
             is_russian(ran.err)
+
+
+@pytest.mark.parametrize("argv", USAGE, ids=" ".join)
+def test_wrong_usage_as_json(mikas, bad_files, argv):
+    ran = mikas("--json", *argv)
+    assert ran.status == 2
+    error = is_error(ran)
+    assert (error["sent"], error["received"]) == (None, None)
+    assert not list(mikas.home.parent.glob("*.part"))
+
+
+def is_error(ran, code=None):
+    """The one object on stdout, by the contract of docs/cli.md; nothing on stderr."""
+    assert ran.err == ""
+    assert ran.object.keys() == {"schema", "error"}
+    error = ran.object["error"]
+    assert error.keys() == {"code", "message", "sent", "received", "advice"}
+    assert code in (None, error["code"])
+    assert error["message"]
+    assert all(error["advice"])
+    for name in ("sent", "received"):
+        assert error[name] is None or is_hex(error[name])
+    return error
 
 
 def test_an_error_begins_as_a_sentence_and_a_file_by_its_name(mikas, bad_files):
@@ -155,6 +181,11 @@ def test_a_line_without_an_answer(mikas, sim, message, wire):
         assert message in ran.err
         assert wire in ran.err
         is_one_short_paragraph(ran.err)
+        as_json = mikas(*argv, "--json")
+        error = is_error(as_json)
+        assert as_json.status == 3
+        assert message in error["message"]
+        assert wire.replace(" ", "") in (error["sent"] or "") + (error["received"] or "")
         is_russian(mikas(*argv, "--lang", "ru").err)
 
 
@@ -233,7 +264,9 @@ CHANGES = [
 @pytest.mark.parametrize("argv", CHANGES, ids=" ".join)
 def test_without_a_terminal_a_change_needs_yes(mikas, argv):
     ran = mikas(*argv, "--json", sim="&faults=13")
-    assert (ran.status, ran.out) == (6, "")
+    assert (ran.status, ran.object["error"]["code"]) == (6, "NotConfirmed")
+    ran = mikas(*argv)
+    assert ran.status == 6
     assert "--yes" in ran.err
     assert not list(mikas.home.glob("state/mikas/journal*"))
     is_russian(mikas(*argv, "--lang", "ru").err)
@@ -291,6 +324,8 @@ def test_a_bug_says_that_it_is_one(mikas, monkeypatch, verbose):
     assert (ran.status, ran.out) == (1, "")
     assert "a bug in mikas" in ran.err
     assert ("Traceback" in ran.err) is verbose
+    as_json = mikas("params", "--json")
+    assert (as_json.status, is_error(as_json)["code"]) == (1, "InternalError")
 
 
 def test_interrupted(mikas, monkeypatch):
@@ -298,7 +333,9 @@ def test_interrupted(mikas, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("mikas.catalog.load", interrupted)
-    assert mikas("params").status == 130
+    for argv in (["params"], ["params", "--json"]):
+        ran = mikas(*argv)
+        assert (ran.status, ran.out, ran.err) == (130, "", "\n")
 
 
 def test_suggestions(mikas):

@@ -50,6 +50,12 @@ def test_erased_faults(mikas):
     assert ran == {"schema": 1, "before": [13, 53], "after": []}
 
 
+def test_faults_have_the_same_numbers_in_the_question_as_in_the_table(mikas):
+    ran = mikas("faults", "erase", sim="&faults=13,53")
+    assert [line.split("\t")[0] for line in ran.lines] == ["code", "13", "53"]
+    assert "before: 13, 53\n" in ran.err
+
+
 def test_memory(mikas):
     ran = mikas("mem", "read", "ram", "40", "3", "--json").object
     assert set(ran) == {"schema", "space", "address", "data"}

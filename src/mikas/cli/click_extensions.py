@@ -159,6 +159,8 @@ class LocalizedGroup(LocalizedCommand, click.Group):
         return command
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        if not args and ctx.find_root().ensure_object(dict).get("json"):
+            raise _command_missing(ctx)
         if not args:
             click.echo(ctx.get_help(), err=True)
             ctx.exit(2)
@@ -186,7 +188,7 @@ class LocalizedGroup(LocalizedCommand, click.Group):
         # click 8.2 renamed the attribute and warns about the old name.
         first = "_protected_args" if hasattr(ctx, "_protected_args") else "protected_args"
         if not getattr(ctx, first) and not ctx.args:
-            raise click.UsageError(tr("A command is missing.", "Не указана команда."), ctx)
+            raise _command_missing(ctx)
         return super().invoke(ctx)
 
     def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
@@ -199,6 +201,10 @@ class LocalizedGroup(LocalizedCommand, click.Group):
         LocalizedCommand.format_options(self, ctx, formatter)
         with formatter.section(tr("Commands", "Команды")):
             formatter.write_dl([(name, localized(text)) for name, (_, text) in self.homes.items()])
+
+
+def _command_missing(ctx: click.Context) -> click.UsageError:
+    return click.UsageError(tr("A command is missing.", "Не указана команда."), ctx)
 
 
 def command(

@@ -104,11 +104,14 @@ class AdviceTable:
 
     def advice(self, error: MikasError) -> Text:
         """Return the error's advice with the entry for its class."""
+        parts = self.parts(error)
+        return Text(" ".join(part.en for part in parts), " ".join(part.ru for part in parts))
+
+    def parts(self, error: MikasError) -> tuple[Text, ...]:
+        """Return the advice for every user, and the entry; neither if it is empty."""
         entry = self._entry(type(error)) if error.has_class_advice else None
-        if entry is None:
-            return error.advice
-        hint = entry.filled(**error.fields)
-        return Text(f"{error.advice.en} {hint.en}".strip(), f"{error.advice.ru} {hint.ru}".strip())
+        hint = () if entry is None else (entry.filled(**error.fields),)
+        return tuple(part for part in (error.advice, *hint) if part.en)
 
     def text(self, error: MikasError) -> Text:
         """Return the error's paragraph with this advice."""

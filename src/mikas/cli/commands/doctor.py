@@ -7,8 +7,8 @@ from contextlib import ExitStack
 from mikas.cli.advice import DOCTOR_ADVICE
 from mikas.cli.click_extensions import command
 from mikas.cli.context import CommandContext
+from mikas.cli.failures import NO_CONNECTION
 from mikas.cli.language import localized, tr
-from mikas.cli.main import NO_CONNECTION
 from mikas.client.doctor import Step, examine
 from mikas.i18n import Text
 from mikas.link import CaptureTee, Link, choose_port, find_ports, open_link

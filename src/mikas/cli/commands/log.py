@@ -9,8 +9,8 @@ from pathlib import Path
 from mikas.cli.click_extensions import command, option
 from mikas.cli.commands.watch import sampling_options
 from mikas.cli.context import CommandContext
+from mikas.cli.failures import DONE, USAGE
 from mikas.cli.language import capital, decimal, localized, tr
-from mikas.cli.main import USAGE
 from mikas.cli.markers import Marking
 from mikas.cli.parameter_types import Portion, any_file, portion
 from mikas.cli.render.notices import Notices
@@ -113,7 +113,11 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
         progress.clear()
         if current.connected and status is not None:  # else no ECU ever answered
             output.note(_summary(current, status))
-    return USAGE if status and status.failure else 0
+    if status is None or status.failure is None:
+        return DONE
+    if output.json:
+        raise status.failure
+    return USAGE  # the notice of the failure stands above
 
 
 def _remove_file(out: Path) -> None:

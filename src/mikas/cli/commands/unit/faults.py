@@ -40,7 +40,7 @@ def faults(context: CommandContext, action: str | None, *, yes: bool) -> None:
 
 
 def _erase(context: CommandContext, *, yes: bool) -> None:
-    with context.ecu(context.confirm(yes=yes)) as ecu:
+    with context.ecu(context.confirm(yes=yes, meaning=_numbers)) as ecu:
         if not context.output.json:
             _show(context, ecu.faults())
         erased = ecu.erase_faults()
@@ -59,6 +59,11 @@ def _erase(context: CommandContext, *, yes: bool) -> None:
         context.output.line(
             tr("Erased; no faults are stored.", "Ошибки сброшены; в памяти их нет.")
         )
+
+
+def _numbers(codes: str) -> str:
+    """Return the faults' numbers, as everywhere, of their codes in hex."""
+    return ", ".join(map(str, bytes.fromhex(codes)))
 
 
 def _show(context: CommandContext, stored: Sequence[Fault]) -> None:

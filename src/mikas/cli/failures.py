@@ -1,0 +1,131 @@
+"""The end of a command by an error: its status, and its paragraph or its JSON (docs/cli.md).
+
+A `Failure` is made of an error of mikas, a wrong command line (click's errors), or a bug. Nothing
+heavy is imported here.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import click
+
+from mikas.cli.language import capital, localized, tr
+from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, NotConfirmed, UsageError
+
+DONE, BUG, USAGE, NO_CONNECTION, LINE, REFUSED, NOT_CONFIRMED = range(7)
+INTERRUPTED = 130
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """`status`: of the process. `text`: all of it as a paragraph for a person."""
+
+    status: int
+    code: str
+    message: str
+    text: str
+    advice: tuple[str, ...] = ()
+    sent: bytes | None = None
+    received: bytes | None = None
+
+    def as_json(self) -> dict[str, object]:
+        """Return `{"error": {"code", "message", "sent", "received", "advice"}}`."""
+        error = {
+            "code": self.code,
+            "message": self.message,
+            "sent": self.sent,
+            "received": self.received,
+            "advice": self.advice,
+        }
+        return {"error": error}
+
+
+def failure_of(error: Exception) -> Failure:
+    """Describe `error`; what is neither an error of mikas nor of click is a bug."""
+    if isinstance(error, MikasError):
+        return _expected(error)
+    if isinstance(error, click.ClickException):
+        return _wrong_command_line(error)
+    kind = f"{type(error).__name__}: {error}"
+    message = tr(f"This is a bug in mikas ({kind}).", f"Это ошибка в программе mikas ({kind}).")
+    advice = tr(
+        "Please report it with the output of the same command with -v.",
+        "Сообщите о ней, приложив вывод той же команды с ключом -v.",
+    )
+    return Failure(BUG, "InternalError", message, f"{message} {advice}", (advice,))
+
+
+_STATUSES: tuple[tuple[type[MikasError], int], ...] = (
+    (UsageError, USAGE),
+    (NoConnection, NO_CONNECTION),
+    (LineError, LINE),
+    (EcuRefused, REFUSED),
+    (NotConfirmed, NOT_CONFIRMED),
+)
+
+
+def _expected(error: MikasError) -> Failure:
+    from mikas.cli.advice import ADVICE
+
+    text, message = localized(ADVICE.text(error)), localized(error.reason)
+    ours = error.what.en.startswith("{problem}") or not error.what.en.startswith("{")
+    if ours and re.match(r"[^\W\d_]+[ ,]", text):  # a word, not a file's name or a value
+        text, message = capital(text), capital(message)
+    return Failure(
+        next((status for kind, status in _STATUSES if isinstance(error, kind)), BUG),
+        type(error).__name__,
+        message,
+        text,
+        tuple(localized(part) for part in ADVICE.parts(error)),
+        error.request,
+        error.received,
+    )
+
+
+def _wrong_command_line(error: click.ClickException) -> Failure:
+    context = getattr(error, "ctx", None)
+    path = context.command_path if context else "mikas"
+    message = _message(error)
+    message = message if message.endswith((".", "?")) else f"{message}."
+    advice = tr(f"Help: {path} --help", f"Справка: {path} --help")
+    return Failure(USAGE, "UsageError", message, f"{message} {advice}", (advice,))
+
+
+def _message(error: click.ClickException) -> str:
+    context = getattr(error, "ctx", None)
+    match error:
+        case click.NoSuchOption():
+            problem = tr(
+                f"There is no option {error.option_name}.", f"Ключа {error.option_name} нет."
+            )
+            nearest = ", ".join(error.possibilities or ())
+            hint = tr(f" Did you mean {nearest}?", f" Может быть, {nearest}?")
+            return problem + (hint if nearest else "")
+        case click.MissingParameter():
+            name = _name(error.param)
+            return tr(f"{name} is missing.", f"Не указано: {name}.")
+        case click.BadParameter():
+            return f"{_name(error.param)}: {error.message}"
+        case click.BadOptionUsage():
+            name = error.option_name
+            if _is_flag(name, context):
+                return tr(f"{name} takes no value.", f"Ключ {name} не принимает значения.")
+            return tr(f"{name} requires a value.", f"После {name} нужно значение.")
+    return error.format_message()
+
+
+def _name(parameter: click.Parameter | None) -> str:
+    """Return the parameter as the user writes it: `--out`, `FILE`."""
+    if isinstance(parameter, click.Option):
+        return max(parameter.opts, key=len)
+    metavar = (parameter.metavar if isinstance(parameter, click.Argument) else None) or ""
+    return metavar.strip("[].")
+
+
+def _is_flag(name: str, context: click.Context | None) -> bool:
+    parameters = context.command.params if context else []
+    return any(
+        name in (*p.opts, *p.secondary_opts) and getattr(p, "is_flag", False) for p in parameters
+    )
