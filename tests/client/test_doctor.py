@@ -7,9 +7,11 @@ from client_harness import bench, ecu_on
 
 from mikas import commands
 from mikas.catalog import shipped
+from mikas.client import doctor
 from mikas.client.doctor import STEPS, Step, examine
 from mikas.client.identity import try_commands
-from mikas.errors import BadPortUrl
+from mikas.errors import BadPortUrl, PortProbed
+from mikas.i18n import Text
 from mikas.link import Link, open_link
 from mikas.tester import Tester as TheTester
 from virtual_harness import DATA
@@ -51,6 +53,19 @@ def test_all_is_well():
     assert found.steps["latency"].detail == ("2.0 ms a request", "2,0 мс на запрос")
     assert found.steps["ecu"].detail.en == "Mikas 7.1"
     assert found.steps["port"].detail == ("virtual ECU", "виртуальный блок")
+
+
+def test_a_program_of_root_that_has_the_port_too_is_named(monkeypatch):
+    def opened() -> Link:
+        link = open_link("sim:?clock=simulated")
+        link.url = "/dev/ttyUSB0"
+        return link
+
+    busy = PortProbed(url="/dev/ttyUSB0", holder=Text("ModemManager (process 7)", "…"))
+    monkeypatch.setattr(doctor, "shared", lambda url, address: busy)
+    step = next(iter(examine(opened, TheTester, shipped())))
+    assert (step.name, step.ok, step.error) == ("port", None, busy)
+    assert "in use by ModemManager (process 7)" in step.detail.en
 
 
 def test_the_port_is_let_go():

@@ -15,7 +15,9 @@ from mikas.errors import (
     NoResponse,
     NotSupported,
     PortNotFound,
+    PortProbed,
     RecordingOver,
+    TakenByBrltty,
     UnknownParameter,
 )
 from mikas.i18n import Text
@@ -33,6 +35,14 @@ _HINTS = {
         "adapter at all.",
         "Например: --port {example}. Список портов: `mikas ports`; без адаптера работает "
         "`--port sim:`.",
+    ),
+    TakenByBrltty: Text(
+        "`mikas ports --install-rules` installs the rules; or: sudo apt remove brltty.",
+        "Правила ставит `mikas ports --install-rules`; удалить brltty: sudo apt remove brltty.",
+    ),
+    PortProbed: Text(
+        "`mikas ports --install-rules` installs the rules.",
+        "Правила ставит `mikas ports --install-rules`.",
     ),
     LinkLost: Text("Then run the command again.", "Затем повторите команду."),
     RecordingOver: Text(
@@ -65,5 +75,6 @@ _HINTS = {
 }
 
 ADVICE: Final = AdviceTable(_HINTS)
-DOCTOR_ADVICE: Final = AdviceTable({kind: _HINTS[kind] for kind in (PortNotFound, NoPortGiven)})
+_OF_PORTS = (PortNotFound, NoPortGiven, TakenByBrltty, PortProbed)
+DOCTOR_ADVICE: Final = AdviceTable({kind: _HINTS[kind] for kind in _OF_PORTS})
 """While `mikas doctor` runs, it is not advised."""

@@ -24,7 +24,9 @@ from mikas.errors import (
 )
 from mikas.i18n import Text
 from mikas.link import Link
+from mikas.link.holders import shared
 from mikas.link.ports import described
+from mikas.link.urls import parse
 from mikas.tester import Tester
 
 STEPS = ("port", "echo", "baud", "latency", "line", "ecu", "commands")
@@ -64,7 +66,7 @@ def examine(
         yield _failed("port", error)
         return
     with link:
-        yield Step("port", True, described(link.description))
+        yield _port(link)
         yield from _on_the_line(make_tester(link), catalog)
 
 
@@ -94,6 +96,15 @@ def _on_the_line(tester: Tester, catalog: Catalog) -> Iterator[Step]:
         yield _commands(tester)
     except MikasError as error:
         yield _failed(name, error)
+
+
+def _port(link: Link) -> Step:
+    """Return the port's step; a program of root may have it open too, and send its own bytes."""
+    url = parse(link.url)
+    other = shared(link.url, url.address) if url.scheme == "serial" else None
+    if other is not None:
+        return Step("port", None, other.text, other)
+    return Step("port", True, described(link.description))
 
 
 _ECHO = Text("the adapter returns what it sends", "адаптер возвращает посланное")

@@ -15,8 +15,12 @@
     ├── NoConnection (ConnectionError) no port, no adapter or no ECU
     │   ├── PortNotFound               no such port, or no adapter at all
     │   │   ├── NoPortGiven            no port named, and not exactly one adapter
-    │   │   └── AnotherAdapter         its name is another adapter's now
+    │   │   ├── AnotherAdapter         its name is another adapter's now
+    │   │   ├── AdapterTaken           a program has taken it from its driver
+    │   │   │   └── TakenByBrltty      brltty has (braille displays)
+    │   │   └── AdapterWithoutDriver   plugged in, served by no driver
     │   ├── PortBusy                   in use by another program
+    │   │   └── PortProbed             in use by ModemManager
     │   ├── PortDenied                 no permission to open it
     │   ├── PortFailed                 not opened for another reason
     │   ├── LinkLost                   the adapter disconnected while in use
@@ -52,6 +56,8 @@ from mikas.errors.base import MikasError as MikasError
 from mikas.errors.base import hex_dump as hex_dump
 from mikas.errors.base import reason_at as reason_at
 from mikas.errors.base import reason_of as reason_of
+from mikas.errors.connection import AdapterTaken as AdapterTaken
+from mikas.errors.connection import AdapterWithoutDriver as AdapterWithoutDriver
 from mikas.errors.connection import AnotherAdapter as AnotherAdapter
 from mikas.errors.connection import EchoOnly as EchoOnly
 from mikas.errors.connection import LinkLost as LinkLost
@@ -63,7 +69,9 @@ from mikas.errors.connection import PortBusy as PortBusy
 from mikas.errors.connection import PortDenied as PortDenied
 from mikas.errors.connection import PortFailed as PortFailed
 from mikas.errors.connection import PortNotFound as PortNotFound
+from mikas.errors.connection import PortProbed as PortProbed
 from mikas.errors.connection import RecordingOver as RecordingOver
+from mikas.errors.connection import TakenByBrltty as TakenByBrltty
 from mikas.errors.exchange import DamagedResponse as DamagedResponse
 from mikas.errors.exchange import EchoDiffers as EchoDiffers
 from mikas.errors.exchange import EcuRefused as EcuRefused

@@ -47,15 +47,79 @@ class AnotherAdapter(PortNotFound):
     )
 
 
-class PortBusy(NoConnection):
-    """Another program has the port open."""
+class AdapterTaken(PortNotFound):
+    """The adapter is plugged in, and a program has taken it from its driver. `chip`, `holder`."""
 
-    what = Text("Port {url} is in use by another program", "Порт {url} занят другой программой")
+    what = Text(
+        "The adapter ({chip}) is plugged in but has no port: it is in use by {holder}",
+        "Адаптер ({chip}) подключён, но порта у него нет: он занят {holder}",
+    )
+    advice = Text(
+        "A virtual machine, or a program that reads USB itself? Release it there, unplug the "
+        "adapter and plug it in again.",
+        "Виртуальная машина или программа, которая сама читает USB? Освободите адаптер там, "
+        "отключите его и подключите снова.",
+    )
+
+
+class TakenByBrltty(AdapterTaken):
+    """brltty has taken the adapter, as braille displays have the same chips. `chip`."""
+
+    what = Text(
+        "The adapter ({chip}) is plugged in but has no port: brltty, the program for braille "
+        "displays, has taken it",
+        "Адаптер ({chip}) подключён, но порта у него нет: его забрала программа brltty (для "
+        "дисплеев Брайля)",
+    )
+    advice = Text(
+        "The udev rules of mikas keep brltty off these chips; without a braille display, you can "
+        "uninstall brltty instead. Then unplug the adapter and plug it in again.",
+        "Правила udev от mikas запрещают brltty эти микросхемы; без дисплея Брайля можно и удалить "
+        "brltty. Затем отключите адаптер и подключите снова.",
+    )
+
+
+class AdapterWithoutDriver(PortNotFound):
+    """The adapter is plugged in, and no driver serves it. `chip`."""
+
+    what = Text(
+        "The adapter ({chip}) is plugged in but has no port: no driver serves it",
+        "Адаптер ({chip}) подключён, но порта у него нет: его не обслуживает ни один драйвер",
+    )
+    advice = Text(
+        "Unplug it and plug it in again. If it stays so, this system lacks the driver of the chip.",
+        "Отключите его и подключите снова. Если не поможет, в системе нет драйвера микросхемы.",
+    )
+
+
+class PortBusy(NoConnection):
+    """Another program has the port open. `holder`: the program, if known."""
+
+    what = Text("Port {url} is in use by {holder}", "Порт {url} занят {holder}")
     advice = Text(
         "Likely: another window of mikas or its dashboard, another diagnostics program, a terminal "
         "or ModemManager. Close it, then try again.",
         "Скорее всего, это другое окно mikas или его панель, другая программа диагностики, "
         "терминал или ModemManager. Закройте и повторите.",
+    )
+
+    def __init__(
+        self,
+        *,
+        holder: Text = Text("another program", "другой программой"),  # noqa: B008  (immutable)
+        **given: object,
+    ) -> None:
+        super().__init__(holder=holder, **given)  # type: ignore[arg-type]  # as MikasError's
+
+
+class PortProbed(PortBusy):
+    """ModemManager has the port open, and looks for a modem there."""
+
+    advice = Text(
+        "It looks for a modem in each new port, with bytes of its own on the line. Try again in "
+        "half a minute; the udev rules of mikas keep it off for good.",
+        "Он ищет модем в каждом новом порту и шлёт при этом свои байты в линию. Повторите через "
+        "полминуты; правила udev от mikas запрещают ему адаптеры насовсем.",
     )
 
 

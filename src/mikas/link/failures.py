@@ -14,8 +14,9 @@ import sys
 
 from serial import SerialTimeoutException
 
-from mikas.errors import NoConnection, PortBusy, PortDenied, PortFailed, PortNotFound
+from mikas.errors import NoConnection, PortDenied, PortFailed, PortNotFound
 from mikas.i18n import Text
+from mikas.link.holders import adapter_without_port, port_busy
 from mikas.link.ports import find_ports, listed
 from mikas.link.urls import parse
 
@@ -50,9 +51,9 @@ def opening_failed(url: str, error: Exception) -> NoConnection:
     """Return the error to raise when opening `url` raised `error`."""
     code, windows = number_of(error), _windows_number(error)
     if code in _ABSENT or windows in _WINDOWS_ABSENT:
-        return PortNotFound(url=url, found=listed(find_ports()))
+        return adapter_without_port(url) or PortNotFound(url=url, found=listed(find_ports()))
     if code in _BUSY or windows in _WINDOWS_BUSY:
-        return PortBusy(url=url)
+        return port_busy(url, parse(url).address)
     if code in _DENIED:
         return PortDenied(url=url)
     advice = None

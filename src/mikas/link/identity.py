@@ -22,8 +22,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from mikas.errors import AnotherAdapter, PortNotFound
+from mikas.errors import AdapterTaken, AnotherAdapter, PortNotFound
 from mikas.i18n import Text
+from mikas.link.holders import adapter_without_port
 from mikas.link.ports import Port, listed, named
 
 
@@ -102,6 +103,9 @@ class KnownAdapter:
             return AnotherAdapter(url=address, problem=problem)
         stranger = named(address, present)
         if stranger is None:
+            taken = adapter_without_port(address, self._identity[:2])
+            if isinstance(taken, AdapterTaken):  # without a driver it is for a moment, when new
+                return taken
             return PortNotFound(url=address, found=listed(present))
         ours, theirs = self._description, stranger.description
         problem = Text(

@@ -7,6 +7,8 @@ import os
 import pty
 import select
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -27,6 +29,13 @@ from ..test_closing import USES
 from ..test_contract import teed
 
 pytestmark = pytest.mark.realtime
+
+HOLD = """
+import sys, serial
+port = serial.Serial(sys.argv[1], exclusive=True)
+print("open", flush=True)
+sys.stdin.read()
+"""
 
 
 class PtyPeer:
@@ -216,6 +225,19 @@ def test_a_second_program_finds_the_port_busy(rig):
     rig.link.close()
     with open_link(rig.link.url) as again:
         assert is_raw(Rig(again, rig.peer))
+
+
+def test_the_program_that_has_the_port_open_is_named():
+    with (
+        a_pty() as (name, _),
+        subprocess.Popen(
+            [sys.executable, "-c", HOLD, name], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        ) as other,
+    ):
+        assert other.stdout.readline() == b"open\n"
+        with pytest.raises(PortBusy, match=rf"in use by \S+ \(process {other.pid}\)"):
+            open_link(name)
+        other.stdin.close()
 
 
 def test_no_such_device():

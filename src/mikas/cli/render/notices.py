@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.advice import ADVICE
 from mikas.cli.language import capital, decimal, localized, tr
-from mikas.errors import AnotherAdapter, EngineStopped, MikasError, NoConnection, SyncLost
+from mikas.errors import (
+    AdapterTaken,
+    AnotherAdapter,
+    EngineStopped,
+    MikasError,
+    NoConnection,
+    SyncLost,
+)
 from mikas.sampling.events import (
     AdapterMoved,
     AlarmChanged,
@@ -141,7 +148,7 @@ class Notices:
         if not event.is_broken:
             self._well_since = event.time
         elif self._session.connected:
-            if isinstance(event.error, AnotherAdapter):
+            if isinstance(event.error, AnotherAdapter | AdapterTaken):
                 yield f"{localized(event.error.text)} {_waits()}"
             elif event.state is not self._shown_state:  # a new reason alone is not shown
                 yield waiting_sentence(event)

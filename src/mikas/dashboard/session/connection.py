@@ -28,10 +28,10 @@ from mikas.dashboard.session.monitor import (
 )
 from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
-from mikas.errors import NoPortGiven, UsageError
+from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.link.identity import KnownAdapter
-from mikas.link.ports import listed
+from mikas.link.ports import only_likely
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.urls import parse, with_address
 from mikas.sampling.acquisition import Acquisition
@@ -152,12 +152,8 @@ class Connection:
             self._on_end(thread, why)
 
     def likely(self) -> str:
-        """Return the URL of the one likely adapter. Raises `NoPortGiven`."""
-        ports = self._settings.find()
-        likely = [port.url for port in ports if port.likely]
-        if len(likely) != 1:
-            raise NoPortGiven(found=listed(ports))
-        return likely[0]
+        """Return the URL of the one likely adapter. Raises as `only_likely`."""
+        return only_likely(self._settings.find())
 
     @property
     def changing(self) -> bool:

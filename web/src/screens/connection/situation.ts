@@ -22,6 +22,10 @@ export type Situation =
 
 const BY_CODE: Record<string, Situation> = {
   PortBusy: "busy",
+  PortProbed: "busy",
+  AdapterTaken: "not-openable",
+  TakenByBrltty: "not-openable",
+  AdapterWithoutDriver: "not-openable",
   PortDenied: "denied",
   PortNotFound: "no-port",
   NoPortGiven: "several",
