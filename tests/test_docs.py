@@ -13,7 +13,7 @@ DOCUMENTS = ("CONTRIBUTING.md", "SECURITY.md", "README.md", *sorted(
     path.relative_to(REPOSITORY).as_posix() for path in (REPOSITORY / "docs").glob("*.md")
 ))  # fmt: skip
 ROOTS = "src/|tests/|docs/|bench/|examples/|web/|changes/|\\.ci/|\\.github/|\\.importlinter"
-OTHER_NAMES = {"mikas.links"}  # the group of entry points
+OTHER_NAMES = {"mikas.links", "mikas.rules"}  # the group of entry points; udev's 70-mikas.rules
 PLACEHOLDER = re.compile(r"[A-Z]{3,}|…")  # web/src/screens/NAME/Screen.svelte
 
 

@@ -112,7 +112,7 @@ def test_ports(mikas):
 
 
 def test_ports_with_an_adapter(mikas, monkeypatch):
-    from mikas.cli.commands import doctor as module
+    from mikas.cli.commands import ports as module
     from mikas.link import ports as link_ports
 
     port = link_ports.Port(

@@ -226,7 +226,7 @@ def test_info_in_text(mikas):
 
 
 def test_no_adapters(mikas, monkeypatch):
-    monkeypatch.setattr("mikas.cli.commands.doctor.find_ports", list)
+    monkeypatch.setattr("mikas.cli.commands.ports.find_ports", list)
     ran = mikas("ports")
     assert (ran.status, ran.out) == (0, "")
     assert "mikas demo" in ran.err

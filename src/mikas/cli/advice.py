@@ -14,6 +14,7 @@ from mikas.errors import (
     NoPortGiven,
     NoResponse,
     NotSupported,
+    PortDenied,
     PortNotFound,
     PortProbed,
     RecordingOver,
@@ -39,6 +40,10 @@ _HINTS = {
     TakenByBrltty: Text(
         "`mikas ports --install-rules` installs the rules; or: sudo apt remove brltty.",
         "Правила ставит `mikas ports --install-rules`; удалить brltty: sudo apt remove brltty.",
+    ),
+    PortDenied: Text(
+        "Or install the udev rules of mikas: `mikas ports --install-rules`.",
+        "Или поставьте правила udev от mikas: `mikas ports --install-rules`.",
     ),
     PortProbed: Text(
         "`mikas ports --install-rules` installs the rules.",
@@ -75,6 +80,6 @@ _HINTS = {
 }
 
 ADVICE: Final = AdviceTable(_HINTS)
-_OF_PORTS = (PortNotFound, NoPortGiven, TakenByBrltty, PortProbed)
+_OF_PORTS = (PortNotFound, NoPortGiven, TakenByBrltty, PortProbed, PortDenied)
 DOCTOR_ADVICE: Final = AdviceTable({kind: _HINTS[kind] for kind in _OF_PORTS})
 """While `mikas doctor` runs, it is not advised."""

@@ -160,12 +160,7 @@ class CommandContext:
 
         def ask(change: Change) -> bool:
             self.output.note(_described(change, meaning))
-            if yes:
-                return True
-            if not sys.stdin.isatty():
-                raise NotConfirmed(change=change.what, how=_NO_TERMINAL)
-            if not _confirmed():
-                raise NotConfirmed(change=change.what, how=_ANSWERED_NO)
+            require_consent(change.what, yes=yes)
             return True
 
         return ask
@@ -175,6 +170,16 @@ def check_sure(change: Text, *, yes: bool, sure: bool) -> None:
     """Raise `NotConfirmed` if `--yes` stands without `--i-know-what-this-does`."""
     if yes and not sure:
         raise NotConfirmed(change=change, how=_NOT_SURE)
+
+
+def require_consent(what: Text, *, yes: bool) -> None:
+    """Ask at the terminal unless `yes`. Raises `NotConfirmed`."""
+    if yes:
+        return
+    if not sys.stdin.isatty():
+        raise NotConfirmed(change=what, how=_NO_TERMINAL)
+    if not _confirmed():
+        raise NotConfirmed(change=what, how=_ANSWERED_NO)
 
 
 def _confirmed() -> bool:

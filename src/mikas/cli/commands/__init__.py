@@ -12,7 +12,7 @@ def _command(module: str, en: str, ru: str) -> tuple[str, Text]:
 
 
 COMMANDS: dict[str, tuple[str, Text]] = {
-    "ports": _command("doctor", "list the adapters plugged in", "показать подключённые адаптеры"),
+    "ports": _command("ports", "list the adapters plugged in", "показать подключённые адаптеры"),
     "doctor": _command("doctor", "check the connection step by step", "проверить связь по шагам"),
     "info": _command(
         "unit.info", "model, passports, supported commands", "модель, паспорта, команды блока"
