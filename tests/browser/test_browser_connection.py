@@ -70,14 +70,14 @@ def test_a_missing_port_is_shown_and_waited_for(off, visitor, tmp_path):
 def deliberate(monkeypatch):
     """A doctor that takes no step behind that of the speed until its port is taken away."""
 
-    def examined(open_port, make_tester, catalog):
+    def examined(open_port, create_ecu):
         opened = []
 
         def open_and_note():
             opened.append(open_port())
             return opened[0]
 
-        for step in examine(open_and_note, make_tester, catalog):
+        for step in examine(open_and_note, create_ecu):
             yield step
             if step.name == "baud":
                 opened[0].gather(opened[0].now() + 3600)

@@ -6,14 +6,12 @@ import pytest
 from client_harness import bench, ecu_on
 
 from mikas import commands
-from mikas.catalog import shipped
 from mikas.client import doctor
+from mikas.client.connecting import ConnectionOptions
 from mikas.client.doctor import STEPS, Step, examine
-from mikas.client.identity import try_commands
 from mikas.errors import BadPortUrl, PortProbed
 from mikas.i18n import Text
 from mikas.link import Link, open_link
-from mikas.tester import Tester as TheTester
 from virtual_harness import DATA
 
 ALL = list(STEPS)
@@ -26,8 +24,7 @@ class Examined:
             step.name: step
             for step in examine(
                 lambda: self._opened(url or f"sim:?clock=simulated{settings}"),
-                TheTester,
-                shipped(),
+                ConnectionOptions().create_ecu,
             )
         }
 
@@ -63,7 +60,7 @@ def test_a_program_of_root_that_has_the_port_too_is_named(monkeypatch):
 
     busy = PortProbed(url="/dev/ttyUSB0", holder=Text("ModemManager (process 7)", "…"))
     monkeypatch.setattr(doctor, "shared", lambda url, address: busy)
-    step = next(iter(examine(opened, TheTester, shipped())))
+    step = next(iter(examine(opened, ConnectionOptions().create_ecu)))
     assert (step.name, step.ok, step.error) == ("port", None, busy)
     assert "in use by ModemManager (process 7)" in step.detail.en
 
@@ -138,7 +135,7 @@ def test_a_unit_that_lacks_commands(unknown):
 def test_no_single_parameter_decides_whether_reading_and_streams_are_known(unknown, most):
     data = {code: raw for code, raw in DATA.items() if code not in (0x29, 0x2C)}
     ecu = ecu_on(bench(data, unknown=unknown, max_list=most))
-    known = {support.command: support.known for support in try_commands(ecu.tester)}
+    known = {support.command: support.known for support in ecu.supported()}
     assert known[commands.ReadParameters]
     assert known[commands.StreamCyclic] is (most > 1)
 
@@ -191,7 +188,7 @@ def test_the_adapter_is_pulled_out_in_the_middle():
         return links[0]
 
     steps = []
-    for step in examine(opened, TheTester, shipped()):
+    for step in examine(opened, ConnectionOptions().create_ecu):
         steps.append(step)
         if step.name == "ecu":
             links[0].unplug()

@@ -205,7 +205,7 @@ def test_the_doctor_without_a_connection_leaves_none(off):
 def patient(monkeypatch):
     """A doctor that never comes to an end by itself."""
 
-    def examine(open_port, make_tester, catalog):
+    def examine(open_port, create_ecu):
         with open_port() as link:
             yield Step("port", True, Text("open", "открыт"))
             try:

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 from mikas.client.connecting import connect
 from mikas.client.ecu import Ecu, Erased
 from mikas.client.gate import Change, Confirm
-from mikas.client.identity import Info, Passport, Support
+from mikas.client.identity import Info, Passport
 from mikas.client.limits import Limits
 from mikas.client.memory import Memory, MemorySpace, Written
 from mikas.client.parameters import Reading, Sample, WrittenParameter
 from mikas.client.polling import METHODS, Method
 from mikas.client.scanning import Answer, ScannedCode
+from mikas.client.support import Support
 
 if TYPE_CHECKING:
     from mikas.client.asynchronous import AsyncEcu, AsyncItems, AsyncMemory, AsyncMemorySpace

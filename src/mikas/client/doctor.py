@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from statistics import median
 
 from mikas import commands as c
-from mikas.catalog import Catalog
-from mikas.client.identity import try_commands
+from mikas.client.ecu import Ecu
+from mikas.client.support import Support
 from mikas.errors import (
     EchoDiffers,
     EchoOnly,
@@ -53,11 +53,10 @@ class Step:
     error: MikasError | None = None
 
 
-def examine(
-    open_port: Callable[[], Link], make_tester: Callable[[Link], Tester], catalog: Catalog
-) -> Iterator[Step]:
+def examine(open_port: Callable[[], Link], create_ecu: Callable[[Link], Ecu]) -> Iterator[Step]:
     """Yield the steps in the order of `STEPS`, until no ECU can answer. Closes the port.
 
+    `create_ecu`: as `ConnectionOptions.create_ecu`; the unit's list (64) is the one thing changed.
     Raises the errors of `open_port`, except `NoConnection`, which is a result.
     """
     try:
@@ -67,12 +66,13 @@ def examine(
         return
     with link:
         yield _port(link)
-        yield from _on_the_line(make_tester(link), catalog)
+        yield from _on_the_line(create_ecu(link))
 
 
-def _on_the_line(tester: Tester, catalog: Catalog) -> Iterator[Step]:
+def _on_the_line(ecu: Ecu) -> Iterator[Step]:
+    tester = ecu.tester
     try:
-        version_code = tester.connect()
+        tester.connect()
     except EchoOnly as error:
         yield Step("echo", True, _ECHO)
         yield _failed("ecu", error)
@@ -91,9 +91,9 @@ def _on_the_line(tester: Tester, catalog: Catalog) -> Iterator[Step]:
             rate = min(rate, measured) if measured else rate
         name = "line"
         yield from _availability(tester, 10 / rate)
-        yield Step("ecu", True, catalog.model(version_code).text)
+        yield Step("ecu", True, ecu.model.text)
         name = "commands"
-        yield _commands(tester)
+        yield _commands(list(ecu.supported()))
     except MikasError as error:
         yield _failed(name, error)
 
@@ -207,16 +207,32 @@ def _line(tried: int, failed: list[LineError]) -> Step:
     return Step("line", False if len(failed) > _MOST_FAILURES else None, text)
 
 
-def _commands(tester: Tester) -> Step:
-    tried = [support for support in try_commands(tester) if support.known is not None]
-    lacking = [support.command for support in tried if not support.known]
+def _commands(supported: list[Support]) -> Step:
+    tried = [support for support in supported if support.known is not None]
+    lacking = [support for support in tried if not support.known]
     known = len(tried) - len(lacking)
+    untried = _untried(supported)
     if not lacking:
-        text = Text(f"all {known} that were tried", f"работают все проверенные, {known}")
+        text = Text(
+            f"all {known} that were tried{untried.en}",
+            f"работают все проверенные, {known}{untried.ru}",
+        )
         return Step("commands", True, text)
-    en = ", ".join(f"{command.CODES[0]:02X} {command.TITLE.en}" for command in lacking)
-    ru = ", ".join(f"{command.CODES[0]:02X} {command.TITLE.ru}" for command in lacking)
+    en = ", ".join(f"{support.code:02X} {support.title.en}" for support in lacking)
+    ru = ", ".join(f"{support.code:02X} {support.title.ru}" for support in lacking)
     text = Text(
-        f"{known} known; this unit does not know: {en}", f"известно {known}; блок не знает: {ru}"
+        f"{known} known; this unit does not know: {en}{untried.en}",
+        f"известно {known}; блок не знает: {ru}{untried.ru}",
     )
     return Step("commands", None, text)
+
+
+def _untried(supported: list[Support]) -> Text:
+    """Return the commands without a result, by their reasons; empty if there are none."""
+    codes: dict[Text, list[str]] = {}
+    for support in supported:
+        if support.reason is not None:
+            codes.setdefault(support.reason, []).append(f"{support.code:02X}")
+    en = "".join(f"; not tried: {' '.join(each)} ({why.en})" for why, each in codes.items())
+    ru = "".join(f"; не проверены: {' '.join(each)} ({why.ru})" for why, each in codes.items())
+    return Text(en, ru)

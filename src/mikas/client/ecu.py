@@ -20,16 +20,15 @@ from mikas.client.gate import Change, Confirm, Gate, Journal, hex_or_none
 from mikas.client.identity import (
     Info,
     Passport,
-    Support,
     count_parameters,
     read_passport,
-    try_commands,
 )
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory import Memory
 from mikas.client.parameters import Parameters, Reading, Sample, WrittenParameter
 from mikas.client.polling import FixedMethod, Method, Poller, create_poller, fixed_method
 from mikas.client.scanning import Scan, ScannedCode
+from mikas.client.support import Support, try_commands
 from mikas.client.unit_list import KeptLists, UnitList
 from mikas.client.watching import Watcher
 from mikas.errors import NoResponse, NotSupported, usage_error
@@ -118,8 +117,12 @@ class Ecu:
         return self._passport
 
     def supported(self) -> Iterator[Support]:
-        """Try every harmless command once; yield whether the unit knows it (D10)."""
-        return try_commands(self.tester)
+        """Try every command once that changes nothing but the unit's list (64); yield the results.
+
+        The streams by strokes are tried with the engine turning only. Takes a second for each
+        command without a response, and two for each stream.
+        """
+        return try_commands(self._parameters)
 
     # Parameters
 

@@ -1,17 +1,14 @@
-"""Identity of the ECU: passports, and a trial of every harmless command (§3, D10)."""
+"""Identity of the ECU: model, passports, number of parameters (§3, D10)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from mikas import commands as c
 from mikas.catalog import Model
-from mikas.client.data import COMMON
 from mikas.client.limits import Limits
-from mikas.errors import EcuRefused, LineError, NoResponse, NotSupported
+from mikas.errors import NotSupported
 from mikas.tester import Tester
 
 T = TypeVar("T")
@@ -89,64 +86,3 @@ def count_parameters(tester: Tester) -> int | None:
     """Send 60; None if unknown. A count of 1 is D10's `01`: no unit has a single parameter."""
     count = _request_if_known(tester, c.CountParameters())
     return None if count == 1 else count
-
-
-@dataclass(frozen=True, slots=True)
-class Support:
-    """Whether the unit knows a command. `known` None: not tried, or uncertain."""
-
-    command: type[c.Command[Any]]
-    known: bool | None
-
-    @property
-    def name(self) -> str:
-        """The source's name and the first code."""
-        return f"{self.command.SOURCE_NAME} ({self.command.CODES[0]:02X})"
-
-
-def try_commands(tester: Tester) -> Iterator[Support]:
-    """Try every command of §3 that changes nothing. Raises `NoConnection` if the unit is gone."""
-    datum = COMMON[0]  # replaced by the first that the unit knows
-
-    def parameters() -> object:
-        nonlocal datum
-        for common in COMMON:
-            for wanted in ((common, common), (common,)):  # some units accept one code only
-                with suppress(EcuRefused, NoResponse):
-                    if tester.request(c.ReadParameters(wanted)) != (b"\x01",):
-                        datum = common
-                        return True
-        return None
-
-    def stream() -> object:
-        with tester.stream(c.StreamCyclic((datum, datum))) as responses:
-            return next(responses)
-
-    trials: dict[type[c.Command[Any]], Callable[[], object]] = {
-        c.Availability: lambda: tester.request(c.Availability()),
-        c.ReadFaults: lambda: tester.request(c.ReadFaults()),
-        c.ReadRamByte: lambda: tester.request(c.ReadRamByte(0)),
-        c.ReadXramByte: lambda: tester.request(c.ReadXramByte(0)),
-        c.ReadCodeByte: lambda: tester.request(c.ReadCodeByte(0)),
-        c.ReadRamBlock: lambda: tester.request(c.ReadRamBlock(0, 2)),
-        c.ReadXramBlock: lambda: tester.request(c.ReadXramBlock(0, 2)),
-        c.ReadCodeBlock: lambda: tester.request(c.ReadCodeBlock(0, 2)),
-        c.ReadSfr: lambda: tester.request(c.ReadSfr(0x81)),
-        c.ReadProgramPassport: lambda: tester.request(c.ReadProgramPassport(1)),
-        c.ReadDataPassport: lambda: tester.request(c.ReadDataPassport(1)),
-        c.CountParameters: lambda: count_parameters(tester),
-        c.ReadParameters: parameters,
-        c.StreamCyclic: stream,
-    }
-    for command in c.ALL_COMMANDS:
-        trial = trials.get(command)
-        yield Support(command, None if trial is None else _works(trial))
-
-
-def _works(trial: Callable[[], object]) -> bool | None:
-    try:
-        return trial() is not None
-    except (EcuRefused, NoResponse):
-        return False
-    except LineError:
-        return None

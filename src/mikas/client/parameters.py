@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -12,12 +12,14 @@ from mikas import commands as c
 from mikas.catalog import Catalog, Parameter
 from mikas.client.data import DataReader, RawDatum, distinct, refused
 from mikas.client.gate import Change, Gate, hex_or_none
-from mikas.client.unit_list import UnitList
+from mikas.client.unit_list import UnitList, list_of
 from mikas.errors import (
     MikasError,
+    NoList,
     NoResponse,
     NotSupported,
     ReadBackDiffers,
+    UnknownParameter,
     ValueDoesNotFit,
     hex_dump,
     usage_error,
@@ -153,6 +155,24 @@ class Parameters:
         wanted = self.named(names)
         self._list.set(wanted, keep=True)
         return tuple(p.name for p in wanted)
+
+    def try_list(self, data: tuple[c.Datum, ...]) -> c.ReadList:
+        """Set the last known list again, without one `data`; return the command that reads it.
+
+        Raises `NotConfirmed`, `WriteRefused`, `NotSupported`, a `LineError` or a `NoConnection`.
+        """
+        with self._list.held():
+            kept: tuple[str, ...] = ()
+            with suppress(NoList):
+                kept = self._list.kept()
+            known = self._list.current
+            with suppress(UnknownParameter):  # the catalog has changed since
+                known = known or (self.named(kept) if kept else ())
+            if known:
+                self._list.set(known, keep=bool(kept))
+                return c.ReadList(list_of(known))
+            self._list.try_out(data)
+            return c.ReadList(data)
 
     def forget_list(self) -> None:
         """Treat the unit's list as lost: it has to be set before `read_list`."""

@@ -133,19 +133,7 @@ class UnitList:
 
         Raises `NotConfirmed`, `WriteRefused`, `NotSupported`, a `LineError` or a `NoConnection`.
         """
-        data = _list_of(wanted)
-        parameters = counted(
-            len(wanted), ("parameter", "parameters"), ("параметр", "параметра", "параметров")
-        )
-        change = Change(
-            what=Text(
-                f"set what the unit is to tell at once: {parameters.en}",
-                f"задать список блока: {parameters.ru}",
-            ),
-            safety=c.WriteList.SAFETY,
-            command=c.WriteList.SOURCE_NAME,
-            after=hex_or_none(bytes(d.code for d in data)),
-        )
+        data = list_of(wanted)
 
         def act() -> None:
             self.forget()
@@ -164,7 +152,17 @@ class UnitList:
                 self._kept.save([p.name for p in wanted])
 
         with self.held():
-            self._gate.make(change, act, lambda _: None)
+            self._gate.make(_change(data, len(wanted)), act, lambda _: None)
+
+    def try_out(self, data: tuple[c.Datum, ...]) -> None:
+        """Set the list to `data` once; it is not known afterwards. Raises as `set`."""
+
+        def act() -> None:
+            self.forget()
+            self._tester.request(c.WriteList(data))
+
+        with self.held():
+            self._gate.make(_change(data, len(set(data))), act, lambda _: None)
 
     def read(self, wanted: tuple[Parameter, ...]) -> dict[int, RawDatum]:
         """Read the list of `wanted` (63); return its data by code.
@@ -172,7 +170,7 @@ class UnitList:
         Raises `ListLost` for a refusal, `NotSupported` if the unit does not know 63, `WrongLength`
         for another list, `NoResponse`.
         """
-        data = _list_of(wanted)
+        data = list_of(wanted)
         try:
             values, reply = self._tester.exchange(c.ReadList(data))
         except NotSupported as error:
@@ -193,7 +191,22 @@ class UnitList:
         return {d.code: RawDatum(raw, reply.began) for d, raw in zip(data, values, strict=True)}
 
 
-def _list_of(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
+def _change(data: tuple[c.Datum, ...], count: int) -> Change:
+    parameters = counted(
+        count, ("parameter", "parameters"), ("параметр", "параметра", "параметров")
+    )
+    return Change(
+        what=Text(
+            f"set what the unit is to tell at once: {parameters.en}",
+            f"задать список блока: {parameters.ru}",
+        ),
+        safety=c.WriteList.SAFETY,
+        command=c.WriteList.SOURCE_NAME,
+        after=hex_or_none(bytes(d.code for d in data)),
+    )
+
+
+def list_of(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
     """Return the list for 64. A single byte is listed twice: a unit that has lost its list may
     answer 63 with 01 (D10), which must not look like a datum.
     """

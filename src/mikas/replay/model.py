@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from math import inf
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 from mikas import commands as c
 from mikas.recording.exchanges.layouts import Layout
@@ -132,12 +132,12 @@ class ReplayData:
             return None
         return places[0][2] if places else None
 
-    def knows(self, command: type[c.Command[Any]]) -> bool | None:
-        """Return whether the recorded ECU knew a command; None: it was not asked."""
+    def knows(self, codes: Collection[int]) -> bool | None:
+        """Return whether the recorded ECU knew one of these commands; None: it was not asked."""
         noted = (code for code, passport in self._passports() if passport.values)
-        if self.answered.union(noted).intersection(command.CODES):
+        if self.answered.union(noted).intersection(codes):
             return True
-        return False if self.quirks.missing.intersection(command.CODES) else None
+        return False if self.quirks.missing.intersection(codes) else None
 
     def unrecorded(self) -> Iterator[int]:
         """Yield the commands whose responses would have to be invented."""

@@ -18,9 +18,11 @@ from mikas.link import CaptureTee, Link, choose_port, open_link
     "doctor",
     Text(
         "Checks the connection step by step: port, echo, baud rate by echo timing, latency, line "
-        "errors, ECU, supported commands; says what to fix. Nothing is changed.",
+        "errors, ECU, supported commands; says what to fix. Nothing is changed but the unit's list "
+        "(64): one that another program has set is lost.",
         "Проверяет связь по шагам: порт, эхо, скорость по эху, задержка, ошибки на линии, блок, "
-        "команды; подсказывает, что исправить. Ничего не меняет.",
+        "команды; подсказывает, что исправить. Меняет только список блока (64): заданный другой "
+        "программой будет потерян.",
     ),
     examples=(
         "mikas doctor",
@@ -32,9 +34,7 @@ from mikas.link import CaptureTee, Link, choose_port, open_link
 def doctor(context: CommandContext) -> int:
     steps = []
     with ExitStack() as stack:
-        for step in examine(
-            lambda: _open(context, stack), context.options.create_tester, context.options.catalog
-        ):
+        for step in examine(lambda: _open(context, stack), context.options.create_ecu):
             steps.append(step)
             if not context.output.json:
                 context.output.line(_line(step))

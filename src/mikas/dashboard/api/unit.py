@@ -6,7 +6,7 @@ Reading is done between two cycles. A client without control gets the result of 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field
@@ -58,13 +58,14 @@ class UnitLimits(BaseModel):
 
 
 class UnitCommand(BaseModel):
-    """A command; `supported` null: not tried, or not known."""
+    """A command; `supported` null: not tried, or uncertain. `reason`: why, where that can vary."""
 
     code: int
     name: str
     title: TwoTexts
     source_name: str
     supported: bool | None
+    reason: TwoTexts | None
 
 
 class PassportResponse(BaseModel):
@@ -111,7 +112,10 @@ async def passport(dashboard: TheDashboard, client: Viewer) -> PassportResponse:
 
 @router.post("/passport/probe", responses=errors(409, 502, 503))
 async def probe(dashboard: TheDashboard, _: Controller) -> PassportResponse:
-    """Try every harmless command once; each unanswered one takes a second."""
+    """Try every command once that changes nothing but the unit's list (64).
+
+    Each unanswered one takes a second, each stream two.
+    """
 
     def read(ecu: Ecu) -> tuple[Info, list[Support]]:
         dashboard.info, dashboard.supported = info, supported = ecu.info(), list(ecu.supported())
@@ -175,6 +179,8 @@ def _passport_response(
 
 _USED_BY: dict[str, tuple[int, ...]] = {
     "single": (0x61,), "batch": (0x61,), "list": (0x64, 0x63), "stream": (0x71,),
+    "stroke0": (0x7F,), "stroke1": (0x80,), "stroke2": (0x81,), "stroke3": (0x82,),
+    "stroke4": (0x83,),
 }  # fmt: skip
 
 
@@ -187,11 +193,12 @@ def _used(dashboard: Dashboard) -> frozenset[int]:
 
 
 def _command(support: Support, used: frozenset[int]) -> UnitCommand:
-    command: Any = support.command
+    supported = True if support.code in used else support.known
     return UnitCommand(
-        code=command.CODES[0],
-        name=command.__name__,
-        title=two(command.TITLE),
-        source_name=command.SOURCE_NAME,
-        supported=True if command.CODES[0] in used else support.known,
+        code=support.code,
+        name=support.command.__name__,
+        title=two(support.title),
+        source_name=support.command.SOURCE_NAME,
+        supported=supported,
+        reason=two_or_none(support.reason) if supported is None else None,
     )

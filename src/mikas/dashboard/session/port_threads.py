@@ -173,14 +173,14 @@ class Diagnosis(StoppablePort):
 
     def __init__(self, url: str, settings: Settings) -> None:
         super().__init__(settings.open_port)
-        self._url, self._options = url, settings.connection
+        self._url = url
+        self._options = replace(settings.connection, journal=settings.journal, state=settings.units)
         self.task: asyncio.Task[None] | None = None
         """The task that calls `run` and gives the port back; set by its creator."""
 
     def run(self, report: Callable[[Step], None]) -> None:
         """Run the steps, calling `report` as each ends. The port is free when this returns."""
-        options = self._options
-        steps = examine(lambda: self.open(self._url), options.create_tester, options.catalog)
+        steps = examine(lambda: self.open(self._url), self._options.create_ecu)
         try:
             for step in steps:
                 if not self.stopping.is_set():  # else the step failed by the closed link

@@ -738,13 +738,14 @@ export interface components {
             en: string;
             ru: string;
         };
-        /** @description A command; `supported` null: not tried, or not known. */
+        /** @description A command; `supported` null: not tried, or uncertain. `reason`: why, where that can vary. */
         UnitCommand: {
             code: number;
             name: string;
             title: components["schemas"]["TwoTexts"];
             source_name: string;
             supported: boolean | null;
+            reason: components["schemas"]["TwoTexts"] | null;
         };
         /** @description A unit answers. `another`: not the unit before, so another car. */
         UnitEvent: {

@@ -33,6 +33,7 @@ export type Price = Schemas["PriceResponse"];
 export type Fault = Schemas["StoredFault"];
 export type Faults = Schemas["FaultsResponse"];
 export type Passport = Schemas["PassportResponse"];
+export type UnitCommand = Schemas["UnitCommand"];
 export type MemoryRead = Schemas["MemoryResponse"];
 export type Space = MemoryRead["space"];
 export type Dump = Schemas["DumpResponse"];

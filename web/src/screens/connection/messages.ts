@@ -104,8 +104,8 @@ export const t = dictionary({
 
   doctor: { en: "Connection check", ru: "Проверка связи" },
   doctor_more: {
-    en: "Step by step: port, echo, speed, delay, line, ECU, commands. Sampling pauses meanwhile; nothing is changed.",
-    ru: "По шагам: порт, эхо, скорость, задержка, линия, блок, команды. Опрос на это время приостановится; ничего не меняется.",
+    en: "Step by step: port, echo, speed, delay, line, ECU, commands. Sampling pauses meanwhile; nothing is changed but the unit’s list (64).",
+    ru: "По шагам: порт, эхо, скорость, задержка, линия, блок, команды. Опрос на это время приостановится; меняется только список блока (64).",
   },
   doctor_start: { en: "Run check", ru: "Проверить" },
   doctor_stop: { en: "Stop", ru: "Остановить" },

@@ -1,6 +1,6 @@
 // The passport as names and values, for the screen, the copied text and the saved file.
 import { DASH, number, localized } from "../../lib/i18n";
-import type { Passport } from "../../lib/api/types";
+import type { Passport, UnitCommand } from "../../lib/api/types";
 import type { Line } from "./sheet";
 import { methods, t } from "./messages";
 
@@ -70,11 +70,12 @@ export function measuredLines(passport: Passport): Line[] {
 }
 
 export function commandLines(passport: Passport): Line[] {
-  return (passport.supported ?? []).map(({ code, title, supported }) => {
-    return [`${byteText(code)} ${localized(title)}`, answerText(supported)];
+  return (passport.supported ?? []).map((command) => {
+    return [`${byteText(command.code)} ${localized(command.title)}`, answerText(command)];
   });
 }
 
-export function answerText(supported: boolean | null): string {
+export function answerText({ supported, reason }: Pick<UnitCommand, "supported" | "reason">): string {
+  if (supported === null && reason) return t("not_tried_because", { reason: localized(reason) });
   return supported === null ? t("not_tried") : supported ? t("knows") : t("knows_not");
 }

@@ -72,8 +72,8 @@ export const t = dictionary({
 
   commands: { en: "Commands", ru: "Команды" },
   commands_more: {
-    en: "Tries every harmless command once. A command without a response takes a second; nothing is changed.",
-    ru: "Каждая безвредная команда пробуется один раз. Команда без ответа занимает секунду; ничего не меняется.",
+    en: "Tries every command once that changes nothing but the unit’s list (64): a list set by another program is lost. A command without a response takes a second, a stream two; streams by strokes are tried with the engine turning.",
+    ru: "Один раз пробуется каждая команда, которая не меняет ничего, кроме списка блока (64): список, заданный другой программой, будет потерян. Команда без ответа занимает секунду, поток — две; потоки по тактам пробуются при вращающемся двигателе.",
   },
   probe: { en: "Try the commands", ru: "Проверить команды" },
   probe_again: { en: "Try again", ru: "Проверить снова" },
@@ -81,6 +81,7 @@ export const t = dictionary({
   knows: { en: "supported", ru: "поддерживает" },
   knows_not: { en: "not supported", ru: "не поддерживает" },
   not_tried: { en: "unknown", ru: "неизвестно" },
+  not_tried_because: { en: "unknown: {reason}", ru: "неизвестно: {reason}" },
   knows_count: { en: "{n} of {all} supported", ru: "поддерживаются {n} из {all}" },
   code: { en: "Code", ru: "Код" },
   command: { en: "Command", ru: "Команда" },

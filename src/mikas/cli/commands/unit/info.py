@@ -10,7 +10,7 @@ from mikas.cli.language import decimal, localized, tr
 from mikas.client import Ecu, Info, Support
 from mikas.client.limits import STARTING_LIST
 from mikas.client.polling import FixedMethod
-from mikas.commands import ALL_COMMANDS
+from mikas.client.support import each_command
 from mikas.i18n import Text
 from mikas.link.urls import parse
 from mikas.sampling.method_knowledge import rates_of
@@ -22,12 +22,16 @@ _BAUD = 9600  # §1
 @command(
     "info",
     Text(
-        "Shows the ECU's model and passports and the commands that it knows. Every harmless "
-        "command is tried once (1 s for each without a response). For a recording (replay:) the "
-        "result is that of the recorded requests.",
-        "Показывает модель и паспорта блока и команды, которые он знает. Каждая безвредная "
-        "команда проверяется один раз (1 с на каждую без ответа). Для записи (replay:) результат "
-        "берётся из записанных запросов.",
+        "Shows the ECU's model and passports and the commands that it knows. Every command is "
+        "tried once that changes nothing but the unit's list (64; a list that another program has "
+        "set is lost): 1 s for each without a response, 2 s for each stream; streams by strokes "
+        "only with the engine turning. For a recording (replay:) the result is that of the "
+        "recorded requests.",
+        "Показывает модель и паспорта блока и команды, которые он знает. Один раз проверяется "
+        "каждая команда, которая не меняет ничего, кроме списка блока (64; список, заданный другой "
+        "программой, будет потерян): 1 с на каждую без ответа, 2 с на каждый поток; потоки по "
+        "тактам — только при вращающемся двигателе. Для записи (replay:) результат берётся из "
+        "записанных запросов.",
     ),
     examples=("mikas info", "mikas info --quick", "mikas info --port socket://192.168.1.5:2000"),
 )
@@ -49,6 +53,7 @@ def info(context: CommandContext, *, quick: bool) -> None:
                 "parameter_count": found.parameter_count,
                 "echo": found.echo,
                 "supported": {support.name: support.known for support in supported},
+                "not_tried": {it.name: it.reason._asdict() for it in supported if it.reason},
                 "limits": {
                     "max_list": found.limits.max_list,
                     "max_block": found.limits.max_block,
@@ -76,7 +81,9 @@ def _recorded_support(ecu: Ecu) -> list[Support]:
     from mikas.replay import playing
 
     car = playing(ecu.tester.link)
-    return [] if car is None else [Support(each, car.recorded.knows(each)) for each in ALL_COMMANDS]
+    if car is None:
+        return []
+    return [Support(each, codes[0], car.recorded.knows(codes)) for each, codes in each_command()]
 
 
 def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
@@ -137,8 +144,7 @@ def _pieces(pieces: tuple[str | None, ...]) -> str:
 
 
 def _named(support: Support) -> str:
-    code = f"{support.command.CODES[0]:02X}"
-    return f"{code} {localized(support.command.TITLE)}"
+    return f"{support.code:02X} {localized(support.title)}"
 
 
 def _support_rows(supported: list[Support], unreported: str | None) -> list[list[str]]:
@@ -147,9 +153,10 @@ def _support_rows(supported: list[Support], unreported: str | None) -> list[list
         False: tr("unknown", "не знает"),
         None: unreported or tr("not tried", "не проверялось"),
     }
-    rows = []
-    for known, word in words.items():
-        names = [_named(s) for s in supported if s.known is known]
-        if names:
-            rows.append([word, "; ".join(names)])
-    return rows
+    names: dict[tuple[bool | None, Text | None], list[str]] = {}
+    for support in sorted(supported, key=lambda it: list(words).index(it.known)):
+        names.setdefault((support.known, support.reason), []).append(_named(support))
+    return [
+        [words[known], (f"{localized(why)}: " if why else "") + "; ".join(each)]
+        for (known, why), each in names.items()
+    ]
