@@ -133,6 +133,7 @@ def test_the_client():
         "Method",
         "Passport",
         "Reading",
+        "Run",
         "Sample",
         "ScannedCode",
         "Support",

@@ -76,7 +76,7 @@ def test_the_contract_s_commands_are_all_there():
     assert {
         "ports", "doctor", "info", "params", "read", "scan", "watch", "log", "faults", "write",
         "list set", "list read", "mem read", "mem write", "mem dump", "mem verify", "mem diff",
-        "mem goto", "raw", "decode", "export", "sim", "dash", "demo",
+        "mem restore", "mem goto", "raw", "decode", "export", "sim", "dash", "demo",
     } <= paths  # fmt: skip
 
 
@@ -89,6 +89,7 @@ def test_every_example_parses(mikas, tmp_path, example):
         "drive.pcapng",
         "code.bin",
         "part.bin",
+        "xram.bin",
         "before.bin",
         "after.bin",
         "a.bin",

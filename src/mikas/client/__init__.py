@@ -9,7 +9,7 @@ from mikas.client.ecu import Ecu, Erased
 from mikas.client.gate import Change, Confirm
 from mikas.client.identity import Info, Passport
 from mikas.client.limits import Limits
-from mikas.client.memory import Memory, MemorySpace, Written
+from mikas.client.memory import Memory, MemorySpace, Run, Written
 from mikas.client.parameters import Reading, Sample, WrittenParameter
 from mikas.client.polling import METHODS, Method
 from mikas.client.scanning import Answer, ScannedCode
@@ -36,6 +36,7 @@ __all__ = [
     "Method",
     "Passport",
     "Reading",
+    "Run",
     "Sample",
     "ScannedCode",
     "Support",

@@ -150,6 +150,7 @@ class AsyncMemorySpace(_Remote[MemorySpace]):
     blocks = _iterated(MemorySpace.blocks)
     write = _delegated(MemorySpace.write)
     write_block = _delegated(MemorySpace.write_block)
+    write_runs = _iterated(MemorySpace.write_runs)
 
     def __init__(self, ecu: AsyncEcu, sync: MemorySpace) -> None:
         self._async_ecu = ecu

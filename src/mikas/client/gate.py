@@ -73,9 +73,12 @@ class Gate:
         act: Callable[[], T],
         read_back: Callable[[T], str | None],
         commands: Callable[[], str] | None = None,
+        *,
+        approved: bool = False,
     ) -> T:
         """Confirm, journal, act, and journal the outcome with the hex bytes of `read_back`.
 
+        `approved`: the change is a part of one that `ask` has confirmed.
         `commands`: returns the commands that `act` has used, if they may not be `change.command`.
         Raises `NotConfirmed` or `JournalError` before the change, the errors of `act`, or a
         `JournalError` after the change, which says so.
@@ -83,7 +86,8 @@ class Gate:
         # First: another thread's change may wait for the end of a stream of this thread.
         self._tester.check_free()
         with self._one_at_a_time:
-            self._ask(change)
+            if not approved:
+                self._ask(change)
             self._note(change, "started", None)
 
             def used() -> Change:
@@ -106,6 +110,12 @@ class Gate:
                 error.advice = _NO_OUTCOME
                 raise
             return outcome
+
+    def ask(self, change: Change) -> None:
+        """Confirm a change that is made in parts, each with `approved`. Raises `NotConfirmed`."""
+        self._tester.check_free()
+        with self._one_at_a_time:
+            self._ask(change)
 
     def refuse_unasked(self, what: Text, safety: Safety) -> None:
         """Raise `NotConfirmed` for a dangerous change without `confirm`, as `make` does.

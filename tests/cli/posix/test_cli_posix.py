@@ -291,6 +291,31 @@ def test_the_live_table_on_a_terminal(start):
         assert watch.wait(PATIENCE) == 130
 
 
+def test_a_killed_restore_is_resumed(start, sim, tmp_path):
+    _, url = sim
+
+    def ran(*argv):
+        process = start("mem", *argv, "--port", url)
+        out, err = process.communicate(timeout=PATIENCE)
+        return process.returncode, out, err
+
+    assert ran("dump", "xram", "-o", "x", "--to", "7F")[0] == 0
+    wanted = bytes(value ^ 0x0D for value in (tmp_path / "x").read_bytes())
+    (tmp_path / "x").write_bytes(wanted)
+    restore = start("mem", "restore", "xram", "x", "--yes", "--block", "16", "--port", url)
+    while not (tmp_path / "x.restore.json").exists():
+        assert restore.poll() is None
+        select.select([], [], [], 0.01)
+    restore.kill()
+    restore.wait(PATIENCE)
+    status, _, err = ran("restore", "xram", "x", "--yes")
+    assert (status, "--resume" in err) == (2, True)
+    status, out, err = ran("restore", "xram", "x", "--yes", "--resume", "--json")
+    assert status == 0, err
+    assert json.loads(out)["written"] > 0
+    assert ran("verify", "xram", "x")[1] == "No differences.\n"
+
+
 def test_a_list_is_read_by_a_later_process(start, sim):
     _, url = sim
     for argv in (["list", "set", "TWAT", "INJ", "--yes"], ["list", "read", "--json"]):

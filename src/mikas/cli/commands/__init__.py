@@ -74,6 +74,11 @@ MEMORY_COMMANDS: dict[str, tuple[str, Text]] = {
         "memory.cells", "write bytes and read them back", "записать байты и проверить чтением"
     ),
     "dump": _command("memory.files", "save a memory space to a file", "считать дамп в файл"),
+    "restore": _command(
+        "memory.restore",
+        "write a dump back: only what differs",
+        "записать дамп обратно: только отличия",
+    ),
     "verify": _command(
         "memory.files", "compare a file with the unit", "сравнить дамп с памятью блока"
     ),

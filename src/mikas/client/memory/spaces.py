@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -68,6 +68,15 @@ class Written:
     address: int
     before: bytes
     after: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Bytes to write from `address`; `before`: as many, as read from there."""
+
+    address: int
+    before: bytes
+    data: bytes
 
 
 class MemorySpace:
@@ -186,6 +195,42 @@ class MemorySpace:
         Raises `AddressOutOfRange`, `NotConfirmed`, `WriteRefused`, `NotSupported`,
         `ReadBackDiffers`.
         """
+        return self._write(address, data, self._check)
+
+    def write_runs(self, runs: Sequence[Run], what: Text) -> Iterator[Written]:
+        """Confirm `what` once, then write `runs` one by one; yield each with the bytes read back.
+
+        Those may differ from the wanted ones: a cell that keeps another value ends nothing. Every
+        run has its own journal entries. Raises as `write_block`, but no `ReadBackDiffers`.
+        """
+        for run in runs:
+            check_range(self.name, run.address, len(run.data))
+        if runs:
+            command = self._writer.planned(runs[0].address, runs[0].data)
+            self._gate.ask(Change(what, self._commands.write.SAFETY, command))
+        return map(self._write_run, runs)
+
+    def _write_run(self, run: Run) -> Written:
+        try:
+            return self._write(run.address, run.data, self._as_stored, approved=True)
+        except ReadBackDiffers:  # a byte kept another value; those after it may be unsent
+            now = self.read_block(run.address, len(run.data))
+            for offset, (value, stored) in enumerate(zip(run.data, now, strict=True)):
+                if value != stored:
+                    with suppress(ReadBackDiffers):
+                        byte = bytes([value])
+                        self._write(run.address + offset, byte, self._as_stored, approved=True)
+            after = self.read_block(run.address, len(run.data))
+            return Written(self.name, run.address, run.before, after)
+
+    def _write(
+        self,
+        address: int,
+        data: bytes,
+        read_back: Callable[[int, bytes], bytes],
+        *,
+        approved: bool = False,
+    ) -> Written:
         check_range(self.name, address, len(data))
         where = f"{self.name} {address:04X}"
         what = writing(len(data), where)
@@ -203,17 +248,21 @@ class MemorySpace:
         def act() -> Written:
             try:
                 self._writer.write(address, data, before, attempts)
-                self._check(address, data)
+                after = read_back(address, data)
             except MikasError as error:
                 standing = self._writer.standing(address, data, before)
                 error.advice = Text(
                     f"{error.advice.en} {standing.en}", f"{error.advice.ru} {standing.ru}"
                 )
                 raise
-            return Written(self.name, address, before, data)
+            return Written(self.name, address, before, after)
 
         return self._gate.make(
-            change, act, lambda written: hex_or_none(written.after), lambda: attempts.names
+            change,
+            act,
+            lambda written: hex_or_none(written.after),
+            lambda: attempts.names,
+            approved=approved,
         )
 
     def _before(self, address: int, count: int) -> bytes:
@@ -223,7 +272,11 @@ class MemorySpace:
             error.advice = _UNREADABLE
             raise
 
-    def _check(self, address: int, data: bytes) -> None:
+    def _as_stored(self, address: int, data: bytes) -> bytes:
+        """Read back, whatever the bytes are."""
+        return self.read_block(address, len(data))
+
+    def _check(self, address: int, data: bytes) -> bytes:
         """Read back. Raises `ReadBackDiffers` with the bytes from the first to the last wrong."""
         after = self.read_block(address, len(data))
         wrong = [i for i, pair in enumerate(zip(data, after, strict=True)) if pair[0] != pair[1]]
@@ -234,6 +287,7 @@ class MemorySpace:
                 wanted=hex_dump(data[first:end]),
                 got=hex_dump(after[first:end]),
             )
+        return after
 
 
 class Memory:

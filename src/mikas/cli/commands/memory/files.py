@@ -100,7 +100,7 @@ def dump(
         if verify:
             with progress(tr("second pass", "второй проход"), manifest.size) as done:
                 found = job.verify(block=block, progress=done)
-            _show_differences(context, found, tr("first pass differs", "проходы расходятся"))
+            show_differences(context, found, tr("first pass differs", "проходы расходятся"))
     place = f"{out}: {space} {first:04X}–{end:04X}"
     size = tr(f"{manifest.size} bytes", f"байт: {manifest.size}")
     context.output.result(manifest.as_json(), f"{place}, {size}, sha256 {manifest.sha256}")
@@ -114,7 +114,8 @@ def _stopped(job: Dump, out: Path) -> str:
     )
 
 
-def _show_differences(context: CommandContext, found: Sequence[Difference], what: str) -> None:
+def show_differences(context: CommandContext, found: Sequence[Difference], what: str) -> None:
+    """Print the first differences on stderr, each after `what`, and their number."""
     for difference in found[:20]:
         context.output.note(f"{what}: {_line(difference)}")
     if len(found) > 20:
@@ -173,15 +174,18 @@ def diff(context: CommandContext, a: Path, b: Path) -> None:
 
 def _report(context: CommandContext, found: Sequence[Difference], a: str, b: str) -> None:
     if context.output.json:
-        context.output.data(
-            {"differences": [{"address": d.address, "a": _hex(d.a), "b": _hex(d.b)} for d in found]}
-        )
+        context.output.data({"differences": differences_json(found)})
     elif found:
         context.output.line(f"      {a} | {b}")
         for difference in found:
             context.output.line(_line(difference))
     else:
         context.output.line(tr("No differences.", "Различий нет."))
+
+
+def differences_json(found: Sequence[Difference]) -> list[dict[str, object]]:
+    """Return `[{"address","a","b"}]`."""
+    return [{"address": d.address, "a": _hex(d.a), "b": _hex(d.b)} for d in found]
 
 
 def _line(difference: Difference) -> str:
