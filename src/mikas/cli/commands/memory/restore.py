@@ -11,8 +11,8 @@ from mikas.cli.click_extensions import YES, command, option
 from mikas.cli.commands.memory.cells import SPACE
 from mikas.cli.commands.memory.files import BLOCK, differences_json, show_differences
 from mikas.cli.context import CommandContext
+from mikas.cli.failures import DONE, REFUSED
 from mikas.cli.language import tr
-from mikas.cli.main import DONE, REFUSED
 from mikas.cli.parameter_types import existing_file, hex_address
 from mikas.cli.render.progress import progress
 from mikas.client.restoring import DumpFile, Restore
