@@ -97,6 +97,8 @@ def test_an_interruption_is_resumed(mikas, monkeypatch, dump, tmp_path, end, sta
     again = mikas("mem", "restore", "ram", "d", "--yes")
     assert again.status == 2
     assert "--resume" in again.err
+    declined = mikas("mem", "restore", "ram", "d", "--resume")
+    assert (declined.status, "Stopped" in declined.err) == (6, False)
     assert mikas("mem", "restore", "ram", "d", "--yes", "--resume").status == 0
     assert not (tmp_path / "d.restore.json").exists()
 

@@ -77,6 +77,14 @@ def test_a_unit_that_lost_its_list_and_answers_nothing(lists, lost):
         read_by(it, lists)
 
 
+def test_wrong_names_leave_the_kept_ones(lists):
+    it = bench()
+    set_by(it, lists, "TWAT", "FREQ")
+    with pytest.raises(WrongLength, match="other parameters than those named"):
+        read_by(it, lists, "TWAT", "FREQ", "INJ")
+    assert list(read_by(it, lists)) == ["TWAT", "FREQ"]
+
+
 def test_another_list_of_another_size_is_refused(lists):
     it = bench()
     set_by(it, lists, "TWAT", "FREQ")

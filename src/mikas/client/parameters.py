@@ -180,18 +180,18 @@ class Parameters:
 
     def read_list(self, names: Sequence[str] = ()) -> dict[str, Reading]:
         """Read each parameter of the list once (63); `names`: of a list that others have set."""
-        return self._of_list(self.named(names) if names else ())
+        with self._list.held():
+            if names:
+                wanted = self.named(names)
+                return self.readings(wanted, self._list.read(wanted, named=True))
+            wanted = self._list.current or self.named(self._list.kept())
+            return self.readings(wanted, self._list.read(wanted))
 
     def through_list(self, wanted: tuple[Parameter, ...]) -> dict[str, Reading]:
         """Read `wanted` by the unit's list, which is set first if it differs."""
         with self._list.held():
             if self._list.current != wanted:
                 self._list.set(wanted)
-            return self._of_list(wanted)
-
-    def _of_list(self, wanted: tuple[Parameter, ...]) -> dict[str, Reading]:
-        with self._list.held():
-            wanted = wanted or self._list.current or self.named(self._list.kept())
             return self.readings(wanted, self._list.read(wanted))
 
     # Streams, 71 and 7F … 83

@@ -140,7 +140,7 @@ class Restore:
     """One restore of `dump` into `space`: `compare`, then `write`.
 
     `written`: bytes written and read back; `differences`: bytes that keep another value (`a`) than
-    the dump's (`b`).
+    the dump's (`b`); `is_interrupted`: writing has begun and not ended.
     """
 
     def __init__(self, ecu: Ecu, space: MemorySpace, dump: DumpFile, *, resume: bool) -> None:
@@ -152,6 +152,7 @@ class Restore:
         self.runs: tuple[Run, ...] = ()
         self.written = 0
         self.differences: list[Difference] = []
+        self.is_interrupted = False
         if self._state.exists() and not resume:
             raise file_error(
                 dump.path,
@@ -171,11 +172,6 @@ class Restore:
         """The bytes that were the same before the restore."""
         return len(self._dump.data) - self.different
 
-    @property
-    def is_interrupted(self) -> bool:
-        """Whether writing has begun and not ended."""
-        return self._state.exists()
-
     def compare(self, *, block: int | None, progress: Progress) -> None:
         """Read the unit's bytes; find the `runs` to write, of at most `block` bytes each."""
         dump = self._dump
@@ -189,16 +185,17 @@ class Restore:
         and the errors of `MemorySpace.write_runs`; `compare` and `write` may follow again then.
         """
         if not self.runs:
-            self._state.unlink(missing_ok=True)
+            self._end()
             return
         writing = self._space.write_runs(self.runs, self._what())
         self._save()
+        self.is_interrupted = True
         for number, (run, written) in enumerate(zip(self.runs, writing, strict=True), 1):
             self._count(run, written.after)
             with suppress(UsageError):  # a full disk is no reason to stop half-way
                 self._save()
             if not self.written and number == min(_HOPELESS, len(self.runs)):
-                self._state.unlink(missing_ok=True)
+                self._end()
                 raise ReadBackDiffers(
                     name=f"{self._space.name} {run.address:04X}",
                     wanted=hex_dump(run.data),
@@ -206,7 +203,11 @@ class Restore:
                     advice=_NOT_WRITABLE,
                 )
             yield len(run.data)
+        self._end()
+
+    def _end(self) -> None:
         self._state.unlink(missing_ok=True)
+        self.is_interrupted = False
 
     def _count(self, run: Run, after: bytes) -> None:
         for offset, (a, b) in enumerate(zip(after, run.data, strict=True)):

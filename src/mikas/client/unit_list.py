@@ -47,6 +47,12 @@ _OTHER_LIST = Text(
     "В блоке не тот список, который ожидался: его задала другая программа или блок его потерял. "
     "Задайте список заново.",
 )
+_NOT_AS_NAMED = Text(
+    "The unit's list has other parameters than those named. Name all of them in their order, or "
+    "set the list again.",
+    "В списке блока не те параметры, что названы. Назовите все по порядку или задайте список "
+    "заново.",
+)
 _PERHAPS_LOST = Text(
     "A unit forgets its list when its supply goes off: set the list again. Else the line is bad.",
     "При отключении питания блок забывает список: задайте его заново. Иначе плохая связь.",
@@ -164,9 +170,10 @@ class UnitList:
         with self.held():
             self._gate.make(_change(data, len(set(data))), act, lambda _: None)
 
-    def read(self, wanted: tuple[Parameter, ...]) -> dict[int, RawDatum]:
+    def read(self, wanted: tuple[Parameter, ...], *, named: bool = False) -> dict[int, RawDatum]:
         """Read the list of `wanted` (63); return its data by code.
 
+        `named`: by the user, so that another length says nothing about the list set by mikas.
         Raises `ListLost` for a refusal, `NotSupported` if the unit does not know 63, `WrongLength`
         for another list, `NoResponse`.
         """
@@ -181,9 +188,14 @@ class UnitList:
             raise ListLost(
                 request=error.request, received=error.received, time=error.time
             ) from error
-        except (NoResponse, WrongLength) as error:
+        except WrongLength as error:
+            if not named:
+                self.forget()
+            error.advice = _NOT_AS_NAMED if named else _OTHER_LIST
+            raise
+        except NoResponse as error:
             self.forget()
-            error.advice = _OTHER_LIST if isinstance(error, WrongLength) else _PERHAPS_LOST
+            error.advice = _PERHAPS_LOST
             raise
         except NoConnection:
             self.current = ()
