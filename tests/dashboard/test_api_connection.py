@@ -89,9 +89,24 @@ def test_an_adapter_that_comes_back_under_another_name_is_followed(off):
     off.client.post("/api/doctor", json={}, headers=ME)
     assert off.sampling()["port"] == second
     assert [link.url for link in cars.links] == [first, second, second, second]
-    cars.pull()  # the doctor has not made a stranger of it
-    cars.ports[:] = [cable(second, "B2")]
+
+
+def test_an_adapter_exchanged_during_the_check_is_not_sampled(off):
+    def cable(number):
+        return replace(ADAPTER, vid=0x0403, pid=0x6001, serial_number=number)
+
+    def exchanged(url):
+        link = off.cars.open(url)
+        off.cars.ports[:] = [cable("B2")]
+        return link
+
+    off.cars.ports[:] = [cable("A1")]
+    off.post("/connect", {"port": None})
+    off.sampling()
+    object.__setattr__(off.dashboard.settings, "open_port", exchanged)
+    off.client.post("/api/doctor", json={}, headers=ME)
     off.until(lambda it: it["state"]["reason_code"] == "AnotherAdapter")
+    assert len(off.cars.links) == 2
 
 
 KEY_OFF = """

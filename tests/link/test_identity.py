@@ -93,11 +93,32 @@ def test_a_number_that_two_adapters_have_is_none():
     assert found(adapter, ftdi(SECOND, "0001", "1-1"), ftdi(FIRST, "0001", "1-2")) == SECOND
 
 
+def test_a_number_that_a_later_one_has_too_is_none():
+    adapter, ours, other = known(ftdi(FIRST)), ftdi(FIRST), ftdi(SECOND, location="1-2")
+    assert found(adapter, ours, other) == FIRST
+    with pytest.raises(AnotherAdapter):
+        found(adapter, other)
+
+
+def test_an_earlier_absence_does_not_count():
+    adapter, ours = known(ch340(FIRST)), ch340(FIRST)
+    with pytest.raises(PortNotFound):
+        found(adapter)
+    assert found(adapter, ours) == FIRST
+    adapter.opened(ours)
+    with pytest.raises(AnotherAdapter):
+        found(adapter, ch340(SECOND, "1-2"))
+
+
 def test_the_ports_of_one_adapter_are_told_apart():
-    one, two = ftdi(FIRST, location="1-1:1.0"), ftdi(SECOND, location="1-1:1.1")
-    adapter = known(two, one)
-    swapped = ftdi(SECOND, location="1-1:1.0"), ftdi(FIRST, location="1-1:1.1")
-    assert found(adapter, *swapped) == FIRST
+    adapter = known(ftdi(FIRST, location="1-1:1.1"), ftdi(SECOND, location="1-1:1.0"))
+    swapped = ftdi(FIRST, location="1-1:1.0"), ftdi(SECOND, location="1-1:1.1")
+    assert found(adapter, *swapped) == SECOND
+
+
+def test_ports_that_nothing_tells_apart_keep_their_names():
+    one, two = ftdi(SECOND), ftdi(FIRST)
+    assert found(known(two, one), one, two) == FIRST
 
 
 def test_without_a_known_socket_the_name_stands_for_it():

@@ -118,6 +118,43 @@ def test_an_adapter_exchanged_while_it_is_opened_is_let_go(opened_before, then):
     assert not desk.links[-1].written
 
 
+def ch340(url: str, location: str) -> Port:
+    return Port(url, "CH340", vid=0x1A86, pid=0x7523, location=location)
+
+
+def test_a_like_adapter_of_another_socket_is_let_go_too():
+    desk = Desk(ch340("/dev/ttyUSB0", "1-1"))
+    plug = desk.plug("/dev/ttyUSB0")
+    desk.on_open = lambda: setattr(desk, "ports", [ch340("/dev/ttyUSB0", "1-2")])
+    with pytest.raises(AnotherAdapter):
+        plug.open()
+
+
+def test_two_of_a_kind_once_seen_are_remembered():
+    desk = Desk(ch340("/dev/ttyUSB0", "1-1"), ch340("/dev/ttyUSB1", "1-2"))
+    plug = desk.plug("/dev/ttyUSB0")
+    plug.open()
+    desk.ports.pop()
+    plug.open()
+    for desk.ports in ([], [ch340("/dev/ttyUSB0", "1-2")]):
+        with pytest.raises(PortNotFound):
+            plug.open()
+    assert desk.opened == ["/dev/ttyUSB0"] * 2
+
+
+def test_a_cable_moved_to_another_socket_is_known_by_that_one():
+    desk = Desk(ch340("/dev/ttyUSB0", "1-1"))
+    plug = desk.plug("/dev/ttyUSB0")
+    plug.open()
+    desk.ports = []
+    with pytest.raises(PortNotFound):
+        plug.open()
+    desk.ports = [ch340("/dev/ttyUSB0", "1-2")]
+    plug.open()
+    desk.ports = [ch340("/dev/ttyUSB0", "1-1"), ch340("/dev/ttyUSB1", "1-2")]
+    assert plug.open().url == "/dev/ttyUSB1"
+
+
 def test_a_link_to_its_name_is_kept_while_it_leads_to_it(tmp_path):
     one, two, alias = tmp_path / "ttyUSB0", tmp_path / "ttyUSB1", tmp_path / "by-id"
     for file in (one, two):

@@ -9,8 +9,9 @@ car, whose values must never pass for this car's. So:
 - **Without a serial number** (CH340, most PL2303), and where two adapters have the same one
   (CP2102: often `0001`), the USB socket decides among like adapters. One in another socket is taken
   only if it is the only one of its kind, and was plugged in after this one had been pulled. Then it
-  is most likely the same cable, moved; whether the same unit answers, sampling checks by the
-  passports, as it does after any loss (D13).
+  is most likely the same cable, moved. Whether the same unit answers, sampling checks by version
+  and passports, as after any loss (D13): so a like cable of another car is reported as another
+  unit, as far as that has passports.
 - A port without a USB identity (built in, a pty) is known by its name only.
 
 On Windows and macOS a port whose socket is unknown keeps its name in that socket: the name stands
