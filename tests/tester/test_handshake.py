@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+
 import pytest
 from tester_rig import (
     ADAPTERS,
+    DATA,
     DEAD,
     ECHOING,
     SILENT_ADAPTER,
@@ -21,6 +24,7 @@ from tester_rig import (
 
 from mikas import commands as c
 from mikas.errors import (
+    AnswersLate,
     EchoDiffers,
     EchoOnly,
     LineNotQuiet,
@@ -29,9 +33,10 @@ from mikas.errors import (
     NotAKLineAdapter,
     SyncLost,
     UsageError,
+    WrongEchoSetting,
 )
-from mikas.framing import encode
-from mikas.tester import Echo
+from mikas.framing import Decoder, encode
+from mikas.tester import Echo, Timing
 from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.quirks import StreamEnd
 
@@ -112,10 +117,39 @@ def test_it_connects_once_the_ignition_is_on():
 
 
 def test_the_wrong_echo_setting_has_its_own_error():
-    with pytest.raises(EchoDiffers):
+    with pytest.raises(WrongEchoSetting, match="does not return what it sends"):
         Watched(adapter=SILENT_ADAPTER).tester(echo=Echo.ON).connect()
-    with pytest.raises(EchoDiffers):
+    with pytest.raises(WrongEchoSetting, match="The request came back before the response"):
         Watched().tester(echo=Echo.OFF).connect()
+
+
+@each_adapter
+@pytest.mark.parametrize("delay", [0.55, 0.7, 0.95])
+def test_a_unit_slower_than_the_time_out_is_named_with_a_time_out_that_suffices(adapter, delay):
+    unit = Watched(adapter=adapter, turn_round=delay)
+    with pytest.raises(AnswersLate) as caught:
+        unit.tester().connect()
+    assert caught.value.fields["seconds"] == pytest.approx(delay, abs=0.02)
+    right(unit.connected(timing=Timing(response_timeout=caught.value.fields["wanted"])))
+
+
+@pytest.mark.parametrize("delays", [[0], [0.0001, 0.004]])
+def test_an_emulator_without_a_wire_may_answer_before_a_wire_carries_the_request(delays):
+    """Seconds from the write to the response, in turn: another program behind a socket."""
+    pauses = itertools.cycle(delays)
+
+    def answer(sent):
+        (frame,) = Decoder().feed(sent)
+        body = b"\x0a" if frame.body == b"\x01" else b"".join(map(DATA.get, frame.body[1:]))
+        return [(next(pauses) - len(sent) * link.byte_time, encode(body))]
+
+    link = ScriptedLink(answer, echo=False)
+    tester = make(link)
+    tester.connect()
+    for _ in range(10):
+        right(tester)
+    assert tester.statistics.failed == 0
+    assert not tester.echoes
 
 
 def test_an_echo_that_always_differs_is_an_error():

@@ -6,7 +6,9 @@ from typing import Final
 
 from mikas.errors import (
     AdviceTable,
+    AnswersLate,
     EchoDiffers,
+    EchoOnly,
     LineError,
     LinkLost,
     ListLost,
@@ -20,6 +22,7 @@ from mikas.errors import (
     RecordingOver,
     TakenByBrltty,
     UnknownParameter,
+    WrongEchoSetting,
 )
 from mikas.i18n import Text
 
@@ -64,6 +67,15 @@ _HINTS = {
         "Какие команды знает блок: `mikas info`; проверка линии: `mikas doctor`; ждать дольше: "
         "`--timeout`.",
     ),
+    WrongEchoSetting: Text(
+        "That is `--echo auto`, or no `--echo` at all.",
+        "Это `--echo auto` или команда без ключа `--echo`.",
+    ),
+    AnswersLate: Text("The option is `--timeout {wanted:g}`.", "Ключ: `--timeout {wanted:g}`."),
+    EchoOnly: Text(
+        "For a slow unit, `--timeout 2` waits longer.",
+        "Если блок медленный, `--timeout 2` ждёт дольше.",
+    ),
     EchoDiffers: Text(
         "The option is `--echo`; `mikas doctor` checks the connection step by step.",
         "Эхо настраивает ключ `--echo`; `mikas doctor` проверит связь по шагам.",
@@ -80,6 +92,9 @@ _HINTS = {
 }
 
 ADVICE: Final = AdviceTable(_HINTS)
-_OF_PORTS = (PortNotFound, NoPortGiven, TakenByBrltty, PortProbed, PortDenied)
-DOCTOR_ADVICE: Final = AdviceTable({kind: _HINTS[kind] for kind in _OF_PORTS})
+_IN_DOCTOR = (
+    *(PortNotFound, NoPortGiven, TakenByBrltty, PortProbed, PortDenied),
+    *(AnswersLate, EchoOnly, WrongEchoSetting),
+)
+DOCTOR_ADVICE: Final = AdviceTable({kind: _HINTS[kind] for kind in _IN_DOCTOR})
 """While `mikas doctor` runs, it is not advised."""

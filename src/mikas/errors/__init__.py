@@ -31,7 +31,9 @@
     ├── LineError                      the ECU is there, the exchange failed
     │   ├── NoResponse (TimeoutError)  silence, D14
     │   │   └── EngineStopped          no response to a stream by strokes (D15)
+    │   ├── AnswersLate                each response comes after the time-out (D14)
     │   ├── EchoDiffers                the echo differs from the bytes sent (D1)
+    │   │   └── WrongEchoSetting       the line echoes, and the setting says it does not, or so
     │   ├── DamagedResponse            checksum, cut or over-long frame (§2)
     │   ├── WrongLength                a valid frame of a length not requested (D13)
     │   ├── WrongAddress               a valid frame with another address (D13)
@@ -72,6 +74,7 @@ from mikas.errors.connection import PortNotFound as PortNotFound
 from mikas.errors.connection import PortProbed as PortProbed
 from mikas.errors.connection import RecordingOver as RecordingOver
 from mikas.errors.connection import TakenByBrltty as TakenByBrltty
+from mikas.errors.exchange import AnswersLate as AnswersLate
 from mikas.errors.exchange import DamagedResponse as DamagedResponse
 from mikas.errors.exchange import EchoDiffers as EchoDiffers
 from mikas.errors.exchange import EcuRefused as EcuRefused
@@ -87,6 +90,7 @@ from mikas.errors.exchange import SyncLost as SyncLost
 from mikas.errors.exchange import WriteRefused as WriteRefused
 from mikas.errors.exchange import WrongAddress as WrongAddress
 from mikas.errors.exchange import WrongContent as WrongContent
+from mikas.errors.exchange import WrongEchoSetting as WrongEchoSetting
 from mikas.errors.exchange import WrongLength as WrongLength
 from mikas.errors.usage import AddressOutOfRange as AddressOutOfRange
 from mikas.errors.usage import BadPortUrl as BadPortUrl

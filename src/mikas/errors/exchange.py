@@ -53,6 +53,25 @@ class EchoDiffers(LineError):
     )
 
 
+class WrongEchoSetting(EchoDiffers):
+    """The line echoes and the setting says that it does not, or the other way round (D1)."""
+
+    what = Text("{problem}", "{problem}")
+    advice = Text(
+        "Set the echo to auto: then it is detected.", "Задайте эхо auto: тогда оно определится."
+    )
+
+
+class AnswersLate(LineError):
+    """Each response comes after the time-out (D14). `wanted`: a sufficient one, in seconds."""
+
+    what = Text(
+        "The ECU answers {seconds:.2g} s after a request, later than the time-out of {limit:g} s",
+        "Блок отвечает через {seconds:.2g} с после запроса, позже предела ожидания {limit:g} с",
+    )
+    advice = Text("Set a time-out of {wanted:g} s.", "Задайте предел ожидания {wanted:g} с.")
+
+
 class DamagedResponse(LineError):
     """The response's frame is damaged: checksum, cut short, or too long (§2)."""
 

@@ -12,13 +12,28 @@ from mikas.errors import (
     NoResponse,
     NotAKLineAdapter,
     SyncLost,
+    WrongEchoSetting,
 )
-from mikas.framing import TERMINATOR, encode
+from mikas.framing import TERMINATOR, Damage, Frame, encode
+from mikas.i18n import Text
 from mikas.tester.exchange import Reply
 from mikas.tester.line import Line
 from mikas.tester.line_sync import AVAILABILITY, LineSync, no_ecu_error
 
 _ELM_TEXT = frozenset(b"?>\r\n .0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ")
+
+
+_ECHOED = Text(
+    "The request came back before the response: the adapter returns what it sends, but the echo is "
+    "set to off",
+    "Перед ответом вернулся сам запрос: адаптер возвращает посланное, а в настройках эхо отключено",
+)
+_NOT_ECHOED = Text(
+    "The response came without the request before it: the adapter does not return what it sends, "
+    "but the echo is set to on",
+    "Ответ пришёл без эха запроса: адаптер не возвращает посланное, а в настройках эхо включено",
+)
+_SLOWEST = 2.0  # s to a response
 
 
 class Echo(Enum):
@@ -69,8 +84,13 @@ def _find_echo(line: Line, expected: Echo, received_before: bytes) -> bool:
     line.echo = data.startswith(request)
     if data == request and expected is Echo.OFF:
         raise EchoOnly(request=request, received=data, time=line.link.now())
-    if (not line.echo and not sound) or expected is (Echo.OFF if line.echo else Echo.ON):
+    if not line.echo and not sound:
         raise EchoDiffers(request=request, received=data, time=line.link.now())
+    if expected is (Echo.OFF if line.echo else Echo.ON):
+        problem = _ECHOED if line.echo else _NOT_ECHOED
+        raise WrongEchoSetting(
+            problem=problem, request=request, received=data, time=line.link.now()
+        )
     return data != request
 
 
@@ -89,10 +109,28 @@ def _send_availability(line: Line) -> tuple[bytes, bytes]:
     return request, bytes(received)
 
 
+def late_answer(line: Line, sync: LineSync) -> float | None:
+    """Return the seconds from `01` to its only response if that comes after the time-out (D14).
+
+    For a handshake that failed because responses did not fit their requests. None: not so.
+    """
+    sync.silence(patient=True)
+    line.interject(AVAILABILITY)
+    deadline, decoder = line.sent_until + _SLOWEST, line.decoder()
+    frames: list[tuple[Frame | Damage, float]] = []
+    while len(frames) <= line.echo and (chunk := line.link.read(deadline)).data:
+        frames += decoder.feed(chunk)
+    if len(frames) != 1 + line.echo or line.wait_for_quiet(line.idle_time):
+        return None
+    answer, began = frames[-1]
+    late = began - line.sent_until > line.timing.response_timeout
+    return began - line.sent_until if late and isinstance(answer, Frame) else None
+
+
 def _request_version(line: Line, *, answered: bool) -> Reply:
     """Return the answer to `01`. `answered`: one came before, so silence is a lost response."""
     try:
-        return line.exchange(AVAILABILITY)
+        return line.exchange(AVAILABILITY, confirms=True)
     except NoResponse as error:
         if answered:
             raise

@@ -38,6 +38,7 @@ _DAMAGE = {
 }
 _LONGER = 1.2  # times the link's granularity: more than the longest pause that is none on the wire
 _OVERHEAD = 2  # bytes of a response besides its body, at least: checksum and terminator
+_AT_ONCE = 10  # responses in the time of a wire, after which it is one
 _CUT = Text("it ends in the middle", "он обрывается на середине")
 _TOO_SOON = Text("it began while the request was being sent", "он начался, пока посылался запрос")
 _DOUBLED = Text("more than one response came", "пришло больше одного ответа")
@@ -63,6 +64,9 @@ class Line:
         self.sent_until = -inf  # when the last byte of the latest request was sent
         # When the echo had arrived; an adapter may generate it before the bytes are sent.
         self.echo_heard = -inf
+        # Responses for which the other end may be an emulator that answers sooner than a wire
+        # carries the request.
+        self._at_once = 0
         self.silences = 0  # how often two requests in a row got no byte
         self._unanswered = 0  # requests in a row
         self._ahead = Chunk(b"", 0.0)  # received together with the end of an echo
@@ -73,14 +77,19 @@ class Line:
         """Seconds of silence, as seen through this link, that count as a quiet line (D13, D14)."""
         return max(self.timing.idle_time, _LONGER * self.link.granularity)
 
-    def exchange(self, body: bytes, *, of_many: bool = False, min_length: int = 0) -> Reply:
+    def exchange(
+        self, body: bytes, *, of_many: bool = False, min_length: int = 0, confirms: bool = False
+    ) -> Reply:
         """Send `body`; return its only response, or the first one with `of_many`.
 
         `min_length`: bytes of the response's shortest possible body; the line is not read before
-        so many can have arrived. Raises `NoEcho` or a `LineError`.
+        so many can have arrived. `confirms`: a `01` that confirms the synchronization (D13). Raises
+        `NoEcho` or a `LineError`.
         """
         wire, sent_at = self.send(body)
-        return self.receive(wire, sent_at, of_many=of_many, min_length=min_length)
+        return self.receive(
+            wire, sent_at, of_many=of_many, min_length=min_length, confirms=confirms
+        )
 
     def send(self, body: bytes, *, hasty: bool = False) -> tuple[bytes, float]:
         """Send `body` and check the echo; return the wire form and the last byte's time.
@@ -128,7 +137,13 @@ class Line:
         return chunk.time - len(extra) * self.link.byte_time
 
     def receive(
-        self, wire: bytes, sent_at: float, *, of_many: bool = False, min_length: int = 0
+        self,
+        wire: bytes,
+        sent_at: float,
+        *,
+        of_many: bool = False,
+        min_length: int = 0,
+        confirms: bool = False,
     ) -> Reply:
         """Return the only response to the request `wire`, whose last byte was sent at `sent_at`.
 
@@ -136,14 +151,18 @@ class Line:
         as for `exchange`. The first byte is read at its arrival, so `began` is exact.
         """
         try:
-            reply = self._receive(wire, sent_at, of_many=of_many, min_length=min_length)
+            reply = self._receive(
+                wire, sent_at, of_many=of_many, min_length=min_length, confirms=confirms
+            )
         except MikasError as error:
             self._log_error(error)
             raise
         self._log_frame("<", reply.wire)
         return reply
 
-    def _receive(self, wire: bytes, sent_at: float, *, of_many: bool, min_length: int) -> Reply:
+    def _receive(
+        self, wire: bytes, sent_at: float, *, of_many: bool, min_length: int, confirms: bool
+    ) -> Reply:
         decoder = self.decoder()
         received = bytearray()
         deadline = sent_at + self.timing.response_timeout
@@ -154,9 +173,8 @@ class Line:
                     self._count_silence()
                 raise self._nothing_more(wire, bytes(received), chunk.time)
             if not received:
-                if chunk.time < sent_at + self.link.byte_time / 2 and not self.echo:
-                    # No echo shows the collision (D2), and two mixed frames may look valid.
-                    raise self._damaged(wire, chunk.data, chunk.time, _TOO_SOON)
+                if not self.echo:
+                    self._check_not_too_soon(wire, sent_at, chunk, confirms=confirms)
                 self._unanswered = 0
             received += chunk.data
             deadline = chunk.time + self._pause()
@@ -173,7 +191,24 @@ class Line:
             if not of_many and (len(events) > 1 or decoder.pending):
                 # One of them answers an earlier request; which one is unknown (D13).
                 raise self._damaged(wire, bytes(received), chunk.time, _DOUBLED)
-            return Reply(first.body, first.wire, max(sent_at, began), chunk.time)
+            began = min(max(sent_at, began), chunk.time)
+            return Reply(first.body, first.wire, began, chunk.time)
+
+    def _check_not_too_soon(
+        self, wire: bytes, sent_at: float, chunk: Chunk, *, confirms: bool
+    ) -> None:
+        """Raise for a response before the end of its request, unless an emulator answers at once.
+
+        No echo shows the collision (D2), and two mixed frames may look valid. An emulator without a
+        wire shows itself by the answer to a `01` that `confirms` the synchronization (D13): no
+        other response is due then, and none follows.
+        """
+        if chunk.time >= sent_at + self.link.byte_time / 2:
+            self._at_once = max(0, self._at_once - 1)
+        elif self._at_once or confirms:
+            self._at_once = _AT_ONCE
+        else:
+            raise self._damaged(wire, chunk.data, chunk.time, _TOO_SOON)
 
     def _log_error(self, error: MikasError) -> None:
         if self._log.isEnabledFor(_DEBUG):

@@ -88,7 +88,7 @@ class LineSync:
         """Whether exactly one response arrives, the unit's own, and then silence (D13)."""
         self.mark_lost()
         try:
-            reply = self.line.exchange(AVAILABILITY)
+            reply = self.line.exchange(AVAILABILITY, confirms=True)
         except NoResponse as error:
             raise no_ecu_error(error, echoes=self.line.echo) from error
         extra = self.line.wait_for_quiet(self.line.idle_time)

@@ -9,22 +9,25 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from math import ceil
 from typing import Any, TypeVar
 
 from mikas import commands as c
 from mikas.errors import (
+    AnswersLate,
     EcuRefused,
     LineError,
     MikasError,
     NoConnection,
     NoResponse,
     NotSupported,
+    SyncLost,
     usage_error,
 )
 from mikas.framing import encode
 from mikas.link import Link
 from mikas.tester.exchange import Reply, Statistics, Timing
-from mikas.tester.handshake import Echo, handshake, refuse_elm
+from mikas.tester.handshake import Echo, handshake, late_answer, refuse_elm
 from mikas.tester.line import Line
 from mikas.tester.line_sync import LineSync
 from mikas.tester.stream import Stream
@@ -92,7 +95,8 @@ class Tester:
     def connect(self) -> int:
         """Detect the echo and the unit; return its version code.
 
-        Raises `NoEcho`, `EchoOnly`, `EchoDiffers`, `NotAKLineAdapter`, `LineNotQuiet`, `LinkLost`.
+        Raises `NoEcho`, `EchoOnly`, `EchoDiffers`, `NotAKLineAdapter`, `LineNotQuiet`,
+        `AnswersLate`, `LinkLost`.
         """
         with self._holding():
             for attempt in range(self.retries + 1):
@@ -106,11 +110,30 @@ class Tester:
                     self.statistics.fail(error)
                     refuse_elm(error.received or b"")
                     if attempt == self.retries:
+                        self._check_time_out(error)
                         raise
             self._sync.keep()
             assert self.version_code is not None
             self._known.update(c.Availability.CODES)
             return self.version_code
+
+    def _check_time_out(self, error: LineError) -> None:
+        """After `error` of the handshake: raise `AnswersLate` if the response comes too late."""
+        if not isinstance(error, SyncLost):
+            return
+        seconds = None
+        with suppress(LineError):
+            self._sync.mark_lost()
+            seconds = late_answer(self._line, self._sync)
+        if seconds is not None:
+            raise AnswersLate(
+                seconds=seconds,
+                limit=self.timing.response_timeout,
+                wanted=ceil(2.4 * seconds) / 2,
+                request=error.request,
+                received=error.received,
+                time=self.link.now(),
+            ) from error
 
     def close(self) -> None:
         """End a running stream and close the link; a second call does nothing."""
