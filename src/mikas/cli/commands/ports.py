@@ -62,6 +62,7 @@ def _list(context: CommandContext) -> None:
                 "description": port.description,
                 "chip": port.chip,
                 "likely": port.likely,
+                "serial_number": port.serial_number,
                 "quirks": [quirk._asdict() for quirk in port.quirks],
             }
             for port in found
@@ -71,8 +72,16 @@ def _list(context: CommandContext) -> None:
     without_port = adapter_without_port()
     if found:
         context.output.table(
-            [tr("port", "порт"), tr("chip", "микросхема"), tr("description", "описание")],
-            [[port.url, port.chip or "–", port.description] for port in found],
+            [
+                tr("port", "порт"),
+                tr("chip", "микросхема"),
+                tr("serial number", "серийный номер"),
+                tr("description", "описание"),
+            ],
+            [
+                [port.url, port.chip or "–", port.serial_number or "–", port.description]
+                for port in found
+            ],
         )
     elif without_port is None:
         context.say(
