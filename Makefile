@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test browser check bench clean
+.PHONY: help demo test browser cable check bench clean
 
 help: ## list these targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -24,14 +24,17 @@ demo: .venv/installed ## the product with a virtual car: no cable needed
 # The tests of these three run with coverage, all others without: measuring halves the speed of long runs.
 gated := tests/test_framing.py tests/commands tests/catalog
 
-test: .venv/with-test web/node_modules/installed ## all tests but those in a browser; framing, commands, catalog: 100 % branches
+test: .venv/with-test web/node_modules/installed ## all tests but those in a browser and on a cable; framing, commands, catalog: 100 % branches
 	@$(venv_python) -m pytest -n auto --dist worksteal $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
-	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser,--ignore=$(path))
+	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/cable,--ignore=$(path))
 	@$(npm) test
 
 browser: .venv/with-test ## the tests that drive the page in Chromium; pictures of all screens in build/screenshots
 	@$(venv_python) -m pytest tests/browser
+
+cable: .venv/with-test build/cable/unpacked ## the program on a cable under Linux' own driver, in QEMU: docs/cable.md
+	@MIKAS_REQUIRE_CABLE=1 $(venv_python) -m pytest -n 2 --dist worksteal tests/cable
 
 check: .venv/with-check web/node_modules/installed ## lint, format, types, import rules, names of changes/
 	$(venv_python) -m ruff check .
@@ -78,6 +81,18 @@ web/node_modules/installed: web/package-lock.json .venv/with-test
 	@echo "Installing the packages of the page"
 	@$(npm) ci
 	@touch $@
+
+# Debian's kernel and udev for `make cable`, unpacked here and not installed. Where they can't be had, the tests say so.
+build/cable/unpacked:
+	@mkdir -p $(@D)
+	@cd $(@D) && if $(get_packages); then touch $(@F); fi
+
+define get_packages
+kernel=$$(apt-cache depends linux-image-amd64 2>/dev/null | sed -n 's/^ *Depends: //p' | head -n 1); \
+[ -n "$$kernel" ] && echo "Getting $$kernel and udev" && rm -f ./*.deb && \
+apt-get download --quiet=2 "$$kernel" udev && \
+for package in ./*.deb; do dpkg-deb --extract "$$package" . || exit 1; done && rm -f ./*.deb
+endef
 
 define find_python
 python=; \

@@ -32,6 +32,42 @@ def test_info_of_a_unit_that_answers_few_commands(mikas):
     assert found["supported"]["CPASP (51)"] is False
 
 
+STANDING = """
+name = "standing"
+duration = 600
+[text]
+en = "Ignition on, engine off"
+ru = "Зажигание включено, двигатель стоит"
+[start]
+ambient = 20
+coolant = 20
+coolant_at_start = 20
+running = false
+[timeline]
+key = 1
+starter = 0
+throttle = 0
+"""
+
+
+def test_what_info_and_doctor_tried(mikas, tmp_path):
+    strokes = [f"CREADPS ({code:02X})" for code in (0x7F, 0x80, 0x81, 0x82, 0x83)]
+    found = mikas("info", "--json", sim="&missing=81").object
+    tried = [found["supported"][name] for name in (*strokes, "CREADL (63)", "CWRITL (64)")]
+    assert tried == [True, True, False, True, True, True, True]
+    assert found["not_tried"] == {}
+    assert "81 stream at a stroke (2)" in mikas("info").lines[-2]
+
+    (tmp_path / "standing.toml").write_text(STANDING, "utf-8")
+    found = mikas("info", "--json", sim="&scenario=standing.toml").object
+    assert [found["supported"][name] for name in strokes] == [None] * 5
+    assert list(found["not_tried"]) == strokes
+    assert found["not_tried"][strokes[0]]["ru"] == "двигатель не вращается"
+    assert "the engine is not turning: 7F stream" in mikas("info").lines[-1]
+    assert "not tried: 7F 80 81 82 83 (the engine is not turning)" in mikas("doctor").out
+    assert "не проверены: 7F 80" in mikas("doctor", "--lang", "ru").out
+
+
 def test_faults(mikas):
     ran = mikas("faults", "--json", sim="&faults=13,200").object
     assert ran["count"] == 2

@@ -1,0 +1,171 @@
+"""The guest's first process: starts commands, reports their output and status.
+
+One JSON object a line, on a virtio port. From the host: `{"id", "run": [...], "env": {...}}`,
+`{"id", "signal": 2}`, `{"id", "drain": "/dev/ttyUSB0"}`: wait until its reader has taken all.
+To the host: `{"ready": true}`, `{"id", "out": text}`, `{"id", "err": text}`, `{"id", "status": 0}`.
+
+`mikas` is imported once, here, and each of its commands is a fork of this process: under emulation
+an interpreter takes five seconds to start. So this process has no threads.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import gc
+import json
+import os
+import selectors
+import signal
+import sys
+import termios
+import time
+import traceback
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from typing import NoReturn
+
+NAME = "mikas.agent"
+_USED = (
+    "mikas.cli.main", "mikas.cli.sampling_run", "mikas.cli.commands.doctor",
+    "mikas.cli.commands.log", "mikas.cli.commands.memory.cells",
+    "mikas.cli.commands.memory.files", "mikas.cli.commands.unit.parameters", "mikas.client.doctor",
+    "mikas.link.serial", "serial.tools.list_ports",
+)  # fmt: skip
+
+
+@dataclass(slots=True)
+class Process:
+    number: int
+    pid: int
+    open_ends: set[int] = field(default_factory=set)
+
+
+class Agent:
+    def __init__(self, port: int) -> None:
+        self._port = port
+        self._selector = selectors.DefaultSelector()
+        self._processes: dict[int, Process] = {}
+
+    def serve(self) -> None:
+        self._selector.register(self._port, selectors.EVENT_READ, self._receive)
+        self._pending = b""
+        self._send(ready=True)
+        while True:
+            for key, _ in self._selector.select():
+                key.data()
+
+    def _receive(self) -> None:
+        *lines, self._pending = (self._pending + os.read(self._port, 4096)).split(b"\n")
+        for line in lines:
+            order = json.loads(line)
+            if "run" in order:
+                self._run(order["id"], order["run"], order["env"])
+            elif "drain" in order:
+                drain(order["drain"])
+                self._send(id=order["id"], status=0)
+            elif (process := self._processes.get(order["id"])) is not None:
+                os.kill(process.pid, order["signal"])
+
+    def _run(self, number: int, words: list[str], env: dict[str, str]) -> None:
+        out, err = os.pipe(), os.pipe()
+        pid = os.fork()
+        if pid == 0:
+            os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+            os.dup2(out[1], 1)
+            os.dup2(err[1], 2)
+            os.closerange(3, 64)
+            execute(words, env)
+        process = self._processes[number] = Process(number, pid)
+        for kind, (end, theirs) in (("out", out), ("err", err)):
+            os.close(theirs)
+            process.open_ends.add(end)
+            stream = Stream(self, process, kind, end)
+            self._selector.register(end, selectors.EVENT_READ, stream.read)
+
+    def pass_on(self, process: Process, kind: str, text: str) -> None:
+        self._send(**{"id": process.number, kind: text})
+
+    def ended(self, process: Process, end: int) -> None:
+        self._selector.unregister(end)
+        os.close(end)
+        process.open_ends.discard(end)
+        if not process.open_ends:
+            _, status = os.waitpid(process.pid, 0)
+            del self._processes[process.number]
+            self._send(id=process.number, status=os.waitstatus_to_exitcode(status))
+
+    def _send(self, **message: object) -> None:
+        data = json.dumps(message).encode() + b"\n"
+        while data:
+            data = data[os.write(self._port, data) :]
+
+
+@dataclass(slots=True)
+class Stream:
+    """A command's stdout or stderr, passed on by whole lines."""
+
+    agent: Agent
+    process: Process
+    kind: str
+    end: int
+    pending: bytes = b""
+
+    def read(self) -> None:
+        data = os.read(self.end, 65536)
+        lines, newline, self.pending = (self.pending + data).rpartition(b"\n")
+        whole = lines + newline if data else lines + newline + self.pending
+        if whole:
+            self.agent.pass_on(self.process, self.kind, whole.decode(errors="replace"))
+        if not data:
+            self.agent.ended(self.process, self.end)
+
+
+def execute(words: list[str], env: dict[str, str]) -> NoReturn:
+    """Be the command `words` from here on."""
+    os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    os.environ.clear()
+    os.environ.update(env)
+    os.chdir(env["HOME"])
+    try:
+        if words[0] != "mikas":
+            os.execvpe(words[0], words, env)
+        from mikas.cli.main import main
+
+        main(words[1:])
+    except SystemExit as end:
+        sys.stdout.flush()
+        os._exit(end.code if isinstance(end.code, int) else 1)
+    except BaseException:
+        traceback.print_exc()
+        sys.stderr.flush()
+    os._exit(127)
+
+
+def drain(port: str) -> None:
+    """Wait until the system holds no bytes of `port` for its reader."""
+    number = os.open(port, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)  # root may, despite TIOCEXCL
+    while fcntl.ioctl(number, termios.FIONREAD, bytes(4)) != bytes(4):
+        time.sleep(0.001)
+    os.close(number)
+
+
+def import_mikas() -> None:
+    """Import what the commands use; more than these would only delay the boot."""
+    for module in _USED:
+        import_module(module)
+    gc.freeze()  # a fork does not touch what is frozen
+
+
+def open_port() -> int:
+    for name in Path("/sys/class/virtio-ports").glob("*/name"):
+        if name.read_text("ascii").strip() == NAME:
+            return os.open(f"/dev/{name.parent.name}", os.O_RDWR)
+    raise FileNotFoundError(NAME)
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    import_mikas()
+    Agent(open_port()).serve()
