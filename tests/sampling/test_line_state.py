@@ -165,13 +165,13 @@ def cause_of(state: LineState | None, event: LineTrigger) -> Callable[[World], N
 
 
 def until_state(world: World, events: Iterator[Event], state: LineState | None) -> None:
-    """Take events until `state` is reported, with a sample once it is SAMPLING."""
+    """Take events until `state` is reported; SAMPLING with a sample of an identified unit."""
     if state is None:
         return
     LEADS_TO[state](world)
     take(events, lambda e: e[-1].state is state if isinstance(e[-1], StateChanged) else False)
     if state is LineState.SAMPLING:
-        take(events, lambda e: bool(of(Sampled, e)))
+        take(events, lambda e: bool(of(Sampled, e)) and world.sampler._supervisor.unit is not None)
 
 
 def run_on(world: World, events: Iterator[Event], reached: list[Cell], cell: Cell) -> None:

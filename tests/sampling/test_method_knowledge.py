@@ -63,7 +63,8 @@ class TestKept:
     def test_the_next_session_begins_with_the_best_at_once(self, tmp_path):
         first = session(make_bus(), state=tmp_path, until=settled)
         then = session(make_bus(), state=tmp_path)
-        assert isinstance(then[then.index(of(Sampled, then)[0]) - 2], MethodChosen)
+        _, second, *_ = of(Sampled, then)  # the first came before the unit was identified
+        assert isinstance(then[then.index(second) - 2], MethodChosen)
         assert [c.method for c in of(MethodChosen, then)] == ["stream"]
         rates = of(MethodChosen, then)[0].rates
         assert rates == pytest.approx(dict(of(MethodChosen, first)[0].rates), rel=0.01)
@@ -101,7 +102,7 @@ class TestKept:
         reported = session(make_bus(), "FREQ", *slow, state=tmp_path)
         assert [c.method for c in of(MethodChosen, reported)] == ["batch"]
         assert reported.index(of(MethodChosen, reported)[0]) < reported.index(
-            of(Sampled, reported)[0]
+            of(Sampled, reported)[1]
         )
 
     def test_relearn_measures_again_and_reports_the_method(self, tmp_path):

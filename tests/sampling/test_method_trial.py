@@ -7,12 +7,17 @@ from contextlib import closing
 import pytest
 from sampling_harness import SimulatedPlug, make_sampler, of, settled, take
 
-from mikas.sampling.events import CycleFailed, MethodChosen, PlanChanged
+from mikas.sampling.events import CycleFailed, Event, MethodChosen, PlanChanged, Sampled, UnitFound
 from mikas.sampling.sampler import Sampler
 from mikas.virtual.quirks import EcuQuirks
 from virtual_harness import make_bus
 
 CYCLE = 0.6  # s, and a little more: one of batch takes 0.46 s, one of list 0.43
+
+
+def trying(events: list[Event]) -> bool:
+    """The first sample since the unit was identified: the trial has begun."""
+    return bool(of(UnitFound, events)) and isinstance(events[-1], Sampled)
 
 
 def slow() -> tuple[SimulatedPlug, Sampler]:
@@ -25,7 +30,7 @@ def slow() -> tuple[SimulatedPlug, Sampler]:
 def test_stop_does_not_wait_for_it(after):
     plug, sampler = slow()
     with closing(sampler.run()) as events:
-        take(events, lambda e: bool(of(PlanChanged, e)))
+        take(events, trying)
         stop_at = plug.now() + after
         plug.at(stop_at, sampler.stop)
         reported = list(events)
@@ -36,7 +41,7 @@ def test_stop_does_not_wait_for_it(after):
 def test_another_request_does_not_wait_for_a_trial():
     plug, sampler = slow()
     with closing(sampler.run()) as events:
-        take(events, lambda e: bool(of(PlanChanged, e)))
+        take(events, trying)
         began = plug.now()
         sampler.reconfigure([p.parameter.name for p in sampler.plan.parameters[:2]], "batch")
         take(events, lambda e: bool(of(PlanChanged, e)))
@@ -54,7 +59,7 @@ def test_jobs_run_between_cycles_of_a_trial():
             plug.at(asked_at + 0.7, ask)
 
     with closing(sampler.run()) as events:
-        take(events, lambda e: bool(of(PlanChanged, e)))
+        take(events, trying)
         began = plug.now()
         ask()
         reported = take(events, lambda e: plug.now() > began + 6)

@@ -21,7 +21,7 @@ from sampling_harness import (
     wishes,
 )
 
-from mikas.sampling.events import CycleFailed, MethodChosen, Sampled
+from mikas.sampling.events import CycleFailed, MethodChosen, Sampled, UnitFound
 from mikas.sampling.plan import Plan
 from mikas.sampling.plan_runner import PlanCycles
 from mikas.virtual.quirks import GROUPS, EcuQuirks
@@ -29,8 +29,11 @@ from virtual_harness import make_bus
 
 
 def apart(events, name: str = "TWAT") -> list[float]:
-    """Seconds between one value of `name` and the next."""
-    times = [s.fresh[name].time for s in of(Sampled, events) if name in s.fresh]
+    """Seconds between one value of `name` and the next, once the unit is identified."""
+    found = [event.time for event in of(UnitFound, events)]
+    identified = found[0] if found else 0.0
+    samples = [s for s in of(Sampled, events) if s.time >= identified]
+    times = [s.fresh[name].time for s in samples if name in s.fresh]
     return [after - before for before, after in pairwise(times)]
 
 

@@ -70,7 +70,8 @@ class SamplingRun:
         """The end of the played recording, which ended the events."""
         self._began: float | None = None
         self._ecu: Ecu | None = None
-        self._searched = 0  # failed cycles before the first sample
+        self._works = False  # sampled since the unit was identified
+        self._searched = 0  # failed cycles before that
         self._failed_before = 0  # line errors on links that are gone
 
     @property
@@ -123,8 +124,8 @@ class SamplingRun:
         """Return whether `gap` may be the refusal of a method, which is raised next."""
         if isinstance(gap.error, EngineStopped):
             return False
-        self._searched += not self.samples
-        return not self.samples and self._searched <= _SEARCH
+        self._searched += not self._works
+        return not self._works and self._searched <= _SEARCH
 
     def _follow(self, event: Event) -> None:
         ecu = self.acquisition.ecu
@@ -139,6 +140,7 @@ class SamplingRun:
                 self._began = event.time
         self.method = self.acquisition.method
         self.samples += isinstance(event, Sampled)
+        self._works |= self.connected and isinstance(event, Sampled)
         self.gap_cycles += isinstance(event, CycleFailed)
         if self._began is not None:
             self.seconds = max(self.seconds, event.time - self._began)

@@ -68,6 +68,13 @@ class DataReader:
             found |= self._read([datum], limits)
         return found
 
+    def at_once(self, wanted: Sequence[Datum]) -> dict[int, RawDatum]:
+        """Read `wanted` by one request that is not repeated; its failure teaches nothing.
+
+        {} for an ambiguous 01. Raises a `LineError`, a `NoConnection`, or `NotSupported`.
+        """
+        return self._requests.send_once(wanted)
+
     def refuses(self, codes: Iterable[int]) -> bool:
         """Whether the unit refuses all `codes`, or answers them with ambiguous 01 only."""
         refused = {*self._cache.limits().refused}
@@ -201,6 +208,11 @@ class _Requests:
         if lone and data == (_ONE,):
             return self._resolve_one(lone, reply)
         return self._record(part, data, reply)
+
+    def send_once(self, part: Sequence[Datum]) -> dict[int, RawDatum]:
+        """Request `part` without a repetition; return its data by code, {} for a lone 01."""
+        data, reply = self._tester.exchange(ReadParameters(tuple(part)), retries=0, trial=True)
+        return {} if data == (_ONE,) else self._record(part, data, reply)
 
     def _send_twice(self, datum: Datum, *, retries: int | None = None) -> dict[int, RawDatum]:
         pair = (datum, datum)

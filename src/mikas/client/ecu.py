@@ -21,7 +21,7 @@ from mikas.client.identity import (
     Info,
     Passport,
     count_parameters,
-    read_passport,
+    read_passport_in_steps,
 )
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory import Memory
@@ -107,14 +107,25 @@ class Ecu:
         `again`: read once more, for another unit may answer after a pause. A piece that was read
         before and is missing now was lost on the line; the earlier value stays.
         """
-        if again or self._passport is None:
-            before, found = self._passport, read_passport(self.tester)
-            if before is not None and before.may_be(found):
-                found = found.filled_from(before)
-            self._passport = found
-            if before is not None and before != found:
-                self._limits.reset()
-        return self._passport
+        if not again and self._passport is not None:
+            return self._passport
+        steps = self._passport_in_steps()
+        while True:
+            try:
+                next(steps)
+            except StopIteration as end:
+                passport: Passport = end.value
+                return passport
+
+    def _passport_in_steps(self) -> Generator[None, None, Passport]:
+        """Read the passports as `passport(again=True)`; yield after each request."""
+        before, found = self._passport, (yield from read_passport_in_steps(self.tester))
+        if before is not None and before.may_be(found):
+            found = found.filled_from(before)
+        self._passport = found
+        if before is not None and before != found:
+            self._limits.reset()
+        return found
 
     def supported(self) -> Iterator[Support]:
         """Try every command once that changes nothing but the unit's list (64); yield the results.
@@ -302,6 +313,10 @@ class Ecu:
         self.close()
 
 
+# For the sampler; not in the public interface of the class above.
+# ruff: noqa: SLF001
+
+
 def poller_of(
     ecu: Ecu, method: FixedMethod, streamed: Sequence[Parameter] = (), *, again: bool = False
 ) -> Poller:
@@ -309,5 +324,22 @@ def poller_of(
 
     `again`: also request parameters that the unit has refused before.
     """
-    parameters = ecu._parameters  # noqa: SLF001  (of the class above; not in its public interface)
-    return create_poller(parameters, method, streamed, again=again)
+    return create_poller(ecu._parameters, method, streamed, again=again)
+
+
+def read_at_once(ecu: Ecu, parameters: Sequence[Parameter]) -> dict[str, Reading]:
+    """Read `parameters` by one request that is not repeated, whatever the unit's limits are.
+
+    The result lacks an ambiguous 01. Raises as `Tester.exchange`.
+    """
+    return ecu._parameters.at_once(parameters)
+
+
+def may_be_limited(ecu: Ecu) -> bool:
+    """Return whether limits of lists or parameters were saved for any unit: it may be this one."""
+    return ecu._limits.any_saved
+
+
+def passport_in_steps(ecu: Ecu) -> Generator[None, None, Passport]:
+    """Read the passports as `Ecu.passport(again=True)`; yield after each request."""
+    return ecu._passport_in_steps()

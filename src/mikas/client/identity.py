@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -59,19 +60,25 @@ class Info:
     limits: Limits
 
 
-def read_passport(tester: Tester) -> Passport:
-    """Read the passports: eight requests, fewer if the unit refuses the first of a kind."""
-    return Passport(_pieces(tester, c.ReadProgramPassport), _pieces(tester, c.ReadDataPassport))
+def read_passport_in_steps(tester: Tester) -> Generator[None, None, Passport]:
+    """Read the passports: eight requests, fewer if the unit refuses the first of a kind.
+
+    Yields after each request, when the line is free.
+    """
+    program = yield from _pieces(tester, c.ReadProgramPassport)
+    data = yield from _pieces(tester, c.ReadDataPassport)
+    return Passport(program, data)
 
 
 def _pieces(
     tester: Tester, kind: type[c.ReadProgramPassport | c.ReadDataPassport]
-) -> tuple[str | None, ...]:
+) -> Generator[None, None, tuple[str | None, ...]]:
     pieces: list[str | None] = []
     for part in range(1, len(kind.CODES) + 1):
         if pieces == [None]:
             break
         pieces.append(_request_if_known(tester, kind(part)))
+        yield
     return tuple(pieces + [None] * (len(kind.CODES) - len(pieces)))
 
 

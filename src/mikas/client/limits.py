@@ -86,25 +86,24 @@ class LimitsStore:
             return not any(self.folder.glob("*.json"))
         return True
 
+    @property
+    def limits_any(self) -> bool:
+        """Whether lists or parameters of any unit are limited."""
+        with suppress(OSError):
+            return any(self._limits_lists(file) for file in self.folder.glob("*.json"))
+        return False
+
+    def _limits_lists(self, file: Path) -> bool:
+        limits = _load(file)
+        if limits.max_list == STARTING_LIST and not limits.refused:
+            return False
+        return self.virtual_units or VIRTUAL_PASSPORT not in file.read_text("utf-8")
+
     def load(self, version_code: int, passports: tuple[str, ...]) -> Limits:
         """Load the limits of a unit; the starting values if its file is missing or invalid."""
         if not self._keeps(passports):
             return Limits()
-        with suppress(OSError, *_NO_LIMITS):
-            stored = json.loads(self._file(version_code, passports).read_text("utf-8"))
-            return Limits(
-                max_list=min(max(int(stored["max_list"]), 1), STARTING_LIST),
-                max_block={
-                    str(space): min(max(int(count), 1), LARGEST_BLOCK)
-                    for space, count in stored["max_block"].items()
-                },
-                refused=[int(code) for code in stored["refused"]],
-                methods={
-                    str(adapter): {str(method): _timing(timing) for method, timing in each.items()}
-                    for adapter, each in stored.get("methods", {}).items()
-                },
-            )
-        return Limits()
+        return _load(self._file(version_code, passports))
 
     def save(self, version_code: int, passports: tuple[str, ...], limits: Limits) -> None:
         """Save `limits`. A failure only costs time in the next session, so it is not reported.
@@ -142,6 +141,24 @@ def unit_file(folder: Path, version_code: int, passports: tuple[str, ...]) -> Pa
     return folder / f"{sha256(named.encode()).hexdigest()[:16]}.json"
 
 
+def _load(file: Path) -> Limits:
+    with suppress(OSError, *_NO_LIMITS):
+        stored = json.loads(file.read_text("utf-8"))
+        return Limits(
+            max_list=min(max(int(stored["max_list"]), 1), STARTING_LIST),
+            max_block={
+                str(space): min(max(int(count), 1), LARGEST_BLOCK)
+                for space, count in stored["max_block"].items()
+            },
+            refused=[int(code) for code in stored["refused"]],
+            methods={
+                str(adapter): {str(method): _timing(timing) for method, timing in each.items()}
+                for adapter, each in stored.get("methods", {}).items()
+            },
+        )
+    return Limits()
+
+
 class LimitsCache:
     """The limits of the connected unit.
 
@@ -165,6 +182,11 @@ class LimitsCache:
                 else:
                     self._limits = self._store.load(*self._identify())
             return self._limits
+
+    @property
+    def any_saved(self) -> bool:
+        """Whether lists or parameters of any unit are limited, as saved."""
+        return self._store is not None and self._store.limits_any
 
     def keep(self) -> None:
         """Save the limits for the next session."""

@@ -136,6 +136,10 @@ class Parameters:
         read = self._data.single if method == "single" else self._data.batch
         return read(distinct(wanted), again=again)
 
+    def at_once(self, wanted: Sequence[Parameter]) -> dict[str, Reading]:
+        """Read `wanted` by one request; errors and result: `DataReader.at_once`."""
+        return self.readings(wanted, self._data.at_once(distinct(wanted)))
+
     def refuses(self, wanted: Sequence[Parameter]) -> bool:
         """Whether the unit is known to refuse every one of them."""
         return self._data.refuses(p.code for p in wanted)

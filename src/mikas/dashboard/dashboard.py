@@ -131,6 +131,7 @@ class Dashboard:
             confirm=self._approval.confirm,
             on_event=self._on_event,
             on_end=self._on_end,
+            identify_first=self._unit is not None,  # another unit may answer now
         )
         self.monitor.begin(request.every, thread.now())
         return thread

@@ -43,9 +43,19 @@ class Acquisition(Sampler):
         method: str = "auto",
         rate: float | None = None,
         strict: bool = False,
+        identify_first: bool = False,
         limits: Mapping[str, AlarmLimits | None] | None = None,
     ) -> None:
-        super().__init__(port, make_ecu, catalog, names, method=method, rate=rate, strict=strict)
+        super().__init__(
+            port,
+            make_ecu,
+            catalog,
+            names,
+            method=method,
+            rate=rate,
+            strict=strict,
+            identify_first=identify_first,
+        )
         self._limits = limits
         self._adopted = self._context.request.selection  # that of the latest `PlanChanged`
         self._derived = DerivedChannels(catalog, self._adopted.derived)

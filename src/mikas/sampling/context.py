@@ -9,7 +9,7 @@ from math import inf
 from mikas.client import Ecu, Reading
 from mikas.client.polling import FixedMethod, check_rate, next_due
 from mikas.commands import Datum
-from mikas.sampling.events import Sampled
+from mikas.sampling.events import PlanChanged, Sampled
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.method_knowledge import MethodKnowledge
 from mikas.sampling.plan import Plan, Selection
@@ -33,13 +33,26 @@ class SamplingRequest:
 class SamplingContext:
     """The shared state; `strict` applies until `has_sampled`, the first sample of the run."""
 
-    def __init__(self, request: SamplingRequest, jobs: JobQueue, *, strict: bool) -> None:
+    def __init__(
+        self,
+        request: SamplingRequest,
+        jobs: JobQueue,
+        *,
+        strict: bool = False,
+        identify_first: bool = False,
+    ) -> None:
         self.latest = request
         """The latest request, by any thread."""
         self.request = request
         """The request that is being served."""
         self.jobs = jobs
         self.strict = strict
+        self.identify_first = identify_first
+        """Whether no unit is sampled before its passports are known."""
+        self.plan: Plan | None = None
+        """The plan reported last; None before the first."""
+        self.is_reported = False
+        """Whether `plan` is reported for the request."""
         self.stopped = False
         self.relearn = False
         self.has_sampled = False
@@ -52,16 +65,22 @@ class SamplingContext:
         """The beginning of the next cycle, with a rate or in a cycle without requests."""
         self._last: dict[str, Reading] = {}
 
+    def start_run(self) -> None:
+        """Forget what the run before has reported."""
+        self.stopped = self.has_sampled = self.is_reported = False
+
     def forget_unit(self) -> None:
         """Forget methods, refusals and values of the unit."""
         self.knowledge = MethodKnowledge()
         self.refused.clear()
         self.dropped.clear()
+        self.is_reported = False
         self._last.clear()
 
     def start_request(self) -> None:
         """Serve the latest request; reset the state of the one before."""
         self.request = request = self.latest
+        self.is_reported = False
         self.due = -inf
         if request.selection.explicit:  # the named parameters are requested again
             self.refused.clear()
@@ -73,6 +92,13 @@ class SamplingContext:
     def is_current(self) -> bool:
         """Whether `request` is the latest request, without `stop` or `relearn`."""
         return self.request is self.latest and not self.relearn and not self.stopped
+
+    def report_plan(self, plan: Plan, time: float) -> Iterator[PlanChanged]:
+        """Report `plan`, unless it was reported for the request."""
+        if not self.is_reported or self.plan != plan:
+            self.is_reported, self.plan = True, plan
+            self._forget_values_outside(plan)
+            yield PlanChanged(time, plan)
 
     def sampled(self, fresh: dict[str, Reading]) -> Iterator[Sampled]:
         """Yield the sample of `fresh` readings, the latest of the others as stale.
@@ -101,7 +127,7 @@ class SamplingContext:
     def _schedule_after(self, time: float, period: float) -> None:
         self.due = next_due(time if self.due == -inf else self.due, time, period)
 
-    def forget_values_outside(self, plan: Plan) -> None:
+    def _forget_values_outside(self, plan: Plan) -> None:
         """Forget values of parameters outside `plan`, which are not stale but invalid."""
         names = {planned.parameter.name for planned in plan.parameters}
         self._last = {name: r for name, r in self._last.items() if name in names}

@@ -31,7 +31,9 @@ class LineTrigger(Enum):
     ECHO_MISSING = "a request was not even echoed: no 12 V at the adapter"
     SILENT = "a request was echoed and not answered: the ignition is off"
     SPOILT = "responses are damaged, out of step, or of another unit"
-    IDENTIFIED = "a unit answered and gave its version and passport"
+    IDENTIFIED = (
+        "a unit answered and gave its version; and its passport, if another was read before"
+    )
     ACCEPTED = "the unit gives requested parameters"
     REFUSED = "the unit refuses every requested parameter, or every method"
     ENDED = "sampling was stopped, or an error ended it"

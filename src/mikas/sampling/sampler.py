@@ -21,7 +21,7 @@ from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling import method_trial
 from mikas.sampling.context import SamplingContext, SamplingRequest
-from mikas.sampling.events import Event, LineState, MethodChosen, PlanChanged
+from mikas.sampling.events import Event, LineState, MethodChosen
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.line_state import LineTrigger
 from mikas.sampling.method_knowledge import CANDIDATES, FALLBACK, best_method
@@ -44,6 +44,7 @@ class Sampler:
     session. `make_ecu` returns an unconnected `Ecu` on a link. `method`: auto is the fastest that
     works. `rate`: most cycles a second. `strict`: until the first sample, an obstacle (no port, no
     ECU, a bad line, a refused `method`) is raised; otherwise sampling waits.
+    `identify_first`: no sample before the passports; without, the first unit is sampled at once.
 
     Raises `UnknownParameter` and `UsageError` before it opens the port.
     """
@@ -58,17 +59,17 @@ class Sampler:
         method: str = "auto",
         rate: float | None = None,
         strict: bool = False,
+        identify_first: bool = False,
     ) -> None:
         self._catalog = catalog
         self._jobs = JobQueue(port.url)
         request = self._request(names, method, rate)
-        self._context = SamplingContext(request, self._jobs, strict=strict)
+        self._context = SamplingContext(
+            request, self._jobs, strict=strict, identify_first=identify_first
+        )
         self._supervisor = ConnectionSupervisor(port, make_ecu, self._context)
         self._unsupported = UnsupportedParameters(self._context)
         self._unit: UnitIdentity | None = None
-        self._is_reported = False  # `plan`, for the request
-        self.plan: Plan | None = None
-        """The present plan, inputs of derived channels included; None before the first."""
 
     def _request(self, names: Iterable[str], method: str, rate: float | None) -> SamplingRequest:
         return SamplingRequest(select(self._catalog, names), fixed_method(method), rate)
@@ -89,6 +90,11 @@ class Sampler:
     def ecu(self) -> Ecu | None:
         """The present unit: its model and statistics may be read; requests go through `call`."""
         return self._supervisor.ecu
+
+    @property
+    def plan(self) -> Plan | None:
+        """The present plan, inputs of derived channels included; None before the first."""
+        return self._context.plan
 
     @property
     def method(self) -> str | None:
@@ -137,8 +143,7 @@ class Sampler:
         Raises `NotAKLineAdapter`, `NotSupported` if the unit refuses all parameters before the
         first sample, `RecordingOver` at the end of a replay, and the obstacles with `strict`.
         """
-        self._context.stopped = self._context.has_sampled = False
-        self._is_reported = False
+        self._context.start_run()
         self._jobs.open()
         failure: MikasError | None = None
         try:
@@ -168,8 +173,8 @@ class Sampler:
     def _use_unit(self, ecu: Ecu) -> Iterator[Event]:
         """Sample from `ecu` until another unit answers or sampling is stopped."""
         unit = self._supervisor.unit
-        if self._unit is None or unit is None or not is_same_unit(unit, self._unit):
-            self._forget()
+        if self._unit is not None and (unit is None or not is_same_unit(unit, self._unit)):
+            self._context.forget_unit()
         self._unit = unit
         answers = True
         while answers and not self._context.stopped:
@@ -180,19 +185,14 @@ class Sampler:
             except (NoConnection, SyncLost) as error:
                 answers = yield from self._supervisor.find_unit_again(ecu, error)
 
-    def _forget(self) -> None:
-        self._context.forget_unit()
-        self._is_reported = False
-
     def _sample(self, ecu: Ecu) -> Iterator[Event]:
         context = self._context
         while not context.stopped:
             if context.relearn:
                 context.relearn = False
-                self._forget()
+                context.forget_unit()
                 ecu.forget_limits()
-            if not self._is_reported or context.request is not context.latest:
-                self._is_reported = False
+            if not context.is_reported or context.request is not context.latest:
                 context.start_request()
             plan = yield from self._unsupported.supported_plan(ecu)
             if not context.is_current:
@@ -209,7 +209,7 @@ class Sampler:
                 yield from self._idle(ecu, _SHORT)
                 continue
             plan = plan.with_method(method)
-            yield from self._report_plan(ecu, plan)
+            yield from context.report_plan(plan, ecu.tester.link.now())
             yield from PlanRunner(ecu, plan, context, self._unsupported).events()
 
     def _method(self, ecu: Ecu, plan: Plan) -> Generator[Event, None, FixedMethod | None]:
@@ -224,7 +224,7 @@ class Sampler:
             trial := knowledge.next_to_measure(plan, requested.rate, baud)
         ):
             if not measured:
-                yield from self._report_plan(ecu, plan)  # the method follows
+                yield from context.report_plan(plan, ecu.tester.link.now())  # the method follows
             measured = True
             self._jobs.run(ecu)
             yield from method_trial.learn(context, ecu, plan.with_method(trial))
@@ -237,12 +237,6 @@ class Sampler:
             ordered = {str(each): rates[each] for each in (*CANDIDATES, FALLBACK) if each in rates}
             yield MethodChosen(ecu.tester.link.now(), chosen, ordered, ecu.limits())
         return chosen
-
-    def _report_plan(self, ecu: Ecu, plan: Plan) -> Iterator[Event]:
-        if not self._is_reported or self.plan != plan:
-            self._is_reported, self.plan = True, plan
-            self._context.forget_values_outside(plan)
-            yield PlanChanged(ecu.tester.link.now(), plan)
 
     def _idle(self, ecu: Ecu, seconds: float) -> Iterator[Event]:
         """Run only jobs for `seconds`, or until the request changes."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator
 
 from mikas.client import Ecu, Passport
+from mikas.client.ecu import passport_in_steps
 from mikas.commands import Availability
 from mikas.errors import (
     LineError,
@@ -30,6 +31,7 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
+from mikas.sampling.first_values import FirstValues
 from mikas.sampling.line_state import LineStateMachine, LineTrigger, trigger_of
 
 UnitIdentity = tuple[int, Passport]
@@ -51,7 +53,7 @@ class ConnectionSupervisor:
         """The state reported last; None before the first run."""
         self.unit: UnitIdentity | None = None
         self.ecu: Ecu | None = None
-        """The `Ecu` on the open link; None until a unit is identified."""
+        """The `Ecu` on the open link; None until a unit answers."""
         self._port = port
         self._make_ecu = make_ecu
         self._context = context
@@ -132,7 +134,12 @@ class ConnectionSupervisor:
                     again = False
                 else:
                     ecu.tester.connect()
-                unit = self._identify(ecu)
+                unit: UnitIdentity | None
+                if self.unit is None:
+                    unit = yield from self._identify_first(ecu)
+                else:
+                    unit = self._identify(ecu)
+                    yield from self.process(LineTrigger.IDENTIFIED, ecu.tester.link.now())
             except (LinkLost, NotAKLineAdapter):
                 raise
             except (NoConnection, LineError) as error:
@@ -140,8 +147,28 @@ class ConnectionSupervisor:
                 yield from self._no_answer(ecu, error)
             else:
                 self._context.identity_check.confirm(ecu)
-                yield from self.process(LineTrigger.IDENTIFIED, ecu.tester.link.now())
                 return unit
+        return None
+
+    def _identify_first(self, ecu: Ecu) -> Generator[Event, None, UnitIdentity | None]:
+        """Read the identity of the first unit, with which no other can be confused.
+
+        So its values come first, and the passports between two cycles. None: sampling was stopped.
+        """
+        self.ecu = ecu
+        yield from self.process(LineTrigger.IDENTIFIED, ecu.tester.link.now())
+        first_values = FirstValues(self._context, ecu)
+        steps = passport_in_steps(ecu)
+        while not self._context.stopped:
+            if fresh := first_values.read():
+                time = min(reading.time for reading in fresh.values())
+                yield from self.process(LineTrigger.ACCEPTED, time)
+                yield from self._context.report_plan(first_values.plan, time)
+                yield from self._context.sampled(fresh)
+            try:
+                next(steps)
+            except StopIteration as end:
+                return ecu.version_code, end.value
         return None
 
     def _identify(self, ecu: Ecu) -> UnitIdentity:

@@ -198,7 +198,8 @@ def test_a_disk_that_is_full_costs_no_sample(start, sim, tmp_path):
     out, err = log.communicate(timeout=PATIENCE)
     assert log.returncode == 2
     assert err.count("RECORDING STOPPED") == 1
-    samples = [json.loads(line) for line in out.splitlines()]
+    *samples, error = [json.loads(line) for line in out.splitlines()]
+    assert "code" in error["error"]
     assert samples[-1]["time"] - samples[0]["time"] > 2
     assert all(isinstance(it, Packet) for it in CaptureReader(tmp_path / "a.pcapng"))
     assert 9_000 < (tmp_path / "a.pcapng").stat().st_size <= 10_000

@@ -69,7 +69,8 @@ class StoppablePort:
 class SamplingThread(threading.Thread):
     """Samples from the port until `stop`.
 
-    `on_event` gets the events; `on_end` the error, if sampling ended by itself.
+    `on_event` gets the events; `on_end` the error, if sampling ended by itself. `identify_first`:
+    as for `Sampler`.
     """
 
     def __init__(
@@ -82,6 +83,7 @@ class SamplingThread(threading.Thread):
         confirm: Confirm,
         on_event: Callable[[SamplingThread, Event], None],
         on_end: Callable[[SamplingThread, MikasError | None], None],
+        identify_first: bool = False,
     ) -> None:
         super().__init__(name="mikas sampling", daemon=True)
         self.url = port.url
@@ -112,6 +114,7 @@ class SamplingThread(threading.Thread):
             request.names,
             method=request.method or "auto",
             rate=request.rate,
+            identify_first=identify_first,
         )
 
     def stop(self) -> None:
