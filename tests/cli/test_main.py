@@ -79,8 +79,21 @@ USAGE = [
     ["mem", "dump", "ram", "-o", "x", "--from", "80", "--to", "7F"],
     ["mem", "dump", "ram", "-o", "x", "--to", "100"],
     ["mem", "dump", "ram", "-o", "x", "--block", "0"],
+    ["mem", "dump", "ram", "-o", "x", "--block", "300"],
+    ["mem", "verify", "ram", "empty", "--block", "256"],
+    ["log", "-o", "a.pcapng", "NOSUCH"],
+    ["log", "-o", "a.pcapng", "--port", "nosuch://x"],
+    ["watch", "--port", "sim:?nosuch=1"],
+    ["report", "-o", "a.html", "--port", "nosuch://x"],
+    ["report", "-o", "a.html", "--duration", "0"],
+    ["scan", "-o", "a.toml", "--port", "nosuch://x"],
+    ["export", "empty", "-o", "a.csv"],
+    ["export", "note.txt", "-o", "a.mf4"],
+    ["mem", "restore", "ram", "empty"],
     ["mem", "dump", "ram", "-o", "nosuch/x"],
     ["mem", "verify", "ram", "absent"],
+    ["list", "set", "NOSUCH"],
+    ["list", "set"],
     ["mem", "verify", "ram", "empty"],
     ["mem", "diff", "absent", "empty"],
     ["mem", "diff", "."],
@@ -136,12 +149,13 @@ def test_wrong_usage(mikas, bad_files, argv, language):
 
 
 @pytest.mark.parametrize("argv", USAGE, ids=" ".join)
-def test_wrong_usage_as_json(mikas, bad_files, argv):
-    ran = mikas("--json", *argv)
+def test_wrong_usage_as_json_leaves_no_file(mikas, bad_files, tmp_path, argv):
+    files = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    ran = mikas("--json", "--capture", "new.pcapng", *argv)
     assert ran.status == 2
     error = is_error(ran)
     assert (error["sent"], error["received"]) == (None, None)
-    assert not list(mikas.home.parent.glob("*.part"))
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == files
 
 
 def is_error(ran, code=None):

@@ -42,10 +42,13 @@ def test_what_is_read_is_what_is_there(ecu, tmp_path, space):
 
 
 def test_nothing_is_made_before_the_range_is_known_to_be_right(ecu, tmp_path):
-    for first, last in ((0, 256), (-1, 5), (9, 8)):
+    for first, last in ((0, 256), (-1, 5)):
         with pytest.raises(AddressOutOfRange):
             dump(ecu, tmp_path / "d", "ram", first, last)
-    dump(ecu, tmp_path / "d")
+    with pytest.raises(UsageError, match="the last address, 0008, is before the first, 0009"):
+        dump(ecu, tmp_path / "d", "ram", 9, 8)
+    with pytest.raises(UsageError, match="1 to 255"):
+        dump(ecu, tmp_path / "d").advance(block=300, progress=print)
     assert not list(tmp_path.iterdir())
 
 

@@ -139,7 +139,11 @@ class CommandContext:
         from mikas.recording import CaptureWriter
 
         with CaptureWriter(self.capture, url=port) as writer:
-            yield writer
+            try:
+                yield writer
+            except BaseException:
+                writer.discard_if_empty()
+                raise
 
     def check_capture(self, link: Link) -> None:
         """Print a note if the capture on `link` has failed."""

@@ -72,6 +72,17 @@ def _decimal(text: str) -> float:
         return nan
 
 
+def block_size(text: str) -> int:
+    """Return the number of bytes in a block: 1 to 255, for N of the commands is one byte (§3)."""
+    count = size_in_bytes(text)
+    if count > 0xFF:
+        raise _invalid(
+            f"“{text}” is too long; a block has 1 to 255 bytes.",
+            f"«{text}» — слишком много; в блоке от 1 до 255 байт.",
+        )
+    return count
+
+
 def number(*, above: float) -> Callable[[str], float]:
     """Return the type of a number more than `above`; a decimal comma is allowed."""
 

@@ -9,7 +9,7 @@ without limit for a lost link or unit.
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
-from mikas.errors import EngineStopped, RecordingOver
+from mikas.errors import EngineStopped, MikasError, RecordingOver
 from mikas.link import choose_port
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording.recorder import Recorder
@@ -176,7 +176,14 @@ def sampling_session(
     if out is not None:
         recorder.start(out, url=port)
     context.output.detail(tr("port", "порт"), port)
+    run = SamplingRun(acquisition, recorder, options)
     try:
-        yield SamplingRun(acquisition, recorder, options)
+        yield run
+    except MikasError:
+        if out is not None and not run.connected:  # the same command must work again
+            recorder.stop()
+            with suppress(OSError):
+                out.unlink()
+        raise
     finally:
         recorder.stop()

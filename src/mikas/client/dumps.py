@@ -120,6 +120,11 @@ class Dump:
     def __init__(
         self, ecu: Ecu, space: MemorySpace, file: Path, *, first: int, last: int, resume: bool
     ) -> None:
+        if last < first:
+            raise usage_error(
+                f"the last address, {last:04X}, is before the first, {first:04X}",
+                f"последний адрес, {last:04X}, меньше первого, {first:04X}",
+            )
         check_range(space.name, first, last - first + 1)
         self._ecu = ecu
         self._space = space
@@ -170,14 +175,15 @@ class Dump:
     def advance(self, *, block: int | None, progress: Progress) -> None:
         """Read the missing bytes. Bytes read before an error stay in the file."""
         manifest = self.manifest
+        missing = manifest.size - manifest.bytes_read
+        start = manifest.first + manifest.bytes_read
+        blocks = self._space.blocks(start, missing, block) if missing else ()
         try:
             with self._file.open("r+b" if self._file.exists() else "wb") as out:
                 out.truncate(manifest.bytes_read)
                 out.seek(manifest.bytes_read)
                 self._write_manifest()
-                missing = manifest.size - manifest.bytes_read
-                start = manifest.first + manifest.bytes_read
-                for data in self._space.blocks(start, missing, block) if missing else ():
+                for data in blocks:
                     out.write(data)
                     out.flush()
                     manifest.bytes_read += len(data)

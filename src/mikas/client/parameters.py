@@ -229,7 +229,7 @@ class Parameters:
         Raises `ValueDoesNotFit`, `NotConfirmed`, `WriteRefused`, `ReadBackDiffers`.
         """
         parameter = self._catalog.parameter(name)
-        data = self._datum(parameter, value, raw)
+        data = datum_to_write(parameter, value, raw, self._interpretation)
         before = self._one(parameter)
         change = Change(
             what=Text(f"write parameter {parameter.name}", f"записать параметр {parameter.name}"),
@@ -257,25 +257,27 @@ class Parameters:
 
         return self._gate.make(change, act, lambda w: hex_or_none(w.after.raw) if w.after else None)
 
-    def _datum(self, parameter: Parameter, value: float | None, raw: bytes | None) -> bytes:
-        if (value is None) == (raw is None):
-            raise usage_error("give a value or raw bytes", "нужно значение или исходные байты")
-        if raw is None:
-            assert value is not None
-            return parameter.encode(value, self._interpretation)
-        if len(raw) != parameter.size:
-            raise ValueDoesNotFit(
-                value=raw.hex().upper(),
-                name=parameter.name,
-                allowed=Text("it has {size}", "в нём {size}").filled(
-                    size=byte_count(parameter.size)
-                ),
-            )
-        return raw
-
     def _one(self, parameter: Parameter) -> Reading | None:
         try:
             got = self.fetch([parameter])
         except NotSupported:
             return None
         return self.readings([parameter], got).get(parameter.name)
+
+
+def datum_to_write(
+    parameter: Parameter, value: float | None, raw: bytes | None, interpretation: str
+) -> bytes:
+    """Return the datum of a physical `value`, or `raw`. Raises `ValueDoesNotFit`, `UsageError`."""
+    if (value is None) == (raw is None):
+        raise usage_error("give a value or raw bytes", "нужно значение или исходные байты")
+    if raw is None:
+        assert value is not None
+        return parameter.encode(value, interpretation)
+    if len(raw) != parameter.size:
+        raise ValueDoesNotFit(
+            value=raw.hex().upper(),
+            name=parameter.name,
+            allowed=Text("it has {size}", "в нём {size}").filled(size=byte_count(parameter.size)),
+        )
+    return raw

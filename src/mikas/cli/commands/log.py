@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from concurrent.futures import Future
-from contextlib import suppress
 from pathlib import Path
 
 from mikas.cli.click_extensions import command, option
@@ -18,7 +17,7 @@ from mikas.cli.render.output import StatusLine
 from mikas.cli.render.values import json_line
 from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
 from mikas.client import Ecu
-from mikas.errors import MikasError, usage_error
+from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.recording.export import SUFFIXES
 from mikas.recording.recorder import RecordingStatus, ask_in_full
@@ -71,12 +70,7 @@ def log(
         )
     _check_name(out)
     with sampling_session(context, options, out) as current:
-        try:
-            return _record(context, current, rotate)
-        except MikasError:
-            if not current.connected:
-                _remove_file(out)
-            raise
+        return _record(context, current, rotate)
 
 
 def _check_name(out: Path) -> None:
@@ -118,13 +112,6 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
     if output.json:
         raise status.failure
     return USAGE  # the notice of the failure stands above
-
-
-def _remove_file(out: Path) -> None:
-    """Remove the file if no ECU answered: the same command must work again."""
-    with suppress(OSError):
-        if out.is_file():
-            out.unlink()
 
 
 class _FileRotation:

@@ -70,6 +70,7 @@ class CaptureWriter:
         try:
             self._append(pcapng.Section(application=f"mikas {version('mikas')}"))
             self._describe_interface(tsoffset=0)
+            self._begun_at = self._end  # the end of what every recording begins with
         except BaseException as error:
             self._file.close()
             if self._made:
@@ -112,6 +113,13 @@ class CaptureWriter:
         with self._lock:
             self._check_writable()
             self._append(block)
+
+    def discard_if_empty(self) -> None:
+        """Close, and delete the file if nothing was recorded in it and it did not exist before."""
+        self.close()
+        if self._made and self._end == self._begun_at:
+            with suppress(OSError):
+                self.path.unlink()
 
     def close(self) -> None:
         """End the recording. A second call does nothing."""

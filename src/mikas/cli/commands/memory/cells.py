@@ -11,6 +11,7 @@ from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext, check_sure
 from mikas.cli.parameter_types import hex_address, hex_bytes, one_of, size_in_bytes
 from mikas.client import Change
+from mikas.commands.base import check_range
 from mikas.i18n import Text
 
 SPACE = one_of(("ram", "xram", "code", "sfr"))
@@ -30,6 +31,7 @@ SPACE = one_of(("ram", "xram", "code", "sfr"))
 @click.argument("count", metavar="[COUNT]", type=size_in_bytes, default="1")
 @RELEARN
 def read(context: CommandContext, space: str, address: int, count: int) -> None:
+    check_range(space, address, count)
     with context.ecu() as ecu:
         data = ecu.memory[space].read_block(address, count)
     context.output.result(
@@ -55,6 +57,7 @@ def read(context: CommandContext, space: str, address: int, count: int) -> None:
 @YES
 @RELEARN
 def write(context: CommandContext, space: str, address: int, data: bytes, *, yes: bool) -> None:
+    check_range(space, address, len(data))
     ask = context.confirm(yes=yes)
     confirmed = False
 
@@ -99,6 +102,7 @@ def write(context: CommandContext, space: str, address: int, data: bytes, *, yes
 def goto(context: CommandContext, address: int, *, yes: bool, sure: bool) -> None:
     jump = Text(f"jump to {address:04X}", f"переход на {address:04X}")
     check_sure(jump, yes=yes, sure=sure)
+    check_range("code", address)
     with context.ecu(context.confirm(yes=yes)) as ecu:
         response = ecu.goto(address)
     if context.output.json:

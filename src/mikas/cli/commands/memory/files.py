@@ -12,15 +12,16 @@ from mikas.cli.commands.memory.cells import SPACE
 from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
-from mikas.cli.parameter_types import any_file, existing_file, hex_address, size_in_bytes
+from mikas.cli.parameter_types import any_file, block_size, existing_file, hex_address
 from mikas.cli.render.progress import progress
-from mikas.client.dumps import Difference, Dump, compare, differences, read_manifest
+from mikas.client.dumps import Difference, Dump, compare, differences, file_error, read_manifest
+from mikas.commands.base import Space, check_range
 from mikas.errors import usage_error
 from mikas.i18n import Text
 
 BLOCK = option(
     "--block",
-    type=size_in_bytes,
+    type=block_size,
     metavar="N",
     text=Text("bytes per request, at most (255)", "байт за запрос, не больше (255)"),
 )
@@ -85,9 +86,17 @@ def dump(
     verify: bool,
     resume: bool,
 ) -> None:
+    if last is not None and last < first:
+        raise usage_error(
+            f"--to {last:04X} is before --from {first:04X}; --to is the last address, inclusive",
+            f"--to {last:04X} меньше, чем --from {first:04X}; --to — последний адрес, включительно",
+        )
+    end = Space(space).last if last is None else last
+    check_range(space, first, end - first + 1)
+    if not out.absolute().parent.is_dir():
+        raise file_error(out, "there is no such folder", "такой папки нет")
     with context.ecu() as ecu:
         memory = ecu.memory[space]
-        end = memory.last if last is None else last
         job = Dump(ecu, memory, out, first=first, last=end, resume=resume)
         manifest = job.manifest
         try:

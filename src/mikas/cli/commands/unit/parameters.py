@@ -16,7 +16,7 @@ from mikas.cli.language import localized, tr
 from mikas.cli.parameter_types import hex_bytes
 from mikas.cli.render.values import reading_json, reference, unit_text, valid_reference, value_text
 from mikas.client import Reading
-from mikas.client.parameters import decode
+from mikas.client.parameters import datum_to_write, decode
 from mikas.errors import usage_error
 from mikas.i18n import Text
 
@@ -126,6 +126,8 @@ def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str)
 @click.argument("names", metavar="[NAME]...", nargs=-1)
 @RELEARN
 def read(context: CommandContext, names: tuple[str, ...]) -> None:
+    for name in names:
+        context.options.catalog.parameter(name)  # checks, before anything is opened
     with context.ecu() as ecu:
         readings = ecu.read(*names)
         missing = [p.name for p in ecu.catalog.parameters if p.name not in readings]
@@ -192,9 +194,10 @@ def write(
         raise usage_error(
             "Give either a VALUE or --raw HEX", "Нужно либо значение VALUE, либо --raw HEX"
         )
-    meaning = partial(
-        _meaning, context.options.catalog.parameter(name), context.options.interpretation
-    )
+    interpretation = context.options.interpretation
+    parameter = context.options.catalog.parameter(name)
+    datum_to_write(parameter, number, raw, interpretation)  # checks, before anything is opened
+    meaning = partial(_meaning, parameter, interpretation)
     with context.ecu(context.confirm(yes=yes, meaning=meaning)) as ecu:
         written = ecu.write_parameter(name, number, raw=raw)
     context.output.result(
