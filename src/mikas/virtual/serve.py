@@ -21,6 +21,7 @@ from mikas.virtual.bus import Bus
 
 T = TypeVar("T")
 _READ = 4096
+_FOLLOW = 1.0  # s between two steps of an engine that no request reads
 _MOST_OVERDUE = 64  # overdue bytes of one wire before the next wire's turn
 
 
@@ -36,6 +37,7 @@ class ServedBus:
         self._loop = asyncio.get_running_loop()
         self._timer: asyncio.TimerHandle | None = None
         self._latest = clock()
+        self._following = self._loop.call_later(_FOLLOW, self._follow)
 
     def feed(self, data: bytes) -> None:
         """Put `data` of the tester on the wire now, before any overdue event of a late loop."""
@@ -61,8 +63,17 @@ class ServedBus:
             else self._loop.call_later(max(0.0, due - self._clock()), self.advance)
         )
 
+    def _follow(self) -> None:
+        """Run the engine to the present, though nothing is requested.
+
+        It takes 6 ms for each second. After half an hour the first request would wait for 10 s.
+        """
+        self._bus.ecu.responder.car.engine_speed(self._clock())
+        self._following = self._loop.call_later(_FOLLOW, self._follow)
+
     def stop(self) -> None:
-        """Cancel the next call."""
+        """Cancel the next calls."""
+        self._following.cancel()
         if self._timer:
             self._timer.cancel()
 
