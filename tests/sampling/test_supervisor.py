@@ -269,6 +269,24 @@ def test_the_right_adapter_is_taken_under_another_name_and_a_strangers_car_is_ne
     assert_values_are_the_units(reported)
 
 
+@pytest.mark.parametrize("lost_by", ["port", "silence"])
+def test_a_unit_lost_before_its_passports_were_read_is_never_taken_for_the_next(lost_by):
+    plug = SimulatedPlug(make_bus())
+    with closing(make_sampler(plug, "FREQ", method="batch").run()) as events:
+        first = take(events, lambda e: bool(of(Sampled, e)))
+        assert not of(UnitFound, first)  # values come before the passports
+        if lost_by == "port":
+            plug.pull()
+        else:
+            plug.unsupply()
+        plug.at(plug.now() + 5, plug.mend)
+        found = take(events, lambda e: bool(of(UnitFound, e)))
+        later = take(events, enough)
+    assert of(UnitFound, found)[0].another
+    assert not of(Sampled, found)
+    assert not of(UnitFound, later)
+
+
 def test_it_can_be_stopped_while_it_waits():
     plug = SimulatedPlug(make_bus())
     plug.plugged_in = False

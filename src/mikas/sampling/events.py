@@ -166,7 +166,7 @@ class AdapterMoved(Event):
 
 @dataclass(frozen=True, slots=True)
 class UnitFound(Event):
-    """A unit answers. `another`: not the unit before, so another car.
+    """A unit answers. `another`: not the unit before, so another car, or it can't be told.
 
     To read a recording again: `adapter`, `baud` and `echo` of the link, the `catalog`'s version.
     """

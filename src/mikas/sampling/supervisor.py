@@ -60,6 +60,7 @@ class ConnectionSupervisor:
         context.identity_check.compare = self._verify
         self._machine = LineStateMachine()
         self._reported: type[MikasError] | None = None  # the reason reported with `state`
+        self._unnamed = False  # values were given of a unit whose passports are not read yet
 
     def open_port(self) -> Generator[Event, None, Link | None]:
         """Open the port; None: sampling was stopped before."""
@@ -86,7 +87,8 @@ class ConnectionSupervisor:
         unit = yield from self._wait_for_answer(ecu, again=False)
         if unit is None:
             return None
-        another = self.unit is not None and not is_same_unit(unit, self.unit)
+        another = self._unnamed or (self.unit is not None and not is_same_unit(unit, self.unit))
+        self._unnamed = False
         self.unit, self.ecu = unit, ecu
         yield _found(ecu, unit, another=another)
         return ecu
@@ -135,7 +137,7 @@ class ConnectionSupervisor:
                 else:
                     ecu.tester.connect()
                 unit: UnitIdentity | None
-                if self.unit is None:
+                if self.unit is None and not self._unnamed:
                     unit = yield from self._identify_first(ecu)
                 else:
                     unit = self._identify(ecu)
@@ -154,6 +156,8 @@ class ConnectionSupervisor:
         """Read the identity of the first unit, with which no other can be confused.
 
         So its values come first, and the passports between two cycles. None: sampling was stopped.
+        If the unit is lost in between, it can't be compared with the next one: that counts as
+        another, and is identified before it is sampled.
         """
         self.ecu = ecu
         yield from self.process(LineTrigger.IDENTIFIED, ecu.tester.link.now())
@@ -161,6 +165,7 @@ class ConnectionSupervisor:
         steps = passport_in_steps(ecu)
         while not self._context.stopped:
             if fresh := first_values.read():
+                self._unnamed = True
                 time = min(reading.time for reading in fresh.values())
                 yield from self.process(LineTrigger.ACCEPTED, time)
                 yield from self._context.report_plan(first_values.plan, time)
@@ -168,6 +173,7 @@ class ConnectionSupervisor:
             try:
                 next(steps)
             except StopIteration as end:
+                self._unnamed = False
                 return ecu.version_code, end.value
         return None
 
