@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 from client_harness import bench, ecu_on, lines
@@ -243,6 +244,26 @@ def test_a_bad_line_claims_nothing(tmp_path_factory, line_faults):
     now = stored(it)
     assert sum(now[a - 0x20] == data[a - 0x20] for a in BYTES) >= job.written
     assert all(now[i] == data[i] for i in range(0x80) if i + 0x20 not in BYTES)
+
+
+def test_a_disk_that_fills_up_stops_nothing_half_way(tmp_path, monkeypatch):
+    it = bench()
+    data = dumped(it, tmp_path)
+    write_text, written = Path.write_text, []
+
+    def once(self, *args):
+        written.append(self)
+        if len(written) > 1:
+            raise OSError(28, "No space left on device")
+        return write_text(self, *args)
+
+    monkeypatch.setattr(Path, "write_text", once)
+    restored(it, tmp_path)
+    assert stored(it) == data
+    (tmp_path / "d").write_bytes(bytes(0x80))
+    with pytest.raises(UsageError, match="No space left"):  # before anything is written
+        restored(it, tmp_path)
+    assert stored(it) == data
 
 
 class TestTheFile:

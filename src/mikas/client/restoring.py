@@ -206,7 +206,8 @@ class Restore:
         self._end()
 
     def _end(self) -> None:
-        self._state.unlink(missing_ok=True)
+        with suppress(OSError):  # the next restore then asks for --resume, and compares
+            self._state.unlink(missing_ok=True)
         self.is_interrupted = False
 
     def _count(self, run: Run, after: bytes) -> None:

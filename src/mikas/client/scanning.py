@@ -63,7 +63,6 @@ class Scan:
         self._failed_pairs = 0
         self._only_several = False  # whether it answers several codes only
         self._lone_works = False  # whether it has answered a lone code by anything but 01
-        self._latest = ScannedCode(0, Answer.UNCLEAR)
         self._count = dict.fromkeys(Answer, 0)
         self._troubles = tester.statistics.failed
 
@@ -105,8 +104,9 @@ class Scan:
 
     def _confirmed(self, code: int, lone: ScannedCode) -> ScannedCode:
         """Confirm a datum by a second reading of the same size, in one request if possible."""
-        if self._takes_pair(lone) is Answer.DATUM:
-            return self._latest
+        pair = self._pair(lone)
+        if pair.answer is Answer.DATUM:
+            return pair
         again = self._ask(code, 1)
         if again.size == lone.size:
             return lone if again.raw == _ONE else again  # 01 alone may be a refusal
@@ -114,14 +114,14 @@ class Scan:
 
     def _resolve_one(self, code: int, lone: ScannedCode) -> ScannedCode:
         """Distinguish a datum 01 from a refusal (D10)."""
-        answer = self._takes_pair(lone)
-        if answer is Answer.DATUM:
-            answer = self._takes_pair(lone)  # a stray 00 before a refusal keeps its sum (§2.1)
-            if answer is Answer.DATUM:
-                return self._latest
-        if answer is Answer.REFUSED and self._pairs:
-            return ScannedCode(code, Answer.REFUSED)
-        if answer is Answer.UNCLEAR and not self._lone_works:
+        pair = self._pair(lone)
+        if pair.answer is Answer.DATUM:
+            pair = self._pair(lone)  # a stray 00 before a refusal keeps its sum (§2.1)
+            if pair.answer is Answer.DATUM:
+                return pair
+        if pair.answer is Answer.REFUSED and self._pairs:
+            return pair
+        if pair.answer is Answer.UNCLEAR and not self._lone_works:
             several = self._several(code)  # a lone code may be refused by 01
             if several.answer is Answer.DATUM:
                 return several
@@ -142,19 +142,20 @@ class Scan:
             return Answer.DATUM
         return Answer.UNCLEAR
 
-    def _takes_pair(self, lone: ScannedCode) -> Answer:
-        """Request a code twice in one request after the datum `lone`; `_latest` is the new one."""
+    def _pair(self, lone: ScannedCode) -> ScannedCode:
+        """Request a code twice in one request; a datum of another size than `lone` is unclear."""
+        unclear = ScannedCode(lone.code, Answer.UNCLEAR)
         if self._pairs is False:
-            return Answer.UNCLEAR
+            return unclear
         pair = self._ask(lone.code, 2)
         if pair.answer is Answer.DATUM and pair.size == lone.size:
-            self._pairs, self._latest = True, pair
-            return Answer.DATUM
+            self._pairs = True
+            return pair
         if not self._pairs and (pair.answer is not Answer.REFUSED or lone.raw != _ONE):
             self._failed_pairs += 1
             if self._failed_pairs >= _FAILED_PAIRS:
                 self._pairs = False
-        return Answer.UNCLEAR if pair.answer is Answer.DATUM else pair.answer
+        return unclear if pair.answer is Answer.DATUM else pair
 
     def _several(self, code: int) -> ScannedCode:
         """Request a code twice and three times in a request, for a unit that needs several."""
