@@ -15,11 +15,12 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
-from bench import cpu, dash, memory, reading, startup, wire
+from bench import cpu, dash, memory, reading, stalls, startup, wire
 from bench.rows import Scope
 
 THEMES = {
     "wire": wire,
+    "stalls": stalls,
     "cpu": cpu,
     "memory": memory,
     "reading": reading,

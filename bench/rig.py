@@ -138,11 +138,17 @@ class Watch:
 
 @dataclass(slots=True)
 class Session:
-    """What sampling brought: the method that was used, stretches of it, and cycles lost."""
+    """What sampling brought: the method that was used, stretches of it, and what was lost.
+
+    `gaps`: cycles; `errors`: exchanges that failed; `hole`: the longest time in seconds between two
+    samples of the stretches.
+    """
 
     stretches: list[Stretch]
     method: str = ""
     gaps: int = 0
+    errors: int = 0
+    hole: float = 0.0
 
 
 def sample(
@@ -152,8 +158,12 @@ def sample(
     *,
     sets: int,
     runs: int,
+    began: Callable[[], object] = lambda: None,
 ) -> Session:
-    """Runs the sampler for `runs` stretches of `sets` cycles. `method` None: the fastest."""
+    """Runs the sampler for `runs` stretches of `sets` cycles. `method` None: the fastest.
+
+    `began` is called at the beginning of the first stretch.
+    """
     ecus: list[Ecu] = []
 
     def make(link: Link) -> Ecu:
@@ -163,6 +173,7 @@ def sample(
     session = Session([], method or "")
     seen = -_WARM if method else -inf  # what is sampled while it still tries does not count
     watch: Watch | None = None
+    before = 0.0  # when the latest sample came
     names = [f"{each.parameter.name}/{each.divisor}" for each in wanted]
     sampler = Sampler(plug, make, shipped(), names, method=method or "auto")
     with closing(sampler.run()) as events:
@@ -173,11 +184,16 @@ def sample(
             if not isinstance(event, Sampled):
                 continue
             seen += 1
+            if seen > 0:
+                session.hole = max(session.hole, event.time - before)
+            before = event.time
             if seen == 0:
                 watch = Watch(ecus[-1])
+                began()
             elif seen > 0 and seen % sets == 0:
                 assert watch is not None
                 session.stretches.append(watch.lap(sets))
                 if len(session.stretches) == runs:
+                    session.errors = ecus[-1].tester.statistics.failed
                     break
     return session
