@@ -15,8 +15,9 @@ from websockets.sync.client import connect
 
 from mikas.dashboard.app import create_app
 from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.listening import listen
 from mikas.dashboard.security.access import Access
-from mikas.dashboard.server import Server, listen
+from mikas.dashboard.server import Server
 from mikas.dashboard.settings import PlanSettings, Settings
 from mikas.errors import PortNotFound
 from mikas.link.ports import Port

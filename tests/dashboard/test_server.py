@@ -9,8 +9,8 @@ import pytest
 from dashboard.rig import rig
 from mikas.cli.commands.dash import DashboardOptions, show_dashboard
 from mikas.cli.context import CommandContext
+from mikas.dashboard.listening import FIRST_PORT, listen, own_addresses
 from mikas.dashboard.page import shape
-from mikas.dashboard.server import FIRST_PORT, listen, own_addresses
 from mikas.dashboard.settings import VirtualCars
 from mikas.errors import BadPortUrl, UsageError
 from mikas.link import open_link

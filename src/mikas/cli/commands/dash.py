@@ -147,10 +147,9 @@ def demo(
 
 def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
     """Print the address, then serve until Ctrl-C."""
-    from mikas.dashboard.app import create_app
     from mikas.dashboard.dashboard import Dashboard
+    from mikas.dashboard.listening import listen, own_addresses
     from mikas.dashboard.security.access import Access
-    from mikas.dashboard.server import listen, own_addresses, serve
     from mikas.dashboard.settings import Settings, VirtualCars, default_recordings, ensure_folder
 
     if context.capture is not None:
@@ -178,12 +177,18 @@ def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
         )
         dashboard = Dashboard(settings, port=context.port, lan=options.lan)
         try:
+            # The unit is found meanwhile: these imports take as long as the handshake.
+            dashboard.connection.begin()
+            from mikas.dashboard.app import create_app
+            from mikas.dashboard.server import serve
+
             serve(
                 create_app(dashboard, access),
                 own,
                 ready=lambda: _show_address(context, access, options, settings),
             )
         finally:
+            dashboard.connection.stop()
             _note_recording(context, dashboard)
 
 

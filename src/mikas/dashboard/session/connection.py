@@ -90,12 +90,22 @@ class Connection:
         self._create, self._on_end = create, on_end
         self._changing = asyncio.Lock()
         self._first_state = asyncio.Event()
+        self._loop: asyncio.AbstractEventLoop | None = None  # None: the server does not run yet
+
+    def begin(self) -> None:
+        """Connect to the port that is set at the start, if any; the server need not run yet."""
+        if self.port is not None and self.thread is None:
+            self._open(self.port)
 
     def start(self) -> None:
-        """Connect to the port that is set at the start, if any."""
+        """Take requests; `begin`, unless that was called."""
         self._loop = asyncio.get_running_loop()
-        if self.port is not None:
-            self._open(self.port)
+        self.begin()
+
+    def stop(self) -> None:
+        """End the sampling thread, if the server has not; may take seconds."""
+        if (thread := self.thread) is not None:
+            thread.stop()
 
     async def connect(
         self,
@@ -162,7 +172,8 @@ class Connection:
 
     def state_known(self) -> None:
         """Note that the port has its first state; from any thread."""
-        self._loop.call_soon_threadsafe(self._first_state.set)
+        if (loop := self._loop) is not None:
+            loop.call_soon_threadsafe(self._first_state.set)
 
     async def ask(self, job: Callable[[Ecu], T], *, seconds: float = _TURN) -> T:
         """Return the result of `job(ecu)`, run between two cycles. Raises what `job` raises.

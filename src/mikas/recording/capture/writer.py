@@ -15,7 +15,6 @@ import os
 import threading
 from contextlib import suppress
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, Self
 
@@ -68,6 +67,8 @@ class CaptureWriter:
         except OSError as error:
             raise CaptureError(str(self.path), _why_not_begun(error)) from error
         try:
+            from importlib.metadata import version  # slow to import, and `watch` records nothing
+
             self._append(pcapng.Section(application=f"mikas {version('mikas')}"))
             self._describe_interface(tsoffset=0)
             self._begun_at = self._end  # the end of what every recording begins with

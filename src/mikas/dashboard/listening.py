@@ -1,0 +1,63 @@
+"""The HTTP server's socket and addresses; nothing heavy is imported for them."""
+
+from __future__ import annotations
+
+import errno
+import socket
+import sys
+from contextlib import suppress
+
+from mikas.errors import reason_of, usage_error
+
+FIRST_PORT = 8071
+_TRIED = 20
+_SEND_BUFFER = 1 << 16  # bytes of a slow client that the system may queue
+
+
+def listen(port: int | None, *, lan: bool) -> socket.socket:
+    """Return a socket on `port`, or on the first free one from 8071 on. Raises `UsageError`."""
+    wanted = range(FIRST_PORT, FIRST_PORT + _TRIED) if port is None else [port]
+    failure: OSError | None = None
+    for number in (*wanted, *([0] if port is None else [])):
+        try:
+            return _bound("0.0.0.0" if lan else "127.0.0.1", number)
+        except OSError as error:
+            failure = error
+            if error.errno not in (errno.EADDRINUSE, errno.EACCES):
+                break
+    assert failure is not None
+    why = reason_of(failure)
+    raise usage_error(
+        f"The dashboard can't listen on port {port or FIRST_PORT}: {why.en}; choose another "
+        "with --host-port, or omit it to take a free one",
+        f"Панель не может занять порт {port or FIRST_PORT}: {why.ru}; укажите другой ключом "
+        "--host-port или уберите его, тогда найдётся свободный",
+    ) from failure
+
+
+def _bound(host: str, port: int) -> socket.socket:
+    own = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        if sys.platform != "win32":  # where the option would share the port with another program
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SEND_BUFFER)
+        own.bind((host, port))
+        own.listen()  # without it, two programs may be bound to one port
+    except OSError:
+        own.close()
+        raise
+    return own
+
+
+def own_addresses() -> tuple[str, ...]:
+    """Return this computer's addresses in the network, the likeliest first, then its names."""
+    found: dict[str, None] = {}
+    with suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.connect(("192.0.2.1", 9))  # nothing is sent: the system chooses the interface
+        found[probe.getsockname()[0]] = None
+    name = socket.gethostname()
+    with suppress(OSError):
+        for *_, address in socket.getaddrinfo(name, None, socket.AF_INET):
+            found[str(address[0])] = None
+    numbers = [address for address in found if not address.startswith(("127.", "0."))]
+    return (*numbers, name, f"{name}.local")
