@@ -113,6 +113,13 @@ def test_models() -> None:
     assert unknown.text == Text("unknown model 0x0B", "неизвестная модель 0x0B")
 
 
+def test_intake_is_marked_as_our_interpretation_of_the_air_temperature() -> None:
+    (name,) = shipped().parameter("TAIR").errata
+    reason = shipped().errata[name].reason
+    assert "“intake” is our interpretation" in reason.en
+    assert "«на впуске» — наше толкование" in reason.ru
+
+
 def test_errata() -> None:
     errata = shipped().errata
     assert list(errata) == ["E1", "E2", "E3", "E4"]
