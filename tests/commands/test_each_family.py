@@ -6,6 +6,7 @@ import pytest
 
 from mikas import commands as c
 from mikas.commands.base import lengths_in_words
+from mikas.commands.unit import version_of, version_text
 from mikas.errors import (
     AddressOutOfRange,
     NotSupported,
@@ -207,3 +208,15 @@ def test_d10_a_code_of_unknown_size():
     with pytest.raises(NotSupported, match="61"):
         twice.read(b"\x01")
     assert twice.read(hexed("01 01")) == (b"\x01", b"\x01")
+
+
+@pytest.mark.parametrize("code", [0x00, 0x09, 0x0A, 0xFF])
+def test_a_version_code_has_one_form_in_every_json(code):
+    assert version_of(version_text(code)) == version_of(code) == code
+    assert version_text(0x0A) == "0A"
+
+
+@pytest.mark.parametrize("other", [None, True, 1.0, "", "0a", "A", "10 ", "100", [10]])
+def test_what_is_no_version_code(other):
+    assert version_of(other) is None
+    assert version_text(None) is None

@@ -148,7 +148,7 @@ def test_one_recording(desk, folder) -> None:
     kinds = {event["kind"]: event for event in it["events"]}
     assert kinds["marker"]["label"] == "here"
     assert kinds["gap"]["reason"] == {"en": "no echo", "ru": "нет эха"}
-    assert kinds["unit"]["version_code"] == 0x0A
+    assert kinds["unit"]["version_code"] == "0A"
 
 
 def test_two_sessions_in_one_file(desk, folder) -> None:

@@ -125,7 +125,7 @@ def test_who_disconnects_meanwhile_spoils_no_answer(faulty):
     faulty.dashboard.connection.ask = ask_and_lose
     assert faulty.get("/faults")["count"] == 2
     assert change(faulty, kind="erase_faults")["before"] == [13, 14]
-    assert faulty.get("/passport")["version_code"] == 10
+    assert faulty.get("/passport")["version_code"] == "0A"
     assert faulty.post("/passport/probe")["supported"]
     assert faulty.dashboard.info is None
 

@@ -17,6 +17,7 @@ from typing import Any
 from mikas.client.ecu import Ecu
 from mikas.client.memory import MemorySpace
 from mikas.commands.base import check_range
+from mikas.commands.unit import version_of, version_text
 from mikas.errors import UsageError, reason_at, usage_error
 
 SCHEMA = 1
@@ -65,7 +66,7 @@ class Manifest:
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of the manifest's file."""
-        return asdict(self)
+        return {**asdict(self), "version_code": version_text(self.version_code)}
 
 
 def manifest_path(file: Path) -> Path:
@@ -80,7 +81,9 @@ def read_manifest(file: Path) -> Manifest | None:
         return None
     try:
         stored = json.loads(path.read_text("utf-8"))
-        manifest = Manifest(**{**stored, "passport": tuple(stored["passport"])})
+        version_code = version_of(stored["version_code"])
+        passport = tuple(stored["passport"])
+        manifest = Manifest(**{**stored, "version_code": version_code, "passport": passport})
         check_range(manifest.space, manifest.first, manifest.size)
         _check_second_pass(manifest)
     except (OSError, ValueError, TypeError, KeyError) as error:

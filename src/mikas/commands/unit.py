@@ -5,6 +5,7 @@ Erasing the faults takes two parameter writes: `parameters.ERASE_FAULTS`.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -153,3 +154,15 @@ class ReadDataPassport(_ReadPassport):
     CODES: ClassVar[tuple[int, ...]] = (0x54, 0x55, 0x56, 0x57, 0x58)
     SOURCE_NAME: ClassVar[str] = "CPASD"
     TITLE: ClassVar[Text] = Text("data passport", "паспорт данных")
+
+
+def version_text(code: int | None) -> str | None:
+    """Return `0A`, the form of a version code (01) in every JSON; None for an unknown one."""
+    return None if code is None else f"{code:02X}"
+
+
+def version_of(value: object) -> int | None:
+    """Read `version_text`, or the number that earlier files have; None for anything else."""
+    if isinstance(value, str) and re.fullmatch("[0-9A-F]{2}", value):
+        return int(value, 16)
+    return value if isinstance(value, int) and not isinstance(value, bool) else None

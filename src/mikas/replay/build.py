@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 from mikas import commands as c
 from mikas.catalog import Catalog, shipped
 from mikas.commands.base import ERROR
+from mikas.commands.unit import version_of
 from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.recording.capture.notes import Kind, Note
@@ -221,8 +222,8 @@ def _add_noted_identity(data: ReplayData, notes: list[Note]) -> None:
     for note in notes:
         if note.kind != Kind.UNIT:
             continue
-        version = note.data.get("version_code")
-        if isinstance(version, int) and 0 <= version <= 0xFF and not data.version.values:
+        version = version_of(note.data.get("version_code"))
+        if version is not None and 0 <= version <= 0xFF and not data.version.values:
             data.version.add(0.0, version)
         pieces = note.data.get("passports")
         if not isinstance(pieces, list):  # a note of another program

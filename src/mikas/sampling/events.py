@@ -18,6 +18,7 @@ from enum import StrEnum
 from typing import Any, ClassVar, Final
 
 from mikas.client import Limits, Passport, Reading
+from mikas.commands.unit import version_text
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.sampling.derived import DerivedValue
@@ -180,6 +181,10 @@ class UnitFound(Event):
     baud: int = field(default=9600, metadata=_NOT_IN_JSON)
     echo: bool | None = field(default=None, metadata=_NOT_IN_JSON)
     catalog: str = field(default="", metadata=_NOT_IN_JSON)
+
+    def as_json(self) -> dict[str, Any]:
+        """As `Event.as_json`; the version code as hex text."""
+        return {**Event.as_json(self), "version_code": version_text(self.version_code)}
 
     def may_be(self, other: UnitFound) -> bool:
         """Return whether both may be one unit, as far as their passports could be read."""

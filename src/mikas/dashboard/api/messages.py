@@ -81,7 +81,7 @@ _IN_BOTH: Final = (
     ),
     _model(Gap),
     _model(AdapterMoved),
-    _model(UnitFound),
+    _model(UnitFound, version_code=str | None),
     _model(MethodChosen),
     _model(ParameterDropped),
     _model(AlarmChanged, level=Level, before=Level | None, side=Side | None),

@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import BaseModel, Field
 
 from mikas.client.polling import Method
+from mikas.commands.unit import version_text
 from mikas.dashboard.api.errors import TwoTexts, made_of, two, two_or_none
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import ADVICE
@@ -83,7 +84,7 @@ class State(OwnState):
     port: str | None
     adapter: str
     model: TwoTexts | None
-    version_code: int | None
+    version_code: str | None = Field(description="hex, as 0A")
     passport: list[str | None] | None
     method: str | None = Field(description="in use; plan.method is the requested one")
     rates: dict[str, float] = Field(description="readings a second of each measured method")
@@ -153,7 +154,7 @@ def shared_state(dashboard: Dashboard) -> State:
             port=port.url if port else None,
             adapter=thread.adapter if thread else "",
             model=two_or_none(unit.model if unit else None),
-            version_code=unit.version_code if unit else None,
+            version_code=version_text(unit.version_code) if unit else None,
             passport=[*unit.passport.program, *unit.passport.data]
             if unit and unit.passport
             else None,

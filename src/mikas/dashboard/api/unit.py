@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mikas.catalog import Confidence
 from mikas.client import Ecu, Info, Support
+from mikas.commands.unit import version_text
 from mikas.dashboard.api.dependencies import NO_CLIENT_ID, Controller, TheDashboard, Viewer
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
 from mikas.dashboard.dashboard import Dashboard
@@ -72,7 +73,7 @@ class PassportResponse(BaseModel):
     """The identity of the unit, and its adapter."""
 
     model: TwoTexts
-    version_code: int
+    version_code: str = Field(description="hex, as 0A")
     program_passport: list[str | None]
     data_passport: list[str | None]
     parameter_count: int | None
@@ -163,6 +164,7 @@ def _passport_response(
         PassportResponse,
         info,
         model=info.model.text,
+        version_code=version_text(info.version_code),
         program_passport=info.passport.program,
         data_passport=info.passport.data,
         adapter=thread.adapter if thread else "",

@@ -16,6 +16,7 @@ from typing import Any, Final
 
 from mikas.catalog import Catalog
 from mikas.client import Passport
+from mikas.commands.unit import version_of
 from mikas.i18n import Text
 from mikas.recording.capture.notes import Kind, Note
 from mikas.sampling.events import (
@@ -54,7 +55,7 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
             return Note(Kind(event.kind), time, data)
         case UnitFound():
             data = {
-                "version_code": event.version_code,
+                "version_code": data["version_code"],
                 "passports": data["passport"],
                 "adapter": event.adapter,
                 "baud": event.baud,
@@ -129,7 +130,7 @@ def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
     if Kind.UNIT not in first:
         return None
     unit, plan = first[Kind.UNIT], first.get(Kind.PLAN, {})
-    version, passport = _whole(unit.get("version_code")), _passport(unit.get("passports"))
+    version, passport = version_of(unit.get("version_code")), _passport(unit.get("passports"))
     names = plan.get("names")
     return RecordedUnit(
         version_code=version,
@@ -220,7 +221,7 @@ def _event(note: Note, catalog: Catalog) -> Event | None:
             known = {key: rate for key, value in items if (rate := _number(value)) is not None}
             return MethodChosen(time, method, known, recording=recording)
         case Kind.UNIT:
-            version = _whole(data.get("version_code"))
+            version = version_of(data.get("version_code"))
             model = None if version is None else catalog.model(version).text
             passport = _passport(data.get("passports"))
             return UnitFound(time, version, passport, model=model, recording=recording)

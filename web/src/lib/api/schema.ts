@@ -438,7 +438,8 @@ export interface components {
         /** @description The identity of the unit, and its adapter. */
         PassportResponse: {
             model: components["schemas"]["TwoTexts"];
-            version_code: number;
+            /** @description hex, as 0A */
+            version_code: string;
             program_passport: (string | null)[];
             data_passport: (string | null)[];
             parameter_count: number | null;
@@ -664,7 +665,8 @@ export interface components {
             port: string | null;
             adapter: string;
             model: components["schemas"]["TwoTexts"] | null;
-            version_code: number | null;
+            /** @description hex, as 0A */
+            version_code: string | null;
             passport: (string | null)[] | null;
             /** @description in use; plan.method is the requested one */
             method: string | null;
@@ -755,7 +757,7 @@ export interface components {
              */
             kind: "unit";
             time: number;
-            version_code: number | null;
+            version_code: string | null;
             passport: (string | null)[] | null;
             another: boolean;
             model: components["schemas"]["TwoTexts"] | null;

@@ -26,7 +26,7 @@ export function piecesText(pieces: readonly (string | null)[]): string {
 export function unitLines(passport: Passport): Line[] {
   return [
     [t("model"), localized(passport.model)],
-    [t("version_code"), byteText(passport.version_code)],
+    [t("version_code"), passport.version_code],
     [t("program"), piecesText(passport.program_passport)],
     [t("data"), piecesText(passport.data_passport)],
     [

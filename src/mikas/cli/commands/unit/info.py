@@ -11,6 +11,7 @@ from mikas.client import Ecu, Info, Support
 from mikas.client.limits import STARTING_LIST
 from mikas.client.polling import FixedMethod
 from mikas.client.support import each_command
+from mikas.commands.unit import version_text
 from mikas.i18n import Text
 from mikas.link.urls import parse
 from mikas.sampling.method_knowledge import rates_of
@@ -47,7 +48,7 @@ def info(context: CommandContext, *, quick: bool) -> None:
         context.output.data(
             {
                 "model": found.model.text.en,
-                "version_code": f"{found.version_code:02X}",
+                "version_code": version_text(found.version_code),
                 "program_passport": found.passport.program,
                 "data_passport": found.passport.data,
                 "parameter_count": found.parameter_count,
