@@ -88,24 +88,19 @@ def find_udev() -> tuple[Path, Path] | None:
 
 
 def missing() -> str:
-    """Return what is not here and which package has it; empty if the box can be built."""
-    packages = []
-    if shutil.which(QEMU) is None:
-        packages.append("qemu-system-x86")
+    """Return what is missing and which package has it; empty if the box can be built."""
     busybox = shutil.which("busybox")
+    reasons = []
+    if shutil.which(QEMU) is None:
+        reasons.append("no QEMU: apt-get install qemu-system-x86")
     if busybox is None or b"/ld-linux" in Path(busybox).read_bytes():  # the guest has no libc
-        packages.append("busybox-static")
-    if find_kernel() is None:
-        packages.append("linux-image-amd64")
-    if find_udev() is None:
-        packages.append("udev")
-    if not packages:
-        return ""
-    return (
-        f"The tests on a cable need Debian's packages {', '.join(packages)}: `apt-get install` the "
-        "first two; kernel and udev are only downloaded, by `make cable` after `apt-get update`, "
-        f"into {DOWNLOADED}"
-    )
+        reasons.append("no static busybox: apt-get install busybox-static")
+    if find_kernel() is None or find_udev() is None:
+        reasons.append(
+            f"no kernel with {', '.join(MODULES)}, or no udev: `make cable` downloads both with "
+            f"apt-get into {DOWNLOADED}, after `apt-get update`"
+        )
+    return "; ".join(reasons)
 
 
 def initramfs(kernel: Kernel, shared: Path) -> bytes:
