@@ -7,6 +7,7 @@ from itertools import pairwise
 import pytest
 from cli_harness import is_one_short_paragraph, is_russian
 
+from mikas.link.virtual import VirtualLink
 from mikas.recording import CaptureReader
 
 
@@ -230,3 +231,15 @@ def test_no_adapters(mikas, monkeypatch):
     ran = mikas("ports")
     assert (ran.status, ran.out) == (0, "")
     assert "mikas demo" in ran.err
+
+
+def test_a_stream_that_the_unit_does_not_end_is_reported(mikas, monkeypatch):
+    """D12: over TCP there is no break, and the run has no next exchange."""
+    words = ("watch", "FREQ", "--method", "stream", "--count", "5")
+    assert "stream" not in mikas(*words, sim="&stream_end=break").err
+    monkeypatch.setattr(
+        VirtualLink, "send_break", lambda link, seconds: link.gather(link.now() + seconds)
+    )
+    ran = mikas(*words, sim="&stream_end=break")
+    assert (ran.status, len(ran.out.splitlines())) == (0, 6)
+    assert ran.err.count("a stream that the unit does not end") == 1

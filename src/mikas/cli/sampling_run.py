@@ -15,8 +15,9 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mikas.cli.advice import ADVICE
 from mikas.cli.context import CommandContext
-from mikas.cli.language import tr
+from mikas.cli.language import localized, tr
 from mikas.errors import EngineStopped, MikasError, RecordingOver
 from mikas.link import choose_port
 from mikas.link.reconnecting import ReconnectingPort
@@ -187,3 +188,5 @@ def sampling_session(
         raise
     finally:
         recorder.stop()
+        if acquisition.unended is not None:
+            context.output.note(localized(ADVICE.text(acquisition.unended)))

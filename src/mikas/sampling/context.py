@@ -9,6 +9,7 @@ from math import inf
 from mikas.client import Ecu, Reading
 from mikas.client.polling import FixedMethod, check_rate, next_due
 from mikas.commands import Datum
+from mikas.errors import LineNotQuiet
 from mikas.sampling.events import PlanChanged, Sampled
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.method_knowledge import MethodKnowledge
@@ -56,6 +57,8 @@ class SamplingContext:
         self.stopped = False
         self.relearn = False
         self.has_sampled = False
+        self.unended: LineNotQuiet | None = None
+        """The error of a stream that the unit did not end (D12), until the next plan."""
         self.identity_check = IdentityCheck()
         self.knowledge = MethodKnowledge()
         self.refused: set[Datum] = set()

@@ -10,7 +10,15 @@ from mikas.client import Ecu, Reading
 from mikas.client.ecu import poller_of
 from mikas.client.polling import STREAMS
 from mikas.commands import Datum
-from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, NoResponse, SyncLost
+from mikas.errors import (
+    EcuRefused,
+    LineError,
+    LineNotQuiet,
+    MikasError,
+    NoConnection,
+    NoResponse,
+    SyncLost,
+)
 from mikas.sampling.context import IdentityCheck, SamplingContext
 from mikas.sampling.events import CycleFailed, Event
 from mikas.sampling.plan import Plan, datum_of
@@ -103,6 +111,7 @@ class PlanRunner:
         Raises `NoConnection` and `SyncLost`; with `strict` also the requested method's refusal.
         """
         number = 0
+        self._context.unended = None
         try:
             while not self._over and self._context.is_current:
                 cycles = self._cycles
@@ -116,7 +125,14 @@ class PlanRunner:
                 number += 1
         finally:
             with suppress(LineError):  # the next exchange finds the line's fault
-                self._cycles.poller.close()
+                self._close()
+
+    def _close(self) -> None:
+        try:
+            self._cycles.poller.close()
+        except LineNotQuiet as error:
+            self._context.unended = error  # there may be no next exchange (D12)
+            raise
 
     def _cycle(self, cycles: PlanCycles, number: int) -> Iterator[Event]:
         began = self._now()

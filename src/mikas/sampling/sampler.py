@@ -16,7 +16,7 @@ from typing import TypeVar
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client import Ecu
 from mikas.client.polling import FixedMethod, fixed_method
-from mikas.errors import LinkLost, MikasError, NoConnection, RecordingOver, SyncLost
+from mikas.errors import LineNotQuiet, LinkLost, MikasError, NoConnection, RecordingOver, SyncLost
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling import method_trial
@@ -95,6 +95,11 @@ class Sampler:
     def plan(self) -> Plan | None:
         """The present plan, inputs of derived channels included; None before the first."""
         return self._context.plan
+
+    @property
+    def unended(self) -> LineNotQuiet | None:
+        """The error of a stream that the unit did not end (D12) when `run` was closed."""
+        return self._context.unended
 
     @property
     def method(self) -> str | None:
