@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from mikas.client import Ecu
     from mikas.sampling.events import Event
 
+_ALIVE = (LineState.ECU_ALIVE, LineState.SAMPLING)
 _SEARCH = 3  # failed cycles at the start that are not shown: another method may follow
 
 
@@ -62,7 +63,8 @@ class SamplingRun:
         self.recorder = recorder
         self.model: Model | None = None
         self.method: str | None = None
-        self.connected = False  # at least once
+        self.answered = False  # a unit, at least once
+        self.connected = False  # to a unit that has given values, or that is identified
         self.waiting: StateChanged | None = None  # the broken state of the line
         self.samples = 0
         self.gap_cycles = 0
@@ -71,6 +73,7 @@ class SamplingRun:
         """The end of the played recording, which ended the events."""
         self._began: float | None = None
         self._ecu: Ecu | None = None
+        self._identified = False
         self._works = False  # sampled since the unit was identified
         self._searched = 0  # failed cycles before that
         self._failed_before = 0  # line errors on links that are gone
@@ -133,15 +136,18 @@ class SamplingRun:
         if ecu is not None and ecu is not self._ecu:
             self._failed_before, self._ecu = self.errors, ecu
         if isinstance(event, UnitFound):
-            self.connected = True
+            self.connected = self._identified = True
             self.model = ecu.model if ecu else self.model
         if isinstance(event, StateChanged):
             self.waiting = event if event.is_broken else None
+            self.answered |= event.state in _ALIVE
             if event.state is LineState.SAMPLING and self._began is None:
                 self._began = event.time
         self.method = self.acquisition.method
-        self.samples += isinstance(event, Sampled)
-        self._works |= self.connected and isinstance(event, Sampled)
+        if isinstance(event, Sampled):
+            self.samples += 1
+            self.connected = True
+            self._works |= self._identified
         self.gap_cycles += isinstance(event, CycleFailed)
         if self._began is not None:
             self.seconds = max(self.seconds, event.time - self._began)

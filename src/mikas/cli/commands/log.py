@@ -105,7 +105,7 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
     finally:
         status = current.recorder.stop()
         progress.clear()
-        if current.connected and status is not None:  # else no ECU ever answered
+        if current.answered and status is not None:  # else no ECU ever answered
             output.note(_summary(current, status))
     if status is None or status.failure is None:
         return DONE
