@@ -92,12 +92,16 @@ def test_an_empty_port_in_the_environment_is_none(mikas, monkeypatch):
 )
 def test_a_wrong_config_file_says_where_and_what(mikas, text, message):
     file = config(mikas, text)
-    for argv in (["params"], ["read", "TWAT"], ["--json", "info"]):
+    for argv in (["params"], ["read", "TWAT"]):
         ran = mikas(*argv)
         assert (ran.status, ran.out) == (2, "")
         assert str(file) in ran.err
         assert message in ran.err
         assert len(ran.err.splitlines()) == 1
+    ran = mikas("--json", "info")
+    assert (ran.status, ran.err) == (2, "")
+    assert str(file) in ran.object["error"]["message"]
+    assert message in ran.object["error"]["message"]
     assert mikas("--help").status == 0
 
 

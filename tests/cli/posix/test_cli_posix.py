@@ -143,7 +143,8 @@ def test_an_adapter_that_goes_and_comes_back(start, sim, tmp_path):
     adapter = tmp_path / "adapter"
     adapter.symlink_to(url)
     log = start("log", "-o", "a.pcapng", "TWAT", "--port", str(adapter), "--json")
-    lines_until(log.stdout, lambda line: line["values"]["TWAT"])
+    for _ in range(5):  # until the unit's passports are known, so that it is known again
+        lines_until(log.stdout, lambda line: line["values"]["TWAT"])
     adapter.unlink()
     process.kill()
     gaps = lines_until(log.stdout, lambda line: line["gap"])
