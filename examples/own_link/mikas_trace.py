@@ -13,6 +13,10 @@ class TraceLink(Link):
     def __init__(self, url: str, inner: Link) -> None:
         self.url, self.baud, self._inner = url, inner.baud, inner
 
+    @property
+    def granularity(self) -> float:
+        return self._inner.granularity
+
     def write(self, data: bytes) -> None:
         print(f"{self.now():.4f} > {data.hex(' ')}", file=sys.stderr)
         self._inner.write(data)
