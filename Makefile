@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test browser cable check bench clean
+.PHONY: help demo test browser cable fuzz check bench clean
 
 help: ## list these targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -36,6 +36,12 @@ browser: .venv/with-test ## the tests that drive the page in Chromium; pictures 
 cable: .venv/with-test build/cable/unpacked ## the program on a cable under Linux' own driver, in QEMU: docs/cable.md
 	@MIKAS_REQUIRE_CABLE=1 $(venv_python) -m pytest -n 2 --dist worksteal tests/cable
 
+# Seconds for each of four targets, which run two at a time: make fuzz SECONDS=3600
+SECONDS ?= 60
+
+fuzz: .venv/with-fuzz ## the parsers under mutated inputs, guided by coverage (Linux); fails on a finding
+	@$(venv_python) -m fuzz --seconds $(SECONDS)
+
 check: .venv/with-check web/node_modules/installed ## lint, format, types, import rules, names of changes/
 	$(venv_python) -m ruff check .
 	$(venv_python) -m ruff format --check .
@@ -51,7 +57,7 @@ bench: .venv/with-test ## rates, times and memory against their targets, into do
 clean: ## remove .venv and everything else that was generated
 	rm -rf .venv .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache build dist htmlcov \
 	  web/node_modules src/mikas/dashboard/page
-	find src tests bench -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
+	find src tests bench fuzz -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
 # The page is built on installation, so its sources count as well.
 page := pyproject.toml hatch_build.py $(shell find web -path web/node_modules -prune -o -type f -print 2>/dev/null)
@@ -72,6 +78,12 @@ page := pyproject.toml hatch_build.py $(shell find web -path web/node_modules -p
 .venv/with-check: .venv/with-test
 	@echo "Installing the packages of the checks"
 	@$(venv_python) -m pip install --quiet --disable-pip-version-check --group check
+	@touch $@
+
+.venv/with-fuzz: .venv/installed
+	@echo "Installing the fuzzer"
+	@$(venv_python) -m pip install --quiet --disable-pip-version-check 'pip>=25.1'
+	@$(venv_python) -m pip install --quiet --disable-pip-version-check --group fuzz
 	@touch $@
 
 # The page's own tools, with Node from the environment.

@@ -183,6 +183,10 @@ def test_foreign_damaged_and_unknown_ones(path):
         b'{"kind":"note","time":NaN,"data":{}}',
         b'{"kind":"note","time":0,"data":7}',
         b'{"kind":"note"}',
+        b'{"kind":"note","time":"nan","data":{}}',
+        b'{"kind":"note","time":1e999,"data":{}}',
+        b'{"kind":"gap","time":0,"data":{"began":1%s}}' % (b"0" * 400),
+        b'{"kind":"faults","time":0,"data":{"readings":[{"time":1e999,"codes":[13]}]}}',
         b"\xff\xfe",
         b"[" * 100_000,
         b"",
@@ -201,6 +205,12 @@ def test_foreign_damaged_and_unknown_ones(path):
     assert notes(path) == [good, later]
     assert [type(note.kind) for note in notes(path)] == [Kind, str]
     assert list(CaptureReader(path)) == []
+
+
+def test_half_a_surrogate_pair_which_no_screen_shows_is_replaced():
+    data = blocks.TAG + rb'{"kind":"marker","time":0,"data":{"label":"a\udcff \ud83d\ude97"}}'
+    note = blocks.read_block(pcapng.Custom(blocks.ENTERPRISE, data))
+    assert note == note_of(Marker(0.0, "a? 🚗"))
 
 
 def test_a_big_endian_section_and_one_of_another_version(path):

@@ -21,6 +21,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import StrEnum
+from math import isfinite
 from typing import Any, BinaryIO, Final
 
 from mikas.recording.capture import blocks as pcapng
@@ -85,22 +86,48 @@ def block_of(note: Note) -> pcapng.Custom:
 
 
 def read_block(block: pcapng.Custom) -> Note | None:
-    """Return the note in `block`; None for an unreadable one. An unknown kind stays."""
+    """Return the note in `block`; None for an unreadable one. An unknown kind stays.
+
+    Its numbers are finite and fit a float; half of a surrogate pair in a text, which no file or
+    screen can show, becomes a “?”.
+    """
     if block.enterprise != ENTERPRISE or not block.data.startswith(TAG):
         return None
     try:
-        content = json.loads(block.data[len(TAG) :].rstrip(b"\0"), parse_constant=_refuse)
-        kind, time, data = content["kind"], float(content["time"]), dict(content["data"])
-        if not isinstance(kind, str):
+        text = block.data[len(TAG) :].rstrip(b"\0")
+        content = _printable(_FROM_JSON.decode(text.decode()))
+        kind, time, data = content["kind"], content["time"], dict(content["data"])
+        if not isinstance(kind, str) or not isinstance(time, int | float):
             return None
-        return Note(Kind(kind) if kind in _KINDS else kind, time, data)
+        return Note(Kind(kind) if kind in _KINDS else kind, float(time), data)
     except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
         return None
 
 
-def _refuse(constant: str) -> None:
-    """Refuse NaN and infinity, which are no JSON."""
-    raise ValueError(constant)
+def _finite(text: str) -> float:
+    number = float(text)  # 1e999 is infinite; NaN and Infinity are no JSON
+    if not isfinite(number):
+        raise ValueError(text)
+    return number
+
+
+def _whole(text: str) -> int:
+    _finite(text)
+    return int(text)
+
+
+_FROM_JSON: Final = json.JSONDecoder(parse_float=_finite, parse_int=_whole, parse_constant=_finite)
+
+
+def _printable(value: Any) -> Any:  # noqa: ANN401  (any JSON)
+    match value:
+        case str():
+            return value.encode("utf-8", "replace").decode()
+        case list():
+            return [_printable(item) for item in value]
+        case dict():
+            return {_printable(key): _printable(item) for key, item in value.items()}
+    return value
 
 
 @dataclass(slots=True)
