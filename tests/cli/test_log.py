@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from cli_harness import is_one_short_paragraph, is_russian
 
+import mikas as library
 from mikas.recording import CaptureReader
 from mikas.recording.capture.reader import Packet, Problem
 
@@ -36,6 +39,8 @@ def test_every_command_with_a_port_is_captured(mikas, tmp_path, argv):
 def test_a_capture_stays_when_the_command_fails(mikas, tmp_path):
     assert mikas("read", "--capture", "wire.pcapng", sim="&lost=1").status == 3
     assert len(list(CaptureReader(tmp_path / "wire.pcapng"))) >= 2
+    assert mikas("watch", "--capture", "third.pcapng", sim="&lost=1").status == 3
+    assert len(list(CaptureReader(tmp_path / "third.pcapng"))) >= 2
     assert mikas("doctor", "--capture", "other.pcapng", sim="&lost=1").status == 3
     assert len(list(CaptureReader(tmp_path / "other.pcapng"))) >= 2
 
@@ -222,3 +227,14 @@ def test_decode_uses_the_reading_and_the_catalog_asked_for(mikas):
     mikas("read", "UACC", "--capture", "wire.pcapng")
     assert "UACC=14" in mikas("decode", "wire.pcapng").out
     assert "UACC=-11" in mikas("decode", "wire.pcapng", "--interpretation", "literal").out
+
+
+@pytest.mark.parametrize("options", [["--count", "5"], ["--rate", "2", "--duration", "3"]])
+def test_the_rows_of_an_export_are_explained_where_samples_are_counted(mikas, options, tmp_path):
+    assert "an export" not in mikas("log", "-o", "0.pcapng", "TWAT", "--duration", "1").err
+    ran = mikas("log", "-o", "a.pcapng", "TWAT", *options)
+    rows = sum(len(it.times) for it in library.open(tmp_path / "a.pcapng").rows())
+    samples = int(re.search(r": (\d+) samples", ran.err)[1])
+    assert rows > samples
+    assert ran.err.endswith("an export makes a row of each.\n")
+    is_russian(mikas("log", "-o", "b.pcapng", "TWAT", *options, "--lang", "ru").err)

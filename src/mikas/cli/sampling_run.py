@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from mikas.cli.advice import ADVICE
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
-from mikas.errors import EngineStopped, MikasError, RecordingOver
+from mikas.errors import EngineStopped, MikasError, RecordingOver, UsageError
 from mikas.link import choose_port
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording.recorder import Recorder
@@ -186,8 +186,10 @@ def sampling_session(
     run = SamplingRun(acquisition, recorder, options)
     try:
         yield run
-    except MikasError:
-        if out is not None and not run.connected:  # the same command must work again
+    except MikasError as error:
+        # The same `log` must work again. A capture shows why no unit answered.
+        useless = isinstance(error, UsageError) or out != context.capture
+        if out is not None and useless and not run.connected:
             recorder.stop()
             with suppress(OSError):
                 out.unlink()

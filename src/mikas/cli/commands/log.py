@@ -106,7 +106,7 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
         status = current.recorder.stop()
         progress.clear()
         if current.answered and status is not None:  # else no ECU ever answered
-            output.note(_summary(current, status))
+            output.note(f"{_summary(current, status)}{_of_an_export(current)}")
     if status is None or status.failure is None:
         return DONE
     if output.json:
@@ -147,6 +147,18 @@ def _progress(current: SamplingRun) -> str:
     if current.waiting is not None and status.failure is None:
         return f"{capital(localized(current.waiting.text))} · {_summary(current, status)}"
     return _summary(current, status)
+
+
+def _of_an_export(current: SamplingRun) -> str:
+    """Explain the rows of an export where the user has set the number of samples."""
+    if current.options.count is None and current.options.rate is None:
+        return ""
+    return tr(
+        ". The file has every response on the line, those before the samples too: an export makes "
+        "a row of each.",
+        ". В файле все ответы на линии, в том числе до отсчётов: при экспорте каждый станет "
+        "строкой.",
+    )
 
 
 def _summary(current: SamplingRun, status: RecordingStatus) -> str:
