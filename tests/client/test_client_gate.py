@@ -325,3 +325,17 @@ class TestThreads:
         samples.close()
         other.join(30)
         assert list(ecu.read_list()) == ["FREQ"]
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_an_adapter_that_is_gone_leaves_the_change_unknown(name):
+    it = bench()
+
+    def unplug(change):
+        it.link.unplug()
+        return True
+
+    with pytest.raises(LinkLost) as lost:
+        CHANGES[name](ecu_on(it, confirm=unplug))
+    assert "unknown" in lost.value.advice.en
+    assert "неизвестно" in lost.value.advice.ru

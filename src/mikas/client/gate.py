@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from mikas.commands import Safety
-from mikas.errors import JournalError, MikasError, NotConfirmed, reason_of
+from mikas.errors import JournalError, LinkLost, MikasError, NotConfirmed, reason_of
 from mikas.i18n import Text
 from mikas.tester import Tester
 
@@ -41,6 +41,12 @@ _NO_CONFIRM = Text(
     "возвращает True.",
 )
 _DECLINED = Text("The answer to the question was no.", "На вопрос ответили «нет».")
+_UNSETTLED = Text(
+    f"{LinkLost.advice.en} Whether the change was made is unknown: with the adapter back, read "
+    "what the unit holds.",
+    f"{LinkLost.advice.ru} Сделано ли изменение, неизвестно: когда адаптер вернётся, прочитайте, "
+    "что теперь в блоке.",
+)
 _NO_OUTCOME = Text(
     "The change was made; the journal has its beginning, but not its outcome.",
     "Изменение сделано; в журнале есть его начало, но нет исхода.",
@@ -99,6 +105,8 @@ class Gate:
             except MikasError as error:
                 with suppress(JournalError):  # the error on the wire matters more
                     self._note(used(), "failed", str(error))
+                if isinstance(error, LinkLost) and error.advice == LinkLost.advice:
+                    error.advice = _UNSETTLED
                 raise
             except BaseException as error:
                 with suppress(JournalError):
