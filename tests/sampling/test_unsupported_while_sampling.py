@@ -18,6 +18,7 @@ from sampling_harness import (
 )
 
 from mikas.errors import EcuRefused, NotSupported
+from mikas.framing import encode
 from mikas.sampling.events import (
     CycleFailed,
     LineState,
@@ -28,9 +29,9 @@ from mikas.sampling.events import (
     StateChanged,
 )
 from mikas.virtual.bus import Bus
-from mikas.virtual.fault_injector import FaultInjector, LineFault
+from mikas.virtual.fault_injector import FaultInjector, LineFault, Sent
 from mikas.virtual.quirks import GROUPS, EcuQuirks, LongList, Unknown
-from virtual_harness import make_bus
+from virtual_harness import DATA, make_bus
 
 
 def changing(sampler, bus: Bus, change):
@@ -268,3 +269,32 @@ def test_a_gate_that_lets_no_list_through_leaves_the_other_methods():
     with closing(sampler.run()) as events:
         reported = take(events, settled)
     assert of(MethodChosen, reported)[0].method == "batch"
+
+
+class StreamLine(FaultInjector):
+    """A line with a fault of its own for every response of one stream."""
+
+    def __init__(self, body: bytes) -> None:
+        super().__init__()
+        self._wire = encode(body)
+        self.line_fault: LineFault | None = None
+
+    def respond(self, wire: bytes) -> list[Sent]:
+        if wire == self._wire:
+            self.next(self.line_fault)
+        return super().respond(wire)
+
+
+def test_damage_in_a_stream_that_was_silent_before_is_no_refusal():
+    line = StreamLine(DATA[0x1A] + DATA[0x29])
+    plug = SimulatedPlug(make_bus(fault_injector=line))
+    sampler = make_sampler(plug, "TWAT", "FREQ", method="stream")
+    with closing(sampler.run()) as events:
+        take(events, lambda taken: of(Sampled, taken))
+        line.line_fault = LineFault.LOST
+        take(events, lambda taken: len(of(CycleFailed, taken)) == 2)
+        line.line_fault = LineFault.DAMAGED
+        take(events, lambda taken: of(CycleFailed, taken))
+        line.line_fault = None
+        taken = take(events, enough)
+    assert of(ParameterDropped, taken) == []

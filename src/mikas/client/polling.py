@@ -165,7 +165,8 @@ class StreamPoller(Poller):
                     raise self._not_supported(error) from error
             except MikasError as error:
                 if isinstance(error, LineError) and self._stream is not None:
-                    self._heard = self._tester.link.now()  # only one response was damaged
+                    # Only one response was damaged: the unit sends.
+                    self._heard, self._silent = self._tester.link.now(), 0
                 else:
                     self._end()
                 raise
