@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test browser cable fuzz check bench clean
+.PHONY: help demo test browser cable fuzz soak check bench clean
 
 help: ## list these targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -53,6 +53,13 @@ check: .venv/with-check web/node_modules/installed ## lint, format, types, impor
 
 bench: .venv/with-test ## rates, times and memory against their targets, into docs/benchmarks.md: half an hour
 	@$(venv_python) -m bench
+
+# Exchanges and seed of the campaign; a hundred thousand take a minute or two: make soak EXCHANGES=100000 SEED=2
+EXCHANGES ?= 1000000
+SEED ?= 1
+
+soak: .venv/with-test ## a million exchanges on a very bad line in simulated time, no value wrong: a quarter of an hour
+	@$(venv_python) -m bench.soak --exchanges $(EXCHANGES) --seed $(SEED)
 
 clean: ## remove .venv and everything else that was generated
 	rm -rf .venv .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache build dist htmlcov \
