@@ -106,7 +106,9 @@ class TestTheForms:
         memory = ecu_on(it, confirm=yes).memory[space]
         assert memory.write_block(0, data).after == data == stored(it, space, 0, 256)
         if missing:
-            assert len(it.requests(BLOCK[space])) < 40
+            sent = it.requests(BLOCK[space])
+            assert len(sent) < 40
+            assert len(set(sent)) == len(sent)  # what is too long is not sent again
 
     def test_neither_form(self, unknown, space, tmp_path):
         it = bench(missing=f"{NO_BYTES},{NO_BLOCKS}", unknown=unknown)
@@ -119,8 +121,10 @@ class TestTheForms:
                     assert f"{name(code)} ({code:02X})" in text
             assert "Read back: nothing was changed." in caught.value.text.en
             assert "Проверено чтением: ничего не изменено." in caught.value.text.ru
+        with pytest.raises(EcuRefused):  # the bytes that are there anyway prove nothing
+            memory.write_block(0x40, pattern(space)[0x40:0x43])
         assert stored(it, space, 0, 256) == pattern(space)[:256]
-        assert [e["state"] for e in lines(tmp_path / "j")] == ["started", "failed"] * 2
+        assert [e["state"] for e in lines(tmp_path / "j")] == ["started", "failed"] * 3
         for code in (BYTE[space], BLOCK[space]):
             assert name(code) in lines(tmp_path / "j")[1]["command"]
 
@@ -179,8 +183,12 @@ class TestAFailureHalfWay:
         memory.write = lambda space, address, data: keep(
             space, address, data[:10] + b"\xee" + data[11:]
         )
-        with pytest.raises(ReadBackDiffers, match="ram 004A: 00 was written, EE was read back"):
+        with pytest.raises(
+            ReadBackDiffers, match="ram 004A: 00 was written, EE was read back"
+        ) as caught:
             ecu_on(it, confirm=yes).memory.ram.write_block(0x40, bytes(20))
+        wrong = f"{'00 ' * 10}EE{' 00' * 9}"
+        assert f"Some of the bytes were written. Read back: {wrong}." in caught.value.text.en
 
 
 @pytest.mark.parametrize("unknown", ["silent", "01"])
@@ -221,14 +229,36 @@ def test_a_lost_or_damaged_answer_is_settled_by_reading_back(fault):
 def test_a_request_that_the_unit_did_not_get_is_sent_again():
     it = bench()
     ecu = ecu_on(it, confirm=yes)
-    ecu.memory.xram.write_block(0, b"ab")
+    ecu.memory.xram.write_block(0, bytes(100))
     lost = [True, True]
     refuses(it, lambda body: None if body[0] == 0x24 and lost and lost.pop() else ...)
     ecu.memory.xram.write_block(0x40, bytes(100))
     assert stored(it, "xram", 0x40, 100) == bytes(100)
+    assert it.requests(0x14) == []
     refuses(it, lambda body: None if body[0] == 0x24 else ...)
     with pytest.raises(LineError, match="nothing was changed"):
         ecu.memory.xram.write_block(0x40, b"xy")
+
+
+def test_bytes_that_are_there_already_are_sent_once():
+    it = bench()
+    ecu = ecu_on(it, confirm=yes)
+    data = pattern("xram")[:30]
+    ecu.memory.xram.write_block(0, data)
+    it.next_faults(None, LineFault.LOST)
+    ecu.memory.xram.write_block(0, data)
+    assert len(it.requests(0x24)) == 2
+
+
+def test_one_lost_block_does_not_make_a_session_write_single_bytes():
+    it = bench()
+    ecu = ecu_on(it, confirm=yes)
+    lost = [True]
+    refuses(it, lambda body: None if body[0] == 0x24 and lost and lost.pop() else ...)
+    ecu.memory.xram.write_block(0, bytes(20))
+    it.forget()
+    ecu.memory.xram.write_block(0x40, bytes(20))
+    assert it.requests(0x14) == []
 
 
 def test_an_sfr_is_never_written_twice():

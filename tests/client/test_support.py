@@ -120,6 +120,8 @@ class TestAUnitThatLacks:
     def test_all_but_one_code_in_a_list(self, unknown, bad_write):
         found = tried(ecu_on(bench(max_list=1, unknown=unknown, bad_write=bad_write)))
         assert (found[0x64], found[0x63]) == ((True, ""), (True, ""))
+        quirks = {"max_list": 1, "unknown": unknown, "bad_write": bad_write}
+        assert tried(ecu_on(bench(missing="63", **quirks)))[0x63] == (False, "")
 
 
 def test_the_list_that_mikas_has_set_is_set_again(tmp_path):
