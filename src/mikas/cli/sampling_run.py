@@ -189,7 +189,7 @@ def sampling_session(
     except MikasError as error:
         # The same `log` must work again. A capture shows why no unit answered.
         useless = isinstance(error, UsageError) or out != context.capture
-        if out is not None and useless and not run.connected:
+        if out is not None and useless and not run.answered:
             recorder.stop()
             with suppress(OSError):
                 out.unlink()

@@ -10,6 +10,7 @@ import click
 from mikas.cli.click_extensions import YES, command, option
 from mikas.cli.commands.memory.cells import SPACE
 from mikas.cli.commands.memory.files import BLOCK, differences_json, show_differences
+from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE, REFUSED
 from mikas.cli.language import tr
@@ -61,6 +62,7 @@ from mikas.i18n import Text
 )
 @BLOCK
 @YES
+@RELEARN
 def restore(
     context: CommandContext,
     space: str,
