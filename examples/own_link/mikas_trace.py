@@ -4,37 +4,25 @@ from __future__ import annotations
 
 import sys
 
-from mikas.link import Chunk, Link, open_link
+from mikas.link import Chunk, Link, LinkWrapper, open_link
 
 
-class TraceLink(Link):
-    """Another link, with its bytes printed. The contract of a link: `mikas.link.base`."""
+class TraceLink(LinkWrapper):
+    """Another link, with its bytes printed. The contract of a link: `mikas.link.base.Link`."""
 
     def __init__(self, url: str, inner: Link) -> None:
-        self.url, self.baud, self._inner = url, inner.baud, inner
-
-    @property
-    def granularity(self) -> float:
-        return self._inner.granularity
+        super().__init__(inner)
+        self.url = url
 
     def write(self, data: bytes) -> None:
         print(f"{self.now():.4f} > {data.hex(' ')}", file=sys.stderr)
-        self._inner.write(data)
+        self.link.write(data)
 
     def read(self, deadline: float) -> Chunk:
-        chunk = self._inner.read(deadline)
+        chunk = self.link.read(deadline)
         if chunk.data:
             print(f"{chunk.time:.4f} < {chunk.data.hex(' ')}", file=sys.stderr)
         return chunk
-
-    def now(self) -> float:
-        return self._inner.now()
-
-    def send_break(self, seconds: float) -> None:
-        self._inner.send_break(seconds)
-
-    def close(self) -> None:
-        self._inner.close()
 
 
 def open_trace(url: str, options: dict[str, str]) -> Link:

@@ -3,7 +3,7 @@
 `find_ports` and `choose_port` find the URL. A scheme's libraries are imported when it is opened.
 """
 
-from mikas.link.base import CaptureTee, Chunk, Direction, Link, Sink, WallClock
+from mikas.link.base import CaptureTee, Chunk, Direction, Link, LinkWrapper, Sink, WallClock
 from mikas.link.ports import Port, choose_port, find_ports
 from mikas.link.urls import open_link
 
@@ -12,6 +12,7 @@ __all__ = [
     "Chunk",
     "Direction",
     "Link",
+    "LinkWrapper",
     "Port",
     "Sink",
     "WallClock",
