@@ -10,7 +10,14 @@ from client_harness import bench, ecu_on
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.client.dumps import Difference, Dump, compare, differences, manifest_path, read_manifest
+from mikas.client.memory.dumps import (
+    Difference,
+    Dump,
+    compare,
+    differences,
+    manifest_path,
+    read_manifest,
+)
 from mikas.errors import AddressOutOfRange, LineError, NoConnection, UsageError
 
 

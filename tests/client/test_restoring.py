@@ -10,8 +10,8 @@ from client_harness import bench, ecu_on, lines
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mikas.client.dumps import Difference, Dump
-from mikas.client.restoring import DumpFile, Restore, _places, _runs
+from mikas.client.memory.dumps import Difference, Dump
+from mikas.client.memory.restoring import DumpFile, Restore, _places, _runs
 from mikas.errors import (
     EcuRefused,
     MikasError,

@@ -10,7 +10,7 @@ import pytest
 
 from dashboard.dumps_rig import XRAM, ended, hold, until_read, when
 from dashboard.rig import rig
-from mikas.client.dumps import Manifest, manifest_path
+from mikas.client.memory.dumps import Manifest, manifest_path
 from mikas.dashboard.api import dumps
 from mikas.dashboard.session import dump_jobs
 from mikas.dashboard.session.dump_jobs import DumpJobs

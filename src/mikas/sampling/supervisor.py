@@ -7,11 +7,13 @@ compared with the one before: it may be another car. `line_state` has the states
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
+from math import inf
 
-from mikas.client import Ecu, Passport
-from mikas.client.ecu import passport_in_steps
+from mikas.client import Ecu, Passport, Reading
+from mikas.client.ecu import may_be_limited, passport_in_steps, read_at_once
 from mikas.commands import Availability
 from mikas.errors import (
+    EcuRefused,
     LineError,
     LinkLost,
     MikasError,
@@ -31,12 +33,13 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.first_values import FirstValues
 from mikas.sampling.line_state import LineStateMachine, LineTrigger, trigger_of
+from mikas.sampling.plan import Plan
 
 UnitIdentity = tuple[int, Passport]
 
 _RETRY_PORT = 1.0  # s between attempts to open the port
+_PAUSE = 0.5  # s between two cycles; passports that are answered take 0.2 s
 
 
 class ConnectionSupervisor:
@@ -211,6 +214,43 @@ class ConnectionSupervisor:
         if context.has_sampled:  # at each attempt, about once a second: the wait stays visible
             yield CycleFailed(time, error)
         yield from self.process(event, time, error)
+
+
+class FirstValues:
+    """Reads all requested parameters of `ecu` by one 61, until that fails once.
+
+    Later the unit's refusals are found and its fastest method is measured. Not if another method is
+    requested; if another unit may have been sampled before (`identify_first`); if limits are saved
+    for any unit, for this may be the one that does not take the whole list.
+    """
+
+    def __init__(self, context: SamplingContext, ecu: Ecu) -> None:
+        request = context.request
+        self.plan = Plan(request.selection.parameters, max_list=context.knowledge.max_list)
+        self._context = context
+        self._ecu = ecu
+        self._works = (
+            request.method in (None, "batch")
+            and not context.identify_first
+            and not may_be_limited(ecu)
+        )
+        self._due = -inf
+
+    def read(self) -> dict[str, Reading]:
+        """Return the readings by name; {} if the unit refuses, or soon after the last ones.
+
+        Raises a `NoConnection`.
+        """
+        now = self._ecu.tester.link.now
+        if not self._works or now() < self._due or not self._context.is_current:
+            return {}
+        parameters = [planned.parameter for planned in self.plan.parameters]
+        try:
+            fresh = read_at_once(self._ecu, parameters)
+        except (EcuRefused, LineError):
+            fresh = {}
+        self._works, self._due = bool(fresh), now() + _PAUSE
+        return fresh
 
 
 def _found(ecu: Ecu, unit: UnitIdentity, *, another: bool) -> UnitFound:

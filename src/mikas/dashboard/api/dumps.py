@@ -15,7 +15,7 @@ from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
 from mikas.client import Ecu
-from mikas.client.dumps import Manifest, differences
+from mikas.client.memory.dumps import Manifest, differences
 from mikas.commands.base import check_range
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
 from mikas.dashboard.api.errors import content, errors, made_of

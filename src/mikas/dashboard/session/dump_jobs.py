@@ -1,8 +1,9 @@
 """Dumps as jobs: read piece by piece between samples into files, resumable after any interruption.
 
 A piece takes 0.4 s on the line, then sampling has its turn. A lost line, a reload or the end of the
-program loses no byte that was read: the file and its manifest (`mikas.client.dumps`) hold the
-progress, and reading resumes there. A second pass (verify) works alike; its result is kept as well.
+program loses no byte that was read: the file and its manifest (`mikas.client.memory.dumps`) hold
+the progress, and reading resumes there. A second pass (verify) works alike; its result is kept as
+well.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from pathlib import Path
 from typing import Literal
 
 from mikas.client import Ecu
-from mikas.client.dumps import Dump, Manifest, manifest_path, read_manifest
+from mikas.client.memory.dumps import Dump, Manifest, manifest_path, read_manifest
 from mikas.dashboard.errors import Busy, InternalError, NotConnected, NotFound
 from mikas.dashboard.library.deletion import DUMP, Found, deletion
 from mikas.dashboard.security.confirmations import PendingChange

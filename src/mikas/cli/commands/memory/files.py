@@ -14,7 +14,14 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
 from mikas.cli.parameter_types import any_file, block_size, existing_file, hex_address
 from mikas.cli.render.progress import progress
-from mikas.client.dumps import Difference, Dump, compare, differences, file_error, read_manifest
+from mikas.client.memory.dumps import (
+    Difference,
+    Dump,
+    compare,
+    differences,
+    file_error,
+    read_manifest,
+)
 from mikas.commands.base import Space, check_range
 from mikas.errors import usage_error
 from mikas.i18n import Text

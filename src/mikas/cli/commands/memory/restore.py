@@ -16,7 +16,7 @@ from mikas.cli.failures import DONE, REFUSED
 from mikas.cli.language import tr
 from mikas.cli.parameter_types import existing_file, hex_address
 from mikas.cli.render.progress import progress
-from mikas.client.restoring import DumpFile, Restore
+from mikas.client.memory.restoring import DumpFile, Restore
 from mikas.i18n import Text
 
 

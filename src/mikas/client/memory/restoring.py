@@ -15,7 +15,9 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 
-from mikas.client.dumps import (
+from mikas.client.ecu import Ecu
+from mikas.client.memory import MemorySpace, Run
+from mikas.client.memory.dumps import (
     SCHEMA,
     Difference,
     Manifest,
@@ -24,8 +26,6 @@ from mikas.client.dumps import (
     file_error,
     read_manifest,
 )
-from mikas.client.ecu import Ecu
-from mikas.client.memory import MemorySpace, Run
 from mikas.commands import LARGEST_BLOCK
 from mikas.commands.base import check_range
 from mikas.errors import ReadBackDiffers, UsageError, hex_dump, reason_at
