@@ -104,7 +104,7 @@ def test_a_parameter_write_that_was_cut_can_be_repeated(box, cable):
     pull_when_cut()
     done = write.wait()
     assert done.status == 3
-    assert "Whether the change was made is unknown" in done.err
+    assert "Whether the change was made is unknown" in done.out
     cable.plug()
     done = box.run(*words)
     assert done.status == 0, done
