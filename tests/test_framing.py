@@ -7,12 +7,14 @@ import json
 from pathlib import Path
 
 import pytest
+from fuzz.framing import check
 from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mikas.framing import Damage, DamageReason, Decoder, Event, Frame, checksum, encode, unstuff
 
-VECTORS = Path(__file__).parent / "vectors"
+REPOSITORY = Path(__file__).parents[1]
+VECTORS = REPOSITORY / "tests/vectors"
 FRAMES = json.loads((VECTORS / "frames.json").read_text("utf-8"))
 STREAMS = json.loads((VECTORS / "streams.json").read_text("utf-8"))
 
@@ -114,12 +116,39 @@ def test_offsets_point_at_the_bytes(wire):
         assert wire[event.offset : event.offset + len(data)] == data
 
 
+@given(st.binary(min_size=3, max_size=3), wires)
+def test_a_second_reading_of_the_law_finds_the_same(settings, wire):
+    check(settings + wire)
+
+
+def test_what_the_fuzzer_has_kept():
+    inputs = [path.read_bytes() for path in (REPOSITORY / "fuzz/corpus/framing").iterdir()]
+    assert len(inputs) > 50
+    for data in inputs:
+        check(data)
+
+
 @given(wires)
 def test_sum_rule(wire):
     plain, irregular = unstuff(wire)
     assert sum(plain) & 0xFF == sum(wire) & 0xFF
     if not irregular:
         assert len(plain) == len(wire) - wire.count(0x40)
+
+
+def test_an_event_is_a_value():
+    events = Decoder().feed(bytes.fromhex("01FF0D 01FE0D"))
+    assert events == [
+        Frame(b"\x01", b"\x01\xff\r", 0),
+        Damage(DamageReason.CHECKSUM, b"\x01\xfe", 3),
+    ]
+    assert not events[0].irregular
+    assert len({*events}) == 2
+    assert [hasattr(event, "__dict__") for event in events] == [False, False]
+
+
+def test_the_reasons_are_those_that_decoded_recordings_name():
+    assert [r.value for r in DamageReason] == ["checksum", "too long", "irregular escape"]
 
 
 def test_noise_is_skipped_and_counted():
@@ -138,6 +167,8 @@ def test_strict_mode_reports_an_irregular_escape():
     ("wire", "body", "raw", "irregular"),
     [
         ("C0 40 0D", "C0", True, False),
+        ("C0 40 00 0D", "C0", False, False),
+        ("F3 40 CD 0D", "F3", False, False),
         ("40 40 C0 40 0D", "80 C0", None, None),  # sums to 80: damaged
         ("80 40 40 0D", "80", False, True),  # 40 escapes 40: by the sum rule 80, not a raw checksum
         ("80 40 00 40 0D", "80 40", True, False),
@@ -183,6 +214,13 @@ def test_reset_forgets_the_unfinished_frame():
     decoder.feed(b"\x22" * 9)
     decoder.reset()
     assert [e.body for e in decoder.feed(b"\x01\xff\x0d")] == [b"\x01"]
+
+
+def test_reset_also_forgets_a_terminator_that_waits_for_its_successor():
+    decoder = Decoder()
+    decoder.feed(b"\xf3\x0d")
+    assert decoder.reset() == b"\xf3\x0d"
+    assert decoder.feed(b"\x01\xff\x0d\x02") == [Frame(b"\x01", b"\x01\xff\x0d", 2)]
 
 
 def test_a_limit_below_one_is_misuse():
