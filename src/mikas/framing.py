@@ -145,7 +145,7 @@ class Decoder:
         while (end := self._buffer.find(TERMINATOR, self._searched)) >= 0:
             if self._overflowed:
                 self._overflowed = False
-                self.discarded += end - start
+                self.discarded += end  # only at the start of the buffer
                 start = self._searched = end + 1
                 continue
             part = bytes(self._buffer[start:end])
