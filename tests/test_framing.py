@@ -218,6 +218,7 @@ def test_reset_forgets_the_unfinished_frame():
 
 def test_reset_also_forgets_a_terminator_that_waits_for_its_successor():
     decoder = Decoder()
+    assert decoder.reset() == b""
     decoder.feed(b"\xf3\x0d")
     assert decoder.reset() == b"\xf3\x0d"
     assert decoder.feed(b"\x01\xff\x0d\x02") == [Frame(b"\x01", b"\x01\xff\x0d", 2)]
