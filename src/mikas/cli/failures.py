@@ -1,7 +1,7 @@
 """The end of a command by an error: its status, and its paragraph or its JSON (docs/cli.md).
 
-A `Failure` is made of an error of mikas, a wrong command line (click's errors), or a bug. Nothing
-heavy is imported here.
+A `FailureReport` is made of an error of mikas, a wrong command line (click's errors), or a bug.
+Nothing heavy is imported here.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ INTERRUPTED = 130
 
 
 @dataclass(frozen=True, slots=True)
-class Failure:
+class FailureReport:
     """`status`: of the process. `text`: all of it as a paragraph for a person."""
 
     status: int
@@ -42,8 +42,8 @@ class Failure:
         return {"error": error}
 
 
-def failure_of(error: Exception) -> Failure:
-    """Describe `error`; what is neither an error of mikas nor of click is a bug."""
+def failure_of(error: Exception) -> FailureReport:
+    """Describe `error`; an error of neither mikas nor click is a bug."""
     if isinstance(error, MikasError):
         return _expected(error)
     if isinstance(error, click.ClickException):
@@ -54,7 +54,7 @@ def failure_of(error: Exception) -> Failure:
         "Please report it with the output of the same command with -v.",
         "Сообщите о ней, приложив вывод той же команды с ключом -v.",
     )
-    return Failure(BUG, "InternalError", message, f"{message} {advice}", (advice,))
+    return FailureReport(BUG, "InternalError", message, f"{message} {advice}", (advice,))
 
 
 _STATUSES: tuple[tuple[type[MikasError], int], ...] = (
@@ -66,14 +66,14 @@ _STATUSES: tuple[tuple[type[MikasError], int], ...] = (
 )
 
 
-def _expected(error: MikasError) -> Failure:
+def _expected(error: MikasError) -> FailureReport:
     from mikas.cli.advice import ADVICE
 
     text, message = localized(ADVICE.text(error)), localized(error.reason)
     ours = error.what.en.startswith("{problem}") or not error.what.en.startswith("{")
     if ours and re.match(r"[^\W\d_]+[ ,]", text):  # a word, not a file's name or a value
         text, message = capital(text), capital(message)
-    return Failure(
+    return FailureReport(
         next((status for kind, status in _STATUSES if isinstance(error, kind)), BUG),
         type(error).__name__,
         message,
@@ -84,13 +84,13 @@ def _expected(error: MikasError) -> Failure:
     )
 
 
-def _wrong_command_line(error: click.ClickException) -> Failure:
+def _wrong_command_line(error: click.ClickException) -> FailureReport:
     context = getattr(error, "ctx", None)
     path = context.command_path if context else "mikas"
     message = _message(error)
     message = message if message.endswith((".", "?")) else f"{message}."
     advice = tr(f"Help: {path} --help", f"Справка: {path} --help")
-    return Failure(USAGE, "UsageError", message, f"{message} {advice}", (advice,))
+    return FailureReport(USAGE, "UsageError", message, f"{message} {advice}", (advice,))
 
 
 def _message(error: click.ClickException) -> str:

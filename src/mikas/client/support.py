@@ -83,7 +83,7 @@ def _after_its_list(each: tuple[type[c.Command[Any]], tuple[int, ...]]) -> int:
 
 
 class _Uncertain(Exception):
-    """The trial can't tell, for this reason."""
+    """The trial gave no result, for this reason."""
 
     def __init__(self, reason: Text) -> None:
         self.reason = reason

@@ -90,7 +90,7 @@ class KeptLists:
                 file.write_text(json.dumps({"names": list(names)}), "utf-8")
 
     def drop(self) -> None:
-        """Drop what is kept of all units. Raises `UsageError`: stale names would be worse."""
+        """Drop the lists kept of all units. Raises `UsageError`: stale names would be worse."""
         for file in self._files():
             try:
                 file.unlink(missing_ok=True)

@@ -4,7 +4,7 @@ Two system programs are known for it. ModemManager opens each new port and looks
 brltty takes adapters with chips that are also in braille displays (CH340, CP210x): through usbfs,
 so the kernel's driver lets go and the port disappears.
 
-`/proc` and `/sys` tell; elsewhere nothing is found. The files that another user's program has open
+`/proc` and `/sys` show; elsewhere nothing is found. The files that another user's program has open
 are visible to root only, so a system program that is merely running is named as the likely one.
 """
 

@@ -29,7 +29,7 @@ from mikas.link.holders import adapter_without_port
 from mikas.link.ports import Port, listed, named
 
 
-class Identity(NamedTuple):
+class AdapterIdentity(NamedTuple):
     """The properties of an adapter that stay when it is plugged in again.
 
     `interface`: of an adapter with several ports (FT2232); empty for others.
@@ -41,11 +41,11 @@ class Identity(NamedTuple):
     interface: str
 
 
-def identity_of(port: Port | None) -> Identity | None:
+def identity_of(port: Port | None) -> AdapterIdentity | None:
     """Return the identity of `port`; None without one."""
     if port is None or port.vid is None or port.pid is None:
         return None
-    return Identity(port.vid, port.pid, port.serial_number, _split(port)[1])
+    return AdapterIdentity(port.vid, port.pid, port.serial_number, _split(port)[1])
 
 
 class KnownAdapter:

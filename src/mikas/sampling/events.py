@@ -152,7 +152,7 @@ class StateChanged(Event):
 class AdapterMoved(Event):
     """The adapter was plugged in again and has the name `port` now; `before`: its name until then.
 
-    It is the same adapter, as far as its identity tells (`mikas.link.identity`).
+    It is the same adapter, as far as its identity shows (`mikas.link.identity`).
     """
 
     kind = "adapter"
@@ -167,7 +167,7 @@ class AdapterMoved(Event):
 
 @dataclass(frozen=True, slots=True)
 class UnitFound(Event):
-    """A unit answers. `another`: not the unit before, so another car, or it can't be told.
+    """A unit answers. `another`: not the unit before, so another car, or perhaps so.
 
     To read a recording again: `adapter`, `baud` and `echo` of the link, the `catalog`'s version.
     """

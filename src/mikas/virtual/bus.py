@@ -46,7 +46,7 @@ class Stalls:
         self.every = every
         self.longest = longest
         self.total = 0.0
-        """Seconds of all stalls that have begun."""
+        """Seconds of all stalls so far."""
         self._random = Random(seed)
         self._begin = self._end = -inf
 

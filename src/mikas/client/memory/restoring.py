@@ -140,7 +140,7 @@ class Restore:
     """One restore of `dump` into `space`: `compare`, then `write`.
 
     `written`: bytes written and read back; `differences`: bytes that keep another value (`a`) than
-    the dump's (`b`); `is_interrupted`: writing has begun and not ended.
+    the dump's (`b`); `is_interrupted`: writing was started and not ended.
     """
 
     def __init__(self, ecu: Ecu, space: MemorySpace, dump: DumpFile, *, resume: bool) -> None:

@@ -142,7 +142,7 @@ class SpaceWriter:
     def _send(self, command: WriteByte | WriteBlock, before: bytes) -> None:
         """Send `command`, again if the line failed and nothing was written; `before`: as read.
 
-        The bytes at that place decide: an answer alone does not tell whether they were written.
+        The bytes at that place decide: an answer alone does not show whether they were written.
         """
         wanted = _bytes_of(command)
         repetitions = 0

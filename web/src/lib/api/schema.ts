@@ -749,7 +749,7 @@ export interface components {
             supported: boolean | null;
             reason: components["schemas"]["TwoTexts"] | null;
         };
-        /** @description A unit answers. `another`: not the unit before, so another car, or it can't be told. */
+        /** @description A unit answers. `another`: not the unit before, so another car, or perhaps so. */
         UnitEvent: {
             /**
              * @description discriminator enum property added by openapi-typescript

@@ -104,7 +104,7 @@ def restore(
 
 
 def _remark(context: CommandContext, dump: DumpFile) -> None:
-    """Say what is odd about the dump; the question shows the rest."""
+    """Say the odd facts of the dump; the question shows the rest."""
     if dump.changed:
         context.say(
             f"{dump.path} has been changed since it was read (its checksum is not the manifest's).",
