@@ -74,10 +74,11 @@ def test_the_address_of_sim_is_the_first_line(start, sim):
 def test_memory_of_a_unit_without_single_bytes(start):
     unit = start("sim", "--set", "missing=bytes")
     url = unit.stdout.readline().strip()
-    write = start("mem", "write", "xram", "1000", "0D", "--yes", "--json", "--port", url)
+    line = ("--port", url, "--timeout", "0.2")
+    write = start("mem", "write", "xram", "1000", "0D", "--yes", "--json", *line)
     out, err = write.communicate(timeout=PATIENCE)
     assert json.loads(out)["after"] == "0D", err
-    out, err = start("mem", "read", "xram", "1000", "--port", url).communicate(timeout=PATIENCE)
+    out, err = start("mem", "read", "xram", "1000", *line).communicate(timeout=PATIENCE)
     assert out.split()[:2] == ["1000", "0D"], err
 
 
