@@ -248,7 +248,7 @@ def test_closed_streams(start):
 def test_doctor_on_a_wire_of_another_pace(start):
     process = start("sim", "--baud", "4800")
     url = process.stdout.readline().strip()
-    doctor = start("doctor", "--port", url, "--json")
+    doctor = start("doctor", "--port", url, "--json", "--timeout", "0.2")
     out, err = doctor.communicate(timeout=PATIENCE)
     steps = {step["name"]: step for step in json.loads(out)["steps"]}
     assert doctor.returncode == 3, err
