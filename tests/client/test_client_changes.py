@@ -226,7 +226,7 @@ class TestTheList:
         asked = []
         ecu = ecu_on(bench(), confirm=lambda c: asked.append(c) or True, journal=tmp_path / "j")
         ecu.set_list("TWAT", "INJ")
-        assert asked[0].what.en == "set what the unit is to tell at once: 2 parameters"
+        assert asked[0].what.en == "set the unit's list to 2 parameters"
         assert asked[0].what.ru.endswith("2 параметра")
         assert lines(tmp_path / "j")[0]["change"] == asked[0].what.en
 

@@ -55,7 +55,7 @@ def test_faults_are_erased_in_two_steps_and_stand_in_the_journal(faulty):
 def test_the_units_list_is_no_change_of_the_car(tmp_path):
     with rig(tmp_path, None) as it:
         entries = [
-            {"time": 1, "change": "what to tell at once", "command": WriteList.SOURCE_NAME},
+            {"time": 1, "change": "the list", "command": WriteList.SOURCE_NAME},
             {"time": 2, "change": "erase 1 stored fault", "command": "parameter write"},
         ]
         it.dashboard.settings.journal.parent.mkdir(parents=True, exist_ok=True)

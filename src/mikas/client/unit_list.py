@@ -209,7 +209,7 @@ def _change(data: tuple[c.Datum, ...], count: int) -> Change:
     )
     return Change(
         what=Text(
-            f"set what the unit is to tell at once: {parameters.en}",
+            f"set the unit's list to {parameters.en}",
             f"задать список блока: {parameters.ru}",
         ),
         safety=c.WriteList.SAFETY,
