@@ -58,22 +58,22 @@ def _stalled(scope: Scope, line: StallingLine, seconds: int) -> Iterator[Row]:
         with line(0.0) as (plug, _):
             sets = rate * scope.of(seconds // 2, 3)
             (calm,) = sample(plug, everything(), method, sets=sets, runs=1).stretches
-        with line(_EVERY) as (plug, total):
-            before: list[float] = []
-            session = sample(
-                plug,
-                everything(),
-                method,
-                sets=rate * scope.of(seconds, 5),
-                runs=1,
-                began=lambda before=before, total=total: before.append(total()),  # type: ignore[misc]
-            )
-            stalled = total() - before[0]
+        session, stalled = _beside_stalls(line, method, rate * scope.of(seconds, 5))
         (stretch,) = session.stretches
         percent = 100 * stretch.rate / (calm.rate * (1 - stalled / stretch.seconds))
         aside = f"{stalled:.1f} s of {stretch.seconds:.0f} s stalled; {_faults(session)}"
         yield Row(f"`{method}`", [percent], "%", 1, at_least=95, aside=aside)
         yield Row(f"`{method}`, longest hole", [session.hole], "s", 2, at_most=_HOLE)
+
+
+def _beside_stalls(line: StallingLine, method: FixedMethod, sets: int) -> tuple[Session, float]:
+    """The session, and the seconds of the stalls in it."""
+    before: list[float] = []
+    with line(_EVERY) as (plug, total):
+        session = sample(
+            plug, everything(), method, sets=sets, runs=1, began=lambda: before.append(total())
+        )
+        return session, total() - before[0]
 
 
 def _faults(session: Session) -> str:
@@ -127,7 +127,7 @@ class _Relay(threading.Thread):
                 wait = self._stalls.passed(now) - now
                 if wait > 0:
                     self.stalled += wait
-                    time.sleep(wait)
+                    time.sleep(wait)  # the stall
                 if numbers[0] in ready:
                     if not (data := connection.recv(4096)):
                         return

@@ -13,8 +13,7 @@ from typing import Final
 import numpy as np
 
 from mikas.catalog import Catalog, Parameter
-from mikas.catalog.loading import build
-from mikas.catalog.loading.entries import merged
+from mikas.catalog.loading.loader import combined
 from mikas.catalog.loading.source import CatalogFile, lines_of, parse_source
 from mikas.errors import CatalogError
 
@@ -62,7 +61,7 @@ def check(data: bytes) -> None:
         return
     _check_lines(own)
     try:
-        catalog = _catalog(own)
+        catalog = combined([BASE, own])
     except CatalogError as error:
         _check_error(error, data)
         return
@@ -82,20 +81,6 @@ def _check_lines(own: CatalogFile) -> None:
     lines = lines_of(own.text)
     for name in own.tables:
         assert 1 <= lines[name,] <= own.text.count("\n") + 1
-
-
-def _catalog(own: CatalogFile) -> Catalog:
-    entries = merged([BASE, own])
-    units = build.units(entries)
-    return Catalog(
-        parameters=build.parameters(entries, units),
-        derived=build.derived(entries, units),
-        faults=build.faults(entries),
-        models=build.models(entries),
-        errata=build.errata(entries),
-        units=units,
-        version="",
-    )
 
 
 def _check_parameter(parameter: Parameter) -> None:

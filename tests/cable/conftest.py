@@ -21,7 +21,7 @@ def running_box(tmp_path_factory):
     if reason := missing():
         if os.environ.get("MIKAS_REQUIRE_CABLE"):
             pytest.fail(reason)
-        pytest.skip(reason)
+        pytest.skip(reason)  # `make cable` and .ci/run require it
     compileall.compile_dir(REPOSITORY / "src", quiet=1)  # the guest can't write there
     box = Box(tmp_path_factory.mktemp("box"))
     yield box

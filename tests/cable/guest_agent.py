@@ -147,7 +147,7 @@ def drain(port: str) -> None:
     """Wait until the system holds no bytes of `port` for its reader."""
     number = os.open(port, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)  # root may, despite TIOCEXCL
     while fcntl.ioctl(number, termios.FIONREAD, bytes(4)) != bytes(4):
-        time.sleep(0.001)
+        time.sleep(0.001)  # in the guest, in real time: nothing reports that a reader took bytes
     os.close(number)
 
 

@@ -314,7 +314,6 @@ class Ecu:
 
 
 # For the sampler; not in the public interface of the class above.
-# ruff: noqa: SLF001
 
 
 def poller_of(
@@ -324,7 +323,7 @@ def poller_of(
 
     `again`: also request parameters that the unit has refused before.
     """
-    return create_poller(ecu._parameters, method, streamed, again=again)
+    return create_poller(ecu._parameters, method, streamed, again=again)  # noqa: SLF001
 
 
 def read_at_once(ecu: Ecu, parameters: Sequence[Parameter]) -> dict[str, Reading]:
@@ -332,14 +331,14 @@ def read_at_once(ecu: Ecu, parameters: Sequence[Parameter]) -> dict[str, Reading
 
     The result lacks an ambiguous 01. Raises as `Tester.exchange`.
     """
-    return ecu._parameters.at_once(parameters)
+    return ecu._parameters.at_once(parameters)  # noqa: SLF001
 
 
 def may_be_limited(ecu: Ecu) -> bool:
     """Return whether limits of lists or parameters were saved for any unit: it may be this one."""
-    return ecu._limits.any_saved
+    return ecu._limits.any_saved  # noqa: SLF001
 
 
 def passport_in_steps(ecu: Ecu) -> Generator[None, None, Passport]:
     """Read the passports as `Ecu.passport(again=True)`; yield after each request."""
-    return ecu._passport_in_steps()
+    return ecu._passport_in_steps()  # noqa: SLF001

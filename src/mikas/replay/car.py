@@ -171,7 +171,7 @@ class ReplayCar:
         self._written[code] = data
         return True
 
-    def engine_speed(self, now: float) -> float:  # noqa: ARG002
+    def engine_speed(self, now: float) -> float:  # noqa: ARG002  (unknown at any time)
         """Return 0: the recorded gap between responses has the load in it (D16)."""
         return 0.0
 

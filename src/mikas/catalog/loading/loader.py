@@ -43,13 +43,13 @@ def load(*user_files: Path) -> Catalog:
     if not user_files:
         return shipped()
     own = [read_source(path, order) for order, path in enumerate(user_files, 1)]
-    return _catalog([*_shipped_sources(), *own])
+    return combined([*_shipped_sources(), *own])
 
 
 @cache
 def shipped() -> Catalog:
     """Return the catalog of this version, always the same object."""
-    return _catalog(_shipped_sources())
+    return combined(_shipped_sources())
 
 
 @cache
@@ -58,7 +58,8 @@ def _shipped_sources() -> tuple[CatalogFile, ...]:
     return tuple(parse_source(name, (folder / name).read_bytes()) for name in _SHIPPED)
 
 
-def _catalog(sources: Sequence[CatalogFile]) -> Catalog:
+def combined(sources: Sequence[CatalogFile]) -> Catalog:
+    """Return the catalog of `sources`, a later one over an earlier. Raises `CatalogError`."""
     entries = merged(sources)
     units = build.units(entries)
     return Catalog(

@@ -46,7 +46,7 @@ list = LocalizedGroup(  # noqa: A001  (the command's name)
 )
 @click.argument("names", metavar="NAME...", nargs=-1, required=True)
 @YES
-def set(context: CommandContext, names: tuple[str, ...], *, yes: bool) -> None:  # noqa: A001
+def set(context: CommandContext, names: tuple[str, ...], *, yes: bool) -> None:  # noqa: A001  (as above)
     shown = " ".join(context.options.catalog.parameter(name).name for name in names)
     confirm = context.confirm(yes=yes, meaning=lambda hexed: f"{shown} ({hexed})")
     with context.ecu(confirm) as ecu:
