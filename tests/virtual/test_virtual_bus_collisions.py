@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.framing import encode
-from mikas.virtual.bus import AdapterKind
+from mikas.virtual.bus import AdapterKind, Bus
+from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.quirks import EcuQuirks, StreamEnd
-from virtual_harness import DATA, make_bus
+from mikas.virtual.responder import Responder
+from virtual_harness import DATA, IDENTITY, TableCar, make_bus
 
 from .raw_tester import BYTE, TURN, RawTester
 
@@ -153,3 +157,45 @@ def test_bytes_sent_during_a_break_follow_it():
     tester.say(b"\x01\xff\x0d", at=0.01)
     assert tester.listen(1.0) == b"\x00\x01\xff\x0d\x0a\xf6\x0d"
     assert tester.times[1] == pytest.approx(0.05 + BYTE)
+
+
+class SwitchedOff(TableCar):
+    """A car whose key is turned at second `off`."""
+
+    def __init__(self, off: float) -> None:
+        super().__init__(DATA, rpm=850)
+        self._off = off
+
+    def powered(self, now: float) -> bool:
+        return now < self._off
+
+    def next_change(self, after: float) -> float:
+        return self._off if after < self._off else inf
+
+    def bus(self, latency: float) -> Bus:
+        ecu = VirtualEcu(Responder(self, IDENTITY, EcuQuirks()))
+        return Bus(ecu, adapter=AdapterKind(latency=latency))
+
+
+talk = st.lists(
+    st.tuples(
+        st.floats(0, 0.04),
+        st.sampled_from([b"", None, b"\x35", encode(b"\x61\x1a"), encode(b"\x71\x1a\x29\x2c")]),
+    ),
+    max_size=20,
+)
+
+
+@given(talk=talk, latency=st.sampled_from([0.0, 0.016]), off=st.floats(0, 0.3))
+def test_bytes_of_a_response_that_come_together_are_those_one_by_one(talk, latency, off):
+    """`_deliver_rest` is for speed only. `talk`: pauses and bytes; None: a break."""
+    together, singly = (SwitchedOff(off).bus(latency) for _ in range(2))
+    singly._deliver_rest = lambda until: None
+    now = 0.0
+    for pause, data in [(0.0, encode(b"\x71\x1a\x29\x2c")), *talk, (0.3, b"")]:
+        now += pause
+        for bus in (together, singly):
+            bus.send(data, now) if data is not None else bus.send_break(0.004, now)
+        assert together.take(now) == singly.take(now)
+        assert together.next_event() == singly.next_event()
+        assert together.bytes_carried == singly.bytes_carried

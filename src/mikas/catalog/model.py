@@ -237,7 +237,9 @@ class Parameter:
         UsageError: a name outside `INTERPRETATIONS`.
         """
         check_interpretation(name)
-        return self.interpretations.get(name, self.conversion)
+        if name == "literal":
+            return self.literal or self.conversion
+        return (self.alternative if name == "alternative" else None) or self.conversion
 
     def decode(self, raw: bytes, interpretation: str = "corrected") -> float | int | bool:
         """Return the value: int if whole by construction, bool for a flag, else float.

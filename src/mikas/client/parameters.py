@@ -60,7 +60,8 @@ class Reading:
 def decode(parameter: Parameter, raw: bytes, time: float, interpretation: str) -> Reading:
     """Decode `raw` into a reading."""
     conversion = parameter.interpretation(interpretation)
-    used = interpretation if interpretation in parameter.interpretations else "corrected"
+    lacks_it = interpretation == "alternative" and parameter.alternative is None
+    used = "corrected" if lacks_it else interpretation
     return Reading(parameter, conversion.decode(raw), conversion.unit, raw, time, used)
 
 

@@ -219,6 +219,8 @@ class Bus:
                 self._deliver(self._tester, self._unit)
             elif self._unit.next_end() <= time:
                 self._deliver(self._unit, self._tester)
+                if not self._tester.queue:
+                    self._deliver_rest(min(now, self.ecu.next_change()))
             else:
                 self._transmit_response(time)
             if not self.ecu.on and self._unit.queue:
@@ -263,6 +265,19 @@ class Bus:
                 self.adapter.receive(self.fault_injector.echo(value), byte.end)
         elif self.adapter.kind.supplied:
             self.adapter.receive(value, byte.end)
+
+    def _deliver_rest(self, until: float) -> None:
+        """Deliver the unit's bytes that end by `until`, the tester's last one having ended.
+
+        The same as `_deliver` for each: until then nothing but the supply changes.
+        """
+        unit, queue = self._unit, self._unit.queue
+        while queue and queue[0].end <= until:
+            unit.last = byte = queue.popleft()
+            self._at = byte.end
+            self.bytes_carried += 1
+            if self.adapter.kind.supplied:
+                self.adapter.receive(byte.value, byte.end)
 
 
 VERSION = b"ELM327 v1.5"
