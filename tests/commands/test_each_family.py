@@ -16,6 +16,7 @@ from mikas.errors import (
     WrongContent,
     WrongLength,
 )
+from mikas.i18n import Text
 
 
 def hexed(text: str) -> bytes:
@@ -31,7 +32,10 @@ def test_faults():
         c.ReadFaults().read(hexed("01 0D E1"))
     with pytest.raises(WrongLength):
         c.ReadFaults().read(hexed("01 0D"))
-    assert len(c.ReadFaults().respond((1,) * 300)) == 511
+    most = c.ReadFaults().respond((1,) * 300)
+    assert (len(most), c.ReadFaults().read(most)) == (511, (1,) * 255)
+    with pytest.raises(WrongLength):
+        c.ReadFaults().read(most + hexed("01 E0"))
 
 
 def test_d10_01_is_no_list_of_faults():
@@ -65,8 +69,9 @@ def test_completion_codes():
     assert write.read(b"\x00") is None
     with pytest.raises(WriteRefused):
         write.read(b"\x01")
-    with pytest.raises(WrongContent, match="7D"):
+    with pytest.raises(WrongContent, match="7D is no completion code") as caught:
         write.read(b"\x7d")
+    assert "7D — не код завершения" in caught.value.text.ru
 
 
 def test_d10_01_to_a_longer_read_means_unknown():
@@ -132,6 +137,14 @@ def test_passports_are_code_page_866():
     assert c.ReadDataPassport(5).body() == b"\x58"
 
 
+def test_a_passport_loses_its_padding_and_nothing_else():
+    passport = c.ReadDataPassport(1)
+    for code in range(1, 0x100):
+        text = bytes([0x41, code]).decode("cp866")
+        assert passport.read(passport.respond(text)) == text
+    assert passport.respond("€ " + 16 * "x") == b"? " + 14 * b"x"
+
+
 def test_goto_expects_no_response_and_shows_one_that_comes():
     assert c.GoTo(0x8000).body() == hexed("41 00 80")
     assert c.GoTo(0x8000).read(b"\x55") == b"\x55"
@@ -178,7 +191,20 @@ def test_the_list_of_63_is_not_known_from_its_bytes():
 
 def test_lengths_in_words():
     assert lengths_in_words((4,)) == "4"
-    assert lengths_in_words(range(1, 512, 2)) == "1, 3, 5 …"
+    assert lengths_in_words((1, 3, 5)) == "1 / 3 / 5"
+    assert lengths_in_words(range(1, 8, 2)) == "1, 3, 5 …"
+
+
+def test_a_command_is_shown_by_the_mnemonic_or_in_russian_by_its_title():
+    assert c.ReadParameters((c.Datum(0x1A, 1),)).display_name == Text("CREADP (61)", "CREADP (61)")
+    assert c.ReadFaults().display_name == Text(
+        "read faults (02)", "«запомненные неисправности» (02)"
+    )
+
+
+def test_spaces_by_name_with_their_last_address():
+    lasts = {"ram": 0xFF, "xram": 0xFFFF, "code": 0xFFFF, "sfr": 0xFF}
+    assert {str(space): space.last for space in c.Space} == lasts
 
 
 def test_what_the_ecu_does_not_know_is_no_request():

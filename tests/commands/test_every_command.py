@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -21,6 +23,39 @@ ALL_CODES = bytes.fromhex(
     "01 02 11 12 13 14 15 16 21 22 23 24 25 26 31 32 41"
     "51 52 53 54 55 56 57 58 60 61 62 63 64 71 7F 80 81 82 83"
 )
+STREAMS = bytes.fromhex("71 7F 80 81 82 83")
+
+ONE = (c.Datum(0x29, 1),)
+# The vectors have all commands but the streams; 63 is not known from its bytes.
+BODIES = [
+    bytes.fromhex(each["request"]) for each in EXCHANGES if each["request"] not in ("63", "99")
+]
+BODIES += [bytes([code, 0x29]) for code in STREAMS]
+ONE_OF_EACH = {0x63: c.ReadList(ONE)} | {body[0]: c.parse(body, lambda _: 1) for body in BODIES}
+
+
+def test_names_are_those_of_the_table_of_the_document():
+    document = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text("utf-8")
+    section = document.partition("## §3")[2].partition("## §4")[0]
+    rows = re.findall(r"^\| ([0-9A-F]{2})[ 0-9A-F…]* \| ([^|]+) \|", section, re.MULTILINE)
+    documented = {int(code, 16): name for code, name in rows}
+    assert documented == {command.CODES[0]: command.SOURCE_NAME for command in c.ALL_COMMANDS}
+
+
+def test_every_command_has_a_title_of_its_own_in_both_languages():
+    titles = [command.TITLE for command in c.ALL_COMMANDS]
+    assert len({title.en for title in titles}) == len({title.ru for title in titles}) == len(titles)
+    assert all(re.search("[А-яЁё]", title.ru) for title in titles)
+
+
+def test_a_command_is_an_unchangeable_value():
+    """An existing command is a valid one: its arguments were checked when it was made."""
+    assert sorted(ONE_OF_EACH) == sorted(ALL_CODES)
+    for command in ONE_OF_EACH.values():
+        assert len({command, command}) == 1
+        for name in (*(field.name for field in fields(command)), "another"):
+            with pytest.raises((AttributeError, TypeError)):
+                setattr(command, name, 0)
 
 
 def test_no_row_is_left_out():
@@ -79,6 +114,18 @@ def test_01_is_never_taken_for_data_where_the_length_decides(exchange):
     if command.ANSWERED and 1 not in command.response_lengths():
         with pytest.raises(NotSupported):
             command.read(b"\x01")
+
+
+def test_which_commands_stream_and_which_one_is_not_answered():
+    assert {code for code, each in c.COMMANDS_BY_CODE.items() if each.STREAM} == set(STREAMS)
+    assert {code for code, each in c.COMMANDS_BY_CODE.items() if not each.ANSWERED} == {0x41}
+
+
+def test_safety_is_ordered_from_harmless_to_worst():
+    """The gate compares safeties."""
+    assert [each.name for each in sorted(c.Safety)] == [
+        "READ", "REVERSIBLE", "LASTING", "DANGEROUS",
+    ]  # fmt: skip
 
 
 def test_safety_classes():
