@@ -45,8 +45,8 @@ def test_d10_01_is_no_list_of_faults():
 
 
 def test_the_echoed_address_must_match():
-    with pytest.raises(WrongAddress, match="8001"):
-        c.ReadCodeByte(0x8000).read(hexed("01 80 4F"))
+    with pytest.raises(WrongAddress, match="has address 8AFF, the request 8AFE"):
+        c.ReadCodeByte(0x8AFE).read(hexed("FF 8A 4F"))
     with pytest.raises(WrongAddress):
         c.ReadXramBlock(0x1000, 2).read(hexed("01 10 AA BB"))
 
@@ -55,8 +55,11 @@ def test_d7_the_count_may_or_may_not_be_repeated():
     block = c.ReadXramBlock(0x1000, 3)
     assert block.read(hexed("00 10 AA BB 64")) == hexed("AA BB 64")
     assert block.read(hexed("00 10 03 AA BB 64")) == hexed("AA BB 64")
-    with pytest.raises(WrongContent, match="announces 4"):
+    with pytest.raises(WrongContent, match="announces 4 bytes instead of 3") as caught:
         block.read(hexed("00 10 04 AA BB 64"))
+    assert "объявлено байтов 4 вместо 3" in caught.value.text.ru
+    assert block.respond(hexed("AA BB 64"), counted=True) == hexed("00 10 03 AA BB 64")
+    assert block.respond(hexed("AA BB 64")) == hexed("00 10 AA BB 64")
     with pytest.raises(WrongLength, match="5 / 6"):
         block.read(hexed("00 10 AA BB"))
     # 21 repeats it always
@@ -113,6 +116,28 @@ def test_values_that_do_not_fit(make):
 
 
 @pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (lambda: c.WriteSfr(0, 256), "sfr"),
+        (lambda: c.WriteParameter(-1, b"\0"), "code"),
+        (lambda: c.WriteList((c.Datum(-1, 1),)), "code"),
+    ],
+)
+def test_the_value_that_does_not_fit_is_named(make, name):
+    with pytest.raises(ValueDoesNotFit, match=f"{name}: a byte is 0 to 255"):
+        make()
+
+
+def test_a_block_has_up_to_255_bytes():
+    assert c.ReadRamBlock(0, 255).body() == hexed("21 00 FF")
+    assert c.WriteXramBlock(0xFF01, bytes(255)).body() == hexed("24 01 FF FF") + bytes(255)
+
+
+def test_the_erase_is_two_writes():
+    assert [each.body() for each in c.ERASE_FAULTS] == [hexed("62 0E 08"), hexed("62 0E 00")]
+
+
+@pytest.mark.parametrize(
     "make",
     [
         lambda: c.ReadCodeBlock(0, 256),
@@ -121,6 +146,8 @@ def test_values_that_do_not_fit(make):
         lambda: c.WriteList(()),
         lambda: c.WriteParameter(0x26, b""),
         lambda: c.StreamAtStroke((c.Datum(0x1A, 1),), 5),
+        lambda: c.StreamAtStroke((c.Datum(0x1A, 1),), -1),
+        lambda: c.StreamAtStroke((), 0),
         lambda: c.ReadProgramPassport(4),
         lambda: c.ReadDataPassport(0),
     ],
@@ -154,6 +181,7 @@ def test_goto_expects_no_response_and_shows_one_that_comes():
 def test_strokes_have_codes_of_their_own():
     one = (c.Datum(0x29, 1),)
     assert [c.StreamAtStroke(one, s).body()[0] for s in range(5)] == [0x7F, 0x80, 0x81, 0x82, 0x83]
+    assert c.StreamAtStroke(one).body()[0] == 0x7F
 
 
 @pytest.mark.parametrize(
@@ -234,6 +262,12 @@ def test_d10_a_code_of_unknown_size():
     with pytest.raises(NotSupported, match="61"):
         twice.read(b"\x01")
     assert twice.read(hexed("01 01")) == (b"\x01", b"\x01")
+    longest = bytes(range(255))
+    assert once.read(longest) == (longest,)
+    assert twice.read(2 * longest) == (longest, longest)
+    for request, too_long in ((once, 256), (twice, 511)):
+        with pytest.raises(WrongLength):
+            request.read(bytes(too_long))
 
 
 @pytest.mark.parametrize("code", [0x00, 0x09, 0x0A, 0xFF])
