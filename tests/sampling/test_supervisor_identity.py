@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import closing
+from itertools import pairwise
 
 import pytest
 from sampling_harness import SimulatedPlug, enough, make_sampler, of, settled, take
@@ -143,6 +144,78 @@ def test_a_damaged_passport_makes_no_other_car(code: int) -> None:
     assert not found.another
     assert found.passport == Passport(PASSPORTS[:3], PASSPORTS[3:])
     assert not of(PlanChanged, again)
+
+
+class Damaging(Asked):
+    """Damages the next `count` answers to `code`, more often than the tester repeats a request."""
+
+    def __init__(self, code: int, count: int = 5) -> None:
+        super().__init__(TableCar(DATA, faults=FAULTS, rpm=850), IDENTITY, EcuQuirks())
+        self.code = code
+        self.count = count
+
+    def answer(self, body: bytes, now: float) -> bytes | None:
+        answer = super().answer(body, now)
+        if body[0] == self.code and self.count:
+            self.count -= 1
+            return b"\x00" * 5
+        return answer
+
+    @property
+    def passports_asked(self) -> list[int]:
+        return [self.asked.count(code) for code in range(0x51, 0x59)]
+
+
+def test_after_an_outage_only_a_lost_passport_is_read_again() -> None:
+    unit = Damaging(0x57, count=0)
+    plug = SimulatedPlug(Bus(VirtualEcu(unit)))
+    with closing(make_sampler(plug, "FREQ", "INJ", method="batch").run()) as events:
+        take(events, enough)
+        unit.car.on = False
+        take(events, lambda e: bool(of(StateChanged, e)))
+        unit.car.on, unit.count = True, 5
+        unit.asked.clear()
+        again = take(events, lambda e: bool(of(Sampled, e)))
+    assert unit.passports_asked == [1, 1, 1, 1, 1, 1, 6, 1]
+    assert [found.another for found in of(UnitFound, again)] == [False]
+    assert len(of(CycleFailed, again)) <= 1
+
+
+def test_first_values_go_on_while_a_passport_is_lost() -> None:
+    unit = Damaging(0x51, count=5)
+    with closing(make_sampler(SimulatedPlug(Bus(VirtualEcu(unit)))).run()) as events:
+        reported = take(events, lambda e: bool(of(UnitFound, e)))
+    assert unit.passports_asked == [6, 1, 1, 1, 1, 1, 1, 1]
+    assert [found.another for found in of(UnitFound, reported)] == [False]
+    times = [sample.time for sample in of(Sampled, reported)]
+    assert max(after - before for before, after in pairwise(times)) < 2.5  # of three repetitions
+    assert not of(CycleFailed, reported)
+
+
+def test_passports_of_two_cars_make_no_unit() -> None:
+    """The plug is carried to another car, whose program is another one, between two passports."""
+    unit = Damaging(0x54, count=0)
+    plug = SimulatedPlug(Bus(VirtualEcu(unit)))
+    other = Responder(TableCar(OTHER_DATA), Identity(0x0A, ("OTHER", *PASSPORTS[1:])), EcuQuirks())
+
+    def carried() -> None:
+        if unit.count == 5:  # not yet requested
+            plug.at(plug.now(), carried)
+        elif unit.car.on:
+            unit.car.on = False
+            plug.at(plug.now() + 1.5, carried)
+        else:
+            plug.bus.ecu.responder = other
+
+    with closing(make_sampler(plug, "FREQ", "INJ", method="batch").run()) as events:
+        take(events, enough)
+        unit.car.on = False
+        take(events, lambda e: bool(of(StateChanged, e)))
+        unit.car.on, unit.count = True, 5
+        plug.at(plug.now(), carried)
+        reported = take(events, enough)
+    assert [found.another for found in of(UnitFound, reported)] == [True]
+    assert {sample.fresh["FREQ"].raw for sample in of(Sampled, reported)} == {OTHER_DATA[0x29]}
 
 
 def test_is_same_unit() -> None:

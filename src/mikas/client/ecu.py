@@ -20,8 +20,8 @@ from mikas.client.gate import Change, Confirm, Gate, Journal, hex_or_none
 from mikas.client.identity import (
     Info,
     Passport,
+    PassportReader,
     count_parameters,
-    read_passport_in_steps,
 )
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory import Memory
@@ -68,6 +68,7 @@ class Ecu:
         self.tester = tester
         self.catalog = catalog
         self._passport: Passport | None = None
+        self._passport_reader = PassportReader(tester)
         self._limits = LimitsCache(store, self._identify)
         self._gate = Gate(tester, self._whose, confirm, journal)
         data = DataReader(tester, self._limits)
@@ -109,17 +110,11 @@ class Ecu:
         """
         if not again and self._passport is not None:
             return self._passport
-        steps = self._passport_in_steps()
-        while True:
-            try:
-                next(steps)
-            except StopIteration as end:
-                passport: Passport = end.value
-                return passport
+        self._passport_reader.restart()
+        return read_passport(self)
 
     def _passport_in_steps(self) -> Generator[None, None, Passport]:
-        """Read the passports as `passport(again=True)`; yield after each request."""
-        before, found = self._passport, (yield from read_passport_in_steps(self.tester))
+        before, found = self._passport, (yield from self._passport_reader.steps())
         if before is not None and before.may_be(found):
             found = found.filled_from(before)
         self._passport = found
@@ -340,5 +335,19 @@ def may_be_limited(ecu: Ecu) -> bool:
 
 
 def passport_in_steps(ecu: Ecu) -> Generator[None, None, Passport]:
-    """Read the passports as `Ecu.passport(again=True)`; yield after each request."""
+    """Read the passports as `Ecu.passport(again=True)`; yield after each request.
+
+    After a `LineError` the next call continues: between both, requests are sent all the time.
+    """
     return ecu._passport_in_steps()  # noqa: SLF001
+
+
+def read_passport(ecu: Ecu) -> Passport:
+    """Do all steps of `passport_in_steps`."""
+    steps = passport_in_steps(ecu)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            passport: Passport = end.value
+            return passport

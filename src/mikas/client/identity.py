@@ -9,10 +9,14 @@ from typing import TypeVar
 from mikas import commands as c
 from mikas.catalog import Model
 from mikas.client.limits import Limits
-from mikas.errors import NotSupported
+from mikas.errors import LineError, NotSupported, SyncLost
 from mikas.tester import Tester
 
 T = TypeVar("T")
+
+_KINDS = (c.ReadProgramPassport, c.ReadDataPassport)
+_PASSPORTS = tuple(kind(part + 1) for kind in _KINDS for part in range(len(kind.CODES)))
+_ATTEMPTS = 3  # that fail in a row, each repeated by the tester
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,26 +64,59 @@ class Info:
     limits: Limits
 
 
-def read_passport_in_steps(tester: Tester) -> Generator[None, None, Passport]:
-    """Read the passports: eight requests, fewer if the unit refuses the first of a kind.
+class PassportReader:
+    """Reads the passports; after a `LineError`, only those that are still missing.
 
-    Yields after each request, when the line is free.
+    All of them after a silence of a second, after which another unit may answer (D13).
     """
-    program = yield from _pieces(tester, c.ReadProgramPassport)
-    data = yield from _pieces(tester, c.ReadDataPassport)
-    return Passport(program, data)
 
+    def __init__(self, tester: Tester) -> None:
+        self._tester = tester
+        self._pieces: dict[int, str | None] = {}  # by command code
+        self._valid_for = self._unit()
 
-def _pieces(
-    tester: Tester, kind: type[c.ReadProgramPassport | c.ReadDataPassport]
-) -> Generator[None, None, tuple[str | None, ...]]:
-    pieces: list[str | None] = []
-    for part in range(1, len(kind.CODES) + 1):
-        if pieces == [None]:
-            break
-        pieces.append(_request_if_known(tester, kind(part)))
-        yield
-    return tuple(pieces + [None] * (len(kind.CODES) - len(pieces)))
+    def _unit(self) -> tuple[int | None, int]:
+        return self._tester.version_code, self._tester.silences
+
+    def restart(self) -> None:
+        """Read all again: since the latest step there may have been a pause without requests."""
+        self._pieces.clear()
+
+    def steps(self) -> Generator[None, None, Passport]:
+        """Send eight requests, fewer if the unit refuses the first of a kind; yield after each.
+
+        The line is free then. A piece lost on the line is requested again after the others. Raises
+        the third `LineError` in a row, `SyncLost`, or a `NoConnection`.
+        """
+        pieces, code, failures = self._pieces, 0, 0
+        while missing := self._missing():
+            command = next((each for each in missing if each.code > code), missing[0])
+            code = command.code
+            try:
+                piece = _request_if_known(self._tester, command)
+            except SyncLost:
+                raise
+            except LineError:
+                failures += 1
+                if failures == _ATTEMPTS:
+                    raise
+            else:
+                failures = 0
+                self._missing()
+                if piece is None and pieces.keys().isdisjoint(command.CODES):
+                    pieces |= dict.fromkeys(command.CODES)  # it knows no other of the kind
+                pieces[code] = piece
+            yield
+        program, data = (tuple(pieces[code] for code in kind.CODES) for kind in _KINDS)
+        pieces.clear()
+        return Passport(program, data)
+
+    def _missing(self) -> list[c.ReadProgramPassport | c.ReadDataPassport]:
+        """Return the requests to come; forget pieces that may be another unit's."""
+        if self._valid_for != self._unit():
+            self._valid_for = self._unit()
+            self._pieces.clear()
+        return [each for each in _PASSPORTS if each.code not in self._pieces]
 
 
 def _request_if_known(tester: Tester, command: c.Command[T]) -> T | None:

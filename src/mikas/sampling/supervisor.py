@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator, Iterator
 from math import inf
 
 from mikas.client import Ecu, Passport, Reading
-from mikas.client.ecu import may_be_limited, passport_in_steps, read_at_once
+from mikas.client.ecu import may_be_limited, passport_in_steps, read_at_once, read_passport
 from mikas.commands import Availability
 from mikas.errors import (
     EcuRefused,
@@ -18,8 +18,10 @@ from mikas.errors import (
     LinkLost,
     MikasError,
     NoConnection,
+    NoResponse,
     NotAKLineAdapter,
     SyncLost,
+    WrongLength,
 )
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
@@ -182,11 +184,11 @@ class ConnectionSupervisor:
 
     def _identify(self, ecu: Ecu) -> UnitIdentity:
         """Read the identity; a different one is read twice, as a part may have been lost."""
-        unit = ecu.version_code, ecu.passport(again=True)
+        unit = ecu.version_code, read_passport(ecu)
         if self.unit is None:
             return unit
         if not is_same_unit(unit, self.unit):
-            once, unit = unit, (ecu.version_code, ecu.passport(again=True))
+            once, unit = unit, (ecu.version_code, read_passport(ecu))
             if not is_same_unit(once, unit):
                 raise SyncLost(time=ecu.tester.link.now())
             return unit
@@ -217,7 +219,7 @@ class ConnectionSupervisor:
 
 
 class FirstValues:
-    """Reads all requested parameters of `ecu` by one 61, until that fails once.
+    """Reads all requested parameters of `ecu` by one 61, until that may be refused.
 
     Later the unit's refusals are found and its fastest method is measured. Not if another method is
     requested; if another unit may have been sampled before (`identify_first`); if limits are saved
@@ -247,9 +249,11 @@ class FirstValues:
         parameters = [planned.parameter for planned in self.plan.parameters]
         try:
             fresh = read_at_once(self._ecu, parameters)
-        except (EcuRefused, LineError):
+        except (EcuRefused, NoResponse, WrongLength, SyncLost):
+            fresh, self._works = {}, False
+        except LineError:  # damage is no refusal
             fresh = {}
-        self._works, self._due = bool(fresh), now() + _PAUSE
+        self._due = now() + _PAUSE
         return fresh
 
 

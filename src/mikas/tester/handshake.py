@@ -76,7 +76,10 @@ def _find_echo(line: Line, expected: Echo, received_before: bytes) -> bool:
     """Set `line.echo` by the bytes that follow `01`; return whether more than an echo arrived."""
     request, data = _send_availability(line)
     if not data:  # without an echo, one lost answer looks like a dead line
+        line.count_silence()
         request, data = _send_availability(line)
+    if data in (b"", request):
+        line.count_silence()
     if not data:
         raise NoEcho(request=request, received=data, time=line.link.now())
     refuse_elm(received_before + data)

@@ -126,7 +126,7 @@ class Line:
             if not chunk.data:
                 error = EchoDiffers if received else NoEcho
                 if not received:
-                    self._count_silence()
+                    self.count_silence()
                 raise error(request=wire, received=bytes(received), time=chunk.time)
             received += chunk.data
             compared = min(len(received), len(wire))
@@ -170,7 +170,7 @@ class Line:
             chunk = self._next(deadline)
             if not chunk.data:
                 if not received:
-                    self._count_silence()
+                    self.count_silence()
                 raise self._nothing_more(wire, bytes(received), chunk.time)
             if not received:
                 if not self.echo:
@@ -219,7 +219,8 @@ class Line:
         if self._log.isEnabledFor(_DEBUG):
             self._log.debug("%s %s", direction, hex_dump(wire))
 
-    def _count_silence(self) -> None:
+    def count_silence(self) -> None:
+        """Count a request without a response in `silences`."""
         self._unanswered += 1
         self.silences += self._unanswered == 2
 
