@@ -139,6 +139,14 @@ def test_a_response_byte_by_byte_is_one_packet_and_is_there_when_it_ends():
     assert time == pytest.approx(len(wire) * BYTE)
 
 
+def test_a_response_is_there_when_it_ends_though_the_chunk_goes_on():
+    """Its values may be shown at once, and the program killed then."""
+    kept = Kept()
+    chunk = (RECEIVED, encode(b"\x7d") + b"\x7d", 1.0)
+    Coalescer(kept).record(*chunk)
+    assert kept.items == [chunk]
+
+
 def test_a_first_look_that_came_late_is_put_right_by_the_next_one():
     began = 5.0
     looks = [(b"\x7d" * 25, began + 25.7 * BYTE), (b"\x40\x0d", began + 27 * BYTE)]

@@ -7,8 +7,8 @@ file for every byte. Joined, there is about one packet a response, and no time t
   time of a joined packet makes this right for its first byte, hence for the response's begin: to
   half a byte time for the first response in a packet, to one for another. If later chunks show that
   the first one was seen late, the begin is corrected;
-- a packet ends with the chunk that brings a terminator, so it waits for nothing but the rest of
-  its own frame. Sent chunks are never joined.
+- a packet ends with the chunk that brings a terminator, also one in its middle: what was received
+  whole may be shown at once, and is in the file before. Sent chunks are never joined.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ _LATE: Final = 1.0  # of the first chunk at most, as later ones show
 class Coalescer:
     """Stands between a `CaptureTee` and `sink`; implements `Sink` and takes notes.
 
-    Waiting bytes are written when their frame ends, the direction changes, a note arrives, a chunk
-    follows too late, and at `flush` and `tick`. Any thread may add a note.
+    Waiting bytes are written when a frame ends in them, the direction changes, a note arrives, a
+    chunk follows too late, and at `flush` and `tick`. Any thread may add a note.
     """
 
     def __init__(self, sink: CaptureWriter, *, baud: int = 9600) -> None:
@@ -66,7 +66,7 @@ class Coalescer:
                 self._begin = self._seen_begin = time - len(data) * self._byte_time
             self._waiting += data
             self._last = time
-            if data.endswith(_TERMINATOR) or len(self._waiting) >= _MOST_BYTES:
+            if _TERMINATOR in data or len(self._waiting) >= _MOST_BYTES:
                 self.flush()
 
     def note(self, note: Note) -> None:
@@ -101,7 +101,7 @@ class Coalescer:
         pause = (time - self._last) / self._byte_time - len(data)
         # How much later the packet would have to begin for the times of this chunk's bytes.
         late = (time - self._seen_begin) / self._byte_time - length
-        if _TERMINATOR in self._waiting or data.find(_TERMINATOR, 0, len(data) - 1) >= 0:
+        if data.find(_TERMINATOR, 0, len(data) - 1) >= 0:
             early, most = _CLOSE, _CLOSE  # another frame begins here; its time must be right
         else:
             early, most = _LATE, _ALL_PAUSES
