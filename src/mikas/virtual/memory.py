@@ -12,10 +12,10 @@ SIZES = {"ram": 0x100, "xram": 0x10000, "code": 0x10000, "sfr": 0x100}
 def pattern(space: str) -> bytes:
     """Return the contents of an unwritten space: `37·low + 11·high + 101·space + 5`, modulo 256."""
     start = 101 * list(SIZES).index(space) + 5
-    return bytes(
-        (37 * (address & 0xFF) + 11 * (address >> 8) + start) & 0xFF
-        for address in range(SIZES[space])
-    )
+    page = bytes((37 * low + start) & 0xFF for low in range(0x100))
+    values = bytes(range(0x100)) * 2
+    pages = (11 * high & 0xFF for high in range(SIZES[space] >> 8))
+    return b"".join(page.translate(values[more : more + 0x100]) for more in pages)
 
 
 class EcuMemory:

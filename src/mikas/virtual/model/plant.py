@@ -20,6 +20,7 @@ from mikas.virtual.scenarios.timeline import Inputs, ScenarioTimeline
 
 NOISE = 16381  # entries, 8.5 minutes; a prime, so that every stride visits all of them
 SETTLING = 1920  # steps of a running engine before second 0: a minute
+BEGINNING = 64  # the last of them: two seconds with the faults of the scenario
 SLOW = 8  # steps between two of the temperatures
 EMPTYING = 4.0e-3 / 2.286e-3  # manifold against displacement
 
@@ -38,11 +39,21 @@ def plant_at_start(start: Start, timeline: ScenarioTimeline, seed: int, lost: Lo
 
 @lru_cache(maxsize=32)
 def _settled_plant(start: Start, timeline: ScenarioTimeline, seed: int, lost: Lost) -> Plant:
-    return Plant(start, timeline, seed, lost)
+    plant = _warm_plant(start, timeline, seed).fork()
+    plant.begin(lost)
+    return plant
+
+
+@lru_cache(maxsize=8)
+def _warm_plant(start: Start, timeline: ScenarioTimeline, seed: int) -> Plant:
+    return Plant(start, timeline, seed)
 
 
 class Plant:
-    """The state at one step of the grid; `plant_at_start` returns a new one."""
+    """The state at one step of the grid; `plant_at_start` returns a new one.
+
+    A running engine is at first two seconds before second 0, warm; `begin` brings it there.
+    """
 
     __slots__ = (
         "_burning", "_burnt", "_fuel", "_noise", "_signals", "_start", "_timeline", "_viscosity",
@@ -50,14 +61,14 @@ class Plant:
         "step_number", "vehicle",
     )  # fmt: skip
 
-    def __init__(self, start: Start, timeline: ScenarioTimeline, seed: int, lost: Lost) -> None:
+    def __init__(self, start: Start, timeline: ScenarioTimeline, seed: int) -> None:
         self._start = start
         self._timeline = timeline
         self._noise = noise_table(seed)
         self.heat = Heat(start)
         self.board = Board(start)
         self.vehicle = Vehicle(timeline.at(0.0), running=start.running)
-        self.program = Program(lost, start.coolant, self.heat.intake_air)
+        self.program = Program(NOTHING, start.coolant, self.heat.intake_air)
         self._signals = Signals(start.coolant, self.heat.intake_air)
         self._viscosity = ph.VISCOSITY(start.coolant)
         self._burning = self.key = start.running
@@ -68,9 +79,7 @@ class Plant:
         self.cycles = self.fuel_used = 0.0
         self.step_number = 0
         if start.running:
-            self._settle(lost)
-        else:
-            self._move(0)
+            self._settle(range(-SETTLING, -BEGINNING))
 
     def fork(self) -> Plant:
         """Return an independent copy."""
@@ -97,22 +106,24 @@ class Plant:
         self.step_number += 1
         self._move(self.step_number)
 
-    def _settle(self, lost: Lost) -> None:
-        """Run as at second 0 until idle valve, λ loop and speed are steady.
-
-        All sensors are sound at first: a fault occurs when the car is warm.
-        """
+    def begin(self, lost: Lost) -> None:
+        """Advance to second 0, with the sensors failed by `lost`: only in a car that is warm."""
         start, program = self._start, self.program
-        program.sensors.lost = NOTHING
-        for number in range(-SETTLING, 1):
-            if number == -64:
-                program.sensors.lost = lost
-                program.phase.run_time = 600.0
-                program.phase.air_at_start = start.ambient
-            self._move(number)
-            self.heat.coolant = start.coolant
+        program.sensors.lost = lost
+        if not start.running:
+            self._move(0)
+            return
+        program.phase.run_time = 600.0
+        program.phase.air_at_start = start.ambient
+        self._settle(range(-BEGINNING, 1))
         program.phase.coolant_at_start = start.coolant_at_start
         self.cycles = self.fuel_used = 0.0
+
+    def _settle(self, numbers: range) -> None:
+        """Run as at second 0 until idle valve, λ loop and speed are steady."""
+        for number in numbers:
+            self._move(number)
+            self.heat.coolant = self._start.coolant
 
     def _move(self, number: int) -> None:
         """Compute the grid's point `number`."""
