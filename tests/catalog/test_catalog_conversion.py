@@ -7,6 +7,7 @@ import pickle
 from fractions import Fraction
 from typing import cast
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -26,9 +27,11 @@ FLAGS = [each for each in shipped().parameters if each.is_flag]
 
 @pytest.mark.parametrize(("parameter", "reading"), READINGS_THAT_DIFFER)
 def test_every_raw_value_comes_back(parameter: Parameter, reading: str) -> None:
+    conversion = parameter.interpretation(reading)
     for number in range(1 << (8 * parameter.size)):
         raw = number.to_bytes(parameter.size, "little")
-        assert parameter.encode(parameter.decode(raw, reading), reading) == raw
+        assert conversion.encode(conversion.decode(raw), parameter.name) == raw
+    assert parameter.encode(parameter.decode(raw, reading), reading) == raw
 
 
 @pytest.mark.parametrize(("parameter", "reading"), READINGS_THAT_DIFFER)
@@ -38,16 +41,24 @@ def test_every_value_is_the_float_nearest_to_the_exact_one(
     conversion = parameter.interpretation(reading)
     low, high = conversion.raw_limits
     assert high - low + 1 == 1 << (8 * parameter.size)
-    for number in range(low, high + 1):
-        exact = (number - conversion.bias) * conversion.scale + conversion.offset
-        value = conversion.value(number)
-        assert value == float(exact)
-        assert type(value) is (int if conversion.is_whole else float)
-        # what a bulk decoder does with arrays of 64-bit floats
-        array = (float(number) * conversion.numerator + conversion.constant) / float(
-            conversion.denominator
-        )
-        assert array == value
+    # (number - bias) * scale + offset, in whole numbers: their quotient is rounded once
+    over, under = conversion.scale.as_integer_ratio()
+    offset = conversion.offset * under
+    over, under, offset = (
+        over * offset.denominator,
+        under * offset.denominator,
+        offset.numerator,
+    )
+    kind = int if conversion.is_whole else float
+    values = [conversion.value(number) for number in range(low, high + 1)]
+    assert values == [
+        ((number - conversion.bias) * over + offset) / under for number in range(low, high + 1)
+    ]
+    assert {type(value) for value in values} == {kind}
+    # what a bulk decoder does with arrays of 64-bit floats
+    numbers = np.arange(low, high + 1, dtype=np.float64)
+    array = (numbers * conversion.numerator + conversion.constant) / conversion.denominator
+    assert array.tolist() == values
 
 
 @pytest.mark.parametrize("parameter", FLAGS, ids=lambda each: each.name)

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import re
+import shutil
+from pathlib import Path
 
 import pytest
 from cli_harness import is_one_short_paragraph, is_russian
 
 
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    """Where the drive is kept once it is recorded: the tests get copies."""
+    return tmp_path_factory.mktemp("kept") / "drive.pcapng"
+
+
 @pytest.fixture
-def drive(mikas, tmp_path):
-    assert mikas("log", "-o", "drive.pcapng", "--duration", "25", sim="&faults=13").status == 0
-    return tmp_path / "drive.pcapng"
+def drive(mikas, kept, tmp_path):
+    if not kept.exists():
+        argv = ("log", "-o", str(kept), "--duration", "25")
+        assert mikas(*argv, sim="&faults=13").status == 0
+    return Path(shutil.copy(kept, tmp_path))
 
 
 def page(tmp_path, name="car.html"):

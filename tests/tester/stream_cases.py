@@ -12,8 +12,9 @@ ONE = (c.Datum(16, 1),)  # 0A, the very version code
 SEVERAL = (c.Datum(22, 1), c.Datum(67, 2), c.Datum(20, 1))
 CYCLIC = [c.StreamCyclic(ONE), c.StreamCyclic(SEVERAL)]
 BY_STROKES = [*(c.StreamAtStroke(SEVERAL, stroke) for stroke in range(5)), c.StreamAtStroke(ONE, 0)]
+STREAMS = CYCLIC + BY_STROKES
 each_end = pytest.mark.parametrize("end", list(StreamEnd))
-each_stream = pytest.mark.parametrize("command", CYCLIC + BY_STROKES, ids=lambda s: s.body().hex())
+each_stream = pytest.mark.parametrize("command", STREAMS, ids=lambda s: s.body().hex())
 each_adapter = pytest.mark.parametrize("adapter", [ECHOING, SLOW, SILENT_ADAPTER], ids=adapter_name)
 
 

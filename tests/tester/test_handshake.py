@@ -17,6 +17,7 @@ from tester_rig import (
     Watched,
     adapter_name,
     answering,
+    case,
     make,
     read,
     right,
@@ -167,12 +168,13 @@ def test_a_single_spoilt_echo_is_not_the_end():
 
 @each_adapter
 @pytest.mark.parametrize("line_fault", list(LineFault))
-@pytest.mark.parametrize("healthy", [0, 1, 2])
-def test_connecting_survives_one_line_fault(line_fault, healthy, adapter):
-    fates = [(None, 0.0)] * healthy + [(line_fault, 0.7)]
-    tester = Watched(fault_injector=Fate(fates), adapter=adapter).connected()
-    assert tester.echoes is adapter.echo
-    right(tester)
+def test_connecting_survives_one_line_fault(line_fault, adapter):
+    for healthy in range(3):
+        with case(healthy):
+            fates = [(None, 0.0)] * healthy + [(line_fault, 0.7)]
+            tester = Watched(fault_injector=Fate(fates), adapter=adapter).connected()
+            assert tester.echoes is adapter.echo
+            right(tester)
 
 
 @pytest.mark.parametrize("elm_echo", [True, False])
@@ -205,31 +207,34 @@ def test_noise_before_connecting_is_let_pass(noise, adapter):
 
 @each_adapter
 @pytest.mark.parametrize("datum", [b"\x0a", b"\x09", b"\x55", b"\x12\x34"])
-@pytest.mark.parametrize("after", [0.005, 0.05, 0.07, 0.1, 0.13, 0.2, 0.27, 0.35, 0.5, 0.7])
-def test_a_late_answer_to_an_earlier_program_is_no_version_code(after, datum, adapter):
-    unit = Watched(adapter=adapter)
-    unit.bus._unit.transmit(encode(datum), after)
-    tester = unit.tester()
-    assert tester.connect() == 0x0A
-    assert tester.echoes is adapter.echo
-    right(tester)
+def test_a_late_answer_to_an_earlier_program_is_no_version_code(datum, adapter):
+    for after in (0.005, 0.05, 0.07, 0.1, 0.13, 0.2, 0.27, 0.35, 0.5, 0.7):
+        with case(after):
+            unit = Watched(adapter=adapter)
+            unit.bus._unit.transmit(encode(datum), after)
+            tester = unit.tester()
+            assert tester.connect() == 0x0A
+            assert tester.echoes is adapter.echo
+            right(tester)
 
 
-@pytest.mark.parametrize("after", [0.1 + 0.01 * i for i in range(60)])
-def test_not_even_if_the_first_request_then_is_lost(after):
+def test_not_even_if_the_first_request_then_is_lost():
     """The late one comes up to D14's limit after connecting began."""
-    unit = Watched(fault_injector=Fate([(None, 0)] * 3 + [(LineFault.LOST, 0)]))
-    unit.bus._unit.transmit(encode(b"\x55"), min(after, 0.5))
-    right(unit.connected())
+    for after in (0.1 + 0.01 * i for i in range(60)):
+        with case(after):
+            unit = Watched(fault_injector=Fate([(None, 0)] * 3 + [(LineFault.LOST, 0)]))
+            unit.bus._unit.transmit(encode(b"\x55"), min(after, 0.5))
+            right(unit.connected())
 
 
 @pytest.mark.parametrize("turn_round", [0.05, 0.1, 0.2, 0.3, 0.4, 0.45])
-@pytest.mark.parametrize("after", [0.02 + 0.04 * i for i in range(13)])
-def test_a_slow_unit_is_not_read_one_answer_late(after, turn_round):
+def test_a_slow_unit_is_not_read_one_answer_late(turn_round):
     """An earlier program's 01 is answered during ours, so each answer seems to be the next one."""
-    unit = Watched(turn_round=turn_round)
-    unit.bus._unit.transmit(encode(b"\x0a"), after)
-    right(unit.connected())
+    for after in (0.02 + 0.04 * i for i in range(13)):
+        with case(after):
+            unit = Watched(turn_round=turn_round)
+            unit.bus._unit.transmit(encode(b"\x0a"), after)
+            right(unit.connected())
 
 
 STREAMS = [
@@ -242,19 +247,20 @@ STREAMS = [
 
 @each_adapter
 @pytest.mark.parametrize("end", list(StreamEnd))
-@pytest.mark.parametrize("command", STREAMS, ids=lambda s: s.body().hex())
 @pytest.mark.parametrize("rpm", [250.0, 850.0, 5200.0])
-def test_a_stream_left_over_from_an_earlier_session_is_ended(command, end, adapter, rpm):
-    unit = Watched(adapter=adapter, stream_end=end, rpm=rpm)
-    unit.link.write(encode(command.body()))
-    unit.link.read(0.3)
-    tester = unit.tester()
-    assert tester.connect() == 0x0A
-    assert tester.echoes is adapter.echo
-    assert unit.count_of("stream-end") == 1
-    assert (tester.breaks > 0) >= (end is StreamEnd.BREAK)
-    right(tester)
-    assert unit.link.now() < 12
+def test_a_stream_left_over_from_an_earlier_session_is_ended(end, adapter, rpm):
+    for command in STREAMS:
+        with case(command):
+            unit = Watched(adapter=adapter, stream_end=end, rpm=rpm)
+            unit.link.write(encode(command.body()))
+            unit.link.read(0.3)
+            tester = unit.tester()
+            assert tester.connect() == 0x0A
+            assert tester.echoes is adapter.echo
+            assert unit.count_of("stream-end") == 1
+            assert (tester.breaks > 0) >= (end is StreamEnd.BREAK)
+            right(tester)
+            assert unit.link.now() < 12
 
 
 def test_a_line_that_never_becomes_quiet_is_an_error():

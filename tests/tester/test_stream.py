@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import pairwise, product
 
 import pytest
-from stream_cases import CYCLIC, SEVERAL, each_adapter, each_end, each_stream, expected
-from tester_rig import ECHOING, SILENT_ADAPTER, Fate, Watched, adapter_name, read, right
+from stream_cases import CYCLIC, SEVERAL, STREAMS, each_adapter, each_end, each_stream, expected
+from tester_rig import ECHOING, SILENT_ADAPTER, Fate, Watched, adapter_name, case, read, right
 
 from mikas import commands as c
 from mikas.errors import MikasError, UsageError
@@ -46,25 +46,26 @@ def engine_stalls(unit, stream):
 
 @each_adapter
 @each_end
-@each_stream
 @pytest.mark.parametrize("state", [at_once, some_later, mid_response, after_damage, engine_stalls])
-def test_ended_from_any_state_the_next_value_is_right(command, end, adapter, state):
-    unit = Watched(adapter=adapter, stream_end=end)
-    tester = unit.connected()
-    with tester.stream(command) as stream:
-        state(unit, stream)
-        began = unit.link.now()
-    assert unit.link.now() - began < 5
-    assert unit.count_of("stream") == unit.count_of("stream-end") == 1
-    if end is StreamEnd.BREAK:
-        assert tester.breaks == 1
-    elif end is StreamEnd.BYTE and state is not after_damage:
-        assert tester.breaks <= isinstance(command, c.StreamAtStroke)
-    right(tester)
-    with tester.stream(command) as again:
-        if state is not engine_stalls:
-            assert next(again).data == expected(command)
-    right(tester)
+def test_ended_from_any_state_the_next_value_is_right(end, adapter, state):
+    for command in STREAMS:
+        with case(command):
+            unit = Watched(adapter=adapter, stream_end=end)
+            tester = unit.connected()
+            with tester.stream(command) as stream:
+                state(unit, stream)
+                began = unit.link.now()
+            assert unit.link.now() - began < 5
+            assert unit.count_of("stream") == unit.count_of("stream-end") == 1
+            if end is StreamEnd.BREAK:
+                assert tester.breaks == 1
+            elif end is StreamEnd.BYTE and state is not after_damage:
+                assert tester.breaks <= isinstance(command, c.StreamAtStroke)
+            right(tester)
+            with tester.stream(command) as again:
+                if state is not engine_stalls:
+                    assert next(again).data == expected(command)
+            right(tester)
 
 
 @each_adapter
@@ -99,23 +100,23 @@ def test_ending_a_cyclic_stream_of_several_bytes_takes_no_time(adapter):
 
 @each_end
 @each_stream
-@pytest.mark.parametrize("late", [0.3, 0.7])
-@pytest.mark.parametrize("position", [0, 1, 2])
-def test_line_faults_at_the_end_of_a_stream_give_no_wrong_value(command, end, late, position):
-    unit = Watched(stream_end=end)
-    tester = unit.connected()
-    for fate in (LineFault.LATE, LineFault.LOST, LineFault.DAMAGED, LineFault.DOUBLED):
-        try:
-            with tester.stream(command) as stream:
-                next(stream)
-                healthy = [(None, 0.0)] * position
-                unit.bus.fault_injector = Fate([*healthy, (fate, late), (fate, late)])
-            unit.bus.fault_injector = Fate([(LineFault.LOST, 0)])
-            right(tester)
-        except MikasError:
-            pass  # reported, and never a wrong value
-        unit.bus.fault_injector = Fate([])
-        right(tester)
+def test_line_faults_at_the_end_of_a_stream_give_no_wrong_value(command, end):
+    for late, position in product((0.3, 0.7), range(3)):
+        with case(late, position):
+            unit = Watched(stream_end=end)
+            tester = unit.connected()
+            for fate in (LineFault.LATE, LineFault.LOST, LineFault.DAMAGED, LineFault.DOUBLED):
+                try:
+                    with tester.stream(command) as stream:
+                        next(stream)
+                        healthy = [(None, 0.0)] * position
+                        unit.bus.fault_injector = Fate([*healthy, (fate, late), (fate, late)])
+                    unit.bus.fault_injector = Fate([(LineFault.LOST, 0)])
+                    right(tester)
+                except MikasError:
+                    pass  # reported, and never a wrong value
+                unit.bus.fault_injector = Fate([])
+                right(tester)
 
 
 def test_damaged_and_foreign_responses_are_counted_and_left_out():

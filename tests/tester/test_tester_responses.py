@@ -11,6 +11,7 @@ from tester_rig import (
     Watched,
     adapter_name,
     answering,
+    case,
     make,
     read,
     right,
@@ -63,47 +64,50 @@ each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
 
 @each_adapter
 @pytest.mark.parametrize("line_fault", list(LineFault))
-@pytest.mark.parametrize("command", READS, **by_name)
-def test_a_read_is_repeated(command, line_fault, adapter):
-    unit = Watched(adapter=adapter)
-    tester = unit.connected()
-    truth = tester.request(command)
-    for seed in range(3):
-        unit.bus.fault_injector = Fate([(line_fault, 0.7)], seed)
-        assert tester.request(command) == truth
-        right(tester)
+def test_a_read_is_repeated(line_fault, adapter):
+    for command in READS:
+        with case(command):
+            unit = Watched(adapter=adapter)
+            tester = unit.connected()
+            truth = tester.request(command)
+            for seed in range(3):
+                unit.bus.fault_injector = Fate([(line_fault, 0.7)], seed)
+                assert tester.request(command) == truth
+                right(tester)
 
 
 @each_adapter
 @pytest.mark.parametrize("line_fault", ERROR_OF)
-@pytest.mark.parametrize("command", READS, **by_name)
-def test_the_error_when_retries_do_not_help(command, line_fault, adapter):
-    unit = Watched(adapter=adapter)
-    tester = unit.connected(retries=0)
-    tester.request(command)
-    tester.request(c.Availability())
-    unit.bus.fault_injector = Fate([(line_fault, 0.7)])
-    with pytest.raises(ERROR_OF[line_fault]) as caught:
-        tester.request(command)
-    assert caught.value.request == encode(command.body())
-    assert caught.value.received is not None
-    assert caught.value.time == pytest.approx(unit.link.now(), abs=1.2)
-    right(tester)
+def test_the_error_when_retries_do_not_help(line_fault, adapter):
+    for command in READS:
+        with case(command):
+            unit = Watched(adapter=adapter)
+            tester = unit.connected(retries=0)
+            tester.request(command)
+            tester.request(c.Availability())
+            unit.bus.fault_injector = Fate([(line_fault, 0.7)])
+            with pytest.raises(ERROR_OF[line_fault]) as caught:
+                tester.request(command)
+            assert caught.value.request == encode(command.body())
+            assert caught.value.received is not None
+            assert caught.value.time == pytest.approx(unit.link.now(), abs=1.2)
+            right(tester)
 
 
 @each_adapter
 @pytest.mark.parametrize("line_fault", ERROR_OF)
-@pytest.mark.parametrize("command", WRITES, **by_name)
-def test_a_write_is_never_sent_twice(command, line_fault, adapter):
-    unit = Watched(adapter=adapter)
-    tester = unit.connected()
-    unit.bus.fault_injector = Fate([(line_fault, 0.7)])
-    with pytest.raises((LineError, EcuRefused)):
-        tester.request(command)
-    assert unit.heard(command.body()) == 1
-    assert tester.statistics.repeated == 0
-    right(tester)
-    assert unit.heard(command.body()) == 1
+def test_a_write_is_never_sent_twice(line_fault, adapter):
+    for command in WRITES:
+        with case(command):
+            unit = Watched(adapter=adapter)
+            tester = unit.connected()
+            unit.bus.fault_injector = Fate([(line_fault, 0.7)])
+            with pytest.raises((LineError, EcuRefused)):
+                tester.request(command)
+            assert unit.heard(command.body()) == 1
+            assert tester.statistics.repeated == 0
+            right(tester)
+            assert unit.heard(command.body()) == 1
 
 
 @pytest.mark.parametrize("command", WRITES, **by_name)

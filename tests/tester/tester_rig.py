@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from heapq import heappop, heappush
 
 from mikas import commands as c
@@ -35,6 +36,16 @@ SLOW = AdapterKind(latency=0.016)
 SLOW_AND_SILENT = AdapterKind(echo=False, latency=0.016)
 DEAD = AdapterKind(supplied=False)
 ADAPTERS = [ECHOING, SILENT_ADAPTER, SLOW, SLOW_AND_SILENT]
+
+
+@contextmanager
+def case(*what: object) -> Iterator[None]:
+    """Name the case of a loop in the traceback of its failure."""
+    try:
+        yield
+    except BaseException as failure:
+        failure.add_note(f"case: {', '.join(map(str, what))}")
+        raise
 
 
 def adapter_name(kind: AdapterKind) -> str:

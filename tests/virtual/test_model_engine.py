@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mikas.catalog import shipped
 from mikas.catalog.loading.source import parse_source
 from mikas.virtual.model.engine import FIELDS, Engine
-from mikas.virtual.model.plant import _settled_plant
+from mikas.virtual.model.plant import _settled_plant, _warm_plant
 from mikas.virtual.scenarios.scenario import SCENARIOS, from_source
 from protocol_codes import NAMES
 
@@ -41,7 +41,8 @@ def test_a_kept_start_is_the_same_as_a_new_one() -> None:
     first = Engine(CITY, seed=7, faults=[13])
     states = [at(first, t) for t in range(30)]
     kept = Engine(CITY, seed=7, faults=[13])
-    _settled_plant.cache_clear()
+    for kept_plants in (_settled_plant, _warm_plant):
+        kept_plants.cache_clear()
     new = Engine(CITY, seed=7, faults=[13])
     assert _settled_plant.cache_info().misses == 1
     assert [at(kept, t) for t in range(30)] == [at(new, t) for t in range(30)] == states
