@@ -76,7 +76,7 @@ def test_the_finest_that_is_allowed_comes_back(offset: Fraction) -> None:
     for number in range(256):
         assert conversion.encode(conversion.value(number), "X") == bytes([number])
     with pytest.raises(ValueError, match="too fine"):
-        Conversion(1, scale=Fraction(1, 3), offset=offset + (1 if offset > 0 else -1))
+        Conversion(1, scale=Fraction(1, 3), offset=offset + Fraction(1 if offset > 0 else -1, 3))
 
 
 def test_readings_are_the_three_that_have_names() -> None:
@@ -126,7 +126,7 @@ def test_halfway_goes_to_the_higher_raw_number() -> None:
     assert Conversion(1, scale=Fraction(-2)).encode(-5, "X") == bytes([3])
 
 
-@pytest.mark.parametrize("value", [-41, -40.51, 215.5, 216, 1e308, -1e308, 10**40])
+@pytest.mark.parametrize("value", [-41, -40.51, 215.5, 216, 1e308, -1e308, 10**400])
 def test_out_of_range_is_refused_with_the_range(value: float) -> None:
     with pytest.raises(ValueDoesNotFit) as caught:
         shipped().parameter("TWAT").encode(value)
@@ -139,6 +139,9 @@ def test_the_refusal_gives_the_range_of_the_interpretation_in_use() -> None:
         shipped().parameter("UACC").encode(14.2, "literal")
     with pytest.raises(ValueDoesNotFit, match=r"0 to 255, in steps of 1"):
         shipped().parameter("MINERR").encode(256)
+    with pytest.raises(ValueDoesNotFit, match=r"-510 to 0, in steps of 2\.") as caught:
+        Conversion(1, scale=Fraction(-2)).encode(2, "X")
+    assert "от -510 до 0, шаг 2." in caught.value.text.ru
 
 
 @pytest.mark.parametrize(
@@ -158,8 +161,9 @@ def test_a_flag_alone_is_not_encoded(value: bool) -> None:
 
 @pytest.mark.parametrize("raw", [b"", b"\x01", b"\x01\x02\x03"])
 def test_raw_bytes_of_another_length_are_refused(raw: bytes) -> None:
-    with pytest.raises(UsageError, match=rf"2 raw byte\(s\) are needed, not {len(raw)}"):
+    with pytest.raises(UsageError, match=rf"2 raw byte\(s\) are needed, not {len(raw)}") as caught:
         shipped().parameter("INJ").decode(raw)
+    assert caught.value.received == raw
 
 
 @pytest.mark.parametrize(
@@ -202,7 +206,12 @@ def test_kind(conversion: Conversion, kind: str) -> None:
 
 @pytest.mark.parametrize(
     ("scale", "offset"),
-    [(Fraction(0), Fraction(0)), (Fraction(1, 2**53), Fraction(0)), (Fraction(1), Fraction(2**53))],
+    [
+        (Fraction(0), Fraction(0)),
+        (Fraction(1, 2**52), Fraction(0)),
+        (Fraction(1), Fraction(2**52)),
+        (Fraction(-(2**45)), Fraction(0)),
+    ],
 )
 def test_what_could_not_be_exact_is_no_conversion(scale: Fraction, offset: Fraction) -> None:
     with pytest.raises(ValueError, match="too fine"):
@@ -216,5 +225,6 @@ def test_parameters_are_values() -> None:
 
 
 def test_an_unknown_reading_is_an_error_and_not_the_default() -> None:
-    with pytest.raises(UsageError, match="There is no interpretation “litteral”"):
+    known = "corrected, literal, alternative"
+    with pytest.raises(UsageError, match=f"no interpretation “litteral”; there are: {known}"):
         shipped().parameter("UACC").decode(b"\x8e", "litteral")

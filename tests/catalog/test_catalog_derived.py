@@ -71,7 +71,7 @@ def test_every_shipped_channel_is_complete() -> None:
         assert channel.unit in shipped().units
         assert channel.unit_text == shipped().units[channel.unit]
         assert channel.source
-        assert not channel.is_flag
+        assert channel.is_flag is False
         assert pickle.loads(pickle.dumps(channel)) == channel
         assert len({channel, channel}) == 1
     known = {name: channel.confidence for name, channel in shipped().derived.items()}
@@ -105,6 +105,12 @@ def test_suggestions_are_of_both_kinds(asked: str, nearest: str) -> None:
     with pytest.raises(UnknownParameter) as caught:
         shipped().channel(asked)
     assert caught.value.suggestions[0] == nearest
+
+
+def test_there_are_three_suggestions_at_most() -> None:
+    with pytest.raises(UnknownParameter) as caught:
+        shipped().channel("FUEL_STROK")
+    assert caught.value.suggestions == ("FUEL_STROKE", "FUEL_USED", "FUEL_FLOW")
 
 
 def test_parameter_knows_parameters_only() -> None:

@@ -83,6 +83,8 @@ def same(a: float, b: float) -> bool:
         ("x / y if y else -1", 3, 0, -1),
         ("y > 0 and x / y > 1", 3, 0, 0),
         ("y == 0 or x / y > 1", 3, 0, 1),
+        ("y > 0 and x / y > 1 and x", 3, 0, 0),
+        ("y == 0 or x / y > 1 or x", 3, 0, 1),
         # an input that is not there is not ignored
         ("where(1, x, y)", 3, NAN, NAN),
         ("where(1, x, y)", 3, math.inf, NAN),
@@ -106,12 +108,20 @@ def test_inputs_in_order_of_appearance() -> None:
     assert parse("b + a - B * max(c, a)", {}).inputs == ("B", "A", "C")
 
 
+TOO_DEEP = (
+    "-" * (DEEPEST + 1) + "x",
+    "not " * (DEEPEST + 1) + "x",
+    " and ".join("x" * (DEEPEST + 1)),
+    f"not ({' or '.join('x' * DEEPEST)})",
+)
+
+
 @pytest.mark.parametrize(
     ("formula", "problem"),
     [
         ("", "is no formula: invalid syntax"),
-        ("x +", "is no formula: invalid syntax (sign "),
-        ("x y", "is no formula: invalid syntax"),
+        ("x +", "is no formula: invalid syntax (sign 4)"),
+        ("x y", "is no formula: invalid syntax (sign 3)"),
         ("x = 1", "is no formula"),
         ("x; y", "is no formula"),
         ("import os", "is no formula"),
@@ -119,11 +129,16 @@ def test_inputs_in_order_of_appearance() -> None:
         ("x\0", "is no formula"),
         ("x + \ud800", "is no formula"),
         ("(" * 300 + "x" + ")" * 300, "is no formula: too many nested parentheses"),
+        (
+            "-[" * 199 + "lambda:" * 57 + "x" + "]" * 199,
+            "is no formula",
+        ),  # Python runs out of stack
         ("x # y\n+ 1", "has a `#` in it"),
         ("1 + 2", "names no parameter"),
         ("x" * (LONGEST + 1), f"is longer than {LONGEST} signs"),
         ("x + " * 240 + "x", f"is nested more than {DEEPEST} levels deep"),
         ("-" * 900 + "x", f"is nested more than {DEEPEST} levels deep"),
+        *((text, f"is nested more than {DEEPEST} levels deep") for text in TOO_DEEP),
         ("1e999 * x", "has a number that is too large"),
         ("9" * 900 + " * x", "has a number that is too large"),
         ("x < y < 3", "has a chain of comparisons"),
@@ -134,6 +149,7 @@ def test_inputs_in_order_of_appearance() -> None:
         ("'a' * 999999999 + x", "has `'a'` in it"),
         ("b'a'", "has `b'a'` in it"),
         ("f'{x:>99999999}'", "in it"),
+        ("'\\d'", r"has `'\d'` in it"),  # and Python's warning of the \d is not shown
         ("1j * x", "has `1j` in it"),
         ("None", "has `None` in it"),
         ("...", "has `...` in it"),
@@ -176,8 +192,36 @@ def test_refused(formula: str, problem: str) -> None:
     assert len(caught.value.reason.en) < 300
 
 
+def test_what_is_not_allowed_is_shown_in_full_up_to_40_signs() -> None:
+    for name, shown in (("x" * 38, f"`{'x' * 38}.y`"), ("x" * 39, f"`{'x' * 39}.…`")):
+        with pytest.raises(UsageError) as caught:
+            parse(f"{name}.y", {})
+        assert f"has {shown} in it" in caught.value.reason.en
+
+
+@pytest.mark.parametrize(("formula", "takes"), [("sqrt(x, 1)", "1"), ("min(x)", "2+")])
+def test_how_many_arguments_a_function_takes(formula: str, takes: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        parse(formula, {})
+    assert caught.value.reason.en.endswith(f"it takes {takes}")
+    assert caught.value.reason.ru.endswith(f"нужно {takes}")
+
+
+def test_whole_numbers_are_computed_as_64_bit_floats() -> None:
+    """2**53 + 1 is not one of them, so adding 1 and taking it away again loses it."""
+    assert number("x + 1 - x", X=2**53) == 0
+    assert number("k + 1 - k + 0 * x", {"k": 2**53}, X=0) == 0
+    column = Calculation(parse("x + 1 - x", {})).column({"X": np.array([2**53])})
+    assert (column.dtype, list(column)) == (np.float64, [0])
+
+
+def test_the_longest_that_is_allowed() -> None:
+    assert parse("x" * LONGEST, {}).inputs == ("X" * LONGEST,)
+
+
 def test_the_deepest_that_is_allowed_is_computed() -> None:
     assert number("-" * DEEPEST + "x", X=1) == 1
+    assert number("not " * DEEPEST + "x", X=1) == 1
     assert number(" + ".join("x" * DEEPEST), X=1) == DEEPEST
     assert number(" and ".join("x" * DEEPEST), X=1) == 1
 

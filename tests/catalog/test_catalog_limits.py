@@ -24,6 +24,7 @@ def test_mildest_first() -> None:
 def test_none_at_all() -> None:
     assert not AlarmLimits().for_number
     assert not AlarmLimits().for_flag
+    assert AlarmLimits(warning_low=1).for_number
     assert AlarmLimits(when_true=Level.DANGER).for_flag
 
 
@@ -36,14 +37,25 @@ def test_none_at_all() -> None:
         ({"hysteresis": -0.1}, "hysteresis is below 0"),
         ({"warning_high": 2, "danger_high": 1}, "danger_high 1 must be above warning_high 2"),
         ({"danger_low": 2, "warning_low": 1}, "warning_low 1 must be above danger_low 2"),
-        ({"danger_low": 2, "danger_high": 2}, "danger_high 2 must be above danger_low 2 and the"),
-        ({"warning_low": 1, "danger_high": 2, "hysteresis": 1}, "must be above warning_low 1 and"),
+        ({"danger_low": 2, "danger_high": 2},
+         "danger_high 2 must be above danger_low 2 and the hysteresis"),
+        ({"warning_low": 1, "danger_high": 2, "hysteresis": 1},
+         "danger_high 2 must be above warning_low 1 and the hysteresis"),
     ],
-)
+)  # fmt: skip
 def test_unsound(limits: dict[str, Any], problem: str) -> None:
     with pytest.raises(UsageError) as caught:
         AlarmLimits(**limits)
-    assert problem in caught.value.reason.en
+    assert caught.value.reason.en == problem
+    assert caught.value.reason.ru.endswith(" с учётом hysteresis") == (
+        problem.endswith(" and the hysteresis")
+    )
+
+
+def test_limits_of_one_side_may_be_equal() -> None:
+    """Then danger comes at once; the hysteresis keeps low and high ones apart only."""
+    assert AlarmLimits(warning_high=2, danger_high=2, hysteresis=1).highs[1] == (Level.DANGER, 2)
+    assert AlarmLimits(danger_low=2, warning_low=2, hysteresis=1).lows[1] == (Level.DANGER, 2)
 
 
 numbers = st.none() | st.integers(-5, 5).map(float)

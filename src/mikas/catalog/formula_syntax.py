@@ -77,7 +77,7 @@ def _syntax(line: str) -> ast.expr:
             warnings.simplefilter("ignore")
             return ast.parse(line, mode="eval").body
     except SyntaxError as error:
-        place = error.offset or 0
+        place = error.offset or len(line) + 1  # no place: the end is missing
         raise usage_error(
             f"is no formula: {error.msg} (sign {place})",
             f"не формула: ошибка в записи (знак {place})",
