@@ -226,6 +226,7 @@ def test_a_thousand_channels_in_a_row(write: Write) -> None:
          "`parameter.TWAT.limits.warning_low` can't be: warning_high 100 must be above"),
         ("[parameter.DET.limits]\nwarning_high = 1\n", 2, "makes no sense for a flag"),
         ("[parameter.DET.limits]\nhysteresis = 1\n", 2, "makes no sense for a flag"),
+        ("[parameter.DET]\nmask = 1\nlimits.hysteresis = 1\n", 3, "makes no sense for a flag"),
         ("[parameter.DET.limits]\nwhen_true = true\n", 2,
          'must be one of "none", "warning", "danger"'),
         ("[parameter.TWAT.limits]\nwhen_true = 'danger'\n", 2, "makes sense for a flag only"),
@@ -300,6 +301,12 @@ def test_limits_of_what_a_later_file_makes_another_kind_are_dropped(write: Write
     assert catalog.parameter("TWAT").is_flag
     assert catalog.parameter("TWAT").alarm_limits is None
     assert catalog.parameter("DET").alarm_limits is None
+    limits = load(
+        write("[parameter.TWAT]\nmask = 1\n"),
+        write("[parameter.TWAT.limits]\nwhen_true = 'warning'\n"),
+    ).parameter("TWAT").alarm_limits  # fmt: skip
+    assert limits is not None
+    assert (limits.when_true, limits.for_number) == (Level.WARNING, False)
 
 
 # --- start-up

@@ -52,9 +52,9 @@ def alarm_limits(entry: Entry, *, is_flag: bool) -> AlarmLimits | None:
     try:
         limits = AlarmLimits(**values)
     except UsageError as error:
-        written = [("limits", key) for key in reversed(_OF_NUMBERS) if key in table]
+        last = max((("limits", key) for key in reversed(_OF_NUMBERS)), key=entry.order)
         problem = Text(f"can't be: {error.reason.en}", f"не годится: {error.reason.ru}")
-        raise entry.wrong(max(written, key=entry.order), problem) from None
+        raise entry.wrong(last, problem) from None
     return limits if limits.for_number or limits.for_flag else None
 
 
