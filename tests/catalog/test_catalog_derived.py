@@ -160,6 +160,11 @@ def test_a_shipped_formula_is_overridden(write: Write) -> None:
     assert list(catalog.derived) == list(shipped().derived)
 
 
+def test_a_channel_without_a_unit(write: Write) -> None:
+    own = load(write(NEW)).derived["D"]
+    assert (own.unit, own.unit_text) == ("", Text("", ""))
+
+
 def test_a_constant_hides_a_channel_of_its_name(write: Write) -> None:
     own = load(write(NEW + '[derived.E]\ntext=""\nformula = "twat + TWAT"\nconstants.twat = 1.5'))
     assert own.derived["E"].inputs == ("TWAT",)
@@ -246,6 +251,14 @@ def test_the_file_that_brought_a_name_last_is_to_blame(write: Write) -> None:
     ]:
         error = refused(*files)
         assert (error.file, error.line) == (str(to_blame), 1)
+
+
+def test_a_circle_is_shown_from_each_channel_to_its_input(write: Write) -> None:
+    inputs = {"A": "B", "B": "C", "C": "A"}
+    text = "".join(f'[derived.{n}]\nformula = "{i}"\ntext = ""\n' for n, i in inputs.items())
+    shown = refused(write(text)).problem.en.partition("in a circle: ")[2].split(" → ")
+    assert sorted(shown[1:]) == ["A", "B", "C"]
+    assert [inputs[name] for name in shown[:-1]] == shown[1:]
 
 
 # --- limits
