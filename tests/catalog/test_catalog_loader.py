@@ -133,6 +133,11 @@ def test_a_number_becomes_a_flag_and_a_flag_a_number(write: Write) -> None:
     assert knock.decode(b"\x03") == 6
 
 
+def test_a_flag_of_two_bytes(write: Write) -> None:
+    flag = load(write(NEW.replace("size = 1", "size = 2") + "mask = 0x8000")).parameter("P")
+    assert (flag.decode(b"\x00\x80"), flag.decode(b"\xff\x7f")) == (True, False)
+
+
 def test_a_reading_can_be_a_flag(write: Write) -> None:
     parameter = load(write(NEW + "scale = 2\nalternative = { mask = 1 }\n")).parameter("P")
     assert parameter.decode(b"\x03") == 6
@@ -260,6 +265,8 @@ def test_public_names() -> None:
         (NEW + "mask = 1\nscale = 2", 6, "`parameter.P.scale` makes no sense for a flag"),
         (NEW + "mask = 1\nunit = 'V'", 6, "`parameter.P.unit` makes no sense for a flag"),
         (NEW + "range = [0, 1]\nmask = 1", 5, "`parameter.P.range` makes no sense for a flag"),
+        (NEW + "mask = 1\nreference = [0, 1]", 6, "`parameter.P.reference` makes no sense for a"),
+        (NEW + "mask = 1\ndecimals = 1", 6, "`parameter.P.decimals` makes no sense for a flag"),
         (NEW + "mask = 1\nliteral.bias = 1", 6, "`parameter.P.literal.bias` makes no sense"),
         ("[parameter.DET]\nunit = 'V'", 2, "`parameter.DET.unit` makes no sense for a flag"),
         # what does not fit the rest
