@@ -123,6 +123,8 @@ def test_range_and_reference(write: Write) -> None:
     ).parameter("P")
     assert (parameter.range, parameter.range_kind) == ((-1.5, 2), "plausible")
     assert (parameter.reference, parameter.reference_confidence) == ((0, 0), Confidence.REPORTED)
+    unsaid = load(write(NEW + "reference = [1, 2]")).parameter("P")
+    assert unsaid.reference_confidence is Confidence.UNCONFIRMED
 
 
 def test_a_number_becomes_a_flag_and_a_flag_a_number(write: Write) -> None:
