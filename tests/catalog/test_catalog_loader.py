@@ -105,6 +105,8 @@ def test_models_errata_and_units(write: Write) -> None:
         ("scale = 0.5", "b / 2", 1),
         ('scale = " 1 / 125 "\noffset = -0.25', "b/125 − 0.25", 3),
         ('scale = "-2"', "−b · 2", 0),
+        ('scale = "-1/2"', "−b / 2", 1),
+        ("scale = 0.095", "b · 19 / 200", 2),
         ("scale = 1e-2\nsigned = true", "s / 100", 2),
         ("bias = 128\nscale = 0.0001", "(b − 128)/10000", 3),
         ("offset = 0.5", "b + 0.5", 1),
