@@ -106,7 +106,7 @@ def test_the_link_becomes_a_cookie_and_leaves_the_address_bar(tmp_path):
         cookie = answer.headers["set-cookie"]
         assert "HttpOnly" in cookie
         assert "SameSite=lax" in cookie
-        with httpx.Client(base_url=it.client.base_url) as fresh:
+        with httpx.Client(base_url=it.client.base_url, verify=False) as fresh:
             refused = fresh.get("/", headers={**host, "Accept": "text/html"})
             assert refused.status_code == 401
             assert "QR" in refused.text
