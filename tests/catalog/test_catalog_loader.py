@@ -195,7 +195,8 @@ def test_public_names() -> None:
         (NEW + "scale = " + "[" * 9000, 0, "this is not TOML: "),
         # names and keys
         ("\n[parametr.P]\n", 2, "unknown key `parametr`; the nearest is `parameter`"),
-        ("\nzzz = 1\n", 2, "unknown key `zzz`; known are parameter, derived, fault, model, "),
+        ("\nzzz = 1\n", 2,
+         "unknown key `zzz`; known are parameter, derived, fault, model, erratum, unit, version"),
         (NEW + "scal = 2\n", 5, "unknown key `scal`; the nearest is `scale`"),
         (NEW + '"sсаle" = 2\n', 5, "the nearest is `scale`"),
         (NEW + "literal = {\tscal = 2 }\n", 5, "unknown key `scal`; the nearest is `scale`"),
@@ -303,6 +304,14 @@ def test_a_partial_entry_that_overrides_nothing(write: Write) -> None:
     error = refused(write("[parameter.TWATT]\nreference = [1, 2]\n"))
     assert (error.line, error.problem.en) == (1, "`parameter.TWATT` has no `code`")
     assert error.problem.ru == "`parameter.TWATT`: нет `code`"
+
+
+def test_the_nearest_name_is_given_in_both_languages(write: Write) -> None:
+    problem = refused(write('[fault.1]\ntext = ""\nparameters = ["TWAX", "TWAT"]')).problem
+    assert (
+        problem.en == "`fault.1.parameters` names TWAX, which does not exist; the nearest is TWAT"
+    )
+    assert problem.ru == "`fault.1.parameters`: называет TWAX, чего нет; ближайшее имя — TWAT"
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
