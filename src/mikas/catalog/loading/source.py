@@ -56,19 +56,18 @@ class _Scanner:
         self.lines: dict[KeyPath, int] = {}
         self.in_key = True
         self._key: list[str] = []
-        self._key_line = 0
         self._table: KeyPath = ()  # the header above
         self._value: KeyPath = ()  # the path of the value being read
         self._open: list[tuple[str, KeyPath]] = []  # its brackets, and the path they belong to
 
     def key_token(self, token: str, is_name: bool, line: int) -> None:
+        # A key and the sign behind it stand on one line.
         if is_name:
-            self._key_line = self._key_line if self._key else line
             self._key.append(_unquoted(token))
         elif token == "]" and self._key:  # the end of a header; the second of ]] adds nothing
-            self._table = self._record(())
+            self._table = self._record((), line)
         elif token == "=":
-            self._value = self._record(self._open[-1][1] if self._open else self._table)
+            self._value = self._record(self._open[-1][1] if self._open else self._table, line)
             self.in_key = False
         elif token == "}":  # an empty table
             self._value, self.in_key = self._open.pop()[1], False
@@ -84,10 +83,10 @@ class _Scanner:
         elif token == "\n":
             self.in_key = not self._open
 
-    def _record(self, inside: KeyPath) -> KeyPath:
+    def _record(self, inside: KeyPath, line: int) -> KeyPath:
         path = (*inside, *self._key)
         for length in range(1, len(path) + 1):
-            self.lines.setdefault(path[:length], self._key_line)
+            self.lines.setdefault(path[:length], line)
         self._key = []
         return path
 
