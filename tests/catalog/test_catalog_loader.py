@@ -164,6 +164,8 @@ def test_the_version_names_what_was_loaded(write: Write) -> None:
     versions = {each.version for each in (load(one), load(two), load(one, two), load(two, one))}
     assert len(versions | {plain}) == 5
     assert load(one).version == load(one).version
+    two.write_bytes(NEW.replace("\n", "\r\n").encode())
+    assert load(two).version == load(one).version
     assert load(write('version = "my car"\n' + NEW)).version.startswith("my car+")
 
 
@@ -324,9 +326,9 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
 
 def test_a_file_that_is_not_utf_8(tmp_path: Path) -> None:
     path = tmp_path / "cp1251.toml"
-    path.write_bytes((NEW + '# three\n[unit."кПа"]\n').encode("cp1251"))
+    path.write_bytes(("\n" + NEW + '# three\n[unit."кПа"]\n').encode("cp1251"))
     error = refused(path)
-    assert error.line == 6
+    assert error.line == 7
     assert "UTF-8" in error.problem.en
 
 
