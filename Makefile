@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test browser cable fuzz soak check bench clean
+.PHONY: help demo test browser cable hour fuzz soak check bench clean
 
 help: ## list these targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -35,6 +35,12 @@ browser: .venv/with-test ## the tests that drive the page in Chromium; pictures 
 
 cable: .venv/with-test build/cable/unpacked ## the program on a cable under Linux' own driver, in QEMU: docs/cable.md
 	@MIKAS_REQUIRE_CABLE=1 $(venv_python) -m pytest -n 2 --dist worksteal tests/cable
+
+# Minutes in real time, and the seed of the events: make hour MINUTES=3 SEED=2
+MINUTES ?= 60
+
+hour: .venv/with-test build/cable/unpacked ## an hour of recording in QEMU while the cable is pulled out and put back, nothing wrong or lost
+	@PYTHONPATH=tests $(venv_python) -m cable.hour --minutes $(MINUTES) --seed $(SEED)
 
 # Seconds for each of four targets, which run two at a time: make fuzz SECONDS=3600
 SECONDS ?= 60

@@ -10,21 +10,23 @@ Software emulation (tcg) everywhere, so that the box is the same on every machin
 from __future__ import annotations
 
 import json
-import queue
 import re
 import socket
 import subprocess
 import threading
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
-from itertools import count
 from pathlib import Path
 from typing import Any
 
 from cable.guest_agent import NAME
+from cable.guest_rig import Command, Done, Guest
 from cable.image_rig import QEMU, find_kernel, initramfs
 from cable.wire_rig import PATIENCE, Condition, Lines, Wire
+from mikas.virtual.build import build_bus, wired
+from mikas.virtual.bus import Bus
+from mikas.virtual.responder import Responder
 
 SOCKETS = 3
 """USB ports of the box, each with a wire behind it."""
@@ -117,124 +119,6 @@ class Qmp:
         return json.loads(line)
 
 
-# -- commands in the guest -------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Done:
-    status: int
-    out: str
-    err: str
-
-    @property
-    def json(self) -> Any:
-        return json.loads(self.out)
-
-
-@dataclass(slots=True)
-class Command:
-    """A command that runs in the guest."""
-
-    words: tuple[str, ...]
-    order: Callable[..., None]
-    messages: queue.Queue[dict[str, Any]] = field(default_factory=queue.Queue)
-    out: str = ""
-    err: str = ""
-    status: int | None = None
-    _yielded: int = 0  # characters of `out`
-
-    def wait(self) -> Done:
-        """Return its output and status at its end."""
-        while self.status is None:
-            self._take()
-        return Done(self.status, self.out, self.err)
-
-    def lines(self) -> Iterator[str]:
-        """Yield the further lines of its stdout, as they come."""
-        while True:
-            line, newline, _ = self.out[self._yielded :].partition("\n")
-            if newline:
-                self._yielded += len(line) + 1
-                yield line
-            elif self.status is None:
-                self._take()
-            else:
-                return
-
-    def until(self, wanted: Callable[[Any], bool]) -> Any:
-        """Return the next JSON line of its stdout that is `wanted`."""
-        for line in self.lines():
-            if wanted(found := json.loads(line)):
-                return found
-        raise AssertionError(f"{self.words} ended with {self.status}: {self.out}{self.err}")
-
-    def interrupt(self) -> Done:
-        """Press Ctrl-C; return output and status at the end."""
-        self.order(signal=2)
-        return self.wait()
-
-    def _take(self) -> None:
-        try:
-            message = self.messages.get(timeout=PATIENCE)
-        except queue.Empty:
-            raise AssertionError(f"{self.words} says nothing: {self.out}{self.err}") from None
-        self.out += message.get("out", "")
-        self.err += message.get("err", "")
-        self.status = message.get("status")
-
-
-class Guest:
-    """Starts commands through the agent."""
-
-    def __init__(self, end: socket.socket) -> None:
-        self._end = end
-        self._numbers = count()
-        self._running: dict[int, Command] = {}
-        self._ready = threading.Event()
-        self._reader = threading.Thread(target=self._read)
-        self._reader.start()
-
-    def wait_until_ready(self) -> bool:
-        return self._ready.wait(PATIENCE)
-
-    def start(self, words: tuple[str, ...], env: dict[str, str]) -> Command:
-        return self._order(words, run=words, env=env)
-
-    def kill_all(self) -> None:
-        """End what a failed test left."""
-        for command in [it for it in self._running.values() if it.status is None]:
-            command.order(signal=9)
-            command.wait()
-        self._running.clear()
-
-    def drain(self, device: str) -> None:
-        """Return when the reader of `device` has taken what the system holds for it."""
-        self._order(("drain", device), drain=device).wait()
-
-    def _order(self, words: tuple[str, ...], **first: object) -> Command:
-        number = next(self._numbers)
-
-        def order(**what: object) -> None:
-            self._end.sendall(json.dumps({"id": number, **what}).encode() + b"\n")
-
-        command = self._running[number] = Command(words, order)
-        order(**first)
-        return command
-
-    def close(self) -> None:
-        self._end.shutdown(socket.SHUT_RDWR)
-        self._reader.join(PATIENCE)
-
-    def _read(self) -> None:
-        with self._end.makefile("rb") as lines:
-            for line in lines:
-                message = json.loads(line)
-                if "ready" in message:
-                    self._ready.set()
-                else:
-                    self._running[message["id"]].messages.put(message)
-
-
 # -- the box ---------------------------------------------------------------------------------------
 
 
@@ -265,21 +149,22 @@ class Cable:
         self.box.lines.call(self.wire.drop)
         self.box.qmp.remove(f"cable{self.port}")
 
-    def cut_when(self, condition: Condition) -> Callable[[], bytes]:
+    def cut_when(self, condition: Condition) -> Callable[[], bytes | None]:
         """Cut as `Wire.cut_when`; the function returned waits for that and pulls the cable.
 
-        A slow guest first takes what had arrived, so that the cut is at the same byte for it.
+        A slow guest first takes what had arrived, so that the cut is at the same byte for it; if it
+        is too slow for that, None is returned instead of the bytes.
         """
         cut = self.box.lines.call(lambda: self.wire.cut_when(condition))
 
-        def pull_when_cut() -> bytes:
+        def pull_when_cut() -> bytes | None:
             try:
                 seen = cut.result(PATIENCE)
             except TimeoutError:
                 raise AssertionError(f"not cut; sent: {self.wire.sent.hex(' ')}") from None
-            self.box.guest.drain(f"/dev/{self.name}")
+            is_taken = self.box.guest.drain(f"/dev/{self.name}")
             self.pull()
-            return seen
+            return seen if is_taken else None
 
         return pull_when_cut
 
@@ -312,16 +197,28 @@ class Box:
             console = (folder / "console").read_text(errors="replace")
             raise AssertionError(f"the guest did not boot: {self.complaints}{console}")
 
-    def cable(self, port: int = 0, *, serial: str = "A50285BI", **settings: str) -> Cable:
-        """Return a cable, not plugged in, with a unit by `settings` (docs/simulator.md).
+    def cable(
+        self,
+        port: int = 0,
+        *,
+        serial: str = "A50285BI",
+        unit: Responder | None = None,
+        **settings: str,
+    ) -> Cable:
+        """Return a cable, not plugged in, with `unit` or one by `settings` (docs/simulator.md).
 
-        Its car is that of `still.toml`, if `settings` name no other.
+        The latter's car is that of `still.toml`, if `settings` name no other.
         """
-        settings = {"scenario": str(STILL_CAR)} | settings
+
+        def bus_from(start: float) -> Bus:
+            if unit is not None:
+                return wired(unit, settings)
+            return build_bus({"scenario": str(STILL_CAR)} | settings, start=start)
+
         end = self._ends[f"wire{port}"]
         if old := self._wires.pop(port, None):
             self.lines.remove(old, end)
-        wire = self._wires[port] = self.lines.put(end, settings)
+        wire = self._wires[port] = self.lines.put(end, bus_from)
         return Cable(self, port, serial, wire)
 
     def restore(self) -> None:

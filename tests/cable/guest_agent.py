@@ -1,8 +1,10 @@
 """The guest's first process: starts commands, reports their output and status.
 
 One JSON object a line, on a virtio port. From the host: `{"id", "run": [...], "env": {...}}`,
-`{"id", "signal": 2}`, `{"id", "drain": "/dev/ttyUSB0"}`: wait until its reader has taken all.
-To the host: `{"ready": true}`, `{"id", "out": text}`, `{"id", "err": text}`, `{"id", "status": 0}`.
+`{"id", "signal": 2}`, `{"id", "state": true}`, `{"id", "drain": "/dev/ttyUSB0"}`: wait until its
+reader has taken all. To the host: `{"ready": true}`, `{"id", "out": text}`, `{"id", "err": text}`,
+`{"id", "state": {"time", "rss"}}`, the guest's UNIX time and the command's KiB in memory,
+`{"id", "status": 0}`.
 
 `mikas` is imported once, here, and each of its commands is a fork of this process: under emulation
 an interpreter takes five seconds to start. So this process has no threads.
@@ -26,6 +28,7 @@ from pathlib import Path
 from typing import NoReturn
 
 NAME = "mikas.agent"
+_READ_WITHIN = 20.0  # s; meanwhile nothing else is done here
 _USED = (
     "mikas.cli.main", "mikas.cli.sampling_run", "mikas.cli.commands.doctor",
     "mikas.cli.commands.log", "mikas.cli.commands.memory.cells",
@@ -62,10 +65,12 @@ class Agent:
             if "run" in order:
                 self._run(order["id"], order["run"], order["env"])
             elif "drain" in order:
-                drain(order["drain"])
-                self._send(id=order["id"], status=0)
+                self._send(id=order["id"], status=0 if drain(order["drain"]) else 1)
             elif (process := self._processes.get(order["id"])) is not None:
-                os.kill(process.pid, order["signal"])
+                if "state" in order:
+                    self._send(id=order["id"], state=state_of(process.pid))
+                else:
+                    os.kill(process.pid, order["signal"])
 
     def _run(self, number: int, words: list[str], env: dict[str, str]) -> None:
         out, err = os.pipe(), os.pipe()
@@ -143,12 +148,23 @@ def execute(words: list[str], env: dict[str, str]) -> NoReturn:
     os._exit(127)
 
 
-def drain(port: str) -> None:
-    """Wait until the system holds no bytes of `port` for its reader."""
+def state_of(pid: int) -> dict[str, float]:
+    """Return the time, and the memory of a process; 0 of an ended one."""
+    lines = Path(f"/proc/{pid}/status").read_text("utf-8").splitlines()
+    sizes = (int(line.split()[1]) for line in lines if line.startswith("VmRSS:"))
+    return {"time": time.time(), "rss": next(sizes, 0)}
+
+
+def drain(port: str) -> bool:
+    """Wait until the system holds no bytes of `port` for its reader; False: it does not read."""
     number = os.open(port, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)  # root may, despite TIOCEXCL
-    while fcntl.ioctl(number, termios.FIONREAD, bytes(4)) != bytes(4):
+    end = time.monotonic() + _READ_WITHIN
+    while left := fcntl.ioctl(number, termios.FIONREAD, bytes(4)) != bytes(4):
+        if time.monotonic() > end:
+            break
         time.sleep(0.001)  # in the guest, in real time: nothing reports that a reader took bytes
     os.close(number)
+    return not left
 
 
 def import_mikas() -> None:

@@ -17,7 +17,6 @@ from typing import TypeVar
 
 from mikas.link import WallClock
 from mikas.virtual import serve
-from mikas.virtual.build import build_bus
 from mikas.virtual.bus import Bus
 
 T = TypeVar("T")
@@ -126,12 +125,12 @@ class Lines:
         self._loop.call_soon_threadsafe(run)
         return done.result(PATIENCE)
 
-    def put(self, adapter_end: socket.socket, settings: dict[str, str]) -> Wire:
-        """Return a new unit's wire on `adapter_end`, instead of the one before."""
+    def put(self, adapter_end: socket.socket, bus_from: Callable[[float], Bus]) -> Wire:
+        """Return a new wire on `adapter_end`, instead of the one before; `bus_from` its begin."""
         adapter_end.setblocking(False)
 
         def build() -> Wire:
-            wire = Wire(build_bus(settings, start=self._clock.now()), self._clock.now, adapter_end)
+            wire = Wire(bus_from(self._clock.now()), self._clock.now, adapter_end)
             self._loop.add_reader(adapter_end, wire.receive)
             wire.advance()
             return wire
