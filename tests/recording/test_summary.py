@@ -22,6 +22,7 @@ from mikas.sampling.events import (
     Marker,
     MethodChosen,
     ParameterDropped,
+    ParameterReturned,
     StateChanged,
     TextNote,
 )
@@ -190,6 +191,7 @@ def test_each_kind():
         note_of(TextNote(2.0, "words")),
         note_of(MethodChosen(3.0, "list", {"list": 29.5})),
         note_of(ParameterDropped(4.0, "TAIR")),
+        note_of(ParameterReturned(4.5, "TAIR")),
         Note("unit", 5.0, {"version_code": 9}),
         Note("unit", 6.0, {"version_code": 9}),
         Note("unit", 7.0, {"version_code": 10}),
@@ -197,12 +199,12 @@ def test_each_kind():
     ]
     events = [event.as_json() for event in events_of(notes, shipped())]
     assert [event["kind"] for event in events] == [
-        "state", "note", "method", "dropped", "unit", "unit",
+        "state", "note", "method", "dropped", "returned", "unit", "unit",
     ]  # fmt: skip
     assert events[0]["state"] == "echo-only"
     assert events[2]["rates"] == {"list": 29.5}
-    assert events[3]["name"] == "TAIR"
-    assert [event["another"] for event in events[4:]] == [False, True]
+    assert events[3]["name"] == events[4]["name"] == "TAIR"
+    assert [event["another"] for event in events[5:]] == [False, True]
 
 
 values = st.recursive(
@@ -212,7 +214,8 @@ values = st.recursive(
 )
 keys = st.sampled_from(
     ["text", "label", "began", "ended", "reason", "state", "channel", "level", "value", "limit",
-     "method", "rates", "dropped", "version_code", "passports", "names", "version", "baud", "echo"]
+     "method", "rates", "dropped", "returned", "version_code", "passports", "names", "version",
+     "baud", "echo"]
 )  # fmt: skip
 kinds = st.sampled_from(
     ["unit", "plan", "catalog", "note", "marker", "gap", "state", "alarm", "learnt", "x"]

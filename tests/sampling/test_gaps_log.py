@@ -55,7 +55,7 @@ def test_the_beginning_and_the_end_of_a_gap_are_logged(caplog):
 def test_a_refused_parameter_is_logged(caplog):
     with caplog.at_level(logging.INFO, logger="mikas.sampling"):
         EventLogger().take(ParameterDropped(1.0, "TWAT"))
-    assert lines(caplog) == ["the unit refuses TWAT"]
+    assert lines(caplog) == ["no valid answer for TWAT: dropped"]
 
 
 def test_nothing_is_logged_by_default(capfd):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import closing
 from itertools import pairwise
+from random import Random
 
 import pytest
 from sampling_harness import (
@@ -24,14 +25,17 @@ from mikas.sampling.events import (
     LineState,
     MethodChosen,
     ParameterDropped,
+    ParameterReturned,
     PlanChanged,
     Sampled,
     StateChanged,
 )
 from mikas.virtual.bus import Bus
+from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault, Sent
 from mikas.virtual.quirks import GROUPS, EcuQuirks, LongList, Unknown
-from virtual_harness import DATA, make_bus
+from mikas.virtual.responder import Responder
+from virtual_harness import DATA, FAULTS, IDENTITY, TableCar, make_bus
 
 
 def changing(sampler, bus: Bus, change):
@@ -298,3 +302,89 @@ def test_damage_in_a_stream_that_was_silent_before_is_no_refusal():
         line.line_fault = None
         taken = take(events, enough)
     assert of(ParameterDropped, taken) == []
+
+
+class Losing(Responder):
+    """Loses answers to `code` while `active`, and with `all_codes` a third of the others."""
+
+    def __init__(self, code: int, *, all_codes: bool = False, times: int = 10**6) -> None:
+        super().__init__(TableCar(DATA, faults=FAULTS, rpm=850), IDENTITY, EcuQuirks())
+        self.code = code
+        self.all_codes = all_codes
+        self.times = times
+        self.active = False
+        self._random = Random(1)
+
+    def answer(self, body: bytes, now: float) -> bytes | None:
+        answer = super().answer(body, now)
+        if not self.active or body[0] != 0x61:
+            return answer
+        if self.code in body[1:] and self.times:
+            self.times -= 1
+            return None
+        return None if self.all_codes and self._random.random() < 0.33 else answer
+
+
+def sampling(unit: Responder, *names: str, method: str):
+    plug = SimulatedPlug(Bus(VirtualEcu(unit)))
+    return plug, make_sampler(plug, *names, method=method)
+
+
+@pytest.mark.parametrize("method", ["single", "batch"])
+def test_lost_answers_are_no_refusal_on_a_line_that_loses_others_too(method):
+    """Seven in a row, with every third response of the other codes: nothing is dropped."""
+    unit = Losing(0x3F, all_codes=True, times=7)
+    _, sampler = sampling(unit, "FREQ", "TWAT", "INJ", method=method)
+    with closing(sampler.run()) as events:
+        take(events, enough)
+        unit.active = True
+        after = take(events, lambda e: not unit.times and enough(e))
+    assert not of(ParameterDropped, after)
+    assert "INJ" in of(Sampled, after)[-1].fresh
+
+
+def test_a_silent_parameter_is_dropped_on_a_line_that_loses_answers_too():
+    """It takes longer, but not for ever."""
+    unit = Losing(0x3F, all_codes=True)
+    plug, sampler = sampling(unit, "FREQ", "TWAT", "INJ", method="batch")
+    with closing(sampler.run()) as events:
+        take(events, enough)
+        unit.active, began = True, plug.now()
+        after = take(events, lambda e: bool(of(ParameterDropped, e)))
+    assert [each.name for each in of(ParameterDropped, after)] == ["INJ"]
+    assert plug.now() - began < 60
+
+
+@pytest.mark.parametrize("reconnects", [False, True])
+def test_a_dropped_parameter_comes_back_with_a_notice(reconnects):
+    """After a reconnection at once; without, one that was read before after a minute."""
+    unit = Losing(0x3F)
+    plug, sampler = sampling(unit, "FREQ", "TWAT", "INJ", method="single")
+    with closing(sampler.run()) as events:
+        take(events, enough)
+        unit.active = True
+        take(events, lambda e: bool(of(PlanChanged, e)))
+        unit.active, dropped = False, plug.now()
+        if reconnects:
+            unit.car.on = False
+            plug.at(plug.now() + 3, lambda: setattr(unit.car, "on", True))
+        after = take(events, lambda e: bool(of(ParameterReturned, e)))
+        assert plug.now() - dropped < (8 if reconnects else 62)
+        after += take(events, enough)
+    assert [each.name for each in of(ParameterReturned, after)] == ["INJ"]
+    assert list(of(PlanChanged, after)[-1].plan.divisors) == [(0x29, 1), (0x1A, 1), (0x3F, 2)]
+    assert "INJ" in of(Sampled, after)[-1].fresh
+    assert_values_are_the_units(after)
+
+
+def test_a_parameter_that_the_unit_never_had_costs_no_second_again():
+    bus = make_bus(quirks=EcuQuirks(unknown=Unknown.SILENT))
+    del bus.ecu.responder.car._data[0x3F], bus.ecu.responder.car._data[0x1A]
+    plug = SimulatedPlug(bus)
+    sampler = make_sampler(plug, "FREQ", "TWAT", "INJ", "THR", rate=5, method="batch")
+    with closing(sampler.run()) as events:
+        take(events, lambda e: len(of(ParameterDropped, e)) == 2)
+        later = plug.now() + 300
+        reported = take(events, lambda e: plug.now() > later)
+        times = [sample.time for sample in of(Sampled, reported)]
+        assert max(after - before for before, after in pairwise(times)) < 0.3

@@ -15,6 +15,7 @@ from itertools import islice
 
 from mikas.catalog import Parameter
 from mikas.client.limits import Limits, LimitsCache
+from mikas.client.silence import SilenceCheck
 from mikas.commands import Datum, ReadParameters
 from mikas.errors import EcuRefused, LineError, NoResponse, NotSupported, WrongLength, usage_error
 from mikas.i18n import Text
@@ -41,13 +42,16 @@ class RawDatum:
 class DataReader:
     """Reads any number of data; learns how many fit one request, and which codes are refused.
 
-    A single lost response teaches nothing: a list without a response is repeated after its halves
-    were answered, and a code that has answered before does not become unknown.
+    A lost response teaches nothing: a list without a response is repeated after its halves were
+    answered, a silent code is tested (`silence`), and one that has answered before does not become
+    unknown.
     """
 
     def __init__(self, tester: Tester, cache: LimitsCache) -> None:
+        self._tester = tester
         self._cache = cache
         self._requests = _Requests(tester, cache)
+        self._silence = SilenceCheck(tester)  # of the present reading
         self._ambiguous: Counter[int] = Counter()  # answers 01 by code: datum or refusal
         self._too_long = 0  # failures in a row of a list length that has worked before
 
@@ -57,12 +61,12 @@ class DataReader:
         The result lacks codes that the unit refuses; these are requested once more only with
         `again`. Raises a `LineError`, a `NoConnection`, or `NotSupported` if 61 is unknown.
         """
-        limits = self._cache.limits()
+        limits, self._silence = self._cache.limits(), SilenceCheck(self._tester)
         return self._read_all(self._not_refused(wanted, limits, again=again), limits)
 
     def single(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, RawDatum]:
         """As `batch`, one request for each code."""
-        limits = self._cache.limits()
+        limits, self._silence = self._cache.limits(), SilenceCheck(self._tester)
         found: dict[int, RawDatum] = {}
         for datum in self._not_refused(wanted, limits, again=again):
             found |= self._read([datum], limits)
@@ -114,7 +118,7 @@ class DataReader:
             if not self._requests.answers_any(part):
                 raise  # no code is answered
             if len(part) == 1:
-                return self._refuse(part[0], limits, error)
+                return self._read_doubtful(part[0], limits, error)
         middle = (len(part) + 1) // 2
         found = self._read_half(part[:middle], limits) | self._read_half(part[middle:], limits)
         if len(found) == len(part) > 1:  # both halves were answered: was the length the cause?
@@ -140,11 +144,21 @@ class DataReader:
         limits.max_list = requests.longest_list
         self._cache.keep()
 
-    def _refuse(
+    def _read_doubtful(
         self, datum: Datum, limits: Limits, error: NotSupported | NoResponse | WrongLength
     ) -> dict[int, RawDatum]:
-        if isinstance(error, WrongLength) or self._requests.has_answered(datum.code):
-            raise error  # the parameter is known: another size than requested, or a bad line
+        """Read `datum`, whose request failed with `error`; {} if the unit proves to refuse it."""
+        while True:
+            if isinstance(error, WrongLength) or self._requests.has_answered(datum.code):
+                raise error  # the parameter is known: another size than requested, or a bad line
+            if error.received or self._silence.is_unknown(datum, self._requests.latest):
+                break
+            if self._silence.gives_up(datum):
+                raise error
+            try:
+                return self._request([datum])
+            except (NotSupported, NoResponse, WrongLength) as again:
+                error = again
         if datum.code not in limits.refused:
             limits.refused.append(datum.code)
             self._cache.keep()
@@ -174,6 +188,11 @@ class _Requests:
         """Whether this code has answered with a datum."""
         return code in self._answered
 
+    @property
+    def latest(self) -> Datum:
+        """The datum answered last. There must be one (`answers_any`)."""
+        return next(reversed(self._answered.values()))
+
     def answers_any(self, wanted: Iterable[Datum]) -> bool:
         """Whether the unit has sent any datum, or sends one of `COMMON` or `wanted` now."""
         for datum in islice(dict.fromkeys((*COMMON, *wanted)), _PROBES):
@@ -196,8 +215,8 @@ class _Requests:
             return self._send_twice(lone)
         retries = None
         if lone and lone.code not in self._answered:
-            retries = max(1, self._tester.retries)
-        elif halved:
+            return self._send_untried(lone)
+        if halved:
             retries = 0  # the list's retries were enough; other parameters wait
         elif len(part) > self.longest_list:
             retries = 1  # it may be too long: halving is the better attempt
@@ -208,6 +227,19 @@ class _Requests:
         if lone and data == (_ONE,):
             return self._resolve_one(lone, reply)
         return self._record(part, data, reply)
+
+    def _send_untried(self, datum: Datum) -> dict[int, RawDatum]:
+        """Request a code that may be unknown: repeated after damage, but not after silence."""
+        for left in reversed(range(1 + max(1, self._tester.retries))):
+            try:
+                data, reply = self._tester.exchange(ReadParameters((datum,)), retries=0, trial=True)
+                break
+            except LineError as error:
+                if isinstance(error, NoResponse) or not left:
+                    raise
+        if data == (_ONE,):
+            return self._resolve_one(datum, reply)
+        return self._record([datum], data, reply)
 
     def send_once(self, part: Sequence[Datum]) -> dict[int, RawDatum]:
         """Request `part` without a repetition; return its data by code, {} for a lone 01."""
@@ -225,7 +257,9 @@ class _Requests:
             self._silent = None
         self.longest_list = max(self.longest_list, len(requested))
         found = {d.code: RawDatum(raw, reply.began) for d, raw in zip(requested, data, strict=True)}
-        self._answered |= {datum.code: datum for datum in requested}
+        for datum in requested:
+            self._answered.pop(datum.code, None)
+            self._answered[datum.code] = datum
         ones = {code for code, each in found.items() if each.raw == _ONE}
         self._ones = (self._ones - found.keys()) | ones
         return found

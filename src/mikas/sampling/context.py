@@ -64,6 +64,8 @@ class SamplingContext:
         self.refused: set[Datum] = set()
         self.dropped: set[str] = set()
         """Names reported as refused."""
+        self.read: set[str] = set()
+        """Names of parameters that the unit has answered."""
         self.due = -inf
         """The beginning of the next cycle, with a rate or in a cycle without requests."""
         self._last: dict[str, Reading] = {}
@@ -77,6 +79,7 @@ class SamplingContext:
         self.knowledge = MethodKnowledge()
         self.refused.clear()
         self.dropped.clear()
+        self.read.clear()
         self.is_reported = False
         self._last.clear()
 
@@ -87,7 +90,6 @@ class SamplingContext:
         self.due = -inf
         if request.selection.explicit:  # the named parameters are requested again
             self.refused.clear()
-            self.dropped.clear()
         if request.method is not None:
             self.knowledge.reset_failures(request.method)
 
@@ -113,6 +115,7 @@ class SamplingContext:
         self.has_sampled = True
         stale = {name: r for name, r in self._last.items() if name not in fresh}
         self._last.update(fresh)
+        self.read.update(fresh)
         time, rate = min(r.time for r in fresh.values()), self.request.rate
         if rate and time < self.due:
             return

@@ -216,9 +216,18 @@ class MethodChosen(Event):
 
 @dataclass(frozen=True, slots=True)
 class ParameterDropped(Event):
-    """The unit refuses the parameter `name`; sampling of the others continues."""
+    """The unit refuses the parameter `name`, or is silent; sampling of the others continues."""
 
     kind = "dropped"
+    name: str
+    limits: Limits | None = field(default=None, metadata=_NOT_IN_JSON)
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterReturned(Event):
+    """The unit answers the dropped parameter `name` again; it is sampled from now on."""
+
+    kind = "returned"
     name: str
     limits: Limits | None = field(default=None, metadata=_NOT_IN_JSON)
 

@@ -28,6 +28,7 @@ from mikas.sampling.events import (
     LineState,
     MethodChosen,
     ParameterDropped,
+    ParameterReturned,
     Sampled,
     StateChanged,
     UnitFound,
@@ -228,6 +229,8 @@ class EventLogger:
                 measured = ", ".join(f"{name} {rate:.1f}/s" for name, rate in rates.items())
                 _logger.info("method: %s%s", method, f" (measured: {measured})" if measured else "")
             case ParameterDropped(name=name):
-                _logger.info("the unit refuses %s", name)
+                _logger.info("no valid answer for %s: dropped", name)
+            case ParameterReturned(name=name):
+                _logger.info("%s is answered again", name)
             case _:
                 pass

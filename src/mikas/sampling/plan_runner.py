@@ -113,7 +113,7 @@ class PlanRunner:
         number = 0
         self._context.unended = None
         try:
-            while not self._over and self._context.is_current:
+            while not self._is_over():
                 cycles = self._cycles
                 if self._context.jobs:
                     yield from self._pause()
@@ -126,6 +126,13 @@ class PlanRunner:
         finally:
             with suppress(LineError):  # the next exchange finds the line's fault
                 self._close()
+
+    def _is_over(self) -> bool:
+        return (
+            self._over
+            or not self._context.is_current
+            or (not self._failures and self._unsupported.dropped.is_due(self._now()))
+        )
 
     def _close(self) -> None:
         try:

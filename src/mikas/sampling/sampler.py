@@ -3,8 +3,9 @@
 Any thread may change the request (`reconfigure`) or queue a job for the unit (`call`); jobs run
 between two cycles and interrupt a stream.
 
-A parameter that the unit refuses, also later, is dropped with a notice, and the others continue. If
-a method fails while the unit still answers, the methods are measured again and it is replaced.
+A parameter that the unit refuses, also later, is dropped with a notice, and the others continue; it
+is requested again after a reconnection. If a method fails while the unit still answers, the methods
+are measured again and it is replaced.
 """
 
 from __future__ import annotations
@@ -183,6 +184,7 @@ class Sampler:
         self._unit = unit
         answers = True
         while answers and not self._context.stopped:
+            self._unsupported.dropped.reconnected()
             try:
                 yield from self._sample(ecu)
             except LinkLost:

@@ -1,7 +1,9 @@
 """Parameters that a unit refuses, at the beginning and while sampling (D10).
 
 A unit refuses a whole list or stream because of a single code, and may later refuse a parameter
-that it gave before. A refused parameter is dropped with a notice, and the others continue.
+that it gave before. A refused parameter is dropped with a notice, and the others continue. Silence
+is a refusal only if the line can't have lost the answers (`mikas.client.silence`). Even so dropped
+parameters are requested again (`dropped`), and come back with a notice.
 
 The tester reports a refused command. If the unit has answered the command before, `explained` names
 the refused parameter or list instead (D10).
@@ -9,6 +11,7 @@ the refused parameter or list instead (D10).
 
 from __future__ import annotations
 
+from collections import Counter, deque
 from collections.abc import Collection, Generator, Iterator
 from enum import Enum
 
@@ -16,6 +19,7 @@ from mikas.client import Ecu
 from mikas.client.data import COMMON, refused
 from mikas.client.ecu import poller_of
 from mikas.client.polling import STREAMS
+from mikas.client.silence import SilenceCheck
 from mikas.commands import Datum, ReadParameters
 from mikas.errors import (
     LineError,
@@ -28,12 +32,12 @@ from mikas.errors import (
 from mikas.framing import Decoder, Frame
 from mikas.i18n import Text
 from mikas.sampling.context import SamplingContext, SamplingRequest
-from mikas.sampling.events import CycleFailed, Event, ParameterDropped
+from mikas.sampling.dropped import DroppedParameters
+from mikas.sampling.events import CycleFailed, Event, ParameterDropped, ParameterReturned
 from mikas.sampling.plan import Plan, datum_of
 
 _MOST_REFUSALS = 6  # before the first datum; with more, the parameters are not the cause
 _ATTEMPTS = 3
-_REPEATS = 2  # after silence, before it counts as a refusal
 
 
 class UnsupportedParameters:
@@ -42,6 +46,8 @@ class UnsupportedParameters:
     def __init__(self, context: SamplingContext) -> None:
         self._context = context
         self._retried: SamplingRequest | None = None
+        self.dropped = DroppedParameters(context.refused)
+        self._again = False  # a dropped parameter has answered: its limit is to be forgotten
 
     def supported_plan(self, ecu: Ecu) -> Generator[Event, None, Plan | None]:
         """Return the plan of the supported parameters.
@@ -54,6 +60,7 @@ class UnsupportedParameters:
                 self._context.jobs.run(ecu)  # an attempt takes seconds if the unit is silent
             if not self._context.is_current:
                 return None
+            self._try_dropped(ecu)
             plan = self._remaining()
             if plan is None:
                 break
@@ -79,10 +86,13 @@ class UnsupportedParameters:
         parameters = [planned.parameter for planned in plan.parameters]
         requested = self._context.request
         again = requested.selection.explicit and requested is not self._retried
-        poller = poller_of(ecu, "batch", again=again)
-        poller.cycle([parameters])
-        self._retried = requested
+        poller = poller_of(ecu, "batch", again=again or self._again)
+        fresh = poller.cycle([parameters])
+        self._retried, self._again = requested, False
         self._context.knowledge.max_list = ecu.limits().max_list
+        for name in self._context.dropped.intersection(fresh):
+            self._context.dropped.discard(name)
+            yield ParameterReturned(ecu.tester.link.now(), name, ecu.limits())
         refusing = {datum_of(p) for p in parameters if poller.refuses([p])}
         yield from self._drop(ecu, plan, refusing)
 
@@ -108,23 +118,29 @@ class UnsupportedParameters:
         context = self._context
         planned = tuple(plan.divisors)
         answered: list[Datum] = []
-        repeats: dict[Datum, int] = {}  # of the codes without an answer: requests to come
-        queue = list(dict.fromkeys((*COMMON, *planned)))
+        failed: Counter[Datum] = Counter()  # requests without a datum
+        refusing: set[Datum] = set()
+        silence = SilenceCheck(ecu.tester)
+        queue = deque(dict.fromkeys((*COMMON, *planned)))
         try:
             while queue and context.is_current:
                 context.jobs.run(ecu)
-                datum = queue.pop(0)
+                datum = queue.popleft()
                 if answered and datum not in planned:
                     continue
-                if (result := _probe(ecu, datum)) is ProbeResult.DATUM:
+                result = _probe(ecu, datum)
+                if result is ProbeResult.DATUM:
                     answered.append(datum)
-                    repeats.pop(datum, None)
+                    del failed[datum]
                     continue
-                is_refused = result is ProbeResult.REFUSED
-                repeats[datum] = 0 if is_refused else repeats.get(datum, _REPEATS + 1) - 1
-                if not answered and len(repeats) == _MOST_REFUSALS:
+                failed[datum] += 1
+                if not answered and len(failed) == _MOST_REFUSALS:
                     return False
-                if repeats[datum]:
+                if result is ProbeResult.REFUSED or (
+                    answered and silence.is_unknown(datum, answered[-1])
+                ):
+                    refusing.add(datum)
+                elif not silence.gives_up(datum) and (answered or failed[datum] < _ATTEMPTS):
                     queue.append(datum)
                 if going:
                     yield from self._rest(ecu, plan, answered)
@@ -133,10 +149,24 @@ class UnsupportedParameters:
         except LineError as error:
             yield CycleFailed(ecu.tester.link.now(), error)
             return False
-        without_answer = {datum for datum, times in repeats.items() if not times}
-        refusing = without_answer.intersection(planned) if answered else set()
+        refusing = refusing.intersection(planned) if answered else set()
         yield from self._drop(ecu, plan, refusing)
         return bool(refusing)
+
+    def _try_dropped(self, ecu: Ecu) -> None:
+        """Request one of the dropped parameters if its time has come."""
+        datum = self.dropped.next(ecu.tester.link.now())
+        if datum is None:
+            return
+        try:
+            answers = _probe(ecu, datum) is ProbeResult.DATUM
+        except SyncLost:
+            raise
+        except LineError:
+            return  # later
+        if answers:
+            self._context.refused.discard(datum)
+            self._again = True
 
     def _rest(self, ecu: Ecu, plan: Plan, answered: Collection[Datum]) -> Iterator[Event]:
         """Run a cycle of the parameters that have answered."""
@@ -150,11 +180,14 @@ class UnsupportedParameters:
 
     def _drop(self, ecu: Ecu, plan: Plan, refusing: set[Datum]) -> Iterator[Event]:
         self._context.refused |= refusing
+        now, read = ecu.tester.link.now(), self._context.read
         for planned in plan.parameters:
-            name = planned.parameter.name
-            if datum_of(planned.parameter) in refusing and name not in self._context.dropped:
-                self._context.dropped.add(name)
-                yield ParameterDropped(ecu.tester.link.now(), name, ecu.limits())
+            name, datum = planned.parameter.name, datum_of(planned.parameter)
+            if datum in refusing:
+                self.dropped.add(datum, now, read_before=name in read)
+                if name not in self._context.dropped:
+                    self._context.dropped.add(name)
+                    yield ParameterDropped(now, name, ecu.limits())
 
 
 class ProbeResult(Enum):

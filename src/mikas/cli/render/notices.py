@@ -25,6 +25,7 @@ from mikas.sampling.events import (
     LineState,
     MethodChosen,
     ParameterDropped,
+    ParameterReturned,
     PlanChanged,
     Sampled,
     StateChanged,
@@ -93,8 +94,13 @@ class Notices:
                 )
             case ParameterDropped():
                 yield tr(
-                    f"The unit does not support {event.name}; the other parameters are still read.",
-                    f"Блок не знает {event.name}: он пропущен, остальные читаются дальше.",
+                    f"The unit gives no {event.name}; the other parameters are still read.",
+                    f"Блок не даёт {event.name}: он пропущен, остальные читаются дальше.",
+                )
+            case ParameterReturned():
+                yield tr(
+                    f"The unit gives {event.name} again; it is read from now on.",
+                    f"Блок снова даёт {event.name}: он опять читается.",
                 )
             case AlarmChanged():
                 yield f"{'✓' if event.better else '▲'} {capital(localized(event.text))}."

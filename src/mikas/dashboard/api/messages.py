@@ -28,6 +28,7 @@ from mikas.sampling.events import (
     Marker,
     MethodChosen,
     ParameterDropped,
+    ParameterReturned,
     StateChanged,
     TextNote,
     UnitFound,
@@ -84,6 +85,7 @@ _IN_BOTH: Final = (
     _model(UnitFound, version_code=str | None),
     _model(MethodChosen),
     _model(ParameterDropped),
+    _model(ParameterReturned),
     _model(AlarmChanged, level=Level, before=Level | None, side=Side | None),
     _model(Marker),
 )

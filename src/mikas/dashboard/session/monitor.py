@@ -27,6 +27,7 @@ from mikas.sampling.events import (
     LineState,
     MethodChosen,
     ParameterDropped,
+    ParameterReturned,
     PlanChanged,
     Sampled,
     StateChanged,
@@ -234,10 +235,8 @@ class ConnectionMonitor:
                     self.log(event)
                 case AdapterMoved():
                     self.log(event)
-                case ParameterDropped():
-                    if event.name not in self.dropped:
-                        self.dropped.append(event.name)
-                        self.log(event)
+                case ParameterDropped() | ParameterReturned():
+                    self._dropped(event)
                 case UnitFound():
                     self._found(event)
                 case PlanChanged():
@@ -318,6 +317,16 @@ class ConnectionMonitor:
             if event.name not in self.alarms:
                 self.alarm_count += 1
             self.alarms[event.name] = event
+        self.log(event)
+
+    def _dropped(self, event: ParameterDropped | ParameterReturned) -> None:
+        is_dropped, was_dropped = isinstance(event, ParameterDropped), event.name in self.dropped
+        if is_dropped is was_dropped:
+            return
+        if is_dropped:
+            self.dropped.append(event.name)
+        else:
+            self.dropped.remove(event.name)
         self.log(event)
 
     def _found(self, event: UnitFound) -> None:

@@ -28,6 +28,7 @@ from mikas.sampling.events import (
     Marker,
     MethodChosen,
     ParameterDropped,
+    ParameterReturned,
     PlanChanged,
     StateChanged,
     TextNote,
@@ -76,10 +77,12 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
             data["better"] = event.better
             form = {"channel": event.name} | {key: data[key] for key in keys}
             return Note(Kind.ALARM, event.time, form)
-        case MethodChosen() | ParameterDropped():
+        case MethodChosen() | ParameterDropped() | ParameterReturned():
             limits = {} if event.limits is None else asdict(event.limits)
             if isinstance(event, ParameterDropped):
                 data = {"dropped": event.name}
+            elif isinstance(event, ParameterReturned):
+                data = {"returned": event.name}
             return Note(Kind.LEARNT, event.time, limits | data)
     raise ValueError(event.kind)
 
@@ -215,6 +218,8 @@ def _event(note: Note, catalog: Catalog) -> Event | None:
             )
         case Kind.LEARNT if (name := _word(data.get("dropped"))) is not None:
             return ParameterDropped(time, name, recording=recording)
+        case Kind.LEARNT if (name := _word(data.get("returned"))) is not None:
+            return ParameterReturned(time, name, recording=recording)
         case Kind.LEARNT if (method := _word(data.get("method"))) is not None:
             rates = data.get("rates")
             items = rates.items() if isinstance(rates, dict) else ()

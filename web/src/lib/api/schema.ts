@@ -195,7 +195,7 @@ export interface components {
             differences: components["schemas"]["ByteDifference"][];
             count: number;
         };
-        /** @description The unit refuses the parameter `name`; sampling of the others continues. */
+        /** @description The unit refuses the parameter `name`, or is silent; sampling of the others continues. */
         DroppedEvent: {
             /**
              * @description discriminator enum property added by openapi-typescript
@@ -321,7 +321,7 @@ export interface components {
             names: string[];
             times: number[];
             values: (number | null)[][];
-            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
         };
         /**
          * @description A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure.
@@ -367,7 +367,7 @@ export interface components {
             /** @description in the first, and when it has changed */
             state?: components["schemas"]["State"];
             data?: components["schemas"]["LiveRows"];
-            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
+            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
             pong?: number | string;
         };
         /** @description Columns over time. null: no value in that row. */
@@ -553,7 +553,7 @@ export interface components {
             channels: string[];
             first: number | null;
             last: number | null;
-            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["NoteEvent"])[];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["NoteEvent"])[];
             problems: components["schemas"]["RecordingProblem"][];
             method: string | null;
         };
@@ -611,6 +611,16 @@ export interface components {
         RecordingsResponse: {
             recordings: components["schemas"]["RecordingInfo"][];
             problem: components["schemas"]["TwoTexts"] | null;
+        };
+        /** @description The unit answers the dropped parameter `name` again; it is sampled from now on. */
+        ReturnedEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "returned";
+            time: number;
+            name: string;
         };
         /**
          * @description Columns over time; null: no value in that row. `decimated`: only the minimum and maximum of

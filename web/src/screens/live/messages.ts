@@ -12,7 +12,7 @@ export const t = dictionary({
   danger: { en: "danger", ru: "опасно" },
   on: { en: "on", ru: "вкл." },
   off: { en: "off", ru: "выкл." },
-  refused: { en: "not supported by this ECU", ru: "блок не поддерживает" },
+  refused: { en: "no value from this ECU", ru: "блок не даёт" },
   notSampled: { en: "not sampled now", ru: "сейчас не опрашивается" },
   unknown: { en: "not in the catalog", ru: "нет в каталоге" },
   reference: { en: "warm idle {low}–{high}", ru: "прогретый ХХ {low}–{high}" },
