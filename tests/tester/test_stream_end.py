@@ -1,0 +1,88 @@
+"""The end of a stream (D12): `01` in a gap, a line break only where nothing else ends it."""
+
+from __future__ import annotations
+
+import pytest
+from stream_cases import BY_STROKES, ONE, SEVERAL
+from tester_rig import Watched, right
+
+from mikas import commands as c
+from mikas.errors import MikasError
+from mikas.framing import encode
+from mikas.virtual.quirks import StreamEnd
+
+AVAILABILITY = encode(b"\x01")
+ENDING_BY_01 = [StreamEnd.BYTE, StreamEnd.REQUEST]
+OF_SEVERAL = c.StreamAtStroke(SEVERAL, 0)
+OF_ONE = c.StreamAtStroke(ONE, 0)  # its datum looks like the answer to 01
+
+
+def sent_by(unit: Watched) -> list[bytes]:
+    """All frames sent from now on."""
+    sent, write = [], unit.link.write
+
+    def keep(data: bytes) -> None:
+        sent.append(data)
+        write(data)
+
+    unit.link.write = keep
+    return sent
+
+
+@pytest.mark.parametrize("phase", range(12))
+@pytest.mark.parametrize("end", ENDING_BY_01)
+def test_the_01_waits_for_the_end_of_a_response(phase, end):
+    unit = Watched(stream_end=end)
+    tester = unit.connected()
+    with tester.stream(OF_SEVERAL) as stream:
+        next(stream)
+        start = unit.car.next_stroke(0, unit.link.now())
+        stream.read(start + phase * unit.link.byte_time / 2)
+        sent = sent_by(unit)
+    assert sent == [AVAILABILITY, AVAILABILITY]  # the second one confirms
+    assert tester.breaks == 0
+    right(tester)
+
+
+@pytest.mark.parametrize("end", list(StreamEnd))
+@pytest.mark.parametrize("command", BY_STROKES, ids=lambda s: s.body().hex())
+def test_a_unit_that_may_not_have_heard_the_01_gets_a_break(command, end):
+    """The engine stands: the unit is silent anyway, unless it has answered."""
+    unit = Watched(stream_end=end)
+    tester = unit.connected()
+    with tester.stream(command) as stream:
+        next(stream)
+        unit.car.rpm = 0.0
+    assert tester.breaks == (command.parameters == ONE or end not in ENDING_BY_01)
+    unit.car.rpm = 850.0
+    right(tester)
+    assert unit.count_of("stream-end") == 1
+
+
+@pytest.mark.parametrize("command", [OF_ONE, OF_SEVERAL], ids=lambda s: s.body().hex())
+def test_a_last_response_that_looks_like_the_answer_to_01_is_not_taken_for_it(command):
+    """100 rpm: one response right behind the `01`, then none for longer than a late answer."""
+    unit = Watched(stream_end=StreamEnd.BREAK, rpm=100.0)
+    tester = unit.connected()
+    with tester.stream(command) as stream:
+        next(stream)
+        stream.read(unit.car.next_stroke(0, unit.link.now()) - 0.05)
+    assert tester.breaks == 1
+    assert unit.count_of("stream-end") == 1
+    unit.car.rpm = 850.0
+    right(tester)
+
+
+@pytest.mark.parametrize("end", list(StreamEnd))
+@pytest.mark.parametrize("command", BY_STROKES, ids=lambda s: s.body().hex())
+def test_a_stream_that_failed_to_start_is_ended_though_the_engine_stands(command, end):
+    """Its request came back damaged: whether the unit streams shows only at the next stroke."""
+    unit = Watched(stream_end=end, rpm=0.0)
+    tester = unit.connected()
+    unit.fault_injector._echo_next = True
+    with pytest.raises(MikasError):
+        tester.stream(command)
+    right(tester)
+    unit.car.rpm = 850.0
+    right(tester)
+    assert unit.count_of("stream-end") == unit.count_of("stream") == 1
