@@ -39,26 +39,22 @@ _DAMAGE = {
 _LONGER = 1.2  # times the link's granularity: more than the longest pause that is none on the wire
 _OVERHEAD = 2  # bytes of a response besides its body, at least: checksum and terminator
 _AT_ONCE = 10  # responses in the time of a wire, after which it is one
+_NOTHING = Chunk(b"", 0.0)
 _CUT = Text("it ends in the middle", "он обрывается на середине")
 _TOO_SOON = Text("it began while the request was being sent", "он начался, пока посылался запрос")
 _DOUBLED = Text("more than one response came", "пришло больше одного ответа")
 
 
 class Line:
-    """Requests and responses on a link. `echo`: whether the line returns the sent bytes."""
+    """Requests and responses on a link.
 
-    def __init__(
-        self,
-        link: Link,
-        timing: Timing,
-        *,
-        echo: bool = True,
-        raw_checksum: bool = False,
-        strict: bool = False,
-    ) -> None:
+    `echo`: whether the line returns the sent bytes. `raw_checksum`, `strict`: D3, D4.
+    """
+
+    def __init__(self, link: Link, timing: Timing, *, raw_checksum: bool, strict: bool) -> None:
         self.link = link
         self.timing = timing
-        self.echo = echo
+        self.echo = True  # set by the handshake
         self.raw_checksum = raw_checksum
         self.strict = strict
         self.sent_until = -inf  # when the last byte of the latest request was sent
@@ -69,7 +65,7 @@ class Line:
         self._at_once = 0
         self.silences = 0  # how often two requests in a row got no byte
         self._unanswered = 0  # requests in a row
-        self._ahead = Chunk(b"", 0.0)  # received together with the end of an echo
+        self._ahead = _NOTHING  # received together with the end of an echo
         self._log = _logger()
 
     @property
@@ -113,7 +109,7 @@ class Line:
     def interject(self, body: bytes) -> bytes:
         """Send `body` without waiting for the echo; return the wire form."""
         wire = encode(body, raw_checksum=self.raw_checksum)
-        self._ahead = Chunk(b"", 0.0)
+        self._ahead = _NOTHING
         self.sent_until = self.link.now() + len(wire) * self.link.byte_time
         self._log_frame(">", wire)
         self.link.write(wire)
@@ -230,7 +226,7 @@ class Line:
 
     def _next(self, deadline: float) -> Chunk:
         if self._ahead.data:
-            chunk, self._ahead = self._ahead, Chunk(b"", 0.0)
+            chunk, self._ahead = self._ahead, _NOTHING
             return chunk
         return self.link.read(deadline)
 
@@ -263,7 +259,7 @@ class Line:
 
     def arrived(self) -> bytes:
         """Return bytes that no request caused, without waiting (D2)."""
-        ahead, self._ahead = self._ahead.data, Chunk(b"", 0.0)
+        ahead, self._ahead = self._ahead.data, _NOTHING
         return ahead + self.link.read(self.link.now()).data
 
     def wait_for_quiet(

@@ -94,19 +94,18 @@ class LineSync:
         extra = self.line.wait_for_quiet(self.line.idle_time)
         return not extra and reply.body == bytes([version_code])
 
-    def silence(self, *, patient: bool = False) -> bytes:
+    def silence(self, *, patient: bool) -> bytes:
         """Wait until no response is due and the line is quiet; return the bytes received.
 
-        A stream is ended; a `patient` wait also detects one by strokes, with long pauses. Raises
-        `LineNotQuiet` if a stream can't be ended.
+        A stream is ended, and only what follows its end is returned. A `patient` wait also detects
+        one by strokes, with long pauses. Raises `LineNotQuiet` if a stream can't be ended.
         """
         seconds = self.line.timing.late if patient else self.line.idle_time
         try:
             return self.line.wait_for_quiet(seconds, until=self._late_until())
-        except LineNotQuiet as error:
+        except LineNotQuiet:
             self.interrupt(seconds)
-            self.line.wait_for_quiet(seconds, until=self._late_until())
-            return error.received or b""
+            return self.line.wait_for_quiet(seconds, until=self._late_until())
 
     def _late_until(self) -> float:
         return self.line.sent_until + (self.line.timing.late if self._awaited else 0.0)
