@@ -73,6 +73,10 @@ def test_a_parameter_write_shows_values(mikas):
     "argv",
     [
         ["read"],
+        ["write", "UOZ", "5", "--yes"],
+        ["scan"],
+        ["list", "set", "FREQ", "--yes"],
+        ["list", "read", "FREQ"],
         ["info", "--quick"],
         ["mem", "read", "ram", "40", "8"],
         ["mem", "verify", "ram", "8.bin", "--from", "40"],

@@ -7,7 +7,7 @@ import click
 from mikas.cli.click_extensions import YES, LocalizedGroup, command
 from mikas.cli.commands import LIST_COMMANDS
 from mikas.cli.commands.unit.parameters import show_readings
-from mikas.cli.common_options import common_options
+from mikas.cli.common_options import RELEARN, common_options
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
 from mikas.errors import NoList
@@ -45,6 +45,7 @@ list = LocalizedGroup(  # noqa: A001  (the command's name)
     examples=("mikas list set FREQ TWAT INJ", "mikas list set 0x3F:2 --yes --json"),
 )
 @click.argument("names", metavar="NAME...", nargs=-1, required=True)
+@RELEARN
 @YES
 def set(context: CommandContext, names: tuple[str, ...], *, yes: bool) -> None:  # noqa: A001  (as above)
     shown = " ".join(context.options.catalog.parameter(name).name for name in names)
@@ -68,6 +69,7 @@ def set(context: CommandContext, names: tuple[str, ...], *, yes: bool) -> None: 
     examples=("mikas list read", "mikas list read FREQ TWAT INJ --json"),
 )
 @click.argument("names", metavar="[NAME]...", nargs=-1)
+@RELEARN
 def read(context: CommandContext, names: tuple[str, ...]) -> None:
     with context.ecu() as ecu:
         try:

@@ -185,6 +185,7 @@ def _reading_row(name: str, reading: Reading) -> list[str]:
     metavar="HEX",
     text=Text("raw bytes instead of VALUE", "байты вместо VALUE"),
 )
+@RELEARN
 @YES
 def write(
     context: CommandContext, name: str, value: str | None, raw: bytes | None, *, yes: bool

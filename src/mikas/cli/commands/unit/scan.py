@@ -10,6 +10,7 @@ from pathlib import Path
 from mikas.catalog import Catalog
 from mikas.catalog.starter import names_of, starter_catalog
 from mikas.cli.click_extensions import OVERWRITE, command, option
+from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized, tr
 from mikas.cli.parameter_types import any_file
@@ -50,6 +51,7 @@ _CODES = 0x100
     ),
 )
 @OVERWRITE
+@RELEARN
 def scan(context: CommandContext, out: Path | None, *, overwrite: bool) -> None:
     if out is not None:
         _check_writable(out, overwrite=overwrite)
