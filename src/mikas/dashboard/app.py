@@ -32,6 +32,7 @@ from mikas.dashboard.api import (
 )
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.error_responses import ErrorResponse
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.security.middleware import AccessMiddleware
 from mikas.dashboard.settings import Settings
@@ -58,7 +59,9 @@ class _Application(FastAPI):
         for name in ("HTTPValidationError", "ValidationError"):
             schemas.pop(name, None)
         schemas.update(
-            component_schemas(LiveMessage, PingMessage, FieldsMessage, diagnosis.DiagnosisStep)
+            component_schemas(
+                ErrorResponse, LiveMessage, PingMessage, FieldsMessage, diagnosis.DiagnosisStep
+            )
         )
         described["components"]["schemas"] = dict(sorted(schemas.items()))
         return described

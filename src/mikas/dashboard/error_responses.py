@@ -16,7 +16,7 @@ from typing import Any
 from pydantic import BaseModel, Field
 from starlette.responses import HTMLResponse, JSONResponse, Response
 
-from mikas.dashboard.errors import ADVICE, ApiRefusal
+from mikas.dashboard.errors import ADVICE, ApiRefusal, hex_or_none
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, NotConfirmed, UsageError
 
 _STATUSES: tuple[tuple[type[MikasError], int], ...] = (
@@ -49,8 +49,8 @@ class ErrorBody(BaseModel):
     code: str = Field(examples=["EchoOnly"])
     en: str
     ru: str
-    sent: str | None = None
-    received: str | None = None
+    sent: str | None
+    received: str | None
 
 
 class ErrorResponse(BaseModel):
@@ -76,11 +76,6 @@ def body_of(error: MikasError) -> ErrorBody:
         sent=hex_or_none(error.request),
         received=hex_or_none(error.received),
     )
-
-
-def hex_or_none(data: bytes | None) -> str | None:
-    """Return upper-case hex without spaces."""
-    return None if data is None else data.hex().upper()
 
 
 def json_response(error: MikasError) -> JSONResponse:

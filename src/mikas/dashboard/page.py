@@ -11,15 +11,17 @@ import json
 import mimetypes
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse, Response
-from jinja2 import Environment, PackageLoader, select_autoescape
 
 from mikas.dashboard.error_responses import refusal_response
 from mikas.dashboard.errors import NotFound
 from mikas.i18n import Language
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 FOLDER = Path(__file__).parent / "page"
 _METHODS = ("get", "post", "put", "delete")
@@ -102,6 +104,8 @@ def style() -> Response:
 
 @cache
 def _templates() -> Environment:
+    from jinja2 import Environment, PackageLoader, select_autoescape
+
     found = Environment(
         loader=PackageLoader("mikas.dashboard"),
         autoescape=select_autoescape(["html"]),

@@ -15,8 +15,7 @@ from mikas.commands import WriteList
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
 from mikas.dashboard.api.errors import TwoTexts, errors
 from mikas.dashboard.api.state import State, state_of
-from mikas.dashboard.error_responses import hex_or_none
-from mikas.dashboard.errors import NotConnected
+from mikas.dashboard.errors import NotConnected, hex_or_none
 
 router = APIRouter(tags=["memory"])
 

@@ -15,8 +15,7 @@ from mikas.client.gate import hex_or_none as spaced_hex
 from mikas.client.memory import writing
 from mikas.client.parameters import decode
 from mikas.commands.base import check_range
-from mikas.dashboard.error_responses import hex_or_none
-from mikas.dashboard.errors import BadRequest
+from mikas.dashboard.errors import BadRequest, hex_or_none
 from mikas.dashboard.security.confirmations import PendingChange, WriteApproval
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.history import FaultHistory

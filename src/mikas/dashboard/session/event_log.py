@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from heapq import merge
 from typing import Any, Final, Self
 
-from mikas.dashboard.error_responses import hex_or_none
-from mikas.dashboard.errors import ADVICE
+from mikas.dashboard.errors import ADVICE, hex_or_none
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.sampling.events import Event, MethodChosen, StateChanged
