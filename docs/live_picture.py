@@ -15,7 +15,8 @@ from mikas.cli.context import CommandContext
 from mikas.cli.render import table_layout
 from mikas.cli.render.live_table import LiveTable
 from mikas.cli.render.output import Output
-from mikas.cli.sampling_run import SamplingOptions, sampling_session
+from mikas.cli.sampling_options import SamplingOptions
+from mikas.cli.sampling_run import sampling_session
 
 SECONDS = 75
 WIDTH = 118
@@ -26,9 +27,9 @@ def main() -> None:
     console = Console(record=True, width=WIDTH, height=40, file=io.StringIO(), force_terminal=True)
     run = CommandContext(port="sim:?scenario=cold-start&seed=1&clock=simulated")
     asked = SamplingOptions(duration=SECONDS)
-    with sampling_session(run, asked) as made:
+    with run.open_ahead() as ahead, sampling_session(run, asked, ahead) as made:
         table = LiveTable(made, Output(), console)
-        for event in made.events(asked):
+        for event in made.events():
             table.take(event)
         console.print(table.drawing(table_layout.UNLIMITED))
     picture = console.export_svg(title="mikas watch")

@@ -8,7 +8,7 @@ import pytest
 
 from mikas.cli.language import set_language
 from mikas.cli.render.notices import Notices
-from mikas.cli.sampling_run import SamplingOptions
+from mikas.cli.sampling_options import SamplingOptions
 from mikas.errors import (
     AnotherAdapter,
     DamagedResponse,

@@ -174,6 +174,19 @@ def test_another_pace_than_the_requested_one():
     assert steps["ecu"].ok is True
 
 
+def test_a_computer_too_busy_for_short_echoes_makes_no_slow_wire_right(monkeypatch):
+    on_time = doctor.Tester.time_echo
+
+    def time_echo(tester, body):
+        return on_time(tester, body) + (0.1 if len(body) < 10 else 0.0)
+
+    monkeypatch.setattr(doctor.Tester, "time_echo", time_echo)
+    for baud in (4800, 9600):
+        step = Examined(f"&baud={baud}").steps["baud"]
+        assert step.ok is None
+        assert "too busy" in step.detail.en
+
+
 def test_an_echo_that_no_wire_makes():
     steps = Examined("&baud=115200").steps
     assert steps["baud"].ok is None

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from contextlib import closing
+from dataclasses import replace
 from itertools import pairwise
+from math import inf
 
 import pytest
 from sampling_harness import (
@@ -12,10 +14,19 @@ from sampling_harness import (
     make_sampler,
     of,
     run,
+    settled,
     take,
 )
 
-from mikas.sampling.events import CycleFailed, ParameterDropped, PlanChanged, Sampled, UnitFound
+from mikas import tester
+from mikas.sampling.events import (
+    CycleFailed,
+    ParameterDropped,
+    PlanChanged,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
 from mikas.virtual.bus import AdapterKind
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
 from virtual_harness import make_bus
@@ -36,6 +47,49 @@ def test_it_comes_soon_after_the_port_is_open(adapter, method):
     assert found.time > first.time
     assert events.index(of(PlanChanged, events)[0]) < first_at(events)
     assert_values_are_the_units(events)
+
+
+class PortOpenBefore(SimulatedPlug):
+    """Its links were opened long before they are used."""
+
+    def open(self):
+        link = super().open()
+        link.opened = link.now()
+        self.wait(0.4)
+        return link
+
+
+def test_it_comes_sooner_if_the_port_was_open_before():
+    opened_now, before = SimulatedPlug(make_bus()), PortOpenBefore(make_bus())
+    first, sooner = (first_sample(plug) for plug in (opened_now, before))
+    assert sooner.time - 0.4 < first.time - 0.15
+
+
+def first_sample(plug) -> Sampled:
+    with closing(make_sampler(plug).run()) as events:
+        return of(Sampled, take(events, lambda seen: bool(of(Sampled, seen))))[0]
+
+
+def test_the_next_unit_on_the_same_link_is_listened_to_in_full(monkeypatch):
+    since = []
+    connect = tester.Tester.connect
+
+    def watched(connecting, *, listening_since):
+        since.append(listening_since)
+        return connect(connecting, listening_since=listening_since)
+
+    monkeypatch.setattr(tester.Tester, "connect", watched)
+    plug = PortOpenBefore(make_bus())
+    with closing(make_sampler(plug).run()) as events:
+        take(events, settled)
+        assert since == [0.0]
+        responder = plug.bus.ecu.responder
+        responder.identity = replace(responder.identity, version_code=0x09)
+        plug.unsupply()
+        take(events, lambda seen: bool(of(StateChanged, seen)))
+        plug.mend()
+        assert of(UnitFound, take(events, settled))[0].another
+    assert set(since[1:]) == {inf}
 
 
 @pytest.mark.parametrize("unknown", list(Unknown))

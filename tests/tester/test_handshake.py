@@ -237,6 +237,31 @@ def test_a_slow_unit_is_not_read_one_answer_late(turn_round):
             right(unit.connected())
 
 
+OPEN_FOR = [0.1, 0.3, 2.0]
+
+
+@pytest.mark.parametrize("before", OPEN_FOR)
+def test_it_counts_the_time_that_the_port_has_been_open(before):
+    unit = Watched()
+    unit.link.gather(before)
+    unit.tester().connect(listening_since=0.0)
+    requests = 0.34  # s, with the silence after each
+    assert unit.link.now() == pytest.approx(max(0.5, before + requests), abs=0.02)
+
+
+@each_adapter
+@pytest.mark.parametrize("before", OPEN_FOR)
+@pytest.mark.parametrize("after", [0.0, 0.15, 0.33, 0.5])
+def test_a_late_answer_is_found_as_well_if_the_port_has_been_open(before, after, adapter):
+    """It comes up to D14's limit after the opening."""
+    unit = Watched(adapter=adapter)
+    unit.bus._unit.transmit(encode(b"\x55"), after)
+    unit.link.gather(before)
+    tester = unit.tester()
+    assert tester.connect(listening_since=0.0) == 0x0A
+    right(tester)
+
+
 STREAMS = [
     c.StreamCyclic((c.Datum(16, 1),)),
     c.StreamCyclic((c.Datum(16, 1), c.Datum(22, 1), c.Datum(67, 2))),

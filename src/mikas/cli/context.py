@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from mikas.client import Change, Confirm, Ecu
     from mikas.client.connecting import ConnectionOptions
     from mikas.link import Link, Sink
+    from mikas.link.ahead import PortAhead
 
 _NO_TERMINAL = Text(
     "There is no terminal to ask on; --yes confirms in advance.",
@@ -103,6 +104,13 @@ class CommandContext:
         self.say(
             "Sent. No response, as expected (D9).", "Отправлено. Ответа нет, как и ожидалось (D9)."
         )
+
+    def open_ahead(self) -> PortAhead:
+        """Open the port, before the rest of the program is imported. Raises as `PortAhead`."""
+        from mikas.link import choose_port
+        from mikas.link.ahead import PortAhead
+
+        return PortAhead(self.port or choose_port())
 
     @contextmanager
     def ecu(self, confirm: Confirm | None = None) -> Iterator[Ecu]:

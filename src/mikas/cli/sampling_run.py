@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,7 +18,6 @@ from mikas.cli.advice import ADVICE
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.errors import EngineStopped, MikasError, RecordingOver, UsageError
-from mikas.link import choose_port
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
@@ -27,29 +25,13 @@ from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged,
 
 if TYPE_CHECKING:
     from mikas.catalog import Derived, Model, Parameter
+    from mikas.cli.sampling_options import SamplingOptions
     from mikas.client import Ecu
+    from mikas.link.ahead import PortAhead
     from mikas.sampling.events import Event
 
 _ALIVE = (LineState.ECU_ALIVE, LineState.SAMPLING)
 _SEARCH = 3  # failed cycles at the start that are not shown: another method may follow
-
-
-@dataclass(frozen=True, slots=True)
-class SamplingOptions:
-    """The options of sampling. `count` and `duration` None: until Ctrl-C."""
-
-    names: Sequence[str] = ()
-    method: str = "auto"
-    rate: float | None = None
-    count: int | None = None
-    duration: float | None = None
-
-    def with_count(self) -> SamplingOptions:
-        """Return these with a count, if rate and duration give one: no wait for a late sample."""
-        if self.rate is None or self.duration is None:
-            return self
-        most = int(self.rate * self.duration) + 1
-        return replace(self, count=most if self.count is None else min(most, self.count))
 
 
 class SamplingRun:
@@ -162,15 +144,16 @@ class SamplingRun:
 def sampling_session(
     context: CommandContext,
     options: SamplingOptions,
+    ahead: PortAhead,
     out: Path | None = None,
     *,
     joined: bool = True,
 ) -> Iterator[SamplingRun]:
-    """Open a run on this command's port; everything on the wire is recorded to `out`, if given."""
-    port = context.port or choose_port()
+    """Open a run on the port `ahead`; everything on the wire is recorded to `out`, if given."""
+    port = ahead.url
     recorder = Recorder(interpretation=context.options.interpretation, joined=joined)
     acquisition = Acquisition(
-        ReconnectingPort(port, sink=recorder),
+        ReconnectingPort(port, open_port=ahead.open, sink=recorder),
         context.options.create_ecu,
         context.options.catalog,
         options.names,

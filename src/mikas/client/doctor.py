@@ -22,6 +22,7 @@ from mikas.errors import (
     NoEcho,
     NotAKLineAdapter,
 )
+from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.link import Link
 from mikas.link.holders import shared
@@ -37,6 +38,14 @@ _LONG = 96  # parameters in the long request: 100 ms of echo, six times a 16 ms 
 _REPETITIONS = 3
 _LUMPS = 0.008  # s; a USB latency timer delays a response so long, a wire or a unit does not
 _TOLERANCE = 0.2
+_LATE = 0.05  # s that an echo may be late: three times a latency timer, less than the difference
+_DAMAGED_ECHO = Text("not measured: the echo was damaged", "не измерена: эхо повреждено")
+_LATE_ECHO = Text(
+    "not measured: the echo came late. The computer is too busy: close other programs and try "
+    "again.",
+    "не измерена: эхо пришло поздно. Компьютер слишком занят: закройте другие программы и "
+    "повторите.",
+)
 _RPM = c.Datum(0x29, 1)
 
 
@@ -88,7 +97,7 @@ def _on_the_line(ecu: Ecu) -> Iterator[Step]:
         if tester.echoes:
             measured = _measured_baud(tester)
             yield _baud(measured, tester.link.baud)
-            rate = min(rate, measured) if measured else rate
+            rate = min(rate, measured) if isinstance(measured, float) else rate
         name = "line"
         yield from _availability(tester, 10 / rate)
         yield Step("ecu", True, ecu.model.text)
@@ -118,24 +127,27 @@ def _failed(name: str, error: MikasError) -> Step:
     return Step(name, False, error.text, error)
 
 
-def _measured_baud(tester: Tester) -> float | None:
+def _measured_baud(tester: Tester) -> float | Text:
     """Measure the baud rate by the difference of a long and a short request's echo times.
 
-    The shortest of several times counts, for a busy computer only adds delays.
+    The shortest of several times counts, for a busy computer only adds delays. A text says why
+    there is no result.
     """
     bodies = [c.ReadParameters((_RPM,) * count).body() for count in (1, _LONG)]
     try:
         short, long = (min(tester.time_echo(body) for _ in range(_REPETITIONS)) for body in bodies)
     except LineError:  # the next step rates the line
-        return None
-    return 10 * (_LONG - 1) / max(long - short, 1e-6)
+        return _DAMAGED_ECHO
+    rate = 10 * (_LONG - 1) / max(long - short, 1e-6)
+    # If the short ones were late, the difference is too small: a slow wire would seem right.
+    late = short - 10 * len(encode(bodies[0])) / rate
+    return rate if late < max(_LATE, tester.link.granularity) else _LATE_ECHO
 
 
-def _baud(measured: float | None, wanted: int) -> Step:
+def _baud(measured: float | Text, wanted: int) -> Step:
     """Rate the measured speed."""
-    if measured is None:
-        text = Text("not measured: the echo was damaged", "не измерена: эхо повреждено")
-        return Step("baud", None, text)
+    if isinstance(measured, Text):
+        return Step("baud", None, measured)
     rate = Text(f"about {measured:.0f} bit/s", f"около {measured:.0f} бит/с")
     if measured > wanted * 2:
         text = Text(

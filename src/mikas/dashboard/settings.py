@@ -136,14 +136,15 @@ class VirtualCars:
     engine is as warm as it is by now.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, open_port: Callable[[str], Link] = open_link) -> None:
+        self._open_port = open_port
         self._cars: dict[str, Bus] = {}
 
     def open(self, url: str) -> Link:
         """Open a port, as `open_link`."""
         if (car := self._cars.get(url)) is not None:
             return RealTimeVirtualLink(car, url=url)
-        link = open_link(url)
+        link = self._open_port(url)
         if type(link) is RealTimeVirtualLink:  # a subclass of `replay:` starts over each time
             self._cars[url] = link.bus
         return link

@@ -12,6 +12,7 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from enum import Enum
+from math import inf
 from typing import NamedTuple, Protocol, Self
 
 BITS_PER_BYTE = 10  # §1: start bit, eight data bits, stop bit
@@ -40,6 +41,9 @@ class Link(ABC):
 
     baud: int = 9600
     """Bits a second on the wire (§1)."""
+
+    opened: float = inf
+    """The clock when the port was opened, if `PortAhead` did so; `read` returns what came since."""
 
     @property
     def can_break(self) -> bool:
@@ -126,6 +130,7 @@ class LinkWrapper(Link):
         self.link = link
         self.url = link.url
         self.baud = link.baud
+        self.opened = link.opened
 
     @property
     def description(self) -> str:

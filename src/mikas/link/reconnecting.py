@@ -104,6 +104,7 @@ class _AheadLink(LinkWrapper):
 
     def __init__(self, link: Link, ahead: float) -> None:
         super().__init__(link)
+        self.opened = link.opened + ahead
         self._ahead = ahead
 
     def read(self, deadline: float) -> Chunk:

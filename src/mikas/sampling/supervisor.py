@@ -65,6 +65,7 @@ class ConnectionSupervisor:
         context.identity_check.compare = self._verify
         self._machine = LineStateMachine()
         self._reported: type[MikasError] | None = None  # the reason reported with `state`
+        self._listening_since = inf  # when the port was opened, until something was sent on it
         self._unnamed = False  # values were given of a unit whose passports are not read yet
 
     def open_port(self) -> Generator[Event, None, Link | None]:
@@ -73,6 +74,7 @@ class ConnectionSupervisor:
         while not self._context.stopped:
             try:
                 link = self._port.open()
+                self._listening_since = link.opened
                 if (name := parse(self._port.url).address) != before:
                     yield AdapterMoved(link.now(), name, before)
                 return link
@@ -140,7 +142,8 @@ class ConnectionSupervisor:
                     ecu.tester.request(Availability())  # enough after a short voltage dip
                     again = False
                 else:
-                    ecu.tester.connect()
+                    since, self._listening_since = self._listening_since, inf
+                    ecu.tester.connect(listening_since=since)
                 unit: UnitIdentity | None
                 if self.unit is None and not self._unnamed:
                     unit = yield from self._identify_first(ecu)

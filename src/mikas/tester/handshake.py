@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import Enum
+from math import inf
 
 from mikas.errors import (
     DamagedResponse,
@@ -44,24 +45,27 @@ class Echo(Enum):
     OFF = "off"
 
 
-def handshake(line: Line, sync: LineSync, echo: Echo, *, again: bool = False) -> int:
+def handshake(
+    line: Line, sync: LineSync, echo: Echo, *, listening_since: float = inf, again: bool = False
+) -> int:
     """Set `line.echo`; return the unit's version code, received twice.
 
-    `again`: after a failed handshake, also end a stream by strokes of an earlier session, which the
-    short waits of the first attempt may miss. Raises `NoEcho`, `EchoOnly`, `EchoDiffers`,
-    `NotAKLineAdapter`, `SyncLost` or another `LineError`.
+    `listening_since`: when the port was opened, if nothing has been sent on it. `again`: after a
+    failed handshake, also end a stream by strokes of an earlier session, which the short waits of
+    the first attempt may miss. Raises `NoEcho`, `EchoOnly`, `EchoDiffers`, `NotAKLineAdapter`,
+    `SyncLost` or another `LineError`.
     """
-    opened, patience = line.link.now(), line.timing.response_timeout
+    since, patience = min(listening_since, line.link.now()), line.timing.response_timeout
     received = sync.silence(patient=again)
     answered = _find_echo(line, echo, received)
     first = _request_version(line, answered=answered)
     _expect_silence(line, first, line.timing.idle_time)
     sent_before = line.sent_until
     second = _request_version(line, answered=True)
-    # What an earlier session left shows in a silence of `response_timeout`: after the opening, or
-    # in case of doubt at the end. If this was the late answer to the request before, its own comes
-    # as much later as it was sent later.
-    until = opened + patience
+    # What an earlier session left shows within `response_timeout` after the opening, or in case of
+    # doubt after the last response. If this was the late answer to the request before, its own
+    # comes as much later as it was sent later.
+    until = since + patience
     if again or not answered:
         until = second.ended + patience
     lag = line.sent_until - sent_before

@@ -9,7 +9,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from math import ceil
+from math import ceil, inf
 from typing import Any, TypeVar
 
 from mikas import commands as c
@@ -92,8 +92,11 @@ class Tester:
         """How often only a line break could end a stream (D12)."""
         return self._sync.breaks
 
-    def connect(self) -> int:
+    def connect(self, *, listening_since: float = inf) -> int:
         """Detect the echo and the unit; return its version code.
+
+        `listening_since`: the link's clock when the port was opened, if nothing has been sent on it
+        since; the half second of silence (D13) counts from then.
 
         Raises `NoEcho`, `EchoOnly`, `EchoDiffers`, `NotAKLineAdapter`, `LineNotQuiet`,
         `AnswersLate`, `LinkLost`.
@@ -103,7 +106,11 @@ class Tester:
                 self._sync.mark_lost()
                 try:
                     self.version_code = handshake(
-                        self._line, self._sync, self.echo, again=attempt > 0
+                        self._line,
+                        self._sync,
+                        self.echo,
+                        listening_since=listening_since,
+                        again=attempt > 0,
                     )
                     break
                 except LineError as error:

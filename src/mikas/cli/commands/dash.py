@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from mikas.dashboard.dashboard import Dashboard
     from mikas.dashboard.security.access import Access
     from mikas.dashboard.settings import Settings
+    from mikas.link.ahead import PortAhead
 
 
 _FAULTS = "17"  # air temperature: a fault to find and to erase, with the engine running well
@@ -147,24 +148,30 @@ def demo(
 
 def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
     """Print the address, then serve until Ctrl-C."""
-    from mikas.dashboard.dashboard import Dashboard
-    from mikas.dashboard.listening import listen, own_addresses
-    from mikas.dashboard.security.access import Access
-    from mikas.dashboard.settings import Settings, VirtualCars, default_recordings, ensure_folder
-
     if context.capture is not None:
         raise usage_error(
             "The dashboard records itself (--record DIR); omit --capture",
             "Панель записывает сама (--record DIR); уберите --capture",
         )
-    if context.port is not None:
-        _check(context.port)
+    if context.port is None:
+        _serve(context, options, None)
+        return
+    with context.open_ahead() as ahead:  # imports take as long as the handshake listens
+        _serve(context, options, ahead)
+
+
+def _serve(context: CommandContext, options: DashboardOptions, ahead: PortAhead | None) -> None:
+    from mikas.dashboard.dashboard import Dashboard
+    from mikas.dashboard.listening import listen, own_addresses
+    from mikas.dashboard.security.access import Access
+    from mikas.dashboard.settings import Settings, VirtualCars, default_recordings, ensure_folder
+
     if options.record is not None:
         ensure_folder(options.record)
     settings = Settings(
         options.record or default_recordings(),
         connection=context.options,
-        open_port=VirtualCars().open,
+        open_port=(VirtualCars(ahead.open) if ahead else VirtualCars()).open,
         language=requested_language(),
     )
     own = listen(options.host_port, lan=options.lan)
@@ -190,15 +197,6 @@ def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
         finally:
             dashboard.connection.stop()
             _note_recording(context, dashboard)
-
-
-def _check(url: str) -> None:
-    """Raise for an invalid address; for a port that is absent the dashboard waits."""
-    from mikas.link import open_link
-    from mikas.link.urls import parse
-
-    if parse(url).scheme in ("sim", "replay"):
-        open_link(url).close()
 
 
 def _show_address(

@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Future
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import command, option
-from mikas.cli.commands.watch import sampling_options
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE, USAGE
 from mikas.cli.language import capital, decimal, localized, tr
-from mikas.cli.markers import Marking
 from mikas.cli.parameter_types import Portion, any_file, portion
-from mikas.cli.render.notices import Notices
 from mikas.cli.render.output import StatusLine
-from mikas.cli.render.values import json_line
-from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
-from mikas.client import Ecu
+from mikas.cli.sampling_options import SamplingOptions, sampling_options
 from mikas.errors import usage_error
 from mikas.i18n import Text
-from mikas.recording.export import SUFFIXES
-from mikas.recording.recorder import RecordingStatus, ask_in_full
-from mikas.sampling.events import Event
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+    from mikas.cli.sampling_run import SamplingRun
+    from mikas.client import Ecu
+    from mikas.recording.recorder import RecordingStatus
+    from mikas.sampling.events import Event
 
 
 @command(
@@ -68,9 +68,12 @@ def log(
             "log already records to the file after -o; omit --capture",
             "Команда log и так записывает, в файл после -o; уберите --capture",
         )
-    _check_name(out)
-    with sampling_session(context, options, out) as current:
-        return _record(context, current, rotate)
+    with context.open_ahead() as ahead:  # imports take as long as the handshake listens
+        from mikas.cli.sampling_run import sampling_session
+
+        _check_name(out)
+        with sampling_session(context, options, ahead, out) as current:
+            return _record(context, current, rotate)
 
 
 def _check_name(out: Path) -> None:
@@ -81,6 +84,8 @@ def _check_name(out: Path) -> None:
             "Для записи нужен файл: -o drive.pcapng; чтобы передать значения другой программе, "
             "есть --json",
         )
+    from mikas.recording.export import SUFFIXES
+
     if out.suffix.lower() in SUFFIXES:
         name = out.with_suffix(".pcapng").name
         raise usage_error(
@@ -92,6 +97,10 @@ def _check_name(out: Path) -> None:
 
 
 def _record(context: CommandContext, current: SamplingRun, rotate: Portion | None) -> int:
+    from mikas.cli.markers import Marking
+    from mikas.cli.render.notices import Notices
+    from mikas.cli.render.values import json_line
+
     output = context.output
     progress = StatusLine(output, lambda: _progress(current))
     rotation = _FileRotation(current, rotate)
@@ -135,6 +144,8 @@ class _FileRotation:
             self._job = self._current.acquisition.call(self._next_file)
 
     def _next_file(self, ecu: Ecu) -> None:
+        from mikas.recording.recorder import ask_in_full
+
         ask_in_full(ecu)
         self._current.recorder.next_file()
 

@@ -15,7 +15,8 @@ from mikas.cli.language import current_language, decimal, localized, tr
 from mikas.cli.parameter_types import existing_file, number
 from mikas.cli.render.notices import Notices
 from mikas.cli.render.output import StatusLine
-from mikas.cli.sampling_run import SamplingOptions, SamplingRun, sampling_session
+from mikas.cli.sampling_options import SamplingOptions
+from mikas.cli.sampling_run import SamplingRun, sampling_session
 from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.sampling.events import UnitFound
@@ -88,9 +89,9 @@ def _measured_now(context: CommandContext, seconds: float) -> Findings:
     """Record for `seconds` and evaluate that; the file is kept only if `--capture` names it."""
     from mikas.report.from_recording import find_in_recording
 
-    with TemporaryDirectory(prefix="mikas-") as folder:
+    with TemporaryDirectory(prefix="mikas-") as folder, context.open_ahead() as ahead:
         path = context.capture or Path(folder) / "report.pcapng"
-        with sampling_session(context, SamplingOptions(duration=seconds), path) as current:
+        with sampling_session(context, SamplingOptions(duration=seconds), ahead, path) as current:
             try:
                 _sample(context, current)
             except KeyboardInterrupt:

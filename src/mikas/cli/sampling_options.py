@@ -1,0 +1,82 @@
+"""The options that `watch` and `log` share.
+
+Nothing heavy is imported here: the port is opened first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import click
+
+from mikas.cli.click_extensions import grouped, option
+from mikas.cli.common_options import RELEARN
+from mikas.cli.parameter_types import number, one_of, whole
+from mikas.i18n import Text
+
+_DEFAULT = "auto"
+
+
+@dataclass(frozen=True, slots=True)
+class SamplingOptions:
+    """The options of sampling. `count` and `duration` None: until Ctrl-C."""
+
+    names: Sequence[str] = ()
+    method: str = _DEFAULT
+    rate: float | None = None
+    count: int | None = None
+    duration: float | None = None
+
+    def with_count(self) -> SamplingOptions:
+        """Return these with a count, if rate and duration give one: no wait for a late sample."""
+        if self.rate is None or self.duration is None:
+            return self
+        most = int(self.rate * self.duration) + 1
+        return replace(self, count=most if self.count is None else min(most, self.count))
+
+
+def _method(text: str) -> str:
+    if text == _DEFAULT:
+        return text
+    from mikas.client import METHODS
+
+    return one_of(METHODS)(text)
+
+
+sampling_options = grouped(
+    SamplingOptions,
+    click.argument("names", metavar="[NAME[/N]]...", nargs=-1),
+    option(
+        "--method",
+        type=_method,
+        metavar="METHOD",
+        default=_DEFAULT,
+        text=Text(
+            "sampling method: auto (the fastest that works), single, batch, list, stream, stroke0 "
+            "… stroke4",
+            "способ опроса: auto (самый быстрый из работающих), single, batch, list, stream, "
+            "stroke0 … stroke4",
+        ),
+    ),
+    option(
+        "--rate",
+        type=number(above=0),
+        metavar="HZ",
+        text=Text("at most this many readings/s", "опросов в секунду, не больше"),
+    ),
+    option(
+        "--count",
+        type=whole(1),
+        metavar="N",
+        text=Text("stop after this many samples", "остановиться после стольких отсчётов"),
+    ),
+    option(
+        "--duration",
+        type=number(above=0),
+        metavar="S",
+        text=Text("stop after this many seconds", "остановиться через столько секунд"),
+    ),
+    RELEARN,
+)
+"""The options that `watch` and `log` share."""
