@@ -68,12 +68,13 @@ def test_ignition_off_is_waited_out_and_every_value_is_null(mikas):
     assert max(later - before for before, later in pairwise(times)) < 3
     assert ran.objects[-1]["time"] - ran.objects[0]["time"] >= 29
     assert "ignition off? Waiting; sampling resumes by itself." in ran.err
-    is_russian(mikas("watch", "TWAT", "--duration", "30", "--lang", "ru").err)
+    is_russian(mikas("watch", "TWAT", "--duration", "30", "--rate", "5", "--lang", "ru").err)
 
 
 @pytest.mark.parametrize("method", ["stream", "batch"])
 def test_how_long_it_was_away_is_the_length_of_the_gap(mikas, tmp_path, method):
-    argv = ("TWAT", "--method", method, "--duration", "50")
+    argv = ("TWAT", "--method", method, "--duration", "42")
+    argv += ("--rate", "5") if method == "batch" else ()
     ran = mikas("log", "-o", "a.pcapng", *argv, sim=KEY_OFF)
     (gap,) = (note.data for note in CaptureReader(tmp_path / "a.pcapng").notes()
               if note.kind == "gap")  # fmt: skip

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
 import mikas
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter
@@ -14,7 +18,18 @@ SIM = "sim:?clock=simulated"
 
 def record(path, settings="", count=100):
     """A drive as the program records it, with a gap and a marker."""
-    url = SIM + settings
+    path.write_bytes(_recorded(settings, count))
+    return path
+
+
+@cache
+def _recorded(settings, count):
+    """On simulated time: the same at each call."""
+    with TemporaryDirectory() as folder:
+        return _drive(Path(folder) / "drive.pcapng", SIM + settings, count).read_bytes()
+
+
+def _drive(path, url, count):
     with CaptureWriter(path, url=url) as sink, mikas.connect(url, sink=sink) as ecu:
         write_session_header(
             sink,

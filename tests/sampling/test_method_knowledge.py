@@ -59,6 +59,14 @@ def kept(folder):
     return json.loads(file.read_text("utf-8"))
 
 
+@pytest.fixture(scope="module")
+def learnt(tmp_path_factory):
+    """The state folder after a session that has learnt; not to be changed."""
+    folder = tmp_path_factory.mktemp("learnt")
+    session(make_bus(), state=folder, until=settled)
+    return folder
+
+
 class TestKept:
     def test_the_next_session_begins_with_the_best_at_once(self, tmp_path):
         first = session(make_bus(), state=tmp_path, until=settled)
@@ -142,12 +150,10 @@ class TestKept:
             '{"adapter": {"stream": {"codes": null, "delay": 1}}}',
         ],
     )
-    def test_a_corrupt_file_is_nothing_learnt(self, tmp_path, methods):
-        session(make_bus(), state=tmp_path, until=settled)
-        (file,) = tmp_path.glob("*.json")
-        stored = kept(tmp_path)
-        stored["methods"] = json.loads(methods)
-        file.write_text(json.dumps(stored), "utf-8")
+    def test_a_corrupt_file_is_nothing_learnt(self, tmp_path, learnt, methods):
+        stored = kept(learnt) | {"methods": json.loads(methods)}
+        (file,) = learnt.glob("*.json")
+        (tmp_path / file.name).write_text(json.dumps(stored), "utf-8")
         assert LimitsStore(tmp_path).load(0x0A, IDENTITY.passports).methods == {}
         reported = session(make_bus(), state=tmp_path, until=settled)
         assert of(MethodChosen, reported)[0].method == "stream"

@@ -6,9 +6,9 @@ import csv
 import math
 
 import numpy as np
-import pytest
 from export_tables import CHANNELS, FIXED, MODERATE, TWAT, exported, from_start, rows, tables
 from hypothesis import given
+from hypothesis import strategies as st
 
 from mikas.i18n import Text
 from mikas.recording.export import EXCEL, PLAIN, Dialect, export
@@ -62,8 +62,7 @@ def test_infinity_is_missing(tmp_path):
     assert out.read_text().splitlines()[1:3] == ["0,", "1000,"]
 
 
-@pytest.mark.parametrize("dialect", [PLAIN, EXCEL, Dialect("\t")], ids=["plain", "excel", "tab"])
-@given(drawn=tables(MODERATE))
+@given(dialect=st.sampled_from([PLAIN, EXCEL, Dialect("\t")]), drawn=tables(MODERATE))
 def test_what_was_exported_is_read_back(tmp_path_factory, dialect, drawn):
     out = exported(drawn, tmp_path_factory.getbasetemp() / "log.csv", dialect=dialect)
     text = out.read_bytes().decode("utf-8-sig" if dialect.mark else "utf-8")
