@@ -125,6 +125,9 @@ def test_range_and_reference(write: Write) -> None:
     ).parameter("P")
     assert (parameter.range, parameter.range_kind) == ((-1.5, 2), "plausible")
     assert (parameter.reference, parameter.reference_confidence) == ((0, 0), Confidence.REPORTED)
+    widest = load(write(NEW + "range = [-999_999_999_999_999, 999999999999999.5]")).parameter("P")
+    assert widest.range == (-999_999_999_999_999, 999999999999999.5)
+    assert load(write(NEW + "range = [-1e-30, 0]")).parameter("P").range == (-1e-30, 0)
     unsaid = load(write(NEW + "reference = [1, 2]")).parameter("P")
     assert unsaid.reference_confidence is Confidence.UNCONFIRMED
 
@@ -249,7 +252,7 @@ def test_public_names() -> None:
         (NEW + "scale = inf", 5, "`parameter.P.scale` must be a number"),
         (NEW + "scale = 1e400", 5, "`parameter.P.scale` must be a number"),
         (NEW + "scale = 1e-40", 5, "`parameter.P.scale` must be a number"),
-        (NEW + "scale = 1e-20", 5, "`parameter.P.scale` must be a number"),
+        (NEW + "scale = 1e-20", 5, "`parameter.P.scale` is too fine, or too large"),
         (NEW + "scale = 1e99999999999999999999", 5, "`parameter.P.scale` must be a number"),
         (NEW + "scale = false", 5, "`parameter.P.scale` must be a number"),
         (NEW + "\n\nscale = 1e14", 7, "`parameter.P.scale` is too fine, or too large"),
@@ -262,6 +265,9 @@ def test_public_names() -> None:
         (NEW + "range = [1, true]", 5, "`parameter.P.range` must be two numbers"),
         (NEW + "range = [1, inf]", 5, "`parameter.P.range` must be two numbers"),
         (NEW + "range = 5", 5, "`parameter.P.range` must be two numbers"),
+        (NEW + "range = [0, 1e15]", 5, "`parameter.P.range` must be two numbers"),
+        (NEW + "range = [-1_000_000_000_000_000, 0]", 5, "must be two numbers"),
+        (NEW + "range = [0, 9.9e-31]", 5, "`parameter.P.range` must be two numbers"),
         (NEW + 'confidence = "sure"', 5, 'must be one of "confirmed", "reported", "unconfirmed"'),
         (NEW + 'confidence = "unknown"', 5, "must be one of"),
         (NEW + "confidence = []", 5, "must be one of"),

@@ -83,7 +83,7 @@ def rational(value: object) -> Fraction:
         over, under = int(match[1]), int(match[2] or 1)
         if under:
             return Fraction(over, under)
-    elif (number := _number(value)) is not None and number.denominator <= 10**15:
+    elif (number := _number(value)) is not None:
         return number
     raise usage_error(
         'must be a number, as 0.5, or a fraction in quotes, as "1/125"',
