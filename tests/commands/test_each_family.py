@@ -124,7 +124,7 @@ def test_values_that_do_not_fit(make):
     ],
 )
 def test_the_value_that_does_not_fit_is_named(make, name):
-    with pytest.raises(ValueDoesNotFit, match=f"{name}: a byte is 0 to 255"):
+    with pytest.raises(ValueDoesNotFit, match=rf"\b{name}: a byte is 0 to 255"):
         make()
 
 
