@@ -124,6 +124,7 @@ def test_range_and_reference(write: Write) -> None:
         write(NEW + 'range = [-1.5, 2]\nreference = [0.0, 0]\nreference_confidence = "reported"')
     ).parameter("P")
     assert (parameter.range, parameter.range_kind) == ((-1.5, 2), "plausible")
+    assert [type(end) for end in parameter.range or ()] == [float, int]
     assert (parameter.reference, parameter.reference_confidence) == ((0, 0), Confidence.REPORTED)
     widest = load(write(NEW + "range = [-999_999_999_999_999, 999999999999999.5]")).parameter("P")
     assert widest.range == (-999_999_999_999_999, 999999999999999.5)
