@@ -70,6 +70,8 @@ def test_it_waits_while_a_response_may_be_under_way(damage, at_once):
         link.answers = iter([damage])
         with pytest.raises(LineError):
             tester.request(read(22))
+        # Only after silence it is sent at once: is there still a unit?
+        assert (link.sent[first:] == [REQUEST]) == (damage != SILENCE)
         right(tester, 22)
         assert link.sent[first:] == [REQUEST, AVAILABILITY, REQUEST]
         waited = link.times[first + 1] - link.times[first]

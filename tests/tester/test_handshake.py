@@ -14,6 +14,7 @@ from tester_rig import (
     SLOW,
     Fate,
     ScriptedLink,
+    StrikingLink,
     Watched,
     adapter_name,
     answering,
@@ -125,13 +126,18 @@ def test_the_wrong_echo_setting_has_its_own_error():
 
 
 @each_adapter
-@pytest.mark.parametrize("delay", [0.55, 0.7, 0.95])
-def test_a_unit_slower_than_the_time_out_is_named_with_a_time_out_that_suffices(adapter, delay):
+@pytest.mark.parametrize(("delay", "wanted"), [(0.55, 1.0), (0.7, 1.0), (0.95, 1.5)])
+def test_a_unit_slower_than_the_time_out_is_named_with_a_time_out_that_suffices(
+    adapter, delay, wanted
+):
     unit = Watched(adapter=adapter, turn_round=delay)
     with pytest.raises(AnswersLate) as caught:
         unit.tester().connect()
     assert caught.value.fields["seconds"] == pytest.approx(delay, abs=0.02)
-    right(unit.connected(timing=Timing(response_timeout=caught.value.fields["wanted"])))
+    assert caught.value.fields["wanted"] == wanted
+    assert caught.value.request == encode(b"\x01")
+    assert caught.value.received
+    right(unit.connected(timing=Timing(response_timeout=wanted)))
 
 
 @pytest.mark.parametrize("delays", [[0], [0.0001, 0.004]])
@@ -326,6 +332,7 @@ def test_nothing_goes_before_connect():
     for use in (
         lambda: tester.request(read(16)),
         lambda: tester.raw(b"\x02"),
+        lambda: tester.time_echo(b"\x01"),
         lambda: tester.stream(STREAMS[0]),
     ):
         with pytest.raises(UsageError):
@@ -340,6 +347,23 @@ def test_connecting_takes_less_than_a_second(adapter):
     unit.connected()
     assert unit.link.now() < 1
     assert unit.heard(b"\x01") == 3
+
+
+def test_connecting_again_that_is_interrupted_leaves_nothing_to_trust():
+    """Ctrl-C in any of its waits: the next request begins with a confirmation (D13)."""
+    for at in range(1, 12):
+        unit = Watched()
+        link = StrikingLink(unit.bus, 0, lambda _: None)
+        tester = unit.connected(link)
+
+        def strike(_link):
+            raise KeyboardInterrupt
+
+        link.at, link.strike = link.operations + at, strike
+        with pytest.raises(KeyboardInterrupt):
+            tester.connect()
+        right(tester)
+        assert tester.found_again == 1
 
 
 def test_closing_closes_the_link_twice_over():

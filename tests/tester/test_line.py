@@ -140,6 +140,17 @@ def test_two_answers_while_the_echo_is_timed_are_not_trusted():
     assert tester.found_again == 1
 
 
+def test_an_echo_is_timed_whatever_the_unit_answers():
+    link, tester = connected()
+    tester.time_echo(b"\x01")
+    right(tester, 22)
+    assert tester.found_again == 0  # it was answered
+    link.next_time()
+    assert tester.time_echo(b"\x01") == pytest.approx(3 * link.byte_time)
+    right(tester, 22)
+    assert tester.found_again == 1
+
+
 def test_two_requests_in_a_row_without_a_byte_are_a_silence():
     """The unit was off for a second, or it does not know the command."""
     link, tester = connected(retries=0)
@@ -159,10 +170,12 @@ def test_two_requests_in_a_row_without_a_byte_are_a_silence():
         right(tester, 22)
 
 
-@pytest.mark.parametrize(("raw", "wire"), [(False, "615f4000 0d"), (True, "615f 40 0d")])
-def test_the_request_and_the_one_in_an_error_have_the_form_that_is_set(raw, wire):
-    """61 + 5F sum to C0, so the checksum is 40 (D3)."""
-    link, tester = connected(retries=0, raw_checksum=raw)
+@pytest.mark.parametrize(
+    ("form", "wire"), [({}, "615f4000 0d"), ({"raw_checksum": True}, "615f 40 0d")]
+)
+def test_the_request_and_the_one_in_an_error_have_the_form_that_is_set(form, wire):
+    """61 + 5F sum to C0, so the checksum is 40; it is sent stuffed by default (D3)."""
+    link, tester = connected(retries=0, **form)
     link.next_time((0.005, encode(b"\x00\x00")))
     with pytest.raises(LineError) as caught:
         tester.request(c.ReadParameters((c.Datum(0x5F, 1),)))

@@ -83,6 +83,7 @@ def test_a_stream_that_failed_to_start_is_ended_though_the_engine_stands(command
     with pytest.raises(MikasError):
         tester.stream(command)
     right(tester)
+    assert tester.breaks == 1
     unit.car.rpm = 850.0
     right(tester)
     assert unit.count_of("stream-end") == unit.count_of("stream") == 1

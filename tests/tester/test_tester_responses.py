@@ -317,7 +317,9 @@ def test_an_unknown_command(command, unknown, adapter):
         with pytest.raises(NotSupported) as caught:
             tester.request(command)
         assert command.name in str(caught.value)
-        assert unit.link.now() - began < 2.5
+        assert caught.value.request == encode(command.body())
+        assert caught.value.received == (encode(b"\x01") if unknown is Unknown.ERROR else b"")
+        assert began < caught.value.time <= unit.link.now() < began + 2.5
         right(tester)
     assert unit.heard(command.body()) == (2 if unknown is Unknown.ERROR else 4)
     assert not tester.has_answered(command.code)

@@ -130,7 +130,6 @@ class Tester:
             return
         seconds = None
         with suppress(LineError):
-            self._sync.mark_lost()
             seconds = late_answer(self._line, self._sync)
         if seconds is not None:
             raise AnswersLate(
