@@ -166,6 +166,17 @@ def test_what_comes_unasked_puts_it_out_of_step():
     assert tester.found_again == 1
 
 
+def test_waiting_ends_on_time_and_keeps_the_synchronization_of_a_quiet_line():
+    unit = Watched()
+    tester = unit.connected()
+    for seconds in (0.005, 0.05):
+        until = unit.link.now() + seconds
+        tester.wait(until)
+        assert unit.link.now() == until
+    right(tester)
+    assert tester.found_again == 0
+
+
 def test_no_confirmation_is_sent_on_a_healthy_line():
     unit = Watched()
     tester = unit.connected()

@@ -40,6 +40,7 @@ from mikas.errors import (
     NoConnection,
     NoResponse,
     NotSupported,
+    WriteRefused,
     WrongLength,
 )
 from mikas.framing import encode
@@ -67,8 +68,11 @@ def test_a_unit_that_is_silent_to_a_stream(code, adapter):
     unit = Watched(adapter=adapter, missing=frozenset({code}))
     tester = unit.connected()
     began = unit.link.now()
-    with pytest.raises(NoResponse), tester.stream(command) as stream:
+    with pytest.raises(NoResponse) as caught, tester.stream(command) as stream:
         next(stream)
+    assert caught.value.request == encode(command.body())
+    assert caught.value.fields["seconds"] == stream.silence == (0.5 if code == 0x71 else 2.0)
+    assert caught.value.time == pytest.approx(began + stream.silence, abs=0.03)
     assert unit.link.now() - began < 9
     right(tester)
 
@@ -120,6 +124,33 @@ def test_the_car_goes_off_meanwhile(command, end):
         tester.request(read(16))
     unit.car.on = True
     right(tester)
+
+
+@pytest.mark.parametrize(
+    ("inside", "outside"),
+    [(None, LineNotQuiet), (ZeroDivisionError(), LineNotQuiet), (WriteRefused(), WriteRefused)],
+)
+def test_a_stream_that_can_not_be_ended_is_reported_unless_the_product_failed_before(
+    inside, outside
+):
+    unit = Watched(stream_end=StreamEnd.BREAK)
+    tester = unit.connected(BreaklessLink(unit.bus))
+    with pytest.raises(outside), tester.stream(CYCLIC[1]) as stream:  # noqa: PT012
+        next(stream)
+        if inside:
+            raise inside
+
+
+@pytest.mark.parametrize("inside", [None, ZeroDivisionError()])
+def test_a_unit_gone_at_the_end_is_reported_unless_another_error_came_first(inside):
+    unit = Watched()
+    tester = unit.connected()
+    outside = type(inside) if inside else EchoOnly
+    with pytest.raises(outside), tester.stream(CYCLIC[1]) as stream:  # noqa: PT012
+        next(stream)
+        unit.car.on = False
+        if inside:
+            raise inside
 
 
 @each_stream
