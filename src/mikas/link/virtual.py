@@ -13,6 +13,7 @@ from math import inf
 from mikas.errors import LinkLost, usage_error
 from mikas.i18n import Text
 from mikas.link.base import Chunk, Link, WallClock
+from mikas.link.follower import follower_of
 from mikas.link.ports import VIRTUAL
 from mikas.link.urls import take_clock
 from mikas.virtual.bus import Bus
@@ -97,23 +98,29 @@ class RealTimeVirtualLink(_BusLink):
 
     def __init__(self, bus: Bus, *, url: str = "sim:") -> None:
         super().__init__(bus, url)
-        self._clock = WallClock()
+        self._follower = follower_of(bus)
         self._gone = threading.Event()
 
     def now(self) -> float:
-        return self._clock.now()
+        return self._follower.clock.now()
+
+    def write(self, data: bytes) -> None:
+        with self._follower.lock:
+            super().write(data)
 
     def read(self, deadline: float) -> Chunk:
         while True:
             self._check()
-            now = self.now()
-            data, time = self.bus.take(now)
+            with self._follower.lock:
+                now = self.now()
+                data, time = self.bus.take(now)
+                following = self.bus.next_event()
             if data:
                 return Chunk(data, time)
             if now >= deadline:
                 return Chunk(b"", now)
             # Wake up every second: a wait without end must notice that the link was closed.
-            self._gone.wait(max(0.0, min(self.bus.next_event(), deadline, now + 1) - now))
+            self._gone.wait(max(0.0, min(following, deadline, now + 1) - now))
 
     def gather(self, until: float) -> None:
         self._gone.wait(max(0.0, until - self.now()))
@@ -124,7 +131,8 @@ class RealTimeVirtualLink(_BusLink):
 
     def send_break(self, seconds: float) -> None:
         self._check()
-        self.bus.send_break(seconds, self.now())
+        with self._follower.lock:
+            self.bus.send_break(seconds, self.now())
         self._gone.wait(seconds)
 
     def close(self) -> None:

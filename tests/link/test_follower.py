@@ -1,0 +1,45 @@
+"""A virtual unit in this process that no tester reads: its engine keeps up with the time."""
+
+from __future__ import annotations
+
+import gc
+import threading
+
+import pytest
+
+from mikas.link import follower
+from mikas.link.virtual import RealTimeVirtualLink
+from mikas.virtual.build import build_bus
+
+
+@pytest.fixture
+def seen(monkeypatch):
+    """An event, set after 20 s of a clock that runs a second ahead at each look."""
+    event = threading.Event()
+
+    class Clock:
+        time = 0.0
+
+        def now(self) -> float:
+            self.time += 1
+            if self.time > 20:
+                event.set()
+            return self.time
+
+    monkeypatch.setattr(follower, "WallClock", Clock)
+    monkeypatch.setattr(follower, "_PERIOD", 0.0)
+    return event
+
+
+def test_the_engine_runs_without_a_link_as_long_as_the_car_is_kept(seen):
+    bus = build_bus({})
+    link = RealTimeVirtualLink(bus)
+    link.close()
+    assert seen.wait(30)
+    assert bus.ecu.responder.car.engine.time > 18
+    assert RealTimeVirtualLink(bus)._follower is link._follower  # one clock, one thread
+    thread = link._follower.thread
+    del bus, link
+    gc.collect()
+    thread.join(30)
+    assert not thread.is_alive()
