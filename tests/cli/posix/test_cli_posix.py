@@ -20,6 +20,7 @@ import pytest
 
 from mikas.recording import CaptureReader
 from mikas.recording.capture.reader import Packet, Problem
+from virtual.serving import a_pty_port, serving
 
 pytestmark = pytest.mark.realtime
 PATIENCE = 20
@@ -56,6 +57,13 @@ def start(tmp_path):
 
 
 @pytest.fixture
+def url():
+    """The address of a virtual ECU on a pty, served from a thread: for what is not about `sim`."""
+    with serving(a_pty_port) as served:
+        yield served.url
+
+
+@pytest.fixture
 def sim(start):
     """A virtual ECU on a pty; its process and address."""
     process = start("sim")
@@ -72,14 +80,13 @@ def test_the_address_of_sim_is_the_first_line(start, sim):
 
 
 def test_memory_of_a_unit_without_single_bytes(start):
-    unit = start("sim", "--set", "missing=bytes")
-    url = unit.stdout.readline().strip()
-    line = ("--port", url, "--timeout", "0.2")
-    write = start("mem", "write", "xram", "1000", "0D", "--yes", "--json", *line)
-    out, err = write.communicate(timeout=PATIENCE)
-    assert json.loads(out)["after"] == "0D", err
-    out, err = start("mem", "read", "xram", "1000", *line).communicate(timeout=PATIENCE)
-    assert out.split()[:2] == ["1000", "0D"], err
+    with serving(a_pty_port, {"missing": "bytes"}) as unit:
+        line = ("--port", unit.url, "--timeout", "0.2")
+        write = start("mem", "write", "xram", "1000", "0D", "--yes", "--json", *line)
+        out, err = write.communicate(timeout=PATIENCE)
+        assert json.loads(out)["after"] == "0D", err
+        out, err = start("mem", "read", "xram", "1000", *line).communicate(timeout=PATIENCE)
+        assert out.split()[:2] == ["1000", "0D"], err
 
 
 def test_sim_on_tcp_prints_events(start):
@@ -96,8 +103,7 @@ def test_sim_on_tcp_prints_events(start):
     assert all({"schema", "time", "event", "data"} == set(event) for event in events)
 
 
-def test_ctrl_c_ends_watch_and_log(start, sim, tmp_path):
-    _, url = sim
+def test_ctrl_c_ends_watch_and_log(start, url, tmp_path):
     watch = start("watch", "TWAT", "--port", url, "--json")
     assert json.loads(watch.stdout.readline())["values"]["TWAT"] > 0
     watch.send_signal(signal.SIGINT)
@@ -114,8 +120,7 @@ def test_ctrl_c_ends_watch_and_log(start, sim, tmp_path):
     assert all(isinstance(it, Packet) for it in CaptureReader(tmp_path / "a.pcapng"))
 
 
-def test_a_killed_log_leaves_a_valid_file(start, sim, tmp_path):
-    _, url = sim
+def test_a_killed_log_leaves_a_valid_file(start, url, tmp_path):
     log = start("log", "-o", "a.pcapng", "TWAT", "--port", url, "--json")
     for _ in range(5):
         log.stdout.readline()
@@ -190,10 +195,9 @@ def test_another_car_gets_a_file_of_its_own(start, tmp_path):
         assert all(isinstance(it, Packet) for it in items)
 
 
-def test_a_disk_that_is_full_costs_no_sample(start, sim, tmp_path):
+def test_a_disk_that_is_full_costs_no_sample(start, url, tmp_path):
     import resource
 
-    _, url = sim
     log = start(
         "log", "-o", "a.pcapng", "TWAT", "--port", url, "--json", "--duration", "3",
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000)),
@@ -225,8 +229,7 @@ def test_enter_marks_a_moment(start, tmp_path):
     assert note.data == {"label": "горка"}
 
 
-def test_a_reader_that_has_had_enough(start, sim):
-    _, url = sim
+def test_a_reader_that_has_had_enough(start, url):
     watch = start("watch", "TWAT", "--port", url)
     watch.stdout.readline()
     watch.stdout.close()
@@ -295,9 +298,7 @@ def test_the_live_table_on_a_terminal(start):
         assert watch.wait(PATIENCE) == 130
 
 
-def test_a_killed_restore_is_resumed(start, sim, tmp_path):
-    _, url = sim
-
+def test_a_killed_restore_is_resumed(start, url, tmp_path):
     def ran(*argv):
         process = start("mem", *argv, "--port", url)
         out, err = process.communicate(timeout=PATIENCE)
@@ -320,8 +321,7 @@ def test_a_killed_restore_is_resumed(start, sim, tmp_path):
     assert ran("verify", "xram", "x")[1] == "No differences.\n"
 
 
-def test_a_list_is_read_by_a_later_process(start, sim):
-    _, url = sim
+def test_a_list_is_read_by_a_later_process(start, url):
     for argv in (["list", "set", "TWAT", "INJ", "--yes"], ["list", "read", "--json"]):
         ran = start(*argv, "--port", url)
         out, err = ran.communicate(timeout=PATIENCE)
@@ -329,8 +329,7 @@ def test_a_list_is_read_by_a_later_process(start, sim):
     assert list(json.loads(out)["readings"]) == ["TWAT", "INJ"]
 
 
-def test_ctrl_c_shows_the_codes_that_a_scan_has_found(start, sim):
-    _, url = sim
+def test_ctrl_c_shows_the_codes_that_a_scan_has_found(start, url):
     with terminal() as (behind, front):
         scan = start("scan", "--json", "--port", url, stderr=front)
         read_until(behind, "found 21")
