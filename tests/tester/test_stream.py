@@ -161,12 +161,32 @@ def test_closing_twice_is_closing_once_and_it_then_gives_nothing():
     tester = unit.connected()
     stream = tester.stream(CYCLIC[1])
     next(stream)
+    assert stream.running
     stream.close()
+    assert not stream.running
     carried = unit.bus.bytes_carried
     stream.close()
     assert list(stream) == []
     assert stream.read(unit.link.now() + 9) is None
     assert unit.bus.bytes_carried == carried
+
+
+def test_closed_while_it_waits_it_just_ends():
+    """By another thread, or by a signal's handler."""
+    unit = Watched()
+    tester = unit.connected()
+    stream = tester.stream(CYCLIC[1])
+    next(stream)
+    read_line = unit.link.read
+
+    def close_first(deadline):
+        unit.link.read = read_line
+        stream.close()
+        return read_line(deadline)
+
+    unit.link.read = close_first
+    assert list(stream) == []
+    right(tester)
 
 
 @each_stream

@@ -17,14 +17,16 @@ from stream_cases import (
     expected,
 )
 from tester_rig import (
-    DATA,
     ECHOING,
     ONE_BYTE,
     SILENT_ADAPTER,
     SLOW,
     SLOW_AND_SILENT,
+    VERSION,
     BreaklessLink,
+    ScriptedLink,
     Watched,
+    make,
     read,
     right,
 )
@@ -56,8 +58,10 @@ def test_a_unit_that_refuses_a_stream(code, data, adapter):
     command = c.StreamCyclic(data) if code == 0x71 else c.StreamAtStroke(data, 0)
     unit = Watched(adapter=adapter, missing=frozenset({code}), unknown=Unknown.ERROR)
     tester = unit.connected()
-    with pytest.raises(NotSupported), tester.stream(command) as stream:
+    with pytest.raises(NotSupported) as caught, tester.stream(command) as stream:
         next(stream)
+    assert caught.value.request == encode(command.body())
+    assert caught.value.received == b"\x01"
     right(tester)
 
 
@@ -77,14 +81,27 @@ def test_a_unit_that_is_silent_to_a_stream(code, adapter):
     right(tester)
 
 
-@pytest.mark.parametrize("command", CYCLIC, ids=lambda s: s.body().hex())
-def test_a_datum_of_01_is_no_refusal(command):
-    unit = Watched(data=DATA | {16: b"\x01"})
-    tester = unit.connected()
+@pytest.mark.parametrize(
+    ("parameters", "sent", "given"),
+    [
+        (ONE, [b"\x01", b"\x02", b"\x01"], [b"\x01", b"\x02", b"\x01"]),
+        (SEVERAL, [b"abcd", b"\x01", b"efgh"], [b"abcd", b"efgh"]),
+    ],
+)
+def test_only_the_one_response_01_is_a_refusal(parameters, sent, given):
+    """A datum may be 01, and a response of another length is another request's (D10, D13)."""
+    command = c.StreamCyclic(parameters)
+
+    def answer(wire: bytes) -> list[tuple[float, bytes]]:
+        if wire != encode(command.body()):
+            return [(0.005, encode(bytes([VERSION])))]
+        return [(0.02 * number, encode(body)) for number, body in enumerate(sent, 1)]
+
+    tester = make(ScriptedLink(answer))
+    tester.connect()
     with tester.stream(command) as stream:
-        items = [next(stream) for _ in range(3)]
-    assert [i.body for i in items] == [items[0].body] * 3
-    assert tester.request(read(17)) == (DATA[17],)
+        assert [next(stream).body for _ in given] == given
+    assert stream.foreign == len(sent) - len(given)
 
 
 @each_end
@@ -234,7 +251,7 @@ def test_raise_errors_raises_for_each_response_left_out():
     with tester.stream(c.StreamCyclic(SEVERAL)) as stream:
         next(stream)
         unit.fault_injector.next(None, LineFault.DAMAGED, None, LineFault.FOREIGN)
-        reported = []
+        reported, began = [], unit.link.now()
         for _ in range(8):
             try:
                 assert stream.read(unit.link.now() + 1, raise_errors=True).data == expected(
@@ -245,5 +262,6 @@ def test_raise_errors_raises_for_each_response_left_out():
         assert next(stream).data == expected(stream.command)
     assert [type(error) for error in reported] == [DamagedResponse, WrongLength]
     assert all(error.request == encode(stream.command.body()) for error in reported)
+    assert began < reported[0].time < reported[1].time < unit.link.now()
     assert list(tester.statistics.failures) == [Failure.of(error) for error in reported]
     assert tester.statistics.failed == 2
