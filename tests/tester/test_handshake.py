@@ -96,8 +96,10 @@ def test_with_the_ignition_off_there_is_only_the_echo(echo):
 def test_an_echo_on_a_line_set_to_no_echo_is_no_version_code():
     unit = Watched()
     unit.car.on = False
-    with pytest.raises(EchoOnly):
+    with pytest.raises(EchoOnly) as caught:
         unit.tester(echo=Echo.OFF).connect()
+    assert caught.value.request == caught.value.received == encode(b"\x01")
+    assert caught.value.time == unit.link.now()
 
 
 def test_with_the_ignition_off_and_no_echo_there_is_nothing():
@@ -118,11 +120,22 @@ def test_it_connects_once_the_ignition_is_on():
     right(tester)
 
 
-def test_the_wrong_echo_setting_has_its_own_error():
-    with pytest.raises(WrongEchoSetting, match="does not return what it sends"):
-        Watched(adapter=SILENT_ADAPTER).tester(echo=Echo.ON).connect()
-    with pytest.raises(WrongEchoSetting, match="The request came back before the response"):
-        Watched().tester(echo=Echo.OFF).connect()
+@pytest.mark.parametrize(
+    ("adapter", "echo", "problem"),
+    [
+        (SILENT_ADAPTER, Echo.ON, "does not return what it sends"),
+        (ECHOING, Echo.OFF, "The request came back before the response"),
+    ],
+    ids=["on", "off"],
+)
+def test_the_wrong_echo_setting_has_its_own_error(adapter, echo, problem):
+    unit = Watched(adapter=adapter)
+    with pytest.raises(WrongEchoSetting, match=problem) as caught:
+        unit.tester(echo=echo).connect()
+    sent, response = encode(b"\x01"), encode(b"\x0a")
+    assert caught.value.request == sent
+    assert caught.value.received == (sent + response if adapter.echo else response)
+    assert caught.value.time == unit.link.now()
 
 
 @each_adapter
@@ -159,12 +172,17 @@ def test_an_emulator_without_a_wire_may_answer_before_a_wire_carries_the_request
     assert not tester.echoes
 
 
-def test_an_echo_that_always_differs_is_an_error():
-    link = ScriptedLink(lambda sent: [(0.0, bytes(b ^ 0x10 for b in sent))], echo=False)
+@pytest.mark.parametrize(
+    "echoed", [b"\x11\xef\x1d", b"\x02\xff\x0d", b"\x00\x0d", b"\x0d"], ids=bytes.hex
+)
+def test_an_echo_that_always_differs_is_an_error(echoed):
+    """It is no version code either."""
+    link = ScriptedLink(lambda sent: [(0.0, echoed)], echo=False)
     with pytest.raises(EchoDiffers) as caught:
         make(link).connect()
     assert caught.value.request == encode(b"\x01")
-    assert caught.value.received == b"\x11\xef\x1d"
+    assert caught.value.received == echoed
+    assert caught.value.time == link.now()
 
 
 def test_a_single_spoilt_echo_is_not_the_end():
@@ -310,8 +328,10 @@ def test_a_line_that_never_becomes_quiet_is_an_error():
 def test_two_units_that_answer_differently_are_not_trusted():
     codes = iter([0x0A, 0x09] * 20)
     link = ScriptedLink(lambda sent: [(0.005, encode(bytes([next(codes)])))])
-    with pytest.raises(SyncLost):
+    with pytest.raises(SyncLost) as caught:
         make(link).connect()
+    assert caught.value.received in (b"\x0a", b"\x09")
+    assert 0 < caught.value.time < link.now()
 
 
 def test_an_answer_of_two_bytes_to_01_is_not_a_version():

@@ -6,7 +6,6 @@ from enum import Enum
 from math import inf
 
 from mikas.errors import (
-    DamagedResponse,
     EchoDiffers,
     EchoOnly,
     NoEcho,
@@ -142,9 +141,6 @@ def _request_version(line: Line, *, answered: bool) -> Reply:
         if answered:
             raise
         raise no_ecu_error(error, echoes=line.echo) from error
-    except DamagedResponse as error:
-        refuse_elm(error.received or b"")
-        raise
 
 
 def _expect_silence(line: Line, reply: Reply, seconds: float) -> None:
