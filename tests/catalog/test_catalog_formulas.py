@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -165,6 +166,8 @@ TOO_DEEP = (
         ("x % 2", "has `%` in it"),
         ("x // 2", "has `//` in it"),
         ("x & 2", "has `&` in it"),
+        ("x | 2", "has `|` in it"),
+        ("x ^ 2", "has `^` in it"),
         ("1 << 99 << 99", "has `1 << 99 << 99` in it"),
         ("x @ y", "has `x @ y` in it"),
         ("~x", "has `~x` in it"),
@@ -199,8 +202,22 @@ def test_what_is_not_allowed_is_shown_in_full_up_to_40_signs() -> None:
         assert f"has {shown} in it" in caught.value.reason.en
 
 
+@pytest.mark.parametrize(
+    ("name", "fewest", "most"),
+    [("min", 2, 9), ("max", 2, 9), ("abs", 1, 1), ("sqrt", 1, 1), ("where", 3, 3), ("clip", 3, 3)],
+)
+def test_arguments_that_a_function_takes(name: str, fewest: int, most: int) -> None:
+    for count in range(10):
+        formula = f"{name}({', '.join('x' * count)})"
+        if fewest <= count <= most:
+            assert parse(formula, {}).inputs == ("X",)
+        else:
+            with pytest.raises(UsageError, match=f"gives `{name}` {count} argument"):
+                parse(formula, {})
+
+
 @pytest.mark.parametrize(("formula", "takes"), [("sqrt(x, 1)", "1"), ("min(x)", "2+")])
-def test_how_many_arguments_a_function_takes(formula: str, takes: str) -> None:
+def test_the_refusal_says_how_many_it_takes(formula: str, takes: str) -> None:
     with pytest.raises(UsageError) as caught:
         parse(formula, {})
     assert caught.value.reason.en.endswith(f"it takes {takes}")
@@ -216,6 +233,8 @@ def test_whole_numbers_are_computed_as_64_bit_floats() -> None:
 
 
 def test_the_longest_that_is_allowed() -> None:
+    document = (Path(__file__).parents[2] / "docs" / "catalog.md").read_text(encoding="utf-8")
+    assert f"It has at most {LONGEST} characters." in document
     assert parse("x" * LONGEST, {}).inputs == ("X" * LONGEST,)
 
 

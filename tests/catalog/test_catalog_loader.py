@@ -10,7 +10,9 @@ from catalog_harness import ALSO_FREE, FREE, Write, assert_refused, refused
 
 import mikas.catalog
 from mikas.catalog import Catalog, Confidence, load, shipped
+from mikas.catalog.loading.fields import FAMILIES
 from mikas.catalog.loading.source import parse_source
+from mikas.errors import UsageError
 from mikas.i18n import Text
 
 NEW = f'[parameter.P]\ncode = {FREE}\nsize = 1\ntext = "p"\n'
@@ -50,8 +52,6 @@ def test_the_docstring_shows_the_same_five_lines() -> None:
 
 
 def test_the_document_names_every_key() -> None:
-    from mikas.catalog.loading.fields import FAMILIES
-
     documented = (Path(__file__).parents[2] / "docs" / "catalog.md").read_text(encoding="utf-8")
     for family, rules in FAMILIES.items():
         assert f"### `[{family}." in documented or f", `[{family}." in documented
@@ -79,6 +79,11 @@ def test_a_later_file_wins(write: Write) -> None:
     assert fault.parameters == ("TWAT", "P")
     assert (fault.confidence, fault.sources) == (Confidence.REPORTED, ("me",))
     assert load(two, one).fault(99).text == Text("one", "one")
+
+
+def test_faults_have_the_numbers_of_a_byte(write: Write) -> None:
+    catalog = load(write('[fault.0]\ntext = "first"\n[fault.0xFF]\ntext = "last"\n'))
+    assert [catalog.fault(code).text.en for code in (0, 255)] == ["first", "last"]
 
 
 def test_models_errata_and_units(write: Write) -> None:
@@ -213,12 +218,14 @@ def test_public_names() -> None:
         ("[[parameter]]\n", 1, "`parameter` must be a table, as [parameter.NAME]"),
         ("[parameter]\nP = 1\n", 2, "`parameter.P` must be a table, as [parameter.P]"),
         (NEW + "literal = 1", 5, "`parameter.P.literal` must be a table, as [parameter.P.literal]"),
+        (NEW + 'literal = "s"', 5, "`parameter.P.literal` must be a table"),
         ("[fault.1]\ntext = 1\n", 2, "`fault.1.text` must be a table, as [fault.1.text]"),
         ("[parameter.0x33]\n", 1, "`parameter.0x33` is no name of Latin letters"),
         ('[parameter."ТWАТ"]\n', 1, "is no name of Latin letters"),
         ("[fault.256]\n", 1, "is not named by a number from 0 to 255"),
         ("[fault.013]\n", 1, "is not named by a number from 0 to 255"),
         ("[model.x]\n", 1, "is not named by a number from 0 to 255"),
+        ('[fault."1\u0663"]\n', 1, "is not named by a number from 0 to 255"),  # an Arabic 3
         (NEW + "[parameter.p]\n", 5, "`parameter.p` is there twice"),
         (NEW + NEW, 5, "this is not TOML: Cannot declare ('parameter', 'P') twice"),
         ("[fault.13]\n\n[fault.0x0D]\n", 3, "`fault.0x0D` is there twice"),
@@ -247,6 +254,7 @@ def test_public_names() -> None:
         (NEW + "scale = 0", 5, "`parameter.P.scale` must not be 0"),
         (NEW + "scale = 0e500", 5, "`parameter.P.scale` must not be 0"),
         (NEW + 'scale = "0/5"', 5, "`parameter.P.scale` must not be 0"),
+        (NEW + 'scale = "\u0661/2"', 5, "`parameter.P.scale` must be a number, as 0.5, or a"),
         (NEW + 'scale = "1/0"', 5, "`parameter.P.scale` must be a number, as 0.5, or a fraction"),
         (NEW + 'scale = "b * 2"', 5, "`parameter.P.scale` must be a number, as 0.5, or a fraction"),
         (NEW + "scale = nan", 5, "`parameter.P.scale` must be a number"),
@@ -296,6 +304,26 @@ def test_public_names() -> None:
 )  # fmt: skip
 def test_a_wrong_file(write: Write, text: str, line: int, problem: str) -> None:
     assert_refused(write(text), line, problem)
+
+
+@pytest.mark.parametrize(
+    ("family", "key", "low", "high"),
+    [
+        ("parameter", "code", 0, 0xFF),
+        ("parameter", "size", 1, 2),
+        ("parameter", "mask", 0, 0xFFFF),
+        ("parameter", "bias", -0xFFFF, 0xFFFF),
+        ("parameter", "decimals", 0, 6),
+        ("derived", "decimals", 0, 6),
+    ],
+)
+def test_whole_numbers_have_bounds(family: str, key: str, low: int, high: int) -> None:
+    read = FAMILIES[family].schema[key]
+    assert callable(read)
+    assert (read(low), read(high)) == (low, high)
+    for outside in (low - 1, high + 1):
+        with pytest.raises(UsageError, match=f"from {low} to {high}"):
+            read(outside)
 
 
 def test_the_file_that_is_wrong_is_named(write: Write) -> None:

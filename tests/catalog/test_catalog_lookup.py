@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.catalog import Confidence, shipped
+from mikas.catalog import AlarmLimits, Confidence, Fault, Meaning, Model, shipped
 from mikas.errors import UnknownParameter
 
 
@@ -35,6 +37,7 @@ def test_a_code_gives_the_raw_number(
     parameter = shipped().parameter(asked)
     assert (parameter.name, parameter.code, parameter.size) == (name, code, size)
     assert (parameter.unit, parameter.errata, parameter.is_flag) == ("", (), False)
+    assert (parameter.source, parameter.decimals) == ("", 0)
     assert parameter.confidence is Confidence.UNKNOWN
     assert parameter.decode(bytes.fromhex(raw)) == value
     assert parameter.encode(value) == bytes.fromhex(raw)
@@ -93,3 +96,27 @@ def test_parameters_that_share_a_code() -> None:
     assert [each.name for each in shipped().by_code(0x07)] == ["RXX", "BITPOW", "RDET"]
     assert [each.name for each in shipped().by_code(0x1A)] == ["TWAT"]
     assert shipped().by_code(0xEE) == ()
+
+
+def test_without_a_source_nothing_is_claimed() -> None:
+    assert (Model.unknown(0x0B).source, AlarmLimits().source, Meaning().source) == ("", "", "")
+    assert (Fault(99).sources, Fault(99).informational) == ((), False)
+    assert {Model.unknown(0x0B).confidence, Fault(99).confidence} == {Confidence.UNKNOWN}
+    assert str(Confidence.UNKNOWN) == "unknown"
+
+
+def test_entries_are_unchangeable_values() -> None:
+    catalog = shipped()
+    entries = [catalog.parameter("RXX"), catalog.parameter("TWAT"), catalog.channel("DUTY")]
+    entries += [catalog.fault(13), catalog.model(0x0A), catalog.errata["E1"]]
+    parts = [getattr(each, part, None) for each in entries
+             for part in ("conversion", "alarm_limits", "lamp", "meaning")]  # fmt: skip
+    for value in (catalog, *entries, *filter(None, parts)):
+        assert len({value, value}) == 1
+        for name in (*(field.name for field in fields(value)), "another"):
+            with pytest.raises((AttributeError, TypeError)):
+                setattr(value, name, 0)
+
+
+def test_a_catalog_is_printed_in_a_line() -> None:
+    assert len(repr(shipped())) < 100
