@@ -29,6 +29,38 @@ def test_it_loads_and_has_every_code_that_can_be_an_entry(tmp_path_factory, data
     assert all(f"{code:02X}" in text for code in data)
 
 
+def test_the_whole_file():
+    data = {
+        0x35: b"\xab\xcd",
+        0x3F: b"\1\2",
+        0x33: b"\0",
+        0x07: b"\4",
+        0x1A: b"\1\2",
+        0x90: bytes(4),
+    }
+    assert starter_catalog(data, shipped(), ["Scan\n2"], "en") == (
+        "# Scan 2\n"
+        "# Defined already: 07 RXX BITPOW RDET, 3F INJ\n"
+        "# 1A: 2 bytes here, 1 in the catalog; it keeps the catalog's definition\n"
+        "# 90: 4 bytes, more than an entry can have (00 00 00 00)\n"
+        "\n"
+        "[parameter.CODE_33]  # at the scan: 00\n"
+        "code = 0x33\n"
+        "size = 1\n"
+        'text = { en = "code 33", ru = "код 33" }\n'
+        "\n"
+        "[parameter.CODE_35]  # at the scan: AB CD\n"
+        "code = 0x35\n"
+        "size = 2\n"
+        'text = { en = "code 35", ru = "код 35" }\n'
+    )
+    russian = starter_catalog(data, shipped(), [], "ru")
+    assert russian.startswith("# Уже описаны: 07 RXX BITPOW RDET, 3F INJ\n")
+    assert "# 1A: здесь байтов 2, в каталоге 1; остаётся описание каталога\n" in russian
+    assert "[parameter.CODE_33]  # при опросе: 00\n" in russian
+    assert starter_catalog({}, shipped(), [], "en") == ""
+
+
 def test_a_code_of_another_size_stays_as_the_catalog_has_it(tmp_path):
     text = starter_catalog({0x1A: b"\x01\x02", 0x90: bytes(4)}, shipped(), ["x"], "en")
     assert "1A: 2 bytes here, 1 in the catalog" in text
