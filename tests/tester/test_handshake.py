@@ -12,6 +12,7 @@ from tester_rig import (
     ECHOING,
     SILENT_ADAPTER,
     SLOW,
+    VERSION,
     Fate,
     ScriptedLink,
     StrikingLink,
@@ -153,6 +154,12 @@ def test_a_unit_slower_than_the_time_out_is_named_with_a_time_out_that_suffices(
     right(unit.connected(timing=Timing(response_timeout=wanted)))
 
 
+def test_two_late_responses_are_not_a_slow_unit():
+    own = encode(bytes([VERSION]))
+    with pytest.raises(SyncLost):
+        make(ScriptedLink(lambda sent: [(0.6, own), (0.62, own)])).connect()
+
+
 @pytest.mark.parametrize("delays", [[0], [0.0001, 0.004]])
 def test_an_emulator_without_a_wire_may_answer_before_a_wire_carries_the_request(delays):
     """Seconds from the write to the response, in turn: another program behind a socket."""
@@ -203,7 +210,7 @@ def test_connecting_survives_one_line_fault(line_fault, adapter):
 
 @pytest.mark.parametrize("elm_echo", [True, False])
 @pytest.mark.parametrize("mode", list(Echo))
-@pytest.mark.parametrize("reply", [b"?\r\r>", b"\r?\r\r>", b"?\r\n\r\n>", b"STOPPED\r\r>"])
+@pytest.mark.parametrize("reply", [b"?\r\r>", b"\r?\r\r>", b"?\r\n\r\n>", b"STOPPED\r\r>", b"?\r"])
 @pytest.mark.parametrize("lumps", [True, False])
 def test_an_elm327_is_no_adapter_for_this(elm_echo, mode, reply, lumps):
     pieces = [reply] if lumps else [bytes([b]) for b in reply]
@@ -213,6 +220,7 @@ def test_an_elm327_is_no_adapter_for_this(elm_echo, mode, reply, lumps):
     with pytest.raises(NotAKLineAdapter) as caught:
         make(link, echo=mode).connect()
     assert "ELM327" in str(caught.value)
+    assert caught.value.received.endswith(reply)
 
 
 def test_a_mikas_is_not_taken_for_an_elm327():
@@ -319,8 +327,10 @@ def test_a_line_that_never_becomes_quiet_is_an_error():
             return super().read(deadline)
 
     link = Babbling(lambda sent: [])
-    with pytest.raises(LineNotQuiet):
+    with pytest.raises(LineNotQuiet) as caught:
         make(link).connect()
+    assert caught.value.received == b"\x55" * 64  # the latest of them
+    assert caught.value.time == link.now()
     assert link.breaks
     assert link.now() < 30
 
@@ -335,8 +345,12 @@ def test_two_units_that_answer_differently_are_not_trusted():
 
 
 def test_an_answer_of_two_bytes_to_01_is_not_a_version():
-    with pytest.raises(SyncLost):
-        make(answering({b"\x01": encode(b"\x0a\x0a")})).connect()
+    link = answering({b"\x01": encode(b"\x0a\x0a")})
+    with pytest.raises(SyncLost) as caught:
+        make(link).connect()
+    assert caught.value.request == encode(b"\x01")
+    assert caught.value.received == encode(b"\x0a\x0a")
+    assert 0 < caught.value.time < link.now()
 
 
 def test_a_response_lost_for_good_after_the_first_is_silence():

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import logging
 
+from stream_cases import SEVERAL
+from tester_rig import Watched, right
+
+from mikas import commands as c
 from mikas.client import connect
 from mikas.virtual.fault_injector import LineFault
 
@@ -41,6 +45,24 @@ def test_a_failure_is_logged_with_the_bytes_received(caplog, tmp_path):
         ecu.tester.link.bus.fault_injector.next(LineFault.LOST)
         ecu.read("TWAT")
     assert any(line.startswith("! ") and "0.5 s" in line for line in lines(caplog))
+
+
+def test_a_spoilt_echo_and_a_streams_damaged_response_are_logged(caplog):
+    unit = Watched()
+    tester = unit.connected()
+    with caplog.at_level(logging.DEBUG, logger="mikas.tester"):
+        unit.fault_injector._echo_next = True
+        right(tester, 22)
+        spoilt = lines(caplog)
+        caplog.clear()
+        with tester.stream(c.StreamCyclic(SEVERAL)) as stream:
+            next(stream)
+            unit.fault_injector.next(None, LineFault.DAMAGED)
+            for _ in range(3):
+                next(stream)
+    assert spoilt[0] == "> 61 16 89 0D"
+    assert spoilt[1].startswith("! The echo differs")
+    assert sum(line.startswith("! damaged: ") for line in lines(caplog)) == 1
 
 
 def test_the_library_is_silent_by_default(capfd, tmp_path):
