@@ -25,7 +25,7 @@ demo: .venv/installed ## the product with a virtual car: no cable needed
 gated := tests/test_framing.py tests/commands tests/catalog
 
 test: .venv/with-test web/node_modules/installed ## all tests but those in a browser and on a cable; framing, commands, catalog: 100 % branches
-	@$(venv_python) -m pytest -n auto --dist worksteal $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
+	@$(venv_python) -m pytest -n logical --dist worksteal $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
 	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/cable,--ignore=$(path))
 	@$(npm) test

@@ -41,6 +41,9 @@ def state_folder(monkeypatch):
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers():
-    """One worker more than cores: the tests in real time wait most of their time."""
-    return (os.cpu_count() or 1) + 1
+def pytest_xdist_auto_num_workers(config):
+    """`-n auto`: one worker more than cores, because tests in real time wait most of their time.
+
+    `-n logical`: as many as cores, for tests that never wait.
+    """
+    return (os.cpu_count() or 1) + (config.option.numprocesses == "auto")
