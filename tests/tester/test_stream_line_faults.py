@@ -84,7 +84,7 @@ def test_a_unit_that_is_silent_to_a_stream(code, adapter):
 @pytest.mark.parametrize(
     ("parameters", "sent", "given"),
     [
-        (ONE, [b"\x01", b"\x02", b"\x01"], [b"\x01", b"\x02", b"\x01"]),
+        (ONE, [b"\x01", b"\x02", b"\x03"], [b"\x01", b"\x02", b"\x03"]),
         (SEVERAL, [b"abcd", b"\x01", b"efgh"], [b"abcd", b"efgh"]),
     ],
 )
