@@ -223,6 +223,14 @@ def test_an_elm327_is_no_adapter_for_this(elm_echo, mode, reply, lumps):
     assert caught.value.received.endswith(reply)
 
 
+@pytest.mark.parametrize("elm_echo", [True, False])
+@pytest.mark.parametrize("retries", [0, 2])
+def test_not_even_one_that_answers_late(elm_echo, retries):
+    link = ScriptedLink(lambda sent: [(0.55, b"?\r\r>")], echo=elm_echo)
+    with pytest.raises(NotAKLineAdapter):
+        make(link, retries=retries).connect()
+
+
 def test_a_mikas_is_not_taken_for_an_elm327():
     """Its version code may be any character, and the line may be noisy."""
     for version in b"?>A\r":

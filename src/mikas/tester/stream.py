@@ -127,8 +127,6 @@ class Stream:
         return self
 
     def __next__(self) -> StreamItem:
-        if not self._open:
-            raise StopIteration
         item = self.read(max(self._heard, self._line.link.now()) + self.silence)
         if item is not None:
             return item
