@@ -133,6 +133,15 @@ def test_the_error_for_two_silences_says_what_was_sent_and_received(echo):
     assert caught.value.time == link.now()
 
 
+def test_it_follows_what_came_unasked_while_the_application_waited():
+    link, tester = connected()
+    sent = len(link.sent)
+    link.arrive(link.now() + 0.03, OWN)
+    tester.wait(link.now() + 0.1)
+    right(tester, 22)
+    assert link.sent[sent:] == [AVAILABILITY, REQUEST]
+
+
 def test_ctrl_c_while_the_line_is_awaited_quiet_does_not_replace_it():
     """Bytes that no request caused have been read, and their reason is not known yet."""
 
