@@ -116,6 +116,7 @@ def test_entries_are_unchangeable_values() -> None:
         for name in (*(field.name for field in fields(value)), "another"):
             with pytest.raises((AttributeError, TypeError)):
                 setattr(value, name, 0)
+        assert hasattr(value, "__dict__") == (value is catalog)  # for its cached properties
 
 
 def test_a_catalog_is_printed_in_a_line() -> None:

@@ -53,6 +53,7 @@ def test_a_command_is_an_unchangeable_value():
     assert sorted(ONE_OF_EACH) == sorted(ALL_CODES)
     for command in ONE_OF_EACH.values():
         assert len({command, command}) == 1
+        assert not hasattr(command, "__dict__")
         for name in (*(field.name for field in fields(command)), "another"):
             with pytest.raises((AttributeError, TypeError)):
                 setattr(command, name, 0)
