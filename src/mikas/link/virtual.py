@@ -99,10 +99,11 @@ class RealTimeVirtualLink(_BusLink):
     def __init__(self, bus: Bus, *, url: str = "sim:") -> None:
         super().__init__(bus, url)
         self._follower = follower_of(bus)
+        self._clock = self._follower.clock
         self._gone = threading.Event()
 
     def now(self) -> float:
-        return self._follower.clock.now()
+        return self._clock.now()
 
     def write(self, data: bytes) -> None:
         with self._follower.lock:

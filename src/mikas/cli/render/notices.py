@@ -94,13 +94,14 @@ class Notices:
                 )
             case ParameterDropped():
                 yield tr(
-                    f"The unit gives no {event.name}; the other parameters are still read.",
+                    f"The unit gives no value for {event.name}; the other parameters are still "
+                    "read.",
                     f"Блок не даёт {event.name}: он пропущен, остальные читаются дальше.",
                 )
             case ParameterReturned():
                 yield tr(
-                    f"The unit gives {event.name} again; it is read from now on.",
-                    f"Блок снова даёт {event.name}: он опять читается.",
+                    f"The unit answers {event.name} again; it is read from now on.",
+                    f"Блок снова даёт {event.name}, он опять читается.",
                 )
             case AlarmChanged():
                 yield f"{'✓' if event.better else '▲'} {capital(localized(event.text))}."
