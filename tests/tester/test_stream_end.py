@@ -34,6 +34,7 @@ def sent_by(unit: Watched) -> list[bytes]:
 def test_the_01_waits_for_the_end_of_a_response(phase, end):
     unit = Watched(stream_end=end)
     tester = unit.connected()
+    tester.wait(unit.link.now() + 2)
     with tester.stream(OF_SEVERAL) as stream:
         next(stream)
         start = unit.car.next_stroke(0, unit.link.now())
@@ -42,6 +43,20 @@ def test_the_01_waits_for_the_end_of_a_response(phase, end):
     assert sent == [AVAILABILITY, AVAILABILITY]  # the second one confirms
     assert tester.breaks == 0
     right(tester)
+
+
+@pytest.mark.parametrize("command", [OF_ONE, OF_SEVERAL], ids=lambda s: s.body().hex())
+def test_a_unit_that_ignores_the_01_gets_one_break_a_stream(command):
+    """After several attempts without one (D12)."""
+    unit = Watched(stream_end=StreamEnd.BREAK, rpm=5200.0)
+    tester = unit.connected()
+    for count in (1, 2):
+        sent = sent_by(unit)
+        with tester.stream(command) as stream:
+            next(stream)
+        assert tester.breaks == unit.count_of("stream-end") == count
+        assert 3 <= sent.count(AVAILABILITY) <= 12
+        right(tester)
 
 
 @pytest.mark.parametrize("end", list(StreamEnd))
