@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 
 import pytest
 from stream_cases import each_stream
@@ -31,17 +32,21 @@ LATE = 1.0  # s from a request to the time when no response to it is due any mor
 
 
 class Scripted(ScriptedLink):
-    """Gives `answers` in turn, then what the unit answers; keeps when each request was sent."""
+    """Gives `answers` in turn, then what the unit answers; keeps when each request was sent.
+
+    An answer may be pieces, each with its delay.
+    """
 
     def __init__(self, *, echo: bool = True) -> None:
         super().__init__(self._next, echo=echo)
-        self.answers = iter(())
+        self.answers: Iterator[bytes | list[tuple[float, bytes]]] = iter(())
         self.times: list[float] = []
 
     def _next(self, sent: bytes) -> list[tuple[float, bytes]]:
         self.times.append(self.now())
         right = OWN if sent == AVAILABILITY else encode(DATA[22])
-        return [(0.005, next(self.answers, right))]
+        answer = next(self.answers, right)
+        return [(0.005, answer)] if isinstance(answer, bytes) else answer
 
 
 def connected(*, echo: bool = True, retries: int = 0):
@@ -90,6 +95,15 @@ def test_only_two_silences_in_a_row_mean_that_no_unit_is_there(echo, between):
     right(tester, 22)
     assert link.sent[-6:] == [REQUEST, *[AVAILABILITY] * 4, REQUEST]
     assert tester.found_again == 1
+
+
+@pytest.mark.parametrize("after", [OWN, ANOTHERS, b"\x00"], ids=lambda wire: wire.hex())
+def test_it_counts_only_if_nothing_follows_it(after):
+    """One of the two answers an earlier request."""
+    link, tester = connected(retries=1)
+    link.answers = iter([SILENCE, [(0.005, OWN), (0.04, after)]])
+    right(tester, 22)
+    assert link.sent[-4:] == [REQUEST, AVAILABILITY, AVAILABILITY, REQUEST]
 
 
 def test_after_a_damaged_one_the_next_follows_at_once():
