@@ -26,6 +26,7 @@ def test_none_at_all() -> None:
     assert not AlarmLimits().for_flag
     assert AlarmLimits(warning_low=1).for_number
     assert AlarmLimits(when_true=Level.DANGER).for_flag
+    assert [str(level) for level in Level] == ["none", "warning", "danger"]
 
 
 @pytest.mark.parametrize(
