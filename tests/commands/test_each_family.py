@@ -51,8 +51,9 @@ def test_the_echoed_address_must_match():
         c.ReadXramBlock(0x1000, 2).read(hexed("01 10 AA BB"))
 
 
-def test_d7_the_count_may_or_may_not_be_repeated():
-    block = c.ReadXramBlock(0x1000, 3)
+@pytest.mark.parametrize("command", [c.ReadXramBlock, c.ReadCodeBlock])
+def test_d7_the_count_may_or_may_not_be_repeated(command):
+    block = command(0x1000, 3)
     assert block.read(hexed("00 10 AA BB 64")) == hexed("AA BB 64")
     assert block.read(hexed("00 10 03 AA BB 64")) == hexed("AA BB 64")
     with pytest.raises(WrongContent, match="announces 4 bytes instead of 3") as caught:
