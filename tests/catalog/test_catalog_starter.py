@@ -36,13 +36,13 @@ def test_the_whole_file():
         0x33: b"\0",
         0x07: b"\4",
         0x1A: b"\1\2",
-        0x90: bytes(4),
+        0x90: b"\xab\0\0\0",
     }
     assert starter_catalog(data, shipped(), ["Scan\n2"], "en") == (
         "# Scan 2\n"
         "# Defined already: 07 RXX BITPOW RDET, 3F INJ\n"
         "# 1A: 2 bytes here, 1 in the catalog; it keeps the catalog's definition\n"
-        "# 90: 4 bytes, more than an entry can have (00 00 00 00)\n"
+        "# 90: 4 bytes, more than an entry can have (AB 00 00 00)\n"
         "\n"
         "[parameter.CODE_33]  # at the scan: 00\n"
         "code = 0x33\n"
