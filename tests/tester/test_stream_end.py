@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from stream_cases import BY_STROKES, ONE, SEVERAL
-from tester_rig import Watched, right
+from tester_rig import VERSION, ScriptedLink, Watched, make, right
 
 from mikas import commands as c
 from mikas.errors import MikasError
@@ -102,3 +102,26 @@ def test_a_stream_that_failed_to_start_is_ended_though_the_engine_stands(command
     unit.car.rpm = 850.0
     right(tester)
     assert unit.count_of("stream-end") == unit.count_of("stream") == 1
+
+
+class Stubborn(ScriptedLink):
+    """Streams at each stroke until a break, whatever it answers meanwhile."""
+
+    def send_break(self, seconds: float) -> None:
+        self._coming.clear()
+        super().send_break(seconds)
+
+
+def test_an_answer_to_01_is_not_the_end_of_a_stream_by_strokes():
+    def answer(sent: bytes) -> list[tuple[float, bytes]]:
+        if sent == AVAILABILITY:
+            return [(0.005, encode(bytes([VERSION])))]
+        return [(0.14 * stroke, encode(b"abcd")) for stroke in range(1, 100)]
+
+    link = Stubborn(answer)
+    tester = make(link)
+    tester.connect()
+    with tester.stream(OF_SEVERAL) as stream:
+        assert next(stream).body == b"abcd"
+    assert link.breaks == tester.breaks == 1
+    assert link.read(link.now() + 1).data == b""
