@@ -95,6 +95,7 @@ def test_only_two_silences_in_a_row_mean_that_no_unit_is_there(echo, between):
     right(tester, 22)
     assert link.sent[-6:] == [REQUEST, *[AVAILABILITY] * 4, REQUEST]
     assert tester.found_again == 1
+    assert tester.silences == 1
 
 
 @pytest.mark.parametrize("after", [OWN, ANOTHERS, b"\x00"], ids=lambda wire: wire.hex())
@@ -180,7 +181,7 @@ def test_ctrl_c_while_the_line_is_awaited_quiet_does_not_replace_it():
 
 def test_an_emulator_that_answers_at_once_only_now_and_then_is_believed_again():
     """Too soon for a wire, after responses that were not: one failure, and one confirmation."""
-    delays = itertools.chain([0.006] * 20, itertools.repeat(0.0))
+    delays = itertools.chain([0.0] * 4, [0.006] * 20, itertools.repeat(0.0))
 
     def answer(sent):
         (frame,) = Decoder().feed(sent)
