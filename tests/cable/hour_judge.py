@@ -31,7 +31,7 @@ from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader, Packet
 from mikas.recording.summary import summarise
 
-AGE = 3.0  # s from the answer in the unit to its first byte in the guest, which is slow
+AGE = 5.0  # s from the answer in the unit to its first byte in the guest, which can pause
 AHEAD = 0.25  # s by which the two clocks may seem to differ
 SAME = 0.02  # s by which a recorded time may differ from the printed one: chunks come late
 CYCLE = 3.0  # s from the first to the last response of a printed set
