@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import pytest
 
 from mikas.dashboard.api.state import shared_state
@@ -12,7 +14,7 @@ from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
 from mikas.errors import LinkLost
 from mikas.link import open_link
 from mikas.recording.recorder import Recorder
-from mikas.sampling.events import LineState, StateChanged
+from mikas.sampling.events import LineState, Sampled, StateChanged
 
 
 class OneThat:
@@ -66,6 +68,33 @@ def test_a_port_that_opens_after_the_end_of_sampling_is_closed_at_once(tmp_path)
         on_end=lambda *_: None,
     )
     link = opening.wanting._stoppable.open("sim:")
+    with pytest.raises(LinkLost):
+        link.write(b"\x00")
+
+
+@pytest.mark.parametrize("method", ["stream", "stroke0"])
+def test_the_unit_sends_no_stream_when_sampling_has_ended(tmp_path, method):
+    """The next program would find a busy line (D12)."""
+    link = open_link("sim:?clock=simulated")
+    streaming = threading.Event()
+
+    def look(thread, event):
+        if isinstance(event, Sampled) and link.bus.ecu._stream is not None:
+            streaming.set()
+
+    thread = SamplingThread(
+        PortSettings("sim:"),
+        Settings(tmp_path, state=tmp_path, open_port=lambda _: link),
+        PlanSettings({"FREQ": 1, "TWAT": 1}, method),
+        sink=Recorder(),
+        confirm=lambda _: False,
+        on_event=look,
+        on_end=lambda *_: None,
+    )
+    thread.start()
+    assert streaming.wait(60)
+    thread.stop()
+    assert link.bus.ecu._stream is None
     with pytest.raises(LinkLost):
         link.write(b"\x00")
 

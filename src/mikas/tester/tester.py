@@ -78,6 +78,11 @@ class Tester:
         return self._line.timing
 
     @property
+    def is_streaming(self) -> bool:
+        """Whether a stream was begun and has not ended."""
+        return self._stream is not None
+
+    @property
     def found_again(self) -> int:
         """The number of resynchronizations (D13)."""
         return self._sync.found_again

@@ -1,7 +1,8 @@
 """The two users of the port, each in its thread: the sampling thread and the diagnosis.
 
 The event loop never waits for the wire. Other threads stop either user by closing the link under
-it (`StoppablePort`): its wait ends at once, and the next attempt to open the port is refused.
+it (`StoppablePort`): its wait ends at once, and the next attempt to open the port is refused. A
+running stream is ended before.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from mikas.sampling.events import Event
 T = TypeVar("T")
 
 _log = logging.getLogger("mikas.dashboard")
+_END = 2.0  # s that the end of a stream may take
 _JOIN = 10.0  # s; opening an address in the network may take so long
 
 
@@ -121,6 +123,8 @@ class SamplingThread(threading.Thread):
         """Stop sampling and close the port; may take seconds. A second call does nothing."""
         self._stoppable.stopping.set()
         self.acquisition.stop()
+        if (ecu := self.ecu) is not None and ecu.tester.is_streaming:
+            self.join(_END)  # it ends the stream, without which the unit would go on (D12)
         self._stoppable.close()
         if self.is_alive():
             self.join(_JOIN)
