@@ -73,15 +73,23 @@ def test_a_port_that_opens_after_the_end_of_sampling_is_closed_at_once(tmp_path)
 
 
 @pytest.mark.parametrize("method", ["stream", "stroke0"])
-def test_the_unit_sends_no_stream_when_sampling_has_ended(tmp_path, method):
+@pytest.mark.parametrize("stopped", ["while the unit sends", "before it sends"])
+def test_the_unit_sends_no_stream_when_sampling_has_ended(tmp_path, method, stopped):
     """The next program would find a busy line (D12)."""
     link = open_link("sim:?clock=simulated")
-    streaming = threading.Event()
+    write, to_stop = link.write, threading.Event()
 
-    def look(thread, event):
+    def written(data):
+        write(data)
+        if data[:1] in (b"\x71", b"\x7f") and stopped == "before it sends":
+            to_stop.set()
+            thread._stoppable.stopping.wait(60)
+
+    def look(_, event):
         if isinstance(event, Sampled) and link.bus.ecu._stream is not None:
-            streaming.set()
+            to_stop.set()
 
+    link.write = written
     thread = SamplingThread(
         PortSettings("sim:"),
         Settings(tmp_path, state=tmp_path, open_port=lambda _: link),
@@ -92,8 +100,9 @@ def test_the_unit_sends_no_stream_when_sampling_has_ended(tmp_path, method):
         on_end=lambda *_: None,
     )
     thread.start()
-    assert streaming.wait(60)
+    assert to_stop.wait(60)
     thread.stop()
+    link.bus.advance(link.now() + 1)  # what was sent arrives
     assert link.bus.ecu._stream is None
     with pytest.raises(LinkLost):
         link.write(b"\x00")

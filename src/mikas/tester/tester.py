@@ -79,8 +79,8 @@ class Tester:
 
     @property
     def is_streaming(self) -> bool:
-        """Whether a stream was begun and has not ended."""
-        return self._stream is not None
+        """Whether the unit may be sending a stream: one was requested and has not ended (D12)."""
+        return self._sync.streaming
 
     @property
     def found_again(self) -> int:
