@@ -155,7 +155,7 @@ def test_the_same_seed_gives_the_same_bytes_at_the_same_times():
     assert first != other
 
 
-def test_what_comes_unasked_puts_it_out_of_step():
+def test_what_came_unasked_is_found_at_the_next_request():
     unit = Watched()
     tester = unit.connected()
     unit.bus._unit.transmit(b"\x0a\xf6\x0d", unit.link.now())

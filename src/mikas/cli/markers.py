@@ -25,9 +25,9 @@ _END = b"\0"  # no signal has this number
 class Marking:
     """Listens while in the `with`, if stdin is a terminal of this process group."""
 
-    def __init__(self, recorder: Recorder, tell: Callable[[str], None]) -> None:
+    def __init__(self, recorder: Recorder, note: Callable[[str], None]) -> None:
         self._recorder = recorder
-        self._note = tell
+        self._note = note
         self._count = 0
         self._ended = False
         self._thread: threading.Thread | None = None

@@ -1,4 +1,4 @@
-"""Tells a code that the unit does not know, and answers by silence (D10), from a lost answer.
+"""Whether a silence means a code that the unit does not know (D10), or a lost answer.
 
 After each silence, codes are requested that the unit has answered. If a share `p` of those requests
 fails, `n` silences of a known code in a row have the probability `p` to the power of `n`. So three
@@ -42,7 +42,7 @@ class SilenceCheck:
         return bool(lost ** self._silences[silent] < _CHANCE)
 
     def gives_up(self, silent: Datum) -> bool:
-        """Whether `silent` had so many silences that no more of them will tell."""
+        """Whether `silent` had so many silences that more of them prove nothing."""
         return self._silences[silent] >= MOST_SILENCES
 
     def _answers(self, known: Datum) -> bool:

@@ -3,7 +3,7 @@
 A unit refuses a whole list or stream because of a single code, and may later refuse a parameter
 that it gave before. A refused parameter is dropped with a notice, and the others continue. Silence
 is a refusal only if the line can't have lost the answers (`mikas.client.silence`). Even so dropped
-parameters are requested again (`dropped`), and come back with a notice.
+parameters are requested again (`DroppedParameters`), and come back with a notice.
 
 The tester reports a refused command. If the unit has answered the command before, `explained` names
 the refused parameter or list instead (D10).
@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Collection, Generator, Iterator
 from enum import Enum
+from math import inf
 
 from mikas.client import Ecu
 from mikas.client.data import COMMON, refused
@@ -32,12 +33,12 @@ from mikas.errors import (
 from mikas.framing import Decoder, Frame
 from mikas.i18n import Text
 from mikas.sampling.context import SamplingContext, SamplingRequest
-from mikas.sampling.dropped import DroppedParameters
 from mikas.sampling.events import CycleFailed, Event, ParameterDropped, ParameterReturned
 from mikas.sampling.plan import Plan, datum_of
 
 _MOST_REFUSALS = 6  # before the first datum; with more, the parameters are not the cause
 _ATTEMPTS = 3
+_PAUSE = 60.0  # s to the next request of a dropped parameter; doubled after each in vain
 
 
 class UnsupportedParameters:
@@ -188,6 +189,58 @@ class UnsupportedParameters:
                 if name not in self._context.dropped:
                     self._context.dropped.add(name)
                     yield ParameterDropped(now, name, ecu.limits())
+
+
+class DroppedParameters:
+    """When a dropped parameter is requested again, which may have been dropped by mistake (D10).
+
+    One at a time, as a silent one takes a second: after a reconnection, when values are missing
+    anyway, each in turn. One that was read before is also requested after a minute, then after two,
+    four, … So a parameter that a unit never had costs nothing while the connection lasts.
+    `refused`: the set of all that are dropped.
+    """
+
+    def __init__(self, refused: set[Datum]) -> None:
+        self._refused = refused
+        self._read_before: set[Datum] = set()
+        self._requests: Counter[Datum] = Counter()
+        self._reconnected = False
+        self._due, self._pause = inf, _PAUSE
+
+    def add(self, datum: Datum, now: float, *, read_before: bool) -> None:
+        """Note that `datum` is dropped."""
+        if read_before:
+            self._read_before.add(datum)
+            self._due, self._pause = now + _PAUSE, _PAUSE
+
+    def reconnected(self) -> None:
+        """Note that the unit answers again."""
+        self._reconnected = True
+
+    def is_due(self, now: float) -> bool:
+        """Whether one is to be requested again, during a connection."""
+        return now >= self._due
+
+    def next(self, now: float) -> Datum | None:
+        """Return the one to request again now; None: none."""
+        if self._reconnected:
+            waiting = self._refused
+        elif self.is_due(now):
+            waiting = self._refused & self._read_before
+        else:
+            return None
+        self._reconnected = False
+        if self._due < inf:
+            self._due = now + self._pause if self._refused & self._read_before else inf
+            self._pause *= 2
+        if not waiting:
+            return None
+        datum = min(waiting, key=self._turn)
+        self._requests[datum] += 1
+        return datum
+
+    def _turn(self, datum: Datum) -> tuple[int, bool, int]:
+        return self._requests[datum], datum not in self._read_before, datum.code
 
 
 class ProbeResult(Enum):

@@ -38,17 +38,17 @@ if TYPE_CHECKING:
     from mikas.sampling.events import Event
     from mikas.sampling.plan import Plan
 
-Tell = Callable[[str], None]
+Show = Callable[[str], None]
 
 _LASTING = 3.0  # s without a sample on a working line that are worth a notice
 
 
 class Notices:
-    """Follows a run's events and passes a sentence for each notable one to `tell`."""
+    """Follows a run's events and passes a sentence for each notable one to `show`."""
 
-    def __init__(self, session: SamplingRun, tell: Tell, *, verbose: bool = False) -> None:
+    def __init__(self, session: SamplingRun, show: Show, *, verbose: bool = False) -> None:
         self._session = session
-        self._show = tell
+        self._show = show
         self._verbose = verbose
         self._gaps = GapTracker()
         self._well_since = -inf  # when the line last worked
