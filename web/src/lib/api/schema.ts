@@ -268,8 +268,8 @@ export interface components {
             code: string;
             en: string;
             ru: string;
-            sent?: string | null;
-            received?: string | null;
+            sent: string | null;
+            received: string | null;
         };
         /** @description An exchange failed; it may have been repeated with success. */
         ErrorEvent: {
