@@ -10,14 +10,17 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mikas.client.connecting import ConnectionOptions, state_folder
 from mikas.client.polling import FixedMethod
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Language, Text
 from mikas.link import Link, Port, find_ports, open_link
-from mikas.link.virtual import RealTimeVirtualLink
-from mikas.virtual.bus import Bus
+from mikas.link.urls import parse
+
+if TYPE_CHECKING:
+    from mikas.virtual.bus import Bus
 
 _ELSEWHERE = Text(
     "Start the dashboard again with --record and a writable folder.",
@@ -142,9 +145,13 @@ class VirtualCars:
 
     def open(self, url: str) -> Link:
         """Open a port, as `open_link`."""
+        if parse(url).scheme != "sim":
+            return self._open_port(url)  # `replay:` starts over each time
+        from mikas.link.virtual import RealTimeVirtualLink  # a car does not need it
+
         if (car := self._cars.get(url)) is not None:
             return RealTimeVirtualLink(car, url=url)
         link = self._open_port(url)
-        if type(link) is RealTimeVirtualLink:  # a subclass of `replay:` starts over each time
+        if isinstance(link, RealTimeVirtualLink):
             self._cars[url] = link.bus
         return link

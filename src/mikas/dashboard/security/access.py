@@ -29,7 +29,6 @@ from mikas.dashboard.errors import Forbidden, NotFromNetwork, TokenRequired
 from mikas.i18n import Text
 from mikas.link import Port
 from mikas.link.urls import parse
-from mikas.virtual.scenarios.scenario import SCENARIOS
 
 Rights = Literal["control", "view"]
 _CAR_OPTIONS = {"scenario", "seed", "model", "faults"}
@@ -160,6 +159,8 @@ def _is_loopback(request: HTTPConnection) -> bool:
 
 
 def _is_shipped_car(url: str) -> bool:
+    from mikas.virtual.scenarios.scenario import SCENARIOS  # late: most users have a cable
+
     parsed = parse(url)
     return (
         parsed.scheme == "sim"
