@@ -49,7 +49,7 @@ UNKNOWN: Final = SentRequest(NO_REQUEST, None)
 class Matching:
     """The state of one port. `request`: the last one; `count`: how many were sent.
 
-    `echoes`: whether the line returns what is sent; None: not known yet.
+    `echoes`: whether the line returns the sent bytes; None: not known yet.
     """
 
     def __init__(self) -> None:

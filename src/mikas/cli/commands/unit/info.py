@@ -78,7 +78,7 @@ def info(context: CommandContext, *, quick: bool) -> None:
 
 
 def _recorded_support(ecu: Ecu) -> list[Support]:
-    """Return which commands the recorded unit knew: trying them shows only what is recorded."""
+    """Return which commands the recorded unit knew: trying them shows only the recorded ones."""
     from mikas.replay import playing
 
     car = playing(ecu.tester.link)
