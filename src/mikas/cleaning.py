@@ -1,0 +1,75 @@
+"""Text and numbers from outside, made safe once, where they are read.
+
+Files, catalogs, units and other computers may send anything. What a reader returns has passed
+through here; the raw bytes stay in their file. `terminal_text` is for the one place that writes to
+a terminal: it escapes what is left, also in what was not cleaned.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from math import isfinite
+from typing import Any, Final
+
+# Times outside of these have no date in every time zone. Seconds since 1970.
+EARLIEST: Final = 0.0
+LATEST: Final = 253_402_214_400.0  # 9999-12-31, 00:00 UTC
+
+REPLACEMENT: Final = "\ufffd"
+_LONGEST_INTEGER: Final = 1 << 64
+
+# Halves of surrogate pairs, controls of both sets, marks that change the direction of the text
+# beside them, separators that some programs take for a new line, and U+FFFE and U+FFFF, which XML
+# has no form for.
+_UNSAFE: Final = re.compile(
+    "[\ud800-\udfff\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufffe\uffff]"
+)
+
+
+def clean_text(text: str, limit: int | None = None) -> str:
+    """Return `text` with U+FFFD for every character that a screen or a file can't take.
+
+    Line feeds and tabs stay. `limit`: a longer text is cut to that many characters.
+    """
+    text = text if limit is None else text[:limit]
+    return _UNSAFE.sub(REPLACEMENT, text.replace("\r\n", "\n"))
+
+
+def clean_line(text: str, limit: int | None = None) -> str:
+    """Return `clean_text` on one line: line feeds and tabs become spaces."""
+    return clean_text(text, limit).replace("\n", " ").replace("\t", " ")
+
+
+def clean_json(value: object) -> Any:  # noqa: ANN401  (any JSON)
+    """Return a JSON value with clean texts. Raises `ValueError` for a number of no use.
+
+    These are numbers that are not finite, and integers of more than 64 bits.
+    """
+    match value:
+        case str():
+            return clean_text(value)
+        case list():
+            return [clean_json(item) for item in value]
+        case Mapping():
+            return {clean_text(str(key)): clean_json(item) for key, item in value.items()}
+        case float() if not isfinite(value):
+            raise ValueError("a number is not finite")
+        case int() if abs(value) > _LONGEST_INTEGER:
+            raise ValueError("an integer has more than 64 bits")
+    return value
+
+
+def is_in_calendar(time: float) -> bool:
+    """Return whether `time`, in seconds since 1970, has a date in every time zone."""
+    return EARLIEST <= time <= LATEST  # also false for NaN
+
+
+def terminal_text(text: str) -> str:
+    """Return `text` with escapes such as `\\x1b` for all that would control a terminal."""
+    return _UNSAFE.sub(lambda match: _escaped(match[0]), text)
+
+
+def _escaped(character: str) -> str:
+    code = ord(character)
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"

@@ -1,0 +1,83 @@
+"""`mikas.cleaning`: text and numbers from files, catalogs, units and other computers."""
+
+import json
+import unicodedata
+from datetime import UTC, datetime
+from math import inf, nan
+from xml.etree import ElementTree as ET
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mikas.cleaning import (
+    LATEST,
+    clean_json,
+    clean_line,
+    clean_text,
+    is_in_calendar,
+    terminal_text,
+)
+
+any_text = st.text(st.characters(exclude_categories=()))
+
+
+@given(any_text)
+def test_clean_text_fits_utf8_xml_and_a_screen(text: str):
+    clean = clean_text(text)
+    assert clean.encode() is not None
+    ET.fromstring(f"<a>{clean.replace('&', '').replace('<', '')}</a>")
+    assert not {c for c in clean if unicodedata.category(c) in ("Cc", "Cs")} - {"\n", "\t"}
+    assert clean_text(clean) == clean
+    assert len(clean_line(clean).splitlines()) <= 1
+
+
+@given(any_text)
+def test_terminal_text_has_no_control_and_loses_nothing(text: str):
+    safe = terminal_text(text)
+    assert all(c in "\n\t" or unicodedata.category(c) not in ("Cc", "Cs") for c in safe)
+    assert safe.isascii() or safe.encode()
+    assert terminal_text(safe) == safe
+
+
+@pytest.mark.parametrize(
+    ("text", "clean", "escaped"),
+    [
+        ("Волга №7 — 90 °C", "Волга №7 — 90 °C", "Волга №7 — 90 °C"),
+        ("a\x1b]52;c;QQ==\x07b", "a\ufffd]52;c;QQ==\ufffdb", "a\\x1b]52;c;QQ==\\x07b"),
+        ("1\r\n2\r3", "1\n2\ufffd3", "1\\x0d\n2\\x0d3"),
+        ("\x9b2J", "\ufffd2J", "\\x9b2J"),
+        ("a\u202egpj.exe", "a\ufffdgpj.exe", "a\\u202egpj.exe"),
+        ("\ud800", "\ufffd", "\\ud800"),
+    ],
+)
+def test_known_texts(text: str, clean: str, escaped: str):
+    assert clean_text(text) == clean
+    assert terminal_text(text) == escaped
+
+
+def test_limit_counts_characters():
+    assert clean_text("abc", 2) == "ab"
+
+
+@given(st.recursive(st.none() | st.booleans() | st.floats() | st.integers() | any_text,
+                    lambda inner: st.lists(inner) | st.dictionaries(any_text, inner)))  # fmt: skip
+def test_clean_json_is_json_that_every_reader_takes(value: object):
+    try:
+        clean = clean_json(value)
+    except ValueError:
+        return
+    json.dumps(clean, allow_nan=False, ensure_ascii=False).encode()
+
+
+@pytest.mark.parametrize("number", [inf, -inf, nan, 10**30, -(10**30)])
+def test_clean_json_refuses(number: float):
+    with pytest.raises(ValueError, match=r"number|integer"):
+        clean_json({"a": [number]})
+
+
+def test_calendar():
+    assert is_in_calendar(0)
+    assert datetime.fromtimestamp(LATEST, UTC).year == 9999
+    assert datetime.fromtimestamp(LATEST).astimezone()
+    assert not any(map(is_in_calendar, (nan, inf, -1, LATEST + 1, 2.0**64)))
