@@ -253,6 +253,14 @@ def test_the_file_that_brought_a_name_last_is_to_blame(write: Write) -> None:
         assert (error.file, error.line) == (str(to_blame), 1)
 
 
+def test_of_a_long_circle_the_begin_and_the_end_are_shown(write: Write) -> None:
+    text = "".join(
+        f'[derived.D{n}]\ntext = "t"\nformula = "D{(n + 1) % 500}"\n' for n in range(500)
+    )
+    shown = refused(write(text)).problem.en.partition("in a circle: ")[2].split(" → ")
+    assert (len(shown), shown[7], shown[0]) == (9, "…", shown[-1])
+
+
 def test_a_circle_is_shown_from_each_channel_to_its_input(write: Write) -> None:
     inputs = {"A": "B", "B": "C", "C": "A"}
     text = "".join(f'[derived.{n}]\nformula = "{i}"\ntext = ""\n' for n, i in inputs.items())

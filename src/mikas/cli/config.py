@@ -10,7 +10,6 @@ catalog = ["~/my-catalog.toml"]    # a relative path is relative to this file
 from __future__ import annotations
 
 import os
-import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -109,24 +108,17 @@ def _expected(name: str, value: object) -> Text | None:
 def _parsed(file: Path) -> dict[str, Any]:
     if not file.is_file():
         return {}
-    import tomllib
+    from mikas import toml
 
     try:
-        return tomllib.loads(file.read_text("utf-8-sig"))
+        return toml.parse(toml.text_of(toml.read_bytes(file)))
     except OSError as error:
         reason = reason_of(error)
         raise _wrong(file, reason.en, reason.ru) from error
-    except UnicodeDecodeError as error:
-        raise _wrong(
-            file,
-            "not UTF-8; save the file in this encoding",
-            "не в кодировке UTF-8; сохраните файл в ней",
-        ) from error
-    except ValueError as error:
-        place = re.search(r"at line (\d+), column (\d+)", str(error))
-        where = f", строка {place[1]}, знак {place[2]}" if place else ""
-        raise _wrong(file, f"not TOML: {error}", f"ошибка записи TOML{where}") from error
+    except toml.TomlError as error:
+        place = f"{file}:{error.line}" if error.line else file
+        raise _wrong(place, error.problem.en, error.problem.ru) from error
 
 
-def _wrong(file: Path, en: str, ru: str) -> UsageError:
+def _wrong(file: Path | str, en: str, ru: str) -> UsageError:
     return usage_error(f"The config file {file}: {en}", f"Файл настроек {file}: {ru}")

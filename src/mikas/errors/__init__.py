@@ -55,6 +55,7 @@ error is also the matching builtin.
 
 from mikas.errors.base import AdviceTable as AdviceTable
 from mikas.errors.base import MikasError as MikasError
+from mikas.errors.base import UnfitFile as UnfitFile
 from mikas.errors.base import hex_dump as hex_dump
 from mikas.errors.base import reason_at as reason_at
 from mikas.errors.base import reason_of as reason_of

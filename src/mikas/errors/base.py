@@ -140,8 +140,18 @@ _IN_RUSSIAN = {
 }
 
 
+class UnfitFile(OSError):
+    """A file that is not opened, or not read to its end. `text`: why, in both languages."""
+
+    def __init__(self, code: int, text: Text) -> None:
+        super().__init__(code, text.en)
+        self.text = text
+
+
 def reason_of(error: OSError) -> Text:
     """Return the system's reason; in Russian where a translation is known."""
+    if isinstance(error, UnfitFile):
+        return error.text
     words = error.strerror or str(error)
     return Text(words, _IN_RUSSIAN.get(error.errno or 0, words))
 

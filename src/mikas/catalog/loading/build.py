@@ -34,6 +34,7 @@ T = TypeVar("T", Derived, Erratum, Fault, Model, Parameter)
 
 _OF_NUMBERS = (*LIMITS, "hysteresis")
 _OF_FLAGS = ("when_true",)
+_LONGEST_CIRCLE = 8  # names shown
 
 NOT_FOR_FLAGS = Text("makes no sense for a flag", "для признака не имеет смысла")
 ONLY_FOR_FLAGS = Text("makes sense for a flag only", "имеет смысл только для признака")
@@ -90,7 +91,7 @@ def _fits(entry: Entry, key: str, problem: Text, *, fits: bool) -> bool:
 def derived(entries: Entries, unit_texts: Mapping[str, Text]) -> dict[str, Derived]:
     """Build the derived channels by name, in the order of the files' tables."""
     _check_names(entries)
-    known = (*entries["parameter"], *entries["derived"])
+    known = {**entries["parameter"], **entries["derived"]}
     built = {
         name: _derived(name, entry, unit_texts, known) for name, entry in entries["derived"].items()
     }
@@ -99,7 +100,7 @@ def derived(entries: Entries, unit_texts: Mapping[str, Text]) -> dict[str, Deriv
 
 
 def _derived(
-    name: str, entry: Entry, unit_texts: Mapping[str, Text], known: Iterable[str]
+    name: str, entry: Entry, unit_texts: Mapping[str, Text], known: Mapping[str, Entry]
 ) -> Derived:
     entry.require("formula")
     values, constants = entry.values, entry.values.get("constants", {})
@@ -144,7 +145,10 @@ def _check_cycles(entries: Mapping[str, Entry], built: Mapping[str, Derived]) ->
     except CycleError as error:
         circle = error.args[1]
         latest = max((entries[name] for name in circle), key=lambda each: each.order(("formula",)))
-        shown = " → ".join(reversed(circle))
+        names = circle[::-1]
+        if len(names) > _LONGEST_CIRCLE:
+            names = [*names[: _LONGEST_CIRCLE - 1], "…", names[-1]]
+        shown = " → ".join(names)
         problem = Text(f"goes in a circle: {shown}", f"замкнут в круг: {shown}")
         raise latest.wrong(("formula",), problem) from None
 

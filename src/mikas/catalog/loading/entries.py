@@ -21,6 +21,8 @@ from mikas.catalog.loading.source import CatalogFile, KeyPath
 from mikas.errors import CatalogError
 from mikas.i18n import Text
 
+MOST_ENTRIES = 2000  # of a family, in one file; a unit has 256 codes
+
 Entries: TypeAlias = "dict[str, dict[Any, Entry]]"
 """By family, then by name (upper case) or number, in the order of the files' tables."""
 
@@ -100,6 +102,14 @@ def _add_tables(known: dict[Any, Entry], source: CatalogFile, family: str, table
         if name in names:
             raise source.wrong(path, Text("is there twice", "есть дважды"))
         names.add(name)
+        if len(names) > MOST_ENTRIES:
+            raise source.wrong(
+                path,
+                Text(
+                    f"is more than the {MOST_ENTRIES} entries that a file may have of a kind",
+                    f"уже больше {MOST_ENTRIES}: столько записей одного вида может быть в файле",
+                ),
+            )
         entry = known.setdefault(name, Entry(source, path, (source, path)))
         entry.source, entry.table = source, path
         entry.override((), entry.values, read_table(source, path, table, FAMILIES[family].schema))

@@ -25,6 +25,8 @@ Schema: TypeAlias = "Mapping[str, Reader | Schema]"
 ANY = "*"
 """In a schema: the rule for every other key."""
 
+LONGEST_TEXT = 4000  # characters; the shipped texts have up to 200
+
 _RATIO = re.compile(r"\s*([+-]?\d{1,15})\s*(?:/\s*(\d{1,15})\s*)?", re.ASCII)
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _CONSTANT = re.compile(r"[a-z][a-z0-9_]*")
@@ -32,8 +34,13 @@ _NUMBER_KEY = re.compile(r"0x[0-9a-f]{1,2}|0|[1-9]\d{0,2}", re.IGNORECASE | re.A
 
 
 def string(value: object) -> str:
-    """Read any text."""
+    """Read a text of at most `LONGEST_TEXT` characters."""
     if isinstance(value, str):
+        if len(value) > LONGEST_TEXT:
+            raise usage_error(
+                f"is longer than {LONGEST_TEXT} characters; shorten it",
+                f"длиннее {LONGEST_TEXT} знаков; сократите",
+            )
         return value
     raise usage_error("must be a text in quotes", "нужен текст в кавычках")
 
@@ -48,7 +55,7 @@ def boolean(value: object) -> bool:
 def strings(value: object) -> tuple[str, ...]:
     """Read a list of texts."""
     if isinstance(value, list) and all(isinstance(item, str) for item in value):
-        return tuple(value)
+        return tuple(map(string, value))
     raise usage_error('must be a list of texts, as ["E1"]', 'нужен список текстов, например ["E1"]')
 
 

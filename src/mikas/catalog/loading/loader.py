@@ -55,7 +55,9 @@ def shipped() -> Catalog:
 @cache
 def _shipped_sources() -> tuple[CatalogFile, ...]:
     folder = Path(__file__).parents[1]  # the package `mikas.catalog`
-    return tuple(parse_source(name, (folder / name).read_bytes()) for name in _SHIPPED)
+    return tuple(
+        parse_source(name, (folder / name).read_bytes(), bounded=False) for name in _SHIPPED
+    )
 
 
 def combined(sources: Sequence[CatalogFile]) -> Catalog:

@@ -16,6 +16,7 @@ from decimal import Context, Decimal
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from mikas import toml
 from mikas.errors import CatalogError, reason_of
 from mikas.i18n import Text
 
@@ -132,9 +133,9 @@ class CatalogFile:
 
 
 def read_source(path: Path, order: int = 0) -> CatalogFile:
-    """Read a file. CatalogError: it can't be read, is not UTF-8, or not TOML."""
+    """Read a file. CatalogError: it can't be read, is too large, not UTF-8, or not TOML."""
     try:
-        data = path.read_bytes()
+        data = toml.read_bytes(path)
     except OSError as error:
         reason = reason_of(error)
         problem = Text(f"the file can't be read: {reason.en}", f"файл не читается: {reason.ru}")
@@ -142,24 +143,13 @@ def read_source(path: Path, order: int = 0) -> CatalogFile:
     return parse_source(str(path), data, order)
 
 
-def parse_source(name: str, data: bytes, order: int = 0) -> CatalogFile:
-    """Parse a file's bytes. CatalogError as for `read_source`."""
+def parse_source(name: str, data: bytes, order: int = 0, *, bounded: bool = True) -> CatalogFile:
+    """Parse a file's bytes. CatalogError as for `read_source`. `bounded`: as `mikas.toml.parse`."""
     try:
-        text = data.decode("utf-8-sig").replace("\r\n", "\n")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        problem = Text(
-            "the file is not UTF-8; save it in this encoding",
-            "файл не в кодировке UTF-8; сохраните его в ней",
-        )
-        raise CatalogError(name, line, problem) from error
-    try:
-        tables = tomllib.loads(text, parse_float=_decimal)
-    except (ValueError, RecursionError) as error:
-        place = re.search(r"at line (\d+)", str(error))
-        line = int(place[1]) if place else text.count("\n") + 1 if "at end" in str(error) else 0
-        problem = Text(f"this is not TOML: {error}", "здесь ошибка записи TOML")
-        raise CatalogError(name, line, problem) from error
+        text = toml.text_of(data)
+        tables = toml.parse(text, _decimal, bounded=bounded)
+    except toml.TomlError as error:
+        raise CatalogError(name, error.line, error.problem) from error
     return CatalogFile(name, text, tables, order)
 
 

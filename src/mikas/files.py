@@ -1,0 +1,140 @@
+"""Files in folders that others may write to, opened without a surprise.
+
+A name in such a folder may be a link to a file elsewhere, a pipe that never answers, a device, or a
+file of terabytes. Only a regular file is opened, and what was opened is checked, not only its name.
+`follow`: the name was given by the user, who may mean a link. Windows has no flag that refuses a
+link: there the name is checked before and compared with the opened file.
+
+A file that has a second name (a hard link) is read, as copies of backups are, but not changed in
+place: the other name may be in another folder.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, BinaryIO, Final, Literal
+
+from mikas.cleaning import clean_json
+from mikas.errors import UnfitFile
+from mikas.i18n import Text
+
+Mode = Literal["rb", "r+b", "ab"]
+
+_FLAGS: Final[dict[Mode, int]] = {
+    "rb": os.O_RDONLY,
+    "r+b": os.O_RDWR,
+    "ab": os.O_WRONLY | os.O_APPEND | os.O_CREAT,
+}
+_NO_FOLLOW: Final[int] = getattr(os, "O_NOFOLLOW", 0)
+_ALWAYS: Final[int] = sum(
+    getattr(os, name, 0)
+    for name in ("O_NONBLOCK", "O_CLOEXEC", "O_NOCTTY", "O_BINARY", "O_NOINHERIT")
+)
+
+_LINK: Final = Text(
+    "this is a link to another file, which is not followed; put the file itself here",
+    "это ссылка на другой файл, по ней не переходят; положите сюда сам файл",
+)
+_FOLDER: Final = Text("this is a folder, not a file", "это папка, а не файл")
+_NO_FILE: Final = Text(
+    "this is a pipe or a device; only a file can be used here",
+    "это канал или устройство; здесь нужен файл",
+)
+_TWO_NAMES: Final = Text(
+    "this file has a second name (a hard link), so it is not changed; replace it by a copy",
+    "у этого файла есть второе имя (жёсткая ссылка), поэтому он не изменяется; замените его копией",
+)
+_REPLACED: Final = Text(
+    "another program has just replaced this file; try again",
+    "другая программа только что заменила этот файл; попробуйте ещё раз",
+)
+_TOO_LARGE: Final = Text(
+    "the file is larger than {most} KB, the most that is read here",
+    "файл больше {most} КБ, больше здесь не читается",
+)
+
+
+def open_regular(path: Path, mode: Mode = "rb", *, follow: bool = False) -> BinaryIO:
+    """Open a regular file, never waiting. "ab" creates a missing one.
+
+    Raises `OSError`; `UnfitFile` for anything but a regular file, for a link unless `follow`, and
+    for a change of a file that has a second name.
+    """
+    before = None
+    try:
+        before = path.stat(follow_symlinks=follow)
+        _check(before, mode)  # opening a device may have effects
+    except FileNotFoundError:
+        if mode != "ab":
+            raise
+    flags = _FLAGS[mode] | _ALWAYS | (0 if follow else _NO_FOLLOW)
+    try:
+        descriptor = os.open(path, flags, 0o666)
+    except OSError as error:
+        if error.errno == errno.ELOOP and not follow:  # a link since the check
+            raise UnfitFile(errno.ELOOP, _LINK) from error
+        raise
+    try:
+        after = os.fstat(descriptor)
+        _check(after, mode)
+        if not (_NO_FOLLOW or follow or before is None or os.path.samestat(before, after)):
+            raise UnfitFile(errno.ELOOP, _REPLACED)
+        return os.fdopen(descriptor, mode)
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def _check(status: os.stat_result, mode: Mode) -> None:
+    """Raise `UnfitFile` unless this is a regular file, and one that may be changed."""
+    if stat.S_ISLNK(status.st_mode):
+        raise UnfitFile(errno.ELOOP, _LINK)
+    if stat.S_ISDIR(status.st_mode):
+        raise UnfitFile(errno.EISDIR, _FOLDER)
+    if not stat.S_ISREG(status.st_mode):
+        raise UnfitFile(errno.EINVAL, _NO_FILE)
+    if mode != "rb" and status.st_nlink > 1:
+        raise UnfitFile(errno.EMLINK, _TWO_NAMES)
+
+
+def read_regular(path: Path, most: int, *, follow: bool = False) -> bytes:
+    """Return the content of a regular file of at most `most` bytes. Raises as `open_regular`."""
+    with open_regular(path, follow=follow) as file:
+        data = file.read(most + 1)
+    if len(data) > most:
+        raise UnfitFile(errno.EFBIG, _TOO_LARGE.filled(most=most // 1024))
+    return data
+
+
+def read_json(path: Path, most: int) -> Any:  # noqa: ANN401  (any JSON)
+    """Return the JSON in a regular file of at most `most` bytes, cleaned.
+
+    Raises `OSError` as `open_regular`, and `ValueError` for anything but JSON that can be used.
+    """
+    import json
+
+    try:
+        return clean_json(json.loads(read_regular(path, most).decode()))
+    except RecursionError:
+        raise ValueError("nested too deep") from None
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Replace `path` by a file with `data`, all or nothing. Raises `OSError`.
+
+    A link at `path` is replaced too; its target is not touched.
+    """
+    fresh = path.with_name(f"{path.name}.new")
+    fresh.unlink(missing_ok=True)  # of a killed program
+    try:
+        with fresh.open("xb") as file:
+            file.write(data)
+        fresh.replace(path)
+    except BaseException:
+        with suppress(OSError):
+            fresh.unlink(missing_ok=True)
+        raise
