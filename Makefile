@@ -13,7 +13,10 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test browser cable hour fuzz soak check bench clean
+.PHONY: help demo test browser cable hour fuzz soak check bench audit sbom lock clean
+
+# Every package that is installed here, also those that build ours, has the version and a hash of requirements/lock.txt.
+install := requirements/install.py
 
 help: ## list these targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -42,12 +45,11 @@ MINUTES ?= 60
 hour: .venv/with-test build/cable/unpacked ## an hour of recording in QEMU while the cable is pulled out and put back, nothing wrong or lost
 	@PYTHONPATH=tests $(venv_python) -m cable.hour --minutes $(MINUTES) --seed $(SEED)
 
-# Seconds for each of four targets, one after another; recordings are read beside them, as long as all four together, by
-# cases of SEED: make fuzz SECONDS=3600 SEED=2
-SECONDS ?= 45
+# Seconds for each of four targets, which run two at a time: make fuzz SECONDS=3600
+SECONDS ?= 60
 
-fuzz: .venv/with-fuzz ## the parsers under mutated inputs, and all readers under hostile recordings (Linux); fails on a finding
-	@$(venv_python) -m fuzz --seconds $(SECONDS) --seed $(SEED)
+fuzz: .venv/with-fuzz ## the parsers under mutated inputs, guided by coverage (Linux); fails on a finding
+	@$(venv_python) -m fuzz --seconds $(SECONDS)
 
 check: .venv/with-check web/node_modules/installed ## lint, format, types, import rules, names of changes/
 	$(venv_python) -m ruff check .
@@ -68,35 +70,53 @@ SEED ?= 1
 soak: .venv/with-test ## a million exchanges on a very bad line in simulated time, no value wrong: a quarter of an hour
 	@$(venv_python) -m bench.soak --exchanges $(EXCHANGES) --seed $(SEED)
 
+audit: build/audit/installed .venv/installed ## the locked packages against the known advisories (requirements/README.md)
+	@PATH="$(CURDIR)/.venv/bin:$$PATH" build/audit/bin/python requirements/audit.py
+
+sbom: build/audit/installed .venv/installed ## the parts of a release (CycloneDX) into build/sbom
+	@rm -rf build/sbom && $(venv_python) -m venv build/sbom/venv
+	@build/sbom/venv/bin/python $(install) export
+	@build/sbom/venv/bin/python -m pip uninstall --quiet --yes pip setuptools  # no parts of ours
+	@build/audit/bin/cyclonedx-py environment --pyproject pyproject.toml --output-reproducible -o build/sbom/mikas.cdx.json build/sbom/venv
+	@$(npm) sbom --sbom-format cyclonedx --package-lock-only > build/sbom/page.cdx.json
+	@rm -rf build/sbom/venv
+	@echo "build/sbom: mikas.cdx.json (Python) and page.cdx.json (the dashboard's page, and what builds it)"
+
+# The newest versions: make lock UPGRADE=--upgrade
+UPGRADE ?=
+
+lock: build/audit/installed ## write requirements/lock.txt, after a change of the packages in pyproject.toml
+	@build/audit/bin/uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --generate-hashes --no-header \
+	  --no-emit-index-url --no-emit-find-links --annotation-style line --extra export $(addprefix --group ,$(groups)) \
+	  $(UPGRADE) --output-file requirements/lock.txt
+
 clean: ## remove .venv and everything else that was generated
 	rm -rf .venv .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache build dist htmlcov \
 	  web/node_modules src/mikas/dashboard/page
 	find src tests bench fuzz -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
+groups := test check fuzz build audit
+
 # The page is built on installation, so its sources count as well.
-page := pyproject.toml hatch_build.py $(shell find web -path web/node_modules -prune -o -type f -print 2>/dev/null)
+page := pyproject.toml requirements/lock.txt hatch_build.py $(shell find web -path web/node_modules -prune -o -type f -print 2>/dev/null)
 
 .venv/installed: $(page)
 	@[ -f $@ ] || { $(find_python); $(make_venv); }
 	@echo "Installing mikas into .venv"
-	@$(venv_python) -m pip install --quiet --disable-pip-version-check --editable .
+	@$(venv_python) $(install) mikas
 	@pwd -P > $@
 
-# Dependency groups need pip 25.1; a new environment has the pip that came with its Python.
-.venv/with-test: .venv/installed
-	@echo "Installing the packages of the tests"
-	@$(venv_python) -m pip install --quiet --disable-pip-version-check 'pip>=25.1'
-	@$(venv_python) -m pip install --quiet --disable-pip-version-check --group test
+.venv/with-%: .venv/installed
+	@echo "Installing the packages for: $*"
+	@$(venv_python) $(install) $*
 	@touch $@
 
-.venv/with-check: .venv/with-test
-	@echo "Installing the packages of the checks"
-	@$(venv_python) -m pip install --quiet --disable-pip-version-check --group check
-	@touch $@
+.venv/with-check .venv/with-fuzz: .venv/with-test
 
-.venv/with-fuzz: .venv/with-test
-	@echo "Installing the fuzzer"
-	@$(venv_python) -m pip install --quiet --disable-pip-version-check --group fuzz
+# An environment of its own, so that `make lock` works when .venv can't be made by the present lock.
+build/audit/installed:
+	@echo "Installing the packages for: audit"
+	@mkdir -p build && $(find_python); "$$python" -m venv --clear build/audit && build/audit/bin/python $(install) audit
 	@touch $@
 
 # The page's own tools, with Node from the environment.
