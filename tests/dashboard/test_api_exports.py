@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import csv
 import io
 import shutil
 import sys
 import tempfile
+from contextlib import AsyncExitStack
 from pathlib import Path
 from urllib.parse import quote
 
@@ -16,7 +18,7 @@ import mikas
 from dashboard.recordings_rig import record
 from dashboard.rig import ME, OTHER, rig
 from mikas.dashboard.api import exports
-from mikas.dashboard.library import service
+from mikas.dashboard.library.lanes import Lane
 from mikas.errors import ExportError
 from mikas.i18n import Text
 from mikas.report.page import policy
@@ -134,7 +136,7 @@ def test_a_name_of_any_letters_arrives_as_it_is(desk) -> None:
         assert quote(name.removesuffix(".pcapng"), safe="") in saved_as(desk.get(path + what))
 
 
-def test_one_piece_of_heavy_work_at_a_time(desk, monkeypatch) -> None:
+def test_one_file_is_exported_once_at_a_time(desk, monkeypatch) -> None:
     from concurrent.futures import ThreadPoolExecutor
     from threading import Lock
 
@@ -164,17 +166,17 @@ def test_a_queue_that_is_too_long_is_refused(desk, monkeypatch) -> None:
     from threading import Event, Semaphore
 
     go, asked = Event(), Semaphore(0)
-    one = service.RecordingService.run_alone
+    run = Lane.run
 
-    async def counted(self, work):
+    async def counted(self, *args, **settings):
         asked.release()
-        return await one(self, work)
+        return await run(self, *args, **settings)
 
     def waits(*_, **__):
         assert go.wait(60)
         raise ExportError("a", Text("so be it", "пусть так"))
 
-    monkeypatch.setattr(service.RecordingService, "run_alone", counted)
+    monkeypatch.setattr(Lane, "run", counted)
     monkeypatch.setattr("mikas.recording.export.export", waits)
     path = "/api/recordings/drive.pcapng/export"
     with ThreadPoolExecutor(8) as pool:
@@ -190,11 +192,11 @@ def test_a_queue_that_is_too_long_is_refused(desk, monkeypatch) -> None:
 
 
 def test_nothing_is_left_after_the_client_has_gone(temporary) -> None:
-    import asyncio
-
     folder = Path(tempfile.mkdtemp())
     (folder / "a.csv").write_text("x" * 1000)
-    answer = exports._Temporary(folder / "a.csv", filename="a.csv")
+    resources = AsyncExitStack()
+    resources.push_async_callback(exports._delete, folder)
+    answer = exports._Temporary(folder / "a.csv", resources, filename="a.csv")
 
     async def gone(_) -> None:
         raise OSError("the other side is gone")

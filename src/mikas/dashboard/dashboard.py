@@ -87,6 +87,7 @@ class Dashboard:
         try:
             yield
         finally:
+            await self.library.close()
             await self.dump_jobs.close()
             if self.diagnosis is not None:
                 await self.diagnosis.end()

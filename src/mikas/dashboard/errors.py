@@ -156,6 +156,22 @@ class Busy(ApiRefusal):
     what = Text("Not now: {problem}", "Не сейчас: {problem}")
 
 
+class TookTooLong(ApiRefusal):
+    """Reading a recording, a report or an export passed its deadline; it was cancelled."""
+
+    status = 504
+    what = Text(
+        "This took longer than {seconds} s and was cancelled",
+        "Это заняло больше {seconds} с и прервано",
+    )
+    advice = Text(
+        "The file is very long or damaged. The command line has no such limit: "
+        "mikas report FILE -o OUT.html, mikas export FILE -o OUT.csv.",
+        "Файл очень большой или повреждён. В командной строке такого предела нет: "
+        "mikas report ФАЙЛ -o ОТЧЁТ.html, mikas export ФАЙЛ -o ТАБЛИЦА.csv.",
+    )
+
+
 class ConfirmationExpired(ApiRefusal):
     """An unknown, expired or used confirmation, or that of another client."""
 

@@ -67,7 +67,7 @@ class Server(uvicorn.Server):
                 timeout_graceful_shutdown=_GRACE,
             )
         )
-        self._ready = ready
+        self._app, self._ready = app, ready
         self._signal: int | None = None  # the first one received
 
     @contextmanager
@@ -102,6 +102,11 @@ class Server(uvicorn.Server):
             raise KeyboardInterrupt
         if self._signal is not None:
             signal.raise_signal(self._signal)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Cancel reports and exports at once, then shut down."""
+        await self._app.state.dashboard.library.close()
+        await super().shutdown(sockets)
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, and call `ready`."""

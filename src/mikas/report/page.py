@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from markupsafe import Markup
 
+from mikas.cancellation import check_cancelled
 from mikas.errors import ExportError
 from mikas.i18n import Language, Text
 from mikas.recording.export.exporting import check_free, write_whole
@@ -164,6 +165,7 @@ class _Page:
         measured, language = self._found.measured, self._language
         began = measured.began or 0.0
         for channel in _chart_channels(self._found):
+            check_cancelled()
             title = f"{channel.text.to(language)}, {channel.unit_text.to(language)}"
             yield {
                 "title": title.rstrip(", "),

@@ -9,13 +9,15 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
-from collections.abc import AsyncIterator
-from typing import Annotated
+from collections.abc import AsyncIterator, Coroutine
+from typing import Annotated, Any, TypeVar
 from urllib.parse import unquote
 
 from fastapi import Depends, Header, Query, Request
 from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
 
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import status_of
@@ -26,6 +28,9 @@ from mikas.dashboard.security.control import Client
 from mikas.errors import MikasError
 from mikas.i18n import Text
 
+T = TypeVar("T")
+
+_GONE = 499  # the usual status for logs; no client receives it
 _ID = re.compile(r"[A-Za-z0-9-]{8,64}")
 _MAX_NAME = 40
 _UNUSED = (400, 403, 404, 410, 413)  # statuses of invalid or refused requests
@@ -75,8 +80,40 @@ def _viewer(request: Request, client_id: ClientId = None, client_name: ClientNam
     return client_of(client_id, client_name, may_control=may_control)
 
 
+class Requester:
+    """The client that waits for long work."""
+
+    def __init__(self, request: Request) -> None:
+        self._request = request
+        client = request.client
+        self.address = (
+            None if request.scope["state"]["local"] else client.host if client else "unknown"
+        )
+        """Of a client in the network; None: it is on this computer."""
+
+    async def awaits(self, work: Coroutine[Any, Any, T]) -> T:
+        """Return the result of `work`, which is cancelled when the client disconnects."""
+        working = asyncio.create_task(work)
+        leaving = asyncio.create_task(self._leave())
+        try:
+            await asyncio.wait({working, leaving}, return_when=asyncio.FIRST_COMPLETED)
+            if not working.done():
+                leaving.result()  # it may have sent too long a body
+                raise HTTPException(_GONE, "the client has disconnected")
+            return working.result()
+        finally:
+            working.cancel()
+            leaving.cancel()
+            await asyncio.wait({working, leaving})
+
+    async def _leave(self) -> None:
+        while (await self._request.receive())["type"] != "http.disconnect":
+            pass
+
+
 TheDashboard = Annotated[Dashboard, Depends(_dashboard)]
 TheLibrary = Annotated[RecordingService, Depends(_library)]
+TheRequester = Annotated[Requester, Depends(Requester)]
 Viewer = Annotated[Client, Depends(_viewer)]
 """Any client; one without an id has an empty one."""
 

@@ -43,6 +43,7 @@ _DESCRIPTIONS = {
     413: "too large",
     502: "line trouble, or the unit refused",
     503: "no connection",
+    504: "it took too long and was cancelled",
 }
 
 # By name: FastAPI would build the model for each status of each route, 200 times at every start.

@@ -1,7 +1,8 @@
 """Routes of recordings as files: the capture itself, and the formats of other programs.
 
-Exports run in a thread, one at a time, so that sampling keeps its share of the computer. The result
-is a temporary file, deleted once it is sent or the client has disconnected.
+Exports run in a thread, in the lane of files; two at once leave sampling its share of the computer.
+The result is a temporary file, deleted once it is sent or the client has disconnected. Until then
+it holds its client's place in the lane.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import asyncio
 import shutil
 import tempfile
 from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack
 from pathlib import Path
 from typing import Annotated, Final, Literal
 from urllib.parse import quote
@@ -18,7 +20,7 @@ from fastapi import APIRouter, Query
 from fastapi.responses import FileResponse, Response, StreamingResponse
 from starlette.types import Receive, Scope, Send
 
-from mikas.dashboard.api.dependencies import Names, TheLibrary, split_names
+from mikas.dashboard.api.dependencies import Names, TheLibrary, TheRequester, split_names
 from mikas.dashboard.api.errors import content, errors
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.i18n import Language
@@ -39,17 +41,21 @@ _FILE: Final = content("application/octet-stream", "the file")
 
 
 class _Temporary(FileResponse):
-    """A file whose folder is deleted after the response, also a failed one."""
+    """A file that needs `resources` until it is sent, or was not."""
 
-    def __init__(self, path: Path, **settings: str) -> None:
+    def __init__(self, path: Path, resources: AsyncExitStack, **settings: str) -> None:
         super().__init__(path, **settings)  # type: ignore[arg-type]  # as FileResponse takes them
-        self._folder = path.parent
+        self._resources = resources
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         try:
             await super().__call__(scope, receive, send)
         finally:
-            await asyncio.shield(asyncio.to_thread(shutil.rmtree, self._folder, ignore_errors=True))
+            await self._resources.aclose()
+
+
+async def _delete(folder: Path) -> None:
+    await asyncio.shield(asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True))
 
 
 @router.get("/{identity}/file", response_class=Response, responses=errors(404) | _FILE)
@@ -62,9 +68,10 @@ def file(library: TheLibrary, identity: str) -> Response:
     return StreamingResponse(_written_part(found), media_type=_CAPTURE, headers=headers)
 
 
-@router.get("/{identity}/export", response_class=Response, responses=errors(404, 409) | _FILE)
+@router.get("/{identity}/export", response_class=Response, responses=errors(404, 409, 504) | _FILE)
 async def export(
     library: TheLibrary,
+    requester: TheRequester,
     identity: str,
     *,
     format: Annotated[Format, Query()] = "csv",  # noqa: A002  (the contract's word)
@@ -75,11 +82,9 @@ async def export(
     """Return the recording as a table for other programs."""
     source = await asyncio.to_thread(library.folder.one, identity)
     wanted = tuple(split_names(names) or ())
-    folder = Path(await asyncio.to_thread(tempfile.mkdtemp, prefix="mikas-export-"))
     kind = "-excel" if (format, dialect) == ("csv", "excel") else ""
-    out = folder / f"{source.path.stem}{kind}.{format}"
 
-    def write() -> None:
+    def write(out: Path) -> None:
         from mikas.recording.export import DIALECTS
         from mikas.recording.export import export as write_table
         from mikas.recording.recording import Recording
@@ -95,12 +100,15 @@ async def export(
             dialect=DIALECTS[dialect],
         )
 
-    try:
-        await library.run_alone(write)
-    except BaseException:
-        await asyncio.shield(asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True))
-        raise
-    return _Temporary(out, media_type=_TYPES[format], filename=out.name)
+    async with AsyncExitStack() as resources:
+        resources.enter_context(library.files.place(requester.address))
+        folder = Path(tempfile.mkdtemp(prefix="mikas-export-"))
+        resources.push_async_callback(_delete, folder)
+        out = folder / f"{source.path.stem}{kind}.{format}"
+        await requester.awaits(
+            library.files.run(lambda: write(out), key=source.id, address=requester.address)
+        )
+        return _Temporary(out, resources.pop_all(), media_type=_TYPES[format], filename=out.name)
 
 
 def attachment(name: str) -> str:

@@ -1,11 +1,12 @@
 """Routes of recordings: start and stop one, the list, one recording, its rows, its comment.
 
 The id of a recording is the name of its file in the folder; no other file is accessible. Files are
-read in threads, not in the event loop.
+read in the lane of views: a report or an export that takes long holds up none of these.
 """
 
 from __future__ import annotations
 
+import asyncio
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
@@ -18,6 +19,7 @@ from mikas.dashboard.api.dependencies import (
     Names,
     TheDashboard,
     TheLibrary,
+    TheRequester,
     split_names,
 )
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
@@ -153,29 +155,39 @@ def note(dashboard: TheDashboard, _: Controller, body: NoteRequest) -> NoteRespo
     return NoteResponse(kept=True)
 
 
-@router.get("/recordings", responses=errors())
-def recordings(library: TheLibrary) -> RecordingsResponse:
+@router.get("/recordings", responses=errors(409, 504), response_model=RecordingsResponse)
+async def recordings(library: TheLibrary, requester: TheRequester) -> Response:
     """Return all recordings in the folder, the latest first."""
-    files = library.folder.all()
-    library.summaries.keep_only(files)
-    return RecordingsResponse(
-        recordings=[_info(library, file) for file in files], problem=_problem(library)
-    )
+    listed = await requester.awaits(library.all(requester.address))
+
+    def described() -> Response:
+        found = [_info(library, file, summary) for file, summary in listed]
+        answer = RecordingsResponse(recordings=found, problem=_problem(library))
+        return Response(answer.model_dump_json(), media_type="application/json")
+
+    return await asyncio.to_thread(described)
 
 
-@router.get("/recordings/{identity}", responses=errors(404), response_model=RecordingDetail)
-def recording(library: TheLibrary, identity: str) -> Response:
+@router.get(
+    "/recordings/{identity}", responses=errors(404, 409, 504), response_model=RecordingDetail
+)
+async def recording(library: TheLibrary, requester: TheRequester, identity: str) -> Response:
     """Return one recording, with its channels and its events."""
-    file = library.folder.one(identity)
-    if library.summaries.of(file).problem is not None:
-        return JSONResponse(_detail(library, file, None))
-    with library.opened(file) as recording:
-        return JSONResponse(_detail(library, file, recording))
+
+    def look(file: RecordingFile) -> Response:
+        summary = library.summary(file)
+        recording = library.opened(file) if summary.problem is None else None
+        return JSONResponse(_detail(library, file, summary, recording))
+
+    return await requester.awaits(library.view(identity, look, requester.address))
 
 
-@router.get("/recordings/{identity}/rows", responses=errors(404), response_model=RowsResponse)
-def rows(
+@router.get(
+    "/recordings/{identity}/rows", responses=errors(404, 409, 504), response_model=RowsResponse
+)
+async def rows(
     library: TheLibrary,
+    requester: TheRequester,
     identity: str,
     *,
     begin: Annotated[float, Query(alias="from", allow_inf_nan=False)] = -1e300,
@@ -184,27 +196,35 @@ def rows(
     names: Names = None,
 ) -> Response:
     """Return the rows between `from` and `to`, decimated with spikes kept if they are too many."""
-    with library.opened(library.folder.one(identity)) as recording:
-        window, decimated = recording.window(begin, end, points, split_names(names))
-    return JSONResponse(json_columns(window) | {"decimated": decimated})
+
+    def look(file: RecordingFile) -> Response:
+        window, decimated = library.opened(file).window(begin, end, points, split_names(names))
+        return JSONResponse(json_columns(window) | {"decimated": decimated})
+
+    return await requester.awaits(library.view(identity, look, requester.address))
 
 
-@router.put("/recordings/{identity}/note", responses=errors(404))
-def comment(
+@router.put("/recordings/{identity}/note", responses=errors(404, 409, 504))
+async def comment(
     dashboard: TheDashboard,
     library: TheLibrary,
+    requester: TheRequester,
     _: KnownClient,
     identity: str,
     body: RecordingNoteRequest,
 ) -> RecordingInfo:
     """Write a comment on the recording into its file."""
-    file = library.folder.one(identity)
     note = comment_note(dashboard.connection.now(), body.text)
-    if library.is_growing(file):
-        dashboard.recorder.recorder.note(note)
-    else:
-        append_note(file.path, note)
-    return _info(library, library.folder.one(identity))
+
+    def write(file: RecordingFile) -> RecordingInfo:
+        if library.is_growing(file):
+            dashboard.recorder.recorder.note(note)
+        else:
+            append_note(file.path, note)
+        written = library.folder.one(identity)
+        return _info(library, written, library.summary(written))
+
+    return await requester.awaits(library.view(identity, write, requester.address))
 
 
 def _problem(library: RecordingService) -> TwoTexts | None:
@@ -215,8 +235,7 @@ def _problem(library: RecordingService) -> TwoTexts | None:
     return None
 
 
-def _info(library: RecordingService, file: RecordingFile) -> RecordingInfo:
-    summary = library.summaries.of(file)
+def _info(library: RecordingService, file: RecordingFile, summary: Summary) -> RecordingInfo:
     return made_of(
         RecordingInfo,
         summary,
@@ -231,17 +250,16 @@ def _info(library: RecordingService, file: RecordingFile) -> RecordingInfo:
 
 
 def _detail(
-    library: RecordingService, file: RecordingFile, recording: Recording | None
+    library: RecordingService, file: RecordingFile, summary: Summary, recording: Recording | None
 ) -> dict[str, Any]:
     """Return a `RecordingDetail` as JSON, not validated: its events are those in the file.
 
     `recording` None: the file can't be read.
     """
-    detail: dict[str, Any] = _info(library, file).model_dump(mode="json")
+    detail: dict[str, Any] = _info(library, file, summary).model_dump(mode="json")
     detail |= {"channels": [], "events": [], "problems": [], "method": None}
     if recording is None:
         return detail | {"first": None, "last": None}
-    summary = library.summaries.of(file)
     detail["first"], detail["last"] = _span(summary, recording)
     detail["channels"] = [channel.name for channel in recording.channels]
     detail["events"] = [event.as_json() for event in recording.events]

@@ -1,7 +1,7 @@
 """Routes of the report: on a recording, and on the running connection.
 
 The latter covers the last minutes, the passport and the faults as last read. Reports are made in a
-thread, one at a time.
+thread, in the lane of files.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 from fastapi import APIRouter
 from fastapi.responses import Response
 
-from mikas.dashboard.api.dependencies import TheDashboard, TheLibrary
+from mikas.dashboard.api.dependencies import Requester, TheDashboard, TheLibrary, TheRequester
 from mikas.dashboard.api.errors import content, errors
 from mikas.dashboard.api.exports import attachment
 from mikas.dashboard.errors import NotConnected
@@ -33,22 +33,38 @@ if TYPE_CHECKING:
 router = APIRouter(tags=["recordings"])
 
 MINUTES: Final = 15
+_LIVE: Final = "the running connection"  # no file has this name
 _PAGE: Final = content("text/html", "the page")
 
 
-@router.get("/report", response_class=Response, responses=errors(409, 503) | _PAGE)
+@router.get("/report", response_class=Response, responses=errors(409, 503, 504) | _PAGE)
 async def report(
-    dashboard: TheDashboard, library: TheLibrary, lang: Language = "en", inline: bool = False
+    dashboard: TheDashboard,
+    library: TheLibrary,
+    requester: TheRequester,
+    *,
+    lang: Language = "en",
+    inline: bool = False,
 ) -> Response:
     """Return a page on the connected car, made of the last quarter of an hour."""
-    return await _page(library, lambda: _of_connection(dashboard), "mikas.html", lang, inline)
+    page = await requester.awaits(
+        _made(library, requester, _LIVE, lambda: _of_connection(dashboard), lang)
+    )
+    return _response(page, "mikas.html", inline=inline)
 
 
 @router.get(
-    "/recordings/{identity}/report", response_class=Response, responses=errors(404, 409) | _PAGE
+    "/recordings/{identity}/report",
+    response_class=Response,
+    responses=errors(404, 409, 504) | _PAGE,
 )
 async def recording_report(
-    library: TheLibrary, identity: str, lang: Language = "en", inline: bool = False
+    library: TheLibrary,
+    requester: TheRequester,
+    identity: str,
+    *,
+    lang: Language = "en",
+    inline: bool = False,
 ) -> Response:
     """Return a page on the car, made of the recording; to be saved, or `inline` to be viewed."""
     file = await asyncio.to_thread(library.folder.one, identity)
@@ -58,23 +74,33 @@ async def recording_report(
 
         return find_in_recording(file.path, library.catalog)
 
-    return await _page(library, findings, f"{file.path.stem}.html", lang, inline)
+    page = await requester.awaits(_made(library, requester, file.id, findings, lang))
+    return _response(page, f"{file.path.stem}.html", inline=inline)
 
 
-async def _page(
+async def _made(
     library: RecordingService,
+    requester: Requester,
+    key: str,
     findings: Callable[[], Findings],
-    name: str,
     language: Language,
-    inline: bool,
-) -> Response:
+) -> str:
+    def page() -> str:
+        from mikas.report.page import render
+
+        return render(findings(), language)
+
+    with library.files.place(requester.address):
+        return await library.files.run(page, key=key, address=requester.address)
+
+
+def _response(page: str, name: str, *, inline: bool) -> Response:
     """Return a report with the content policy that it needs; scripts never run in it.
 
     `inline`: the dashboard's page may show it in a frame, and print it from there.
     """
-    from mikas.report.page import policy, render
+    from mikas.report.page import policy
 
-    page = await library.run_alone(lambda: render(findings(), language))
     framing = "frame-ancestors 'none'; sandbox"
     headers = {}
     if inline:

@@ -2,23 +2,26 @@
 
 Recordings stay open so that scrolling does not read them each time; two at most, as ten hours take
 some 130 MB. The recording in progress grows all the time: it is read again when it is requested
-some seconds later. Heavy work (an export, a report) runs in a thread, one piece at a time; a queue
-that grows too long is refused.
+some seconds later.
+
+Files are read in two lanes (`lanes.py`): `views`, what a screen waits for, and `files`, reports and
+exports, which take long. In each lane one file is read by one thread at a time.
 """
 
 from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Final, TypeVar
+from typing import Final, NamedTuple, TypeVar
 
 from mikas.catalog import Catalog
 from mikas.client.connecting import ConnectionOptions
-from mikas.dashboard.errors import Busy
+from mikas.dashboard.errors import TookTooLong
 from mikas.dashboard.library.folder import RecordingFile, RecordingFolder
+from mikas.dashboard.library.lanes import Lane, LaneLimits
 from mikas.i18n import Text
 from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary, summarise
@@ -27,10 +30,27 @@ T = TypeVar("T")
 
 _MAX_OPEN: Final = 2
 _GROWING: Final = 10.0  # s until the recording in progress is read again
-_MAX_QUEUE: Final = 8
-_MANY: Final = Text(
-    "several exports and reports are being made already", "уже готовятся другие таблицы и отчёты"
+VIEWS: Final = LaneLimits(slots=3, deadline=60.0, places=32, per_address=8)
+FILES: Final = LaneLimits(slots=2, deadline=600.0, places=8, per_address=2)
+_SUMMARY_TIME: Final = 10.0  # s for one file; ten hours take some 0.1 s
+_LIST_TIME: Final = 30.0  # s for all that were not read before
+_TRY_AGAIN: Final = 300.0  # s until a file that took too long is tried again
+_SLOW: Final = Text(
+    f"reading it took longer than {_SUMMARY_TIME:g} s: the file is damaged, or its disk is slow; "
+    "`mikas decode FILE` shows its contents",
+    f"чтение заняло больше {_SUMMARY_TIME:g} с: файл повреждён или медленный диск; его содержимое "
+    "покажет `mikas decode ФАЙЛ`",
 )
+_NOT_YET: Final = Text(
+    "not read yet, there are many files; reload the list", "ещё не прочитан; обновите список"
+)
+
+
+class Listed(NamedTuple):
+    """A recording in the list."""
+
+    file: RecordingFile
+    summary: Summary
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,35 +60,20 @@ class _Open:
     recording: Recording
 
 
-class SummaryCache:
-    """Summaries; any thread may call, one at a time makes a summary."""
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """A summary. `until`: on the clock; None: as long as the file does not change."""
 
-    def __init__(self, catalog: Catalog) -> None:
-        self._catalog = catalog
-        self._kept: dict[str, tuple[tuple[int, int, int], Summary]] = {}
-        self._making = threading.Lock()
-
-    def of(self, file: RecordingFile) -> Summary:
-        """Return the summary of `file`, made now or before."""
-        kept = self._kept.get(file.id)
-        if kept is None or kept[0] != file.stamp:
-            with self._making:
-                kept = self._kept.get(file.id)
-                if kept is None or kept[0] != file.stamp:
-                    kept = (file.stamp, summarise(file.path, self._catalog))
-                    self._kept[file.id] = kept
-        return kept[1]
-
-    def keep_only(self, present: Iterable[RecordingFile]) -> None:
-        """Drop the summaries of all other files."""
-        for name in self._kept.keys() - {file.id for file in present}:
-            self._kept.pop(name, None)
+    stamp: tuple[int, int, int]
+    summary: Summary
+    until: float | None = None
 
 
 class RecordingService:
     """`in_progress`: the file name of the recording in progress; None: there is none.
 
-    `clock`: seconds that never run back.
+    `clock`: seconds that never run back. `address`: of a client in the network; None: the client is
+    on this computer.
     """
 
     def __init__(
@@ -80,48 +85,93 @@ class RecordingService:
         in_progress: Callable[[], str | None],
     ) -> None:
         self.folder = folder
-        self.catalog, self.interpretation = options.catalog, options.interpretation
-        self.summaries = SummaryCache(self.catalog)
+        self.catalog: Catalog = options.catalog
+        self.interpretation = options.interpretation
+        self.views, self.files = Lane(VIEWS), Lane(FILES)
         self._clock, self._in_progress = clock, in_progress
+        self._summaries: dict[str, _Kept] = {}
         self._open: dict[str, _Open] = {}  # the latest used last
-        self._using = threading.Lock()
-        self._busy = asyncio.Lock()
-        self._waiting = 0
+        self._changing = threading.Lock()  # of `_open`
 
     def is_growing(self, file: RecordingFile) -> bool:
         """Whether the recording is in progress."""
         return self._in_progress() == file.id
 
-    @contextmanager
-    def opened(self, file: RecordingFile) -> Iterator[Recording]:
-        """Return the recording, opened now or before, for one thread at a time."""
-        with self._using:
+    async def view(
+        self, identity: str, look: Callable[[RecordingFile], T], address: str | None
+    ) -> T:
+        """Return `look(file)`, called in a thread. Raises `NotFound`, `Busy`, `TookTooLong`."""
+        with self.views.place(address):
+            return await self.views.run(
+                lambda: look(self.folder.one(identity)), key=identity, address=address
+            )
+
+    async def all(self, address: str | None) -> list[Listed]:
+        """Return all recordings, the latest first; raises as `view`.
+
+        A summary that takes too long has a `problem`; the next call continues with the others.
+        """
+        end = self._clock() + _LIST_TIME
+        listed = []
+        with self.views.place(address):
+            files = await self.views.run(self.folder.all, key="", address=address)
+            for name in self._summaries.keys() - {file.id for file in files}:
+                del self._summaries[name]
+            for file in files:
+                summary = self._kept(file)
+                if summary is None:
+                    left = min(_SUMMARY_TIME, end - self._clock())
+                    summary = await self._read_for_list(file, left, address)
+                listed.append(Listed(file, summary))
+        return listed
+
+    def summary(self, file: RecordingFile) -> Summary:
+        """Return the summary of `file`, made now or before; in a thread that views this file."""
+        kept = self._kept(file)
+        if kept is None:
+            kept = summarise(file.path, self.catalog)
+            self._summaries[file.id] = _Kept(file.stamp, kept)
+        return kept
+
+    def opened(self, file: RecordingFile) -> Recording:
+        """Return the recording, opened now or before; in a thread that views this file."""
+        with self._changing:
             kept = self._open.pop(file.id, None)
-            if kept is None or not self._is_current(kept, file):
-                recording = Recording(file.path, self.catalog, self.interpretation)
-                kept = _Open(file.stamp, self._clock(), recording)
+        if kept is None or not self._is_current(kept, file):
+            recording = Recording(file.path, self.catalog, self.interpretation)
+            kept = _Open(file.stamp, self._clock(), recording)
+        with self._changing:
             self._open[file.id] = kept
             if len(self._open) > _MAX_OPEN:
                 del self._open[next(iter(self._open))]
-            yield kept.recording
+        return kept.recording
+
+    async def close(self) -> None:
+        """Cancel all work."""
+        await asyncio.gather(self.views.close(), self.files.close())
+
+    def _kept(self, file: RecordingFile) -> Summary | None:
+        kept = self._summaries.get(file.id)
+        if kept is None or kept.stamp != file.stamp:
+            return None
+        return kept.summary if kept.until is None or self._clock() < kept.until else None
+
+    async def _read_for_list(
+        self, file: RecordingFile, seconds: float, address: str | None
+    ) -> Summary:
+        if seconds > 0:
+            with suppress(TookTooLong):
+                return await self.views.run(
+                    lambda: self.summary(file), key=file.id, address=address, deadline=seconds
+                )
+        if seconds < _SUMMARY_TIME:
+            return Summary(file.path, file.bytes, problem=_NOT_YET)
+        slow = Summary(file.path, file.bytes, problem=_SLOW)
+        self._summaries[file.id] = _Kept(file.stamp, slow, self._clock() + _TRY_AGAIN)
+        return slow
 
     def _is_current(self, kept: _Open, file: RecordingFile) -> bool:
         if kept.stamp == file.stamp:
             return True
         same_file = kept.stamp[2] == file.stamp[2]
         return self.is_growing(file) and same_file and self._clock() - kept.at < _GROWING
-
-    async def run_alone(self, work: Callable[[], T]) -> T:
-        """Return the result of `work`, run in a thread after the work before it. Raises `Busy`."""
-        if self._waiting >= _MAX_QUEUE:
-            raise Busy(problem=_MANY)
-        self._waiting += 1
-        try:
-            async with self._busy:
-                doing = asyncio.ensure_future(asyncio.to_thread(work))
-                try:
-                    return await asyncio.shield(doing)
-                finally:  # a cancelled request's work uses the computer until it ends
-                    await asyncio.wait({doing})
-        finally:
-            self._waiting -= 1

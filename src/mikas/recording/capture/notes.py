@@ -24,6 +24,7 @@ from enum import StrEnum
 from math import isfinite
 from typing import Any, BinaryIO, Final
 
+from mikas.cancellation import check_cancelled
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.scan import LARGEST, RawBlock, is_headless, scan
 
@@ -183,6 +184,7 @@ _SECTION, _NOTE, _FAULTS = range(3)
 def _places(file: BinaryIO) -> Iterator[tuple[int, int]]:
     """Yield where a section, a note or a request for faults may begin, with its kind."""
     for start in range(0, 1 << 62, _WINDOW):
+        check_cancelled()
         file.seek(start)
         window = file.read(_WINDOW + _OVERLAP)
         # Plain searches are twenty times as fast as the expression, which decides then.

@@ -15,6 +15,7 @@ import re
 import struct
 from typing import TYPE_CHECKING, BinaryIO, Final, NamedTuple
 
+from mikas.cancellation import check_cancelled
 from mikas.recording.capture import blocks as pcapng
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ def scan(
     is_inside = order is not None  # else only a known kind shows that a block begins here
     order = order or _OURS
     while offset < size:
+        check_cancelled()
         block = _block_at(file, offset, size, order)
         if block is None or not (is_inside or block.kind in pcapng.KNOWN):
             start = offset
@@ -152,6 +154,7 @@ def _next_block(
 ) -> RawBlock | None:
     starts = _STARTS[order or "<"]
     while size - start >= _SMALLEST:
+        check_cancelled()
         file.seek(start)
         window = file.read(_WINDOW)
         for match in starts.finditer(window):

@@ -17,6 +17,7 @@ from typing import BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from mikas.cancellation import check_cancelled
 from mikas.errors import CaptureError
 from mikas.link.base import Direction
 from mikas.recording.capture import blocks as pcapng
@@ -219,6 +220,7 @@ class _Walk:
         order: pcapng.Order | None = None
         window: Window | None = None
         while True:
+            check_cancelled()
             if order is not None and self._blocks.interfaces:
                 if window is None or not window.covers(offset, order):
                     window = Window(self._file, offset, self._size, order)

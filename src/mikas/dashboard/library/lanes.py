@@ -1,0 +1,182 @@
+"""Lanes of work: how many pieces run at a time, which of them wait, and what ends one.
+
+A piece of work runs in a thread of its own. Of a lane's slots, one key (a file) gets one, and the
+network all but one. So neither a long or crafted file nor a viewer in the network takes up a lane.
+
+A piece is cancelled (`mikas.cancellation`) at its deadline, with the task that awaits it (its
+client has disconnected), and at the end of the program. Its slot is free when its thread has really
+ended. Threads are daemons: none can hold up the end of the program.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from typing import Any, Final, TypeVar
+
+from mikas.cancellation import Cancellation, Cancelled
+from mikas.dashboard.errors import Busy, TookTooLong
+from mikas.i18n import Text
+
+T = TypeVar("T")
+
+_PATIENCE: Final = 1.0  # s for a cancelled piece to end
+_TOO_MANY: Final = Text(
+    "several recordings are being read, or made into tables and reports, already",
+    "уже читаются другие записи или готовятся другие таблицы и отчёты",
+)
+_CLOSING: Final = Text("the dashboard is closing", "панель закрывается")
+
+
+@dataclass(frozen=True, slots=True)
+class LaneLimits:
+    """`slots`: pieces that run at once, two or more. `deadline`: seconds of one.
+
+    `places`: pieces of this computer that run or wait; the network has as many, and one address in
+    it `per_address` of these.
+    """
+
+    slots: int
+    deadline: float
+    places: int
+    per_address: int
+
+
+class _Piece:
+    """`turn`: it may run. `done`: its thread has ended, with this outcome."""
+
+    def __init__(self, key: str, address: str | None) -> None:
+        loop = asyncio.get_running_loop()
+        self.key, self.address = key, address
+        self.turn: asyncio.Future[None] = loop.create_future()
+        self.done: asyncio.Future[Any] = loop.create_future()
+        self.cancellation = Cancellation()
+
+
+class Lane:
+    """One lane; its methods are called in the event loop.
+
+    `address`: of a client in the network; None: the client is on this computer.
+    """
+
+    def __init__(self, limits: LaneLimits) -> None:
+        self._limits = limits
+        self._places: Counter[str | None] = Counter()
+        self._waiting: list[_Piece] = []
+        self._running: list[_Piece] = []
+        self._closed = False
+
+    @contextmanager
+    def place(self, address: str | None) -> Iterator[None]:
+        """Hold a place for one piece, its waiting and the sending of its result. Raises `Busy`."""
+        places, limits = self._places, self._limits
+        if address is None:
+            is_full = places[None] >= limits.places
+        else:
+            in_network = places.total() - places[None]
+            is_full = in_network >= limits.places or places[address] >= limits.per_address
+        if is_full:
+            raise Busy(problem=_TOO_MANY)
+        places[address] += 1
+        try:
+            yield
+        finally:
+            places[address] -= 1
+            if not places[address]:
+                del places[address]
+
+    async def run(
+        self,
+        work: Callable[[], T],
+        *,
+        key: str,
+        address: str | None,
+        deadline: float | None = None,
+    ) -> T:
+        """Return the result of `work`; `deadline`: another than the lane's, from its start on.
+
+        Raises `TookTooLong`, and `Busy` at the end of the program.
+        """
+        if self._closed:
+            raise Busy(problem=_CLOSING)
+        deadline = self._limits.deadline if deadline is None else deadline
+        piece = _Piece(key, address)
+        self._waiting.append(piece)
+        try:
+            self._give_turns()
+            await piece.turn
+            self._start(piece, work)
+        except BaseException:
+            self._leave(piece)
+            raise
+        try:
+            await asyncio.wait({piece.done}, timeout=deadline)
+            if not piece.done.done():
+                raise TookTooLong(seconds=f"{deadline:g}")
+            result: T = piece.done.result()
+            return result
+        except Cancelled:
+            raise Busy(problem=_CLOSING) from None
+        finally:
+            piece.cancellation.request()
+            if not piece.done.done():  # the caller may delete the files that it works on
+                await asyncio.wait({piece.done}, timeout=_PATIENCE)
+
+    async def close(self) -> None:
+        """Cancel all pieces, and give the running ones a moment to end."""
+        self._closed = True
+        for piece in self._waiting:
+            if not piece.turn.done():
+                piece.turn.set_exception(Busy(problem=_CLOSING))
+        for piece in self._running:
+            piece.cancellation.request()
+        if self._running:
+            await asyncio.wait({piece.done for piece in self._running}, timeout=_PATIENCE)
+
+    def _give_turns(self) -> None:
+        """Give turns in the order of coming, except to those that may not run yet."""
+        for piece in list(self._waiting):
+            if not piece.turn.done() and self._may_run(piece):
+                self._waiting.remove(piece)
+                self._running.append(piece)
+                piece.turn.set_result(None)
+
+    def _may_run(self, piece: _Piece) -> bool:
+        if len(self._running) >= self._limits.slots:
+            return False
+        if piece.key in (each.key for each in self._running):
+            return False
+        in_network = sum(each.address is not None for each in self._running)
+        return piece.address is None or in_network < self._limits.slots - 1
+
+    def _leave(self, piece: _Piece) -> None:
+        for pieces in (self._waiting, self._running):
+            if piece in pieces:
+                pieces.remove(piece)
+        self._give_turns()
+
+    def _start(self, piece: _Piece, work: Callable[[], object]) -> None:
+        loop = asyncio.get_running_loop()
+
+        def end(result: object, error: BaseException | None) -> None:
+            if error is None:
+                piece.done.set_result(result)
+            else:
+                piece.done.set_exception(error)
+                piece.done.exception()  # retrieved here, in case its client has disconnected
+            self._leave(piece)
+
+        def run() -> None:
+            result, failure = None, None
+            try:
+                result = piece.cancellation.run(work)
+            except BaseException as error:  # any: it is raised where the piece is awaited
+                failure = error
+            with suppress(RuntimeError):  # the loop is closed: the program ends
+                loop.call_soon_threadsafe(end, result, failure)
+
+        threading.Thread(target=run, name=f"mikas {piece.key}", daemon=True).start()
