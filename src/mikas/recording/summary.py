@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, Final
@@ -33,6 +34,7 @@ _COUNTED: Final = 1 << 22  # bytes; of a longer file pieces are counted
 _PIECE: Final = 1 << 17
 _PIECES: Final = 8
 _MOST_PACKETS: Final = 64  # after a request, in which its response must be
+_NEAR: Final = 1 << 13  # bytes of them
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +82,7 @@ def summarise(path: str | os.PathLike[str], catalog: Catalog | None = None) -> S
     try:
         size = path.stat().st_size
         CaptureReader(path)  # raises, if it is no capture
-        with path.open("rb") as file:
+        with path.open("rb", buffering=0) as file:
             return _summary(path, _Sections(file), catalog)
     except CaptureError as error:
         return Summary(path, size, problem=error.problem)
@@ -89,28 +91,41 @@ def summarise(path: str | os.PathLike[str], catalog: Catalog | None = None) -> S
 
 
 class _Sections:
-    """The sections of a file, with its index; `edges` are their begins and the file's end."""
+    """The sections of a file, with its index; `edges` are their begins and the file's end.
+
+    Nothing of a section is looked for beyond its end, so all of them cost no more than the file.
+    """
 
     def __init__(self, file: BinaryIO) -> None:
         self.file = file
         self.index = index(file)
         self.edges = [*self.index.sections, self.index.size]
+        self._heads: dict[int, tuple[Blocks, Packet | None]] = {}  # of the latest section
 
     def head(self, section: int) -> tuple[Blocks, Packet | None]:
         """Return a section's ports and its first packet."""
-        blocks = Blocks()
-        return blocks, next(self._packets(blocks, section, self.edges[section], None), None)
+        if section not in self._heads:
+            blocks = Blocks()
+            first = next(self._packets(blocks, section, self.edges[section], None), None)
+            self._heads = {section: (blocks, first)}
+        return self._heads[section]
 
-    def packets(self, section: int, begin: int) -> Iterator[Packet]:
-        """Yield a section's packets from the offset `begin`."""
-        return self._packets(self.head(section)[0], section, begin, self.index.orders[section])
+    def packets(self, section: int, begin: int, length: int) -> Iterator[Packet]:
+        """Yield a section's packets in `length` bytes from the offset `begin`."""
+        order = self.index.orders[section]
+        return self._packets(copy(self.head(section)[0]), section, begin, order, length)
 
     def _packets(
-        self, blocks: Blocks, section: int, begin: int, order: pcapng.Order | None
+        self,
+        blocks: Blocks,
+        section: int,
+        begin: int,
+        order: pcapng.Order | None,
+        length: int | None = None,
     ) -> Iterator[Packet]:
-        for item in scan(self.file, begin, order):
-            if item.offset >= self.edges[section + 1]:
-                return
+        edge = self.edges[section + 1]
+        stop = edge if length is None else min(edge, begin + length)
+        for item in scan(self.file, begin, order, stop):
             yield from (each for each in blocks.read(item) if isinstance(each, Packet))
 
 
@@ -152,7 +167,8 @@ def _spans(sections: _Sections) -> Iterator[tuple[float, float]]:
     for number, stop in enumerate(sections.edges[1:]):
         _, first = sections.head(number)
         if first is not None:
-            tail = sections.packets(number, max(first.offset, stop - _TAIL))
+            begin = max(first.offset, stop - _TAIL)
+            tail = sections.packets(number, begin, stop - begin)
             yield first.time, max([first.time, *(packet.time for packet in tail)])
 
 
@@ -163,7 +179,7 @@ def _faults(sections: _Sections) -> tuple[int, ...] | None:
         if section < 0:
             continue
         exchange: list[Packet] = []
-        for packet in sections.packets(section, offset):
+        for packet in sections.packets(section, offset, _NEAR):
             is_next = exchange and packet.direction is Direction.SENT
             if is_next or len(exchange) >= _MOST_PACKETS:
                 break

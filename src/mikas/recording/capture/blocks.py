@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 Order = Literal["<", ">"]
+ORDERS: Final[tuple[Order, ...]] = ("<", ">")
 
 SECTION: Final = 0x0A0D0D0A  # the same in both byte orders
 INTERFACE: Final = 1
@@ -216,14 +217,14 @@ def _options(block: Block, order: Order) -> bytes:
 def _fields(block: type[Block], data: bytes, order: Order) -> dict[str, Any]:
     """Return the fields that an option list gives; a text given repeatedly has several lines."""
     fields: dict[str, Any] = {}
+    texts: dict[str, list[str]] = {}
     for code, value in _read_options(data, order):
         name, form = _OPTIONS[block].get(code, ("", ""))
         if form:
             fields[name] = _number(value, order + form)
         elif name:
-            before = f"{fields[name]}\n" if name in fields else ""
-            fields[name] = before + _string(value)
-    return fields
+            texts.setdefault(name, []).append(_string(value))
+    return fields | {name: "\n".join(lines) for name, lines in texts.items()}
 
 
 def _read_options(data: bytes, order: Order) -> Iterator[tuple[int, bytes]]:

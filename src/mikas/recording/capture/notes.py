@@ -7,16 +7,16 @@ reserves for documentation. Others may use it, too, hence the tag at the start o
 JSON object in ASCII follows, `{"kind", "time", "data"}`, padded with zeros.
 
 The index is one pass over the file, a fraction of the time of its packets. Sections and notes are
-found wherever they begin, also after damage; requests for faults only at multiples of four, where
-an undamaged file has its blocks.
+found wherever they begin, also after damage, but not inside each other, so each byte is read once
+more at most; requests for faults only at multiples of four, where an undamaged file has its blocks.
 """
 
 from __future__ import annotations
 
 import json
-import os
 import re
 from bisect import bisect_right
+from collections import deque
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -26,7 +26,7 @@ from typing import Any, BinaryIO, Final
 
 from mikas.cancellation import check_cancelled
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.scan import LARGEST, RawBlock, is_headless, scan
+from mikas.recording.capture.scan import LARGEST, Scanner, is_headless, read_whole
 
 ENTERPRISE: Final = 32473  # RFC 5612: for documentation
 TAG: Final = b"mikas/1\n"
@@ -36,9 +36,10 @@ _SECTION_START: Final = b"\x0a\x0d\x0d\x0a"  # the same in both byte orders
 _BEFORE_TAG: Final = 12  # bytes of a note's block
 _READ_FAULTS: Final = b"\x02\xfe\x0d"  # the frame; padded with a zero in a packet's block
 _BEFORE_DATA: Final = 28  # bytes of a packet's block
+_FAULT_REQUESTS: Final = 256
 _SECTION_OR_NOTE: Final = re.compile(
     rb"(\x0A\x0D\x0D\x0A.{4}(?:\x4D\x3C\x2B\x1A|\x1A\x2B\x3C\x4D))"
-    rb"|(?:\xAD\x0B\0\0.{4}\xD9\x7E\0\0|\0\0\x0B\xAD.{4}\0\0\x7E\xD9)" + re.escape(TAG),
+    rb"|(?:\xAD\x0B\0\0.{4}\xD9\x7E\0\0|(\0\0\x0B\xAD.{4}\0\0\x7E\xD9))" + re.escape(TAG),
     re.DOTALL,
 )
 
@@ -135,14 +136,14 @@ def _printable(value: Any) -> Any:  # noqa: ANN401  (any JSON)
 class FileIndex:
     """Offsets in a file of `size` bytes, rising. `orders`: the byte order of each section.
 
-    `fault_requests`: packets that may be a request for the stored faults (02).
+    `fault_requests`: the last packets that may be a request for the stored faults (02).
     """
 
     size: int = 0
     sections: list[int] = field(default_factory=list)
     orders: list[pcapng.Order] = field(default_factory=list)
     notes: list[Note] = field(default_factory=list)
-    fault_requests: list[int] = field(default_factory=list)
+    fault_requests: deque[int] = field(default_factory=lambda: deque(maxlen=_FAULT_REQUESTS))
 
     def section(self, offset: int) -> int:
         """Return the number of the section at `offset`; -1: before the first one."""
@@ -158,49 +159,65 @@ def index(file: BinaryIO) -> FileIndex:
 
     Unreadable notes, and those of a section of an unknown version, are left out.
     """
-    found = FileIndex(size=file.seek(0, os.SEEK_END))
+    scanner = Scanner(file)
+    found = FileIndex(size=scanner.size)
     if is_headless(file):
         found.sections.append(0)
         found.orders.append("<")
-    is_known = True
-    for offset, kind in _places(file):
+    is_known, end = True, 0  # of the last section or note
+    for offset, kind in _places(file, scanner.size):
         if kind == _FAULTS:
             found.fault_requests.append(offset)
             continue
-        block, order = _block_at(file, offset)
-        if isinstance(block, pcapng.Section) and kind == _SECTION:
+        if offset < end:
+            continue
+        raw = scanner.block(offset, ">" if kind == _NOTE_REVERSED else "<")
+        if raw is None:
+            continue
+        end, order = raw.end, raw.order
+        block: pcapng.Block | None = None
+        with suppress(pcapng.Malformed):
+            block = pcapng.parse(raw.kind, raw.body, order)
+        if isinstance(block, pcapng.Section):
             found.sections.append(offset)
             found.orders.append(order)
             is_known = block.version[0] == 1
         elif isinstance(block, pcapng.Custom) and is_known and (note := read_block(block)):
-            recording = max(0, found.section(offset))
+            recording = max(0, len(found.sections) - 1)
             found.notes.append(Note(note.kind, note.time, note.data, recording, offset))
     return found
 
 
-_SECTION, _NOTE, _FAULTS = range(3)
+_SECTION, _NOTE, _NOTE_REVERSED, _FAULTS = range(4)
 
 
-def _places(file: BinaryIO) -> Iterator[tuple[int, int]]:
+def _places(file: BinaryIO, size: int) -> Iterator[tuple[int, int]]:
     """Yield where a section, a note or a request for faults may begin, with its kind."""
-    for start in range(0, 1 << 62, _WINDOW):
+    for start in range(0, size, _WINDOW):
         check_cancelled()
         file.seek(start)
-        window = file.read(_WINDOW + _OVERLAP)
+        window = read_whole(file, _WINDOW + _OVERLAP)
         # Plain searches are twenty times as fast as the expression, which decides then.
         begins = {*_all(window, _SECTION_START, 0), *_all(window, TAG, _BEFORE_TAG)}
         places = [
-            (start + begin, _SECTION if match[1] else _NOTE)
+            (start + begin, _SECTION if match[1] else _NOTE_REVERSED if match[2] else _NOTE)
             for begin in begins
             if begin < _WINDOW and (match := _SECTION_OR_NOTE.match(window, begin))
         ]
-        for at in _all(window, _READ_FAULTS, 0):
-            padding = window[at + len(_READ_FAULTS) : at + len(_READ_FAULTS) + 1]
-            if at < _WINDOW and padding == b"\0" and (start + at) % 4 == 0:
-                places.append((start + at - _BEFORE_DATA, _FAULTS))
+        places += [
+            (start + at - _BEFORE_DATA, _FAULTS)
+            for at in _all(window, _READ_FAULTS, 0)
+            if at < _WINDOW and (start + at) % 4 == 0 and _is_short_packet(window, at)
+        ]
         yield from sorted(places)
-        if len(window) <= _WINDOW:
-            return
+
+
+def _is_short_packet(window: bytes, at: int) -> bool:
+    """Return whether a block with the request for faults at `at` may be one: they are short."""
+    begin = at - _BEFORE_DATA
+    length = window[begin + 4 : begin + 8] if begin >= 0 else bytes(4)
+    padding = window[at + len(_READ_FAULTS) : at + len(_READ_FAULTS) + 1]
+    return padding == b"\0" and bytes(3) in (length[1:], length[:3])  # in either byte order
 
 
 def _all(window: bytes, pattern: bytes, before: int) -> Iterator[int]:
@@ -210,13 +227,3 @@ def _all(window: bytes, pattern: bytes, before: int) -> Iterator[int]:
         if at >= before:
             yield at - before
         at = window.find(pattern, at + 1)
-
-
-def _block_at(file: BinaryIO, offset: int) -> tuple[pcapng.Block | None, pcapng.Order]:
-    file.seek(offset)
-    order: pcapng.Order = ">" if file.read(1) == b"\0" else "<"
-    item = next(scan(file, offset, order), None)
-    if isinstance(item, RawBlock):
-        with suppress(pcapng.Malformed):
-            return pcapng.parse(item.kind, item.body, item.order), item.order
-    return None, order

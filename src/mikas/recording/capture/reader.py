@@ -34,6 +34,7 @@ FLAGS: Final = {Direction.SENT: pcapng.OUTBOUND, Direction.RECEIVED: pcapng.INBO
 _DIRECTIONS: Final = {flags: direction for direction, flags in FLAGS.items()}
 _HERE: Final = "mikas"  # begin of this program's name in a section
 _LATEST: Final = 1 << 52  # µs; in 2112: a later time is in another unit
+_MOST_INTERFACES: Final = 256  # of a recording; one has one, merged recordings have a few
 _ZIP: Final = b"PK\x03\x04"
 _CLASSIC_PCAP: Final = ("a1b2c3d4", "d4c3b2a1", "a1b23c4d", "4d3cb2a1", "a1b2cd34", "34cdb2a1")
 
@@ -109,7 +110,7 @@ class CaptureReader:
     @contextmanager
     def _opened(self) -> Iterator[BinaryIO]:
         try:
-            with self.path.open("rb") as file:
+            with self.path.open("rb", buffering=0) as file:
                 yield file
         except OSError as error:
             raise CaptureError(str(self.path), reason_of(error)) from error
@@ -118,19 +119,20 @@ class CaptureReader:
 class Blocks:
     """Interprets the blocks of one file, one after the other.
 
-    Blocks before the first section are those of a recording that has lost its beginning. If its
-    first packet has the form that this program writes, its port is known except for the name.
+    A shallow copy goes on from the same place. Blocks before the first section are those of a
+    recording that has lost its beginning. If its first packet has the form that this program
+    writes, its port is known except for the name.
     """
 
     def __init__(self) -> None:
         self._recording = -1
         self._section: pcapng.Section | None = None
-        self._interfaces: list[tuple[pcapng.Interface, Source]] = []
+        self._interfaces: tuple[tuple[pcapng.Interface, Source], ...] = ()
 
     @property
-    def interfaces(self) -> list[tuple[pcapng.Interface, Source]]:
+    def interfaces(self) -> tuple[tuple[pcapng.Interface, Source], ...]:
         """The present section's, by number; none in an unknown version."""
-        return self._interfaces if self._section else []
+        return self._interfaces if self._section else ()
 
     def read(self, item: RawBlock | Unreadable) -> Iterator[Packet | Problem]:
         """Yield the block's packet or problems."""
@@ -148,13 +150,13 @@ class Blocks:
         except pcapng.Malformed:
             yield Problem(item.offset, _DAMAGED.filled(count=item.end - item.offset))
             if item.kind == pcapng.INTERFACE:  # later interfaces keep their numbers
-                self._add(pcapng.Interface(link_type=-1))
+                yield from self._add(pcapng.Interface(link_type=-1), item.offset)
             return
         match block:
             case pcapng.Section():
                 yield from self._begin(block, item.offset)
             case pcapng.Interface():
-                self._add(block)
+                yield from self._add(block, item.offset)
                 if block.link_type != pcapng.LINKTYPE_USER0:
                     yield Problem(item.offset, _OTHER_INTERFACE.filled(type=block.link_type))
             case pcapng.EnhancedPacket():
@@ -165,12 +167,15 @@ class Blocks:
 
     def _begin(self, section: pcapng.Section, offset: int) -> Iterator[Problem]:
         self._recording += 1
-        self._interfaces = []
+        self._interfaces = ()
         self._section = section if section.version[0] == 1 else None
         if self._section is None:
             yield Problem(offset, _VERSION.filled(version=section.version[0]))
 
-    def _add(self, interface: pcapng.Interface) -> None:
+    def _add(self, interface: pcapng.Interface, offset: int) -> Iterator[Problem]:
+        if len(self._interfaces) == _MOST_INTERFACES:
+            yield Problem(offset, _TOO_MANY_INTERFACES)
+            return
         section = self._section or pcapng.Section()
         source = Source(
             recording=self._recording,
@@ -180,7 +185,7 @@ class Blocks:
             application=section.application,
             hardware=section.hardware,
         )
-        self._interfaces.append((interface, source))
+        self._interfaces += ((interface, source),)
 
     def _is_ours(self, number: int) -> bool:
         return self._interfaces[number][0].link_type == pcapng.LINKTYPE_USER0
@@ -193,7 +198,7 @@ class Blocks:
 
     def _packet(self, block: pcapng.EnhancedPacket, offset: int) -> Iterator[Packet | Problem]:
         if not self._interfaces and self._is_as_written_here(block):
-            self._add(pcapng.Interface())
+            yield from self._add(pcapng.Interface(), offset)
             yield Problem(offset, _HEADLESS)
         if block.interface >= len(self._interfaces):
             yield Problem(offset, _NO_INTERFACE)
@@ -290,6 +295,10 @@ _HEADLESS = Text(
     "are read as this program writes them",
     "начало этой записи, где описан порт, повреждено или пропало; пакеты читаются так, как их "
     "пишет эта программа",
+)
+_TOO_MANY_INTERFACES = Text(
+    "this recording describes more than 256 ports; this one is passed over",
+    "в этой записи описано больше 256 портов; этот пропущен",
 )
 _VERSION = Text(
     "a part of the file has pcapng version {version}, which is not known here; it is passed over",

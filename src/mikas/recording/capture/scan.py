@@ -1,4 +1,4 @@
-"""Scan the blocks of a pcapng file, across damage, in bounded memory.
+"""Scan the blocks of a pcapng file, across damage, in bounded memory and linear time.
 
 A block is whole if its two lengths agree and it lies inside the file. Where that fails, the scan
 looks for the next whole block of a known kind, at any byte, and yields the bytes between as
@@ -7,6 +7,9 @@ read even if the first one was cut short.
 
 A file that has lost its first bytes is read from its first whole block, as little-endian (which
 this program writes) until a section has another byte order.
+
+Anybody may have made the file, so nothing in it decides how often a byte is read: a search goes on
+where the last one stopped, and a place that only looks like a block costs its two lengths.
 """
 
 from __future__ import annotations
@@ -26,15 +29,22 @@ _SMALLEST = 12
 _TELLING: Final = 3  # consecutive blocks that no other kind of file has by accident
 _WINDOW: Final = 1 << 16
 _SECTION_BYTES: Final = struct.pack("<I", pcapng.SECTION)
-_STARTS: Final = {
-    order: re.compile(
-        b"(?=%b)" % b"|".join(re.escape(struct.pack(order + "I", kind)) for kind in pcapng.KNOWN)
-    )
-    for order in ("<", ">")
-}
-
-
 _OURS: Final[pcapng.Order] = "<"
+
+
+def _start(order: pcapng.Order) -> re.Pattern[bytes]:
+    """Return what a block of a known kind begins with: its kind, and a length that may be one."""
+    kinds = (struct.pack(order + "I", kind) for kind in pcapng.KNOWN - {pcapng.SECTION})
+    fours = b"[%b]" % b"".join(re.escape(bytes([byte])) for byte in range(0, 256, 4))
+    lengths = {
+        "<": fours + rb"..(?:\0|(?<=\0\0\0)\x01)",
+        ">": rb"(?:\0|\x01(?=\0\0\0)).." + fours,
+    }
+    others = b"(?:%b)%b" % (b"|".join(map(re.escape, kinds)), lengths[order])
+    return re.compile(b"(?=%b|%b)" % (re.escape(_SECTION_BYTES), others), re.DOTALL)
+
+
+_STARTS: Final = {order: _start(order) for order in pcapng.ORDERS}
 
 
 class RawBlock(NamedTuple):
@@ -55,31 +65,161 @@ class Unreadable(NamedTuple):
     cut: bool
 
 
+class _Extent(NamedTuple):
+    """Where a whole block lies, its body unread."""
+
+    kind: int
+    order: pcapng.Order
+    offset: int
+    end: int
+
+
+class Scanner:
+    """The blocks of `file`, which is seekable, up to its present end, or to the offset `stop`.
+
+    An unbuffered file is best: other ones read more than they are asked for. A window of bytes
+    stays in memory from call to call, so offsets that rise cost the least.
+    """
+
+    def __init__(self, file: BinaryIO, stop: int | None = None) -> None:
+        end = file.seek(0, 2)
+        self.size = end if stop is None else min(end, stop)
+        self._file = file
+        self._window = b""
+        self._begin = 0  # of the window in the file
+
+    def item(self, offset: int, order: pcapng.Order | None) -> RawBlock | Unreadable | None:
+        """Return what is at `offset`; None at the end.
+
+        `order`: that of the section. None: `offset` may lie anywhere, so only a known kind shows
+        that a block begins there.
+        """
+        if offset >= self.size:
+            return None
+        self._load(offset)
+        is_inside = order is not None
+        order = order or _OURS
+        block = self.block(offset, order)
+        if block is not None and (is_inside or block.kind in pcapng.KNOWN):
+            return block
+        found = next(self._extents(offset + 1, order), None)
+        end = self.size if found is None else found.offset
+        cut = found is None and self._runs_over_the_end(offset, order)
+        return Unreadable(offset, end, cut)
+
+    def block(self, offset: int, order: pcapng.Order | None) -> RawBlock | None:
+        """Return the whole block at `offset`; None if there is none."""
+        found = self._extent(offset, order)
+        if found is None:
+            return None
+        body = b""
+        if found.kind in pcapng.KNOWN:
+            length = found.end - offset - _SMALLEST
+            body = self._bytes(offset + 8, length)
+            if len(body) < length:  # the file has become shorter
+                return None
+        return RawBlock(found.kind, body, found.order, offset, found.end)
+
+    def goes_on_as_one(self) -> bool:
+        """Return whether a section begins somewhere, or some blocks follow each other."""
+        for first in self._extents(0, _OURS):
+            if first.kind == pcapng.SECTION:
+                return True
+            following: _Extent | None = first
+            for _ in range(_TELLING - 1):
+                following = following and self._extent(following.end, following.order)
+            if following is not None:
+                return True
+        return False
+
+    def _extents(self, start: int, order: pcapng.Order) -> Iterator[_Extent]:
+        """Yield every whole block of a known kind from `start` on; they may overlap."""
+        starts = _STARTS[order]
+        while self.size - start >= _SMALLEST:
+            check_cancelled()
+            self._load(start)
+            if len(self._window) < _SMALLEST:  # the file has become shorter
+                return
+            skipped = start - self._begin
+            for match in starts.finditer(self._window, skipped):
+                found = self._extent(self._begin + match.start(), order)
+                if found is not None:
+                    yield found
+            start = self._begin + len(self._window) - _SMALLEST + 1
+
+    def _extent(self, offset: int, order: pcapng.Order | None) -> _Extent | None:
+        head = self._head(offset, order)
+        if head is None:
+            return None
+        order, kind, total = head
+        end = offset + total
+        if total < _SMALLEST or total % 4 or end > self.size:
+            return None
+        if total > LARGEST and kind in pcapng.KNOWN:
+            return None
+        if self._bytes(end - 4, 4) != struct.pack(order + "I", total):
+            return None
+        return _Extent(kind, order, offset, end)
+
+    def _head(
+        self, offset: int, order: pcapng.Order | None
+    ) -> tuple[pcapng.Order, int, int] | None:
+        """Return byte order, kind and length of the block at `offset`; None if there is none."""
+        head = self._bytes(offset, _SMALLEST)
+        if head.startswith(_SECTION_BYTES):
+            order = pcapng.byte_order(head[8:12])
+        if order is None or len(head) < _SMALLEST:
+            return None
+        kind, total = struct.unpack_from(order + "II", head)
+        return order, kind, total
+
+    def _runs_over_the_end(self, offset: int, order: pcapng.Order | None) -> bool:
+        if self.size - offset < _SMALLEST:
+            return True
+        head = self._head(offset, order)
+        return head is not None and head[2] % 4 == 0 and offset + head[2] > self.size
+
+    def _load(self, offset: int) -> None:
+        """Have at least a block's head from `offset` on in the window."""
+        within = offset - self._begin
+        if within < 0 or within + _SMALLEST > len(self._window):
+            self._window = self._read(offset, min(_WINDOW, self.size - offset))
+            self._begin = offset
+
+    def _bytes(self, offset: int, count: int) -> bytes:
+        """Return so many bytes, less at the file's end."""
+        within = offset - self._begin
+        if 0 <= within <= len(self._window) - count:
+            return self._window[within : within + count]
+        return self._read(offset, min(count, self.size - offset))
+
+    def _read(self, offset: int, count: int) -> bytes:
+        self._file.seek(offset)
+        return read_whole(self._file, count)
+
+
+def read_whole(file: BinaryIO, count: int) -> bytes:
+    """Return `count` bytes, less only at the file's end: an unbuffered file may return less."""
+    data = file.read(count)
+    while 0 < len(data) < count and (more := file.read(count - len(data))):
+        data += more
+    return data
+
+
 def scan(
-    file: BinaryIO, offset: int = 0, order: pcapng.Order | None = None
+    file: BinaryIO, offset: int = 0, order: pcapng.Order | None = None, stop: int | None = None
 ) -> Iterator[RawBlock | Unreadable]:
-    """Yield every block of `file`, which must be seekable, up to its present end.
+    """Yield every block of `file`, which must be seekable, up to its present end, or to `stop`.
 
     `offset`: where to begin, in a section of that byte `order`.
     """
-    size = file.seek(0, 2)
-    is_inside = order is not None  # else only a known kind shows that a block begins here
-    order = order or _OURS
-    while offset < size:
+    scanner = Scanner(file, stop)
+    while (item := scanner.item(offset, order)) is not None:
         check_cancelled()
-        block = _block_at(file, offset, size, order)
-        if block is None or not (is_inside or block.kind in pcapng.KNOWN):
-            start = offset
-            block = _next_block(file, start + 1, size, order)
-            yield Unreadable(
-                start,
-                block.offset if block else size,
-                cut=block is None and _runs_over_the_end(file, start, size, order),
-            )
-            if block is None:
-                return
-        is_inside, order, offset = True, block.order, block.end
-        yield block
+        offset = item.end
+        if isinstance(item, RawBlock):
+            order = item.order
+        yield item
 
 
 def is_section_start(head: bytes) -> bool:
@@ -94,81 +234,10 @@ def goes_on_as_one(file: BinaryIO, within: int = LARGEST) -> bool:
 
     It is if, `within` so many bytes, a section begins or some blocks follow each other.
     """
-    size = min(file.seek(0, 2), within)
-    block = _next_block(file, 0, size, _OURS)
-    while block is not None and block.kind != pcapng.SECTION:
-        following: RawBlock | None = block
-        for _ in range(_TELLING - 1):
-            following = following and _block_at(file, following.end, size, following.order)
-        if following is not None:
-            return True
-        block = _next_block(file, block.offset + 1, size, _OURS)
-    return block is not None
+    return Scanner(file, within).goes_on_as_one()
 
 
 def is_headless(file: BinaryIO) -> bool:
     """Return whether the first whole block of the file begins no section."""
     first = next((item for item in scan(file) if isinstance(item, RawBlock)), None)
     return first is not None and first.kind != pcapng.SECTION
-
-
-def _head(
-    file: BinaryIO, offset: int, order: pcapng.Order | None
-) -> tuple[pcapng.Order, int, int] | None:
-    """Return byte order, kind and length of the block at `offset`; None if there is none."""
-    file.seek(offset)
-    head = file.read(_SMALLEST)
-    if head.startswith(_SECTION_BYTES):
-        order = pcapng.byte_order(head[8:12])
-    if order is None or len(head) < _SMALLEST:
-        return None
-    kind, total = struct.unpack_from(order + "II", head)
-    return order, kind, total
-
-
-def _block_at(
-    file: BinaryIO, offset: int, size: int, order: pcapng.Order | None
-) -> RawBlock | None:
-    head = _head(file, offset, order)
-    if head is None:
-        return None
-    order, kind, total = head
-    end = offset + total
-    if total < _SMALLEST or total % 4 or end > size:
-        return None
-    known = kind in pcapng.KNOWN
-    if known and total > LARGEST:
-        return None
-    file.seek(end - 4)
-    if file.read(4) != struct.pack(order + "I", total):
-        return None
-    if not known:
-        return RawBlock(kind, b"", order, offset, end)
-    file.seek(offset + 8)
-    body = file.read(total - _SMALLEST)
-    return RawBlock(kind, body, order, offset, end) if len(body) == total - _SMALLEST else None
-
-
-def _next_block(
-    file: BinaryIO, start: int, size: int, order: pcapng.Order | None
-) -> RawBlock | None:
-    starts = _STARTS[order or "<"]
-    while size - start >= _SMALLEST:
-        check_cancelled()
-        file.seek(start)
-        window = file.read(_WINDOW)
-        for match in starts.finditer(window):
-            block = _block_at(file, start + match.start(), size, order)
-            if block is not None:
-                return block
-        if len(window) < _SMALLEST:
-            return None
-        start += len(window) - 3
-    return None
-
-
-def _runs_over_the_end(file: BinaryIO, offset: int, size: int, order: pcapng.Order | None) -> bool:
-    if size - offset < _SMALLEST:
-        return True
-    head = _head(file, offset, order)
-    return head is not None and head[2] % 4 == 0 and offset + head[2] > size

@@ -30,14 +30,16 @@ from mikas.recording.capture.reader import (
     Source,
     reason_of,
 )
-from mikas.recording.capture.scan import LARGEST, RawBlock, scan
+from mikas.recording.capture.scan import LARGEST, RawBlock, Scanner, read_whole
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, joined
 from mikas.recording.exchanges.result import JUMP
 
 WINDOW: Final = 1 << 20
+_LEAST: Final = 1 << 11  # bytes; a shorter window costs more than its packets one by one
 _EXACT: Final = 1 << 53  # integers up to here are exact as 64-bit floats
 _HEAD: Final = 28  # bytes of an Enhanced Packet before its data
 _PLAIN: Final = _HEAD + 16  # with the flags option, the end of options and the second length
+_NONE: Final = np.empty(0, np.int64)
 _FLAGS_OPTION: Final = {"<": 0x0004_0002, ">": 0x0002_0004}  # code 2, length 4, as one word
 
 
@@ -67,7 +69,7 @@ class Window:
         file.seek(offset)
         self.offset = offset
         self.order = order
-        self.buffer = np.frombuffer(file.read(size), np.uint8)
+        self.buffer = np.frombuffer(read_whole(file, size), np.uint8)
         self.words = self.buffer[: self.buffer.size & -4].view(order + "u4")
         found = (self.words[:-1] == pcapng.ENHANCED).nonzero()[0]
         totals = self.words[found + 1].astype(np.int64)
@@ -201,10 +203,15 @@ def read(path: str | os.PathLike[str], window: int = WINDOW) -> Iterator[Packets
     """Yield packets and problems in the order of the file. Raise as `CaptureReader` does."""
     checked = CaptureReader(path)
     try:
-        with checked.path.open("rb") as file:
-            yield from _Walk(file, window).items()
+        with checked.path.open("rb", buffering=0) as file:
+            yield from walk(file, window)
     except OSError as error:
         raise CaptureError(str(Path(path)), reason_of(error)) from error
+
+
+def walk(file: BinaryIO, window: int = WINDOW) -> Iterator[Packets | Problem]:
+    """Yield packets and problems of an open file, in its order, up to its present end."""
+    return _Walk(file, window).items()
 
 
 class _Walk:
@@ -213,32 +220,58 @@ class _Walk:
     def __init__(self, file: BinaryIO, window: int) -> None:
         self._file = file
         self._size = window
+        self._scanner = Scanner(file)
         self._blocks = Blocks()
+        self._window: Window | None = None
 
     def items(self) -> Iterator[Packets | Problem]:
         offset = 0
         order: pcapng.Order | None = None
-        window: Window | None = None
-        while True:
+        while offset < self._scanner.size:
             check_cancelled()
             if order is not None and self._blocks.interfaces:
-                if window is None or not window.covers(offset, order):
-                    window = Window(self._file, offset, self._size, order)
-                found, end = window.run(offset)
-                if not found.size and window.may_be_cut(offset):
-                    window = Window(self._file, offset, self._size, order)
-                    found, end = window.run(offset)
-                if found.size:
+                window, found, end = self._run_at(offset, order)
+                if window is not None and found.size:
                     yield from self._run(window, found)
                     offset = end
                     continue
-            item = next(scan(self._file, offset, order), None)
+            item = self._scanner.item(offset, order)
             if item is None:
                 return
             yield from map(_alone, self._blocks.read(item))
             offset = item.end
             if isinstance(item, RawBlock):
                 order = item.order
+
+    def _run_at(self, offset: int, order: pcapng.Order) -> tuple[Window | None, Index, int]:
+        """Return the window at `offset`, its packets from there on, and where they end."""
+        window = self._window
+        is_new = window is None or not window.covers(offset, order)
+        if is_new:
+            window = self._next_window(offset, order)
+        if window is None:
+            return None, _NONE, offset
+        found, end = window.run(offset)
+        if not is_new and not found.size and window.may_be_cut(offset):
+            window = self._next_window(offset, order)
+            if window is not None:
+                found, end = window.run(offset)
+        return window, found, end
+
+    def _next_window(self, offset: int, order: pcapng.Order) -> Window | None:
+        """Return a window from `offset` on; None so soon after the last one that it does not pay.
+
+        Damage can call for a new window at each packet, but all of them together have no more than
+        four times the bytes of the file.
+        """
+        size = self._size
+        if self._window is not None:
+            size = min(size, 4 * (offset - self._window.offset))
+            if size < min(_LEAST, self._size):
+                return None
+        size = min(size, self._scanner.size - offset)
+        self._window = Window(self._file, offset, size, order)
+        return self._window
 
     def _run(self, window: Window, found: Index) -> Iterator[Packets | Problem]:
         columns = PacketColumns(window, found, self._blocks)

@@ -1,0 +1,138 @@
+"""Recordings made to cost a reader more than their size, and what counts its work."""
+
+from __future__ import annotations
+
+import io
+import struct
+import sys
+from collections.abc import Callable
+from itertools import count
+
+from mikas.framing import encode
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.notes import ENTERPRISE, TAG
+
+SECTION = pcapng.encode(pcapng.Section(application="mikas"))
+PORT = pcapng.encode(pcapng.Interface(name="sim:"))
+MICRO = 1_000_000
+_NOTE_HEAD = 8 + 4 + len(TAG)
+
+
+def packet(body: bytes, time: float = 0.0, *, sent: bool = True, interface: int = 0) -> bytes:
+    """A packet with one frame, or none for an empty body."""
+    data = encode(body) if body else b""
+    flags = pcapng.OUTBOUND if sent else pcapng.INBOUND
+    ticks = int(time * MICRO)
+    return pcapng.encode(pcapng.EnhancedPacket(interface, ticks, data, flags))
+
+
+def exchange(request: bytes, response: bytes, time: float = 0.0) -> bytes:
+    return packet(request, time) + packet(response, time + 0.01, sent=False)
+
+
+def good() -> bytes:
+    return SECTION + PORT + exchange(b"\x61\x1a", b"\x10", 1.0)
+
+
+def nested(count: int, kind: int, body: bytes, step: int = 0) -> bytes:
+    """`count` whole blocks, each with the next one in its body: all lengths fit."""
+    step = step or 8 + len(body) + -len(body) % 4
+    heads, tails = b"", b""
+    for number in range(count):
+        total = 12 + (count - number) * (step - 8) + (count - number - 1) * 12
+        heads += struct.pack("<II", kind, total) + body.ljust(step - 8, b"\0")
+        tails = struct.pack("<I", total) + tails
+    return heads + tails
+
+
+def fake_sections(n: int) -> bytes:
+    fake = pcapng.encode(pcapng.Section())[:4] + struct.pack("<I", 48) + SECTION[8:12]
+    return good() + fake * n
+
+
+def fake_notes(n: int) -> bytes:
+    fake = struct.pack("<III", pcapng.CUSTOM, 1 << 20, ENTERPRISE) + TAG
+    return good() + fake * n
+
+
+def nested_notes(n: int) -> bytes:
+    return good() + nested(n, pcapng.CUSTOM, struct.pack("<I", ENTERPRISE) + TAG + b"{}  ")
+
+
+def nested_sections(n: int) -> bytes:
+    """Each is followed by its port and a packet that reaches to the end."""
+    return good() + nested(n, pcapng.SECTION, SECTION[8:-4] + PORT)
+
+
+def nested_packets(n: int) -> bytes:
+    """No section: is it a recording that has lost its begin?"""
+    return b"\0" + nested(n, pcapng.ENHANCED, struct.pack("<5I", 0, 0, 0, 1 << 30, 0))
+
+
+def nested_fault_requests(n: int) -> bytes:
+    request = struct.pack("<5I", 0, 0, 0, 3, 3) + encode(b"\x02")
+    return good() + nested(n, pcapng.ENHANCED, request)
+
+
+def broken_packets(n: int) -> bytes:
+    """The second length is wrong in every other one."""
+    whole = exchange(b"\x61\x1a", b"\x10")
+    return good() + (whole[:-4] + b"\1\2\3\4" + whole) * n
+
+
+def shifted_packets(n: int) -> bytes:
+    return good() + (b"\0" + packet(b"\x61\x1a")) * n
+
+
+def both_byte_orders(n: int) -> bytes:
+    big = pcapng.encode(pcapng.Section(), ">") + pcapng.encode(pcapng.Interface(), ">")
+    big += pcapng.encode(pcapng.EnhancedPacket(0, 0, b"\x01\xff\x0d", pcapng.OUTBOUND), ">")
+    return good() + (big + SECTION + PORT + packet(b"\x01")) * n
+
+
+def far_lengths(n: int) -> bytes:
+    """Whatever may be a block has its second length elsewhere, in no order."""
+    totals = (4 * (1 + number * 7919 % (5 * n)) for number in range(n))
+    heads = (struct.pack("<IIII", pcapng.ENHANCED, 64 + total, 0, 0) for total in totals)
+    return good() + b"\1" + b"".join(heads) + bytes(64)
+
+
+FILES = (
+    fake_sections,
+    fake_notes,
+    nested_notes,
+    nested_sections,
+    nested_packets,
+    nested_fault_requests,
+    broken_packets,
+    shifted_packets,
+    both_byte_orders,
+    far_lengths,
+)
+
+
+class CountingFile(io.BytesIO):
+    """A file that counts the bytes that are read from it."""
+
+    taken = 0
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        data = super().read(size)
+        self.taken += len(data)
+        return data
+
+
+def calls(work: Callable[[], object]) -> int:
+    """Return how many functions `work` calls, those of C included."""
+    counter = count()
+
+    def profile(frame: object, event: str, arg: object) -> None:
+        if event in ("call", "c_call"):
+            next(counter)
+
+    sys.setprofile(profile)
+    try:
+        work()
+    finally:
+        sys.setprofile(None)
+    return next(counter)
