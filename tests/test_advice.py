@@ -32,7 +32,7 @@ FIELDS = {
     "length": 1, "expected": 2, "got": 1, "asked": 2, "command": "02", "name": "N", "wanted": 1,
     "change": "c", "how": "", "space": "ram", "last": 255, "address": 1, "count": 1, "value": 1,
     "allowed": "a", "place": "p", "feature": "f", "extra": "e", "limit": 0.5, "chip": "CH340",
-    "holder": Text("h", "h"),
+    "holder": Text("h", "h"), "rate": 98000, "baud": 9600, "most": 960,
 }  # fmt: skip
 
 

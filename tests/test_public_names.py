@@ -38,6 +38,7 @@ TREE = {
     "PortDenied": ("NoConnection", ConnectionError),
     "PortFailed": ("NoConnection", ConnectionError),
     "LinkLost": ("NoConnection", ConnectionError),
+    "LineFlooded": ("LinkLost", ConnectionError),
     "RecordingOver": ("LinkLost", ConnectionError),
     "NoEcho": ("NoConnection", ConnectionError),
     "EchoOnly": ("NoConnection", ConnectionError),

@@ -157,7 +157,7 @@ def test_no_way_there(scheme, reason, message, monkeypatch):
 class TestSocket:
     def test_requests_are_not_held_back(self):
         with tcp_rig() as rig:
-            sock = rig.link._port._socket
+            sock = rig.link.link._port._socket
             assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
     def test_is_named_by_its_place_and_has_the_baud_rate_behind_it(self):
@@ -185,7 +185,7 @@ class TestSocket:
             rig.link.write(b"unread: closing now resets the connection")
             rig.peer.received(1)
             rig.link.write(b"and this too")
-            sock = rig.link._port._socket
+            sock = rig.link.link._port._socket
             rig.peer.vanish()
             with pytest.raises(LinkLost):
                 write_until_lost(rig.link, b"x")
@@ -221,7 +221,7 @@ class TestRfc2217:
         with rfc2217_rig() as rig:
             blocked = threading.Event()
             rig.peer.write = lambda _: blocked.wait(FAR)
-            rig.link._port._socket.settimeout(0.05)
+            rig.link.link._port._socket.settimeout(0.05)
             rig.peer._came.put = lambda _: blocked.wait(FAR)
             try:
                 with pytest.raises(LinkLost, match="takes no more bytes"):

@@ -20,9 +20,13 @@ from mikas.options import check_names
 calls = []
 
 
+class OpenLink:
+    is_virtual = True
+
+
 def opener(url, options):
     calls.append((url, options))
-    return "an open link"
+    return OpenLink()
 
 
 @pytest.mark.parametrize(
@@ -119,7 +123,8 @@ class TestDistributions:
     def test_a_link_of_another_distribution_opens(self, tmp_path):
         with installed(tmp_path, "own-link", {"Loud": f"{__name__}:opener"}):
             calls.clear()
-            assert open_link("LOUD:?a=1") == "an open link"
+            loud = open_link("LOUD:?a=1")
+            assert isinstance(loud, sys.modules[__name__].OpenLink)
             assert sys.modules[__name__].calls == [("LOUD:?a=1", {"a": "1"})]
             assert parse("sim:").scheme == "sim"
         with pytest.raises(BadPortUrl, match="there is no “loud:”"):

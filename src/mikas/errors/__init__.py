@@ -24,6 +24,7 @@
     │   ├── PortDenied                 no permission to open it
     │   ├── PortFailed                 not opened for another reason
     │   ├── LinkLost                   the adapter disconnected while in use
+    │   │   ├── LineFlooded            it sends more than a line can carry
     │   │   └── RecordingOver          the recording played by `replay:` has ended
     │   ├── NoEcho                     nothing received, not even the echo (D1)
     │   ├── EchoOnly                   echo received, no response from the ECU (D1)
@@ -63,6 +64,7 @@ from mikas.errors.connection import AdapterTaken as AdapterTaken
 from mikas.errors.connection import AdapterWithoutDriver as AdapterWithoutDriver
 from mikas.errors.connection import AnotherAdapter as AnotherAdapter
 from mikas.errors.connection import EchoOnly as EchoOnly
+from mikas.errors.connection import LineFlooded as LineFlooded
 from mikas.errors.connection import LinkLost as LinkLost
 from mikas.errors.connection import NoConnection as NoConnection
 from mikas.errors.connection import NoEcho as NoEcho

@@ -150,6 +150,27 @@ class LinkLost(NoConnection):
     advice = Text("Check the USB plug and its cable.", "Проверьте разъём USB и кабель.")
 
 
+class LineFlooded(LinkLost):
+    """More bytes arrived than a line of that baud rate carries. `rate`, `most`: bytes a second."""
+
+    what = Text(
+        "The adapter on {url} sends {rate} bytes a second: a line of {baud} baud carries {most} at "
+        "most",
+        "Адаптер на {url} шлёт {rate} байт в секунду: линия на {baud} бод пропускает не больше "
+        "{most}",
+    )
+    advice = Text(
+        "That is not the car. Likely, in order: this is another port or another address; the "
+        "program that shares the adapter, or the adapter itself, is out of order (restart it, or "
+        "unplug it and plug it in again); the line is faster than {baud} baud (then name its rate "
+        "in the port: ?baud=…).",
+        "Это не машина. Скорее всего, по порядку: это другой порт или другой адрес; неисправна "
+        "программа, которая раздаёт адаптер, или сам адаптер (перезапустите её, отключите и снова "
+        "подключите его); линия быстрее {baud} бод (тогда укажите скорость в имени порта: "
+        "?baud=…).",
+    )
+
+
 class RecordingOver(LinkLost):
     """The recording played through `replay:` has ended; waiting is useless."""
 

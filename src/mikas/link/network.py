@@ -1,11 +1,13 @@
-"""pyserial's network ports, with four defects of version 3.5 corrected.
+"""pyserial's network ports, with five defects of version 3.5 corrected.
 
 Both kinds sleep 0.3 s in `close`, leave their socket open if the other end closed first, and accept
 a write to a closed connection. `socket://` also delays small writes (Nagle), up to 40 ms a request.
+`rfc2217://` reads all that comes into memory, however fast and whether it is used or not.
 """
 
 from __future__ import annotations
 
+import queue
 import socket
 import threading
 import warnings
@@ -23,6 +25,7 @@ from mikas.link.urls import parse
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
 
+_MOST_UNREAD = 1 << 14  # bytes that the reader thread keeps; more waits at the far end
 _PATIENCE = 7.0  # seconds for pyserial's reader thread to end; its own socket time-out is 5
 
 
@@ -70,12 +73,25 @@ class Rfc2217Port(rfc2217.Serial):
 
     _socket: socket.socket | None
     _thread: threading.Thread | None
+    _unread: queue.Queue[bytes | None] | None = None
 
     def open(self) -> None:
         """Connect and agree on the settings. Raises `SerialException`, `ValueError`."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # 3.5 still calls Thread.setDaemon
             super().open()
+
+    @property
+    def _read_buffer(self) -> queue.Queue[bytes | None] | None:
+        """The bytes that the reader thread has received, each by itself."""
+        return self._unread
+
+    @_read_buffer.setter
+    def _read_buffer(self, created: queue.Queue[bytes | None] | None) -> None:
+        """Bound the queue that pyserial has created: its reader thread waits for room."""
+        if created is not None:
+            created.maxsize = _MOST_UNREAD
+        self._unread = created
 
     def write(self, b: ReadableBuffer, /) -> int | None:
         """Send, unless the reader thread has met the end of the connection."""
@@ -95,11 +111,20 @@ class Rfc2217Port(rfc2217.Serial):
             with suppress(OSError):
                 self._socket.shutdown(socket.SHUT_RDWR)  # which ends the reader
         thread, self._thread = self._thread, None
+        if self._unread is not None:
+            self._make_room(self._unread)
         if thread is not None:
             thread.join(_PATIENCE)
         sock, self._socket = self._socket, None
         if sock is not None:
             sock.close()
+
+    @staticmethod
+    def _make_room(unread: queue.Queue[bytes | None]) -> None:
+        """Let the reader thread put down all that it holds, so that it can end."""
+        with unread.mutex:
+            unread.maxsize = 0
+            unread.not_full.notify_all()
 
 
 def host_and_port(url: str) -> str:

@@ -21,6 +21,7 @@ from urllib.parse import parse_qsl, urlencode
 from mikas.errors import BadPortUrl, UsageError
 from mikas.i18n import Text
 from mikas.link.base import Link
+from mikas.link.flood import FloodGuard
 from mikas.options import OptionParser, nearest, with_nearest
 
 if TYPE_CHECKING:
@@ -47,6 +48,8 @@ class PortUrl:
 def open_link(url: str, /, **options: str | float) -> Link:
     """Open the link of `url`; `options` override those of its query.
 
+    A link that brings more bytes than its line can carry raises `LineFlooded`.
+
     Raises `BadPortUrl` for an invalid URL or option, `NoConnection` if the port does not open,
     `UsageError` for a link that can't be loaded; an opener may raise other usage errors.
     """
@@ -56,7 +59,8 @@ def open_link(url: str, /, **options: str | float) -> Link:
     parsed = parse(url)
     opener = _opener(parsed.scheme)
     try:
-        return opener(url, parsed.options)
+        link = opener(url, parsed.options)
+        return link if link.is_virtual else FloodGuard(link)
     except UsageError as error:
         if type(error) is not UsageError:
             raise

@@ -15,6 +15,7 @@ from mikas.commands import Availability
 from mikas.errors import (
     EcuRefused,
     LineError,
+    LineFlooded,
     LinkLost,
     MikasError,
     NoConnection,
@@ -41,6 +42,7 @@ from mikas.sampling.plan import Plan
 UnitIdentity = tuple[int, Passport]
 
 _RETRY_PORT = 1.0  # s between attempts to open the port
+_FLOODED = 20.0  # s until a port is opened again that sent more than a line carries
 _PAUSE = 0.5  # s between two cycles; passports that are answered take 0.2 s
 
 
@@ -84,9 +86,16 @@ class ConnectionSupervisor:
         return None
 
     def port_lost(self, error: LinkLost, time: float) -> Iterator[Event]:
-        """Report that the open port failed. Raises `error` with `strict` before any sample."""
+        """Report that the open port failed, and wait. Raises `error` with `strict` before a sample.
+
+        Without the wait, a port that opens and fails at once would be opened without end.
+        """
         self.ecu = None
         yield from self._broken(LineTrigger.PORT_LOST, time, error)
+        until = self._port.now() + (_FLOODED if isinstance(error, LineFlooded) else _RETRY_PORT)
+        while not self._context.stopped and (left := until - self._port.now()) > 0:
+            self._port.wait(min(left, _RETRY_PORT))
+            self._context.jobs.fail(error)
 
     def find_unit(self, link: Link) -> Generator[Event, None, Ecu | None]:
         """Return a connected `Ecu` on `link`; None: sampling was stopped."""

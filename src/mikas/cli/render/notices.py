@@ -13,6 +13,7 @@ from mikas.errors import (
     AdapterTaken,
     AnotherAdapter,
     EngineStopped,
+    LineFlooded,
     MikasError,
     NoConnection,
     SyncLost,
@@ -155,7 +156,7 @@ class Notices:
         if not event.is_broken:
             self._well_since = event.time
         elif self._session.connected:
-            if isinstance(event.error, AnotherAdapter | AdapterTaken):
+            if isinstance(event.error, AnotherAdapter | AdapterTaken | LineFlooded):
                 yield f"{localized(event.error.text)} {_waits()}"
             elif event.state is not self._shown_state:  # a new reason alone is not shown
                 yield waiting_sentence(event)
