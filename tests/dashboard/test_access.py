@@ -87,6 +87,40 @@ def test_from_the_network_the_token_is_wanted(client):
     assert Access(8071, lan_control=True, **LAN).judge(reported) == "control"
 
 
+PROXIED = {
+    "X-Forwarded-For": "127.0.0.1",
+    "X-Forwarded-Host": "127.0.0.1",
+    "X-Real-IP": "127.0.0.1",
+    "Forwarded": "for=127.0.0.1",
+    "Via": "1.1 a-proxy",
+}
+
+
+def test_no_header_names_the_sender_whatever_the_environment_says(tmp_path, monkeypatch):
+    monkeypatch.setenv("FORWARDED_ALLOW_IPS", "*")
+    monkeypatch.setenv("WEB_CONCURRENCY", "many")
+    with rig(tmp_path, None, **LAN) as it:
+        host = {"Host": f"127.0.0.1:{it.port}"}
+        seen = []
+        judge = Access.judge
+        monkeypatch.setattr(
+            Access, "judge", lambda *given: seen.append(given[1]["client"]) or judge(*given)
+        )
+        for name, value in PROXIED.items():
+            forged = {**ME, **host, name: value}
+            assert it.get("/state", 401, forged)["code"] == "TokenRequired", name
+            assert it.post("/disconnect", None, 401, forged)["code"] == "TokenRequired", name
+            assert it.get("/about", headers={**forged, **TOKEN})["rights"] == "view", name
+        assert all(port for _, port in seen)  # 0: taken from a header
+        assert it.get("/about", headers=host)["rights"] == "control"
+
+
+def test_a_proxy_on_this_computer_gets_nothing_without_lan():
+    for name, value in PROXIED.items():
+        with pytest.raises(Forbidden, match="proxy"):
+            Access(8071).judge(scope("127.0.0.1:8071", **{name.lower(): value}))
+
+
 def test_the_token_may_come_as_a_cookie_and_to_a_socket_in_its_address():
     access = Access(8071, **LAN)
     assert access.judge(scope("garage:8071", cookie=f"a=b; mikas_8071={access.token}")) == "view"

@@ -64,6 +64,8 @@ class Server(uvicorn.Server):
                 ws_ping_timeout=_PING,
                 ws_per_message_deflate=False,  # on a loopback, bandwidth costs less than CPU time
                 server_header=False,
+                workers=1,
+                proxy_headers=False,  # else FORWARDED_ALLOW_IPS lets a header name the sender
                 timeout_graceful_shutdown=_GRACE,
             )
         )

@@ -8,6 +8,9 @@ Sec-Fetch-Site against pages of other sites, for HTTP and WebSocket alike. The t
 `Authorization: Bearer`, as a cookie, or once in the link; then the server sets it as a cookie, so
 that it does not stay in the address bar.
 
+The sender's address is the one of its connection; no header names another. A request that a proxy
+on this computer passes on has this computer's address but another author: it is not local.
+
 A port's URL can name a recording to replay, a scenario's file, any address that this computer can
 reach. From the network (`--lan-control`) only a serial port that was found, the port in use, or a
 virtual car that comes with mikas may be named.
@@ -33,6 +36,7 @@ from mikas.link.urls import parse
 Rights = Literal["control", "view"]
 _CAR_OPTIONS = {"scenario", "seed", "model", "faults"}
 _LOCAL = ("127.0.0.1", "localhost", "[::1]")
+_FORWARDING = ("forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-real-ip")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +73,8 @@ class Access:
         self._check_page(request)
         if self.is_local(scope):
             return "control"
+        if not self.lan:
+            raise Forbidden(problem=Text("a request through a proxy", "запрос через прокси"))
         if not self._has_token(request):
             raise TokenRequired
         return "control" if self.lan_control else "view"
@@ -76,6 +82,8 @@ class Access:
     def is_local(self, scope: Scope) -> bool:
         """Whether the request comes from this computer, which needs no token."""
         request = HTTPConnection(scope)
+        if any(name in request.headers for name in _FORWARDING):
+            return False
         local = _host(request) in self._addresses(local=True)
         return local and (not self.lan or _is_loopback(request))
 
