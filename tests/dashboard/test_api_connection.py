@@ -255,15 +255,18 @@ def test_a_doctor_without_a_listener_ends(patient, idle):
 
 
 def test_one_has_control_the_others_watch(idle):
-    assert idle.post("/relearn")["controller"] == {"id": "tester-0001", "name": "Me", "you": True}
+    mine = idle.post("/relearn")["controller"]
+    assert mine == {"id": mine["id"], "name": "Me", "you": True}
     error = idle.post("/disconnect", status=409, headers=OTHER)
     assert error["code"] == "NotController"
     assert "Me" in error["en"]
     controller = idle.get("/state", headers=OTHER)["controller"]
-    assert controller == {"id": "tester-0001", "name": "Me", "you": False}
+    assert controller == {"id": mine["id"], "name": "Me", "you": False}
     idle.post("/control/take", {}, 409, headers=OTHER)
     taken = idle.post("/control/take", {"force": True}, headers=OTHER)
-    assert taken["controller"] == {"id": "tester-0002", "name": "Вася", "you": True}
+    theirs = taken["controller"]
+    assert theirs == {"id": theirs["id"], "name": "Вася", "you": True}
+    assert theirs["id"] != mine["id"]
     idle.post("/relearn", status=409)
     assert idle.post("/control/release", headers=OTHER)["controller"] is None
     idle.post("/relearn")

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 from dashboard.rig import OTHER as SOMEBODY
-from mikas.dashboard.errors import NotAllowed, NotController
+from mikas.dashboard.errors import Locked, NotAllowed, NotController
+from mikas.dashboard.security.confirmations import WriteLock
 from mikas.dashboard.security.control import AFTER_REQUEST, AFTER_SOCKET, Client, ControlLease
 
 ME, OTHER, VIEWER = Client("me", "Me", True), Client("it", "", True), Client("v", "", False)
@@ -41,27 +44,61 @@ def test_without_a_socket_it_is_free_a_minute_after_the_last_request(lease):
 
 
 def test_with_a_socket_it_is_kept_and_a_reload_does_not_lose_it(lease):
-    lease.socket_opened(ME)
-    lease.socket_opened(ME)
+    lease.socket_opened(ME, "a page")
+    lease.socket_opened(ME, "a page")  # the page reconnected, and the lost socket is still counted
     lease.demand(ME)
     lease.passes(9999)
-    lease.socket_closed(ME)
+    lease.socket_closed(ME, "a page")
     lease.passes(9999)
     assert lease.holder == ME
-    lease.socket_closed(ME)
+    lease.socket_closed(ME, "a page")
     lease.passes(AFTER_SOCKET - 0.1)
     assert lease.holder == ME
-    lease.socket_opened(ME)
+    lease.socket_opened(ME, "it was loaded again")
     lease.passes(9999)
     assert lease.holder == ME
-    lease.socket_closed(ME)
+    lease.socket_closed(ME, "it was loaded again")
+    lease.passes(AFTER_SOCKET)
+    assert lease.holder is None
+
+
+@pytest.mark.parametrize("seated", [0, 1, 2], ids=["before both", "between them", "after both"])
+def test_a_second_socket_with_the_holders_id_does_not_keep_the_seat(lease, seated):
+    for number, page in enumerate(("its own", "another's")):
+        if number == seated:
+            lease.demand(ME)
+        lease.socket_opened(ME, page)
+    if seated == 2:
+        lease.demand(ME)
+    lease.socket_closed(ME, "its own")
+    lease.passes(AFTER_SOCKET - 0.1)
+    assert lease.holder == ME
+    lease.passes(0.1)
+    assert lease.holder is None
+    lease.socket_opened(ME, "a third")  # does not revive it
+    assert lease.holder is None
+    lease.socket_closed(ME, "another's")
+    lease.demand(ME)  # the one that is left is its own
+    lease.passes(9999)
+    assert lease.holder == ME
+
+
+def test_a_taken_seat_is_given_back_with_the_socket_that_kept_it(lease):
+    lease.socket_opened(ME, "its own")
+    lease.demand(ME)
+    lease.demand(OTHER, force=True)()
+    lease.passes(9999)
+    assert lease.holder == ME
+    undo = lease.demand(OTHER, force=True)
+    lease.socket_closed(ME, "its own")
+    undo()
     lease.passes(AFTER_SOCKET)
     assert lease.holder is None
 
 
 def test_a_late_request_of_a_closed_page_does_not_keep_control(lease):
-    lease.socket_opened(ME)
-    lease.socket_closed(ME)
+    lease.socket_opened(ME, "a page")
+    lease.socket_closed(ME, "a page")
     lease.demand(ME)  # was under way when the page was closed
     lease.passes(AFTER_SOCKET - 0.1)
     assert lease.holder == ME  # it may be a reload, whose socket is not there yet
@@ -88,9 +125,9 @@ def test_a_viewer_never_gets_it(lease):
 
 def test_viewers_are_clients_not_sockets(lease):
     for client in (ME, ME, VIEWER):
-        lease.socket_opened(client)
+        lease.socket_opened(client, "a page")
     assert lease.viewers == 2
-    lease.socket_closed(ME)
+    lease.socket_closed(ME, "a page")
     assert lease.viewers == 2
 
 
@@ -132,8 +169,8 @@ def test_only_what_was_understood_and_allowed_takes_the_seat(off):
     ):
         off.post(path, body, status, SOMEBODY)
         assert off.get("/state")["controller"] is None, path
-    off.post("/disconnect", headers=SOMEBODY)
-    assert off.get("/state")["controller"]["id"] == "tester-0002"
+    assert off.post("/disconnect", headers=SOMEBODY)["controller"]["you"]
+    assert not off.get("/state")["controller"]["you"]
     off.post("/connect", {"port": 5}, 409)
 
 
@@ -185,3 +222,52 @@ def test_an_unlock_is_not_handed_on(idle):
     assert idle.post("/changes", wish, 403, SOMEBODY)["code"] == "Locked"
     idle.post("/control/take", {"force": True})
     assert idle.post("/changes", wish, 403)["code"] == "Locked"
+
+
+def test_what_is_shown_of_a_client_is_never_what_authorises(idle, capfd, caplog):
+    """The second client reads everything that it may, and sends it back as its id."""
+    owner, secret = {"X-Mikas-Client": "kept-secret-5f3a"}, "kept-secret-5f3a"  # and no name
+    for ours in ("mikas", "uvicorn", "asyncio"):
+        caplog.set_level("DEBUG", ours)
+    idle.post("/recording/start", headers=owner)
+    idle.post("/recording/note", {"text": "seen"}, headers=owner)
+    idle.post("/unlock", {"minutes": 5}, headers=owner)
+    refused = idle.post("/connect", {"port": "sim:"}, 409, SOMEBODY)
+    seen = [json.dumps(idle.until(lambda it: it["state"]["controller"])), json.dumps(refused)]
+    seen += [idle.client.get(f"/api{path}").text for path in READABLE]
+    seen += [caplog.text, *capfd.readouterr()]
+    files = idle.dashboard.settings.recordings.parent.rglob("*")
+    seen += [file.read_bytes().decode("latin-1") for file in files if file.is_file()]
+    assert not any(secret in text for text in seen)
+    shown = idle.get("/state")["controller"]["id"]
+    assert shown in refused["en"]
+    wish = {"kind": "write_memory", "space": "ram", "address": 64, "data": "00"}
+    for stolen in (shown, shown.upper(), f"{shown}-0000"):
+        thief = {"X-Mikas-Client": stolen}
+        assert not idle.get("/state", headers=thief)["controller"]["you"]
+        assert idle.post("/changes", wish, 409, thief)["code"] == "NotController"
+        assert idle.post("/lock", {}, 409, thief)["code"] == "NotController"
+    assert idle.post("/changes", wish, headers=owner)["nonce"]
+
+
+READABLE = ("/state", "/history", "/journal", "/recordings", "/dumps", "/about", "/faults")
+
+
+def test_the_id_of_this_computer_is_another_client_in_the_network():
+    here, there = (Client.of("the-same-id", "", may_control=True, local=it) for it in (True, False))
+    assert here.id != there.id
+    assert here.handle != there.handle
+    assert here == Client.of("the-same-id", "", may_control=True, local=True)
+    assert "the-same-id" not in f"{here!r} {here.id} {here.handle}"
+    assert here.id not in f"{here!r} {here.handle}"
+
+
+def test_an_unlock_is_its_clients_alone():
+    lock = WriteLock(lambda: 0.0)
+    lock.open(ME, 60)
+    lock.check(ME)
+    with pytest.raises(Locked):
+        lock.check(OTHER)
+    lock.close()
+    with pytest.raises(Locked):
+        lock.check(ME)

@@ -8,6 +8,7 @@ import pytest
 
 from mikas.dashboard.api.state import shared_state
 from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.history import StoredFaults
 from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
@@ -118,7 +119,7 @@ def test_a_port_that_opens_after_the_end_of_the_doctor_is_not_used(tmp_path):
 def test_a_lock_that_closes_while_it_is_looked_at_is_open_or_closed(tmp_path):
     dashboard, times = dashboard_of(tmp_path), iter((0.0, 59.0, 61.0))
     dashboard.write_lock.clock = lambda: next(times)
-    dashboard.write_lock.open(60.0)
+    dashboard.write_lock.open(Client("me", "", True), 60.0)
     state = shared_state(dashboard)
     assert state.unlocked_until is not None
     assert state.unlocked_until > 0

@@ -39,8 +39,9 @@ from mikas.dashboard.settings import Settings
 
 _DESCRIPTION = """
 Everything that the page does, a script can do. Every client sends `X-Mikas-Client` (8 to 64
-letters, digits or hyphens); requests that control the line need the control lease, which the first
-client gets. Times are UNIX seconds, bytes upper-case hex, texts `{"en", "ru"}`.
+letters, digits or hyphens, chosen at random and kept secret); requests that control the line need
+the control lease, which the first client gets. Times are UNIX seconds, bytes upper-case hex, texts
+`{"en", "ru"}`.
 Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 """
 

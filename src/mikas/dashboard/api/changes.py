@@ -15,9 +15,9 @@ from mikas.dashboard.api.dependencies import Controller, TheDashboard
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of
 from mikas.dashboard.api.memory import Space
 from mikas.dashboard.dashboard import Dashboard
-from mikas.dashboard.errors import Locked
 from mikas.dashboard.library.deletion import recording_deletion
 from mikas.dashboard.security.confirmations import LIFETIME, PendingChange
+from mikas.dashboard.security.control import Client
 
 router = APIRouter(tags=["changes"])
 
@@ -135,7 +135,7 @@ async def prepare(
 ) -> ChangeProposal:
     """Read the present content and return the effect of the change; changes nothing."""
     change = await _prepared(dashboard, body)
-    _check_lock(dashboard, change)
+    _check_lock(dashboard, client, change)
     nonce = dashboard.confirmations.keep(client, change)
     return made_of(
         ChangeProposal, change, nonce=nonce, expires=dashboard.connection.now() + LIFETIME
@@ -148,7 +148,7 @@ async def confirm(
 ) -> ChangeResult:
     """Make the change that was shown, once, if the content is still the same."""
     change = dashboard.confirmations.use(client, nonce)
-    _check_lock(dashboard, change)
+    _check_lock(dashboard, client, change)
     return ChangeResult(before=change.before, after=await change.make())
 
 
@@ -170,6 +170,6 @@ async def _prepared(dashboard: Dashboard, body: ChangeRequest) -> PendingChange:
             return await dashboard.dump_jobs.deletion(body.id)
 
 
-def _check_lock(dashboard: Dashboard, change: PendingChange) -> None:
-    if change.needs_unlock and dashboard.write_lock.left is None:
-        raise Locked
+def _check_lock(dashboard: Dashboard, client: Client, change: PendingChange) -> None:
+    if change.needs_unlock:
+        dashboard.write_lock.check(client)

@@ -18,6 +18,7 @@ from urllib.parse import unquote
 from fastapi import Depends, Header, Query, Request
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
+from starlette.requests import HTTPConnection
 
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import status_of
@@ -41,7 +42,10 @@ NO_CLIENT_ID = Text(
 )
 ClientId = Annotated[
     str | None,
-    Header(alias="X-Mikas-Client", description="the client: 8 to 64 letters, digits, hyphens"),
+    Header(
+        alias="X-Mikas-Client",
+        description="a secret of the client, chosen at random: 8 to 64 letters, digits, hyphens",
+    ),
 ]
 ClientName = Annotated[
     str | None,
@@ -56,12 +60,14 @@ def split_names(names: str | None) -> list[str] | None:
     return None if names is None else [name for name in names.split(",") if name]
 
 
-def client_of(identity: str | None, name: str | None, *, may_control: bool) -> Client:
+def client_of(request: HTTPConnection, identity: str | None, name: str | None) -> Client:
     """Return the client of that id and name. Raises `BadRequest` for an invalid id."""
+    state = request.scope["state"]
     if identity is None or not _ID.fullmatch(identity):
         raise BadRequest(problem=NO_CLIENT_ID)
     printable = "".join(c for c in unquote(name or "") if c.isprintable())
-    return Client(identity, printable[:_MAX_NAME], may_control)
+    may_control, local = state["rights"] == "control", state["local"]
+    return Client.of(identity, printable[:_MAX_NAME], may_control=may_control, local=local)
 
 
 def _dashboard(request: Request) -> Dashboard:
@@ -74,10 +80,9 @@ def _library(request: Request) -> RecordingService:
 
 
 def _viewer(request: Request, client_id: ClientId = None, client_name: ClientName = None) -> Client:
-    may_control = request.scope["state"]["rights"] == "control"
     if client_id is None:
-        return Client("", "", may_control)
-    return client_of(client_id, client_name, may_control=may_control)
+        return Client("", "", request.scope["state"]["rights"] == "control")
+    return client_of(request, client_id, client_name)
 
 
 class Requester:

@@ -10,13 +10,14 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
+import secrets
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from math import nan
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
-from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
 from pydantic import TypeAdapter, ValidationError
 
 from mikas.dashboard.api.dependencies import client_of
@@ -54,10 +55,14 @@ def dumps(value: object) -> str:
 
 
 class Listener:
-    """One WebSocket: its columns (None: all), its queue, and the count of messages it lost."""
+    """One WebSocket: its columns (None: all), its queue, and the count of messages it lost.
 
-    def __init__(self, client: Client) -> None:
+    `page`: the same for the WebSockets that a page opens one after the other; empty: its only one.
+    """
+
+    def __init__(self, client: Client, page: str = "") -> None:
         self.client = client
+        self.page = page or secrets.token_hex(8)
         self.fields: Fields = None
         self.waiting: deque[str] = deque()
         self.wake = asyncio.Event()
@@ -118,7 +123,7 @@ class Broadcaster:
         """Add a listener."""
         self._new_state()
         self.listeners.add(listener)
-        self._dashboard.control.socket_opened(listener.client)
+        self._dashboard.control.socket_opened(listener.client, listener.page)
         self._dashboard.monitor.listened = True
         listener.offer("")
         if self._task is None:
@@ -127,7 +132,7 @@ class Broadcaster:
     def leave(self, listener: Listener) -> None:
         """Remove a listener; the task ends with the last one."""
         self.listeners.discard(listener)
-        self._dashboard.control.socket_closed(listener.client)
+        self._dashboard.control.socket_closed(listener.client, listener.page)
         if not self.listeners and self._task is not None:
             self._task.cancel()
             self._task = None
@@ -200,12 +205,16 @@ def _tail(
 
 
 @router.websocket("/live")
-async def live(socket: WebSocket, client: str = "", name: str = "") -> None:
+async def live(
+    socket: WebSocket,
+    client: str = "",
+    name: str = "",
+    page: Annotated[str, Query(max_length=64)] = "",
+) -> None:
     """Send live data; docs/api.md describes the messages."""
     broadcaster: Broadcaster = socket.app.state.broadcaster
     try:
-        may_control = socket.scope["state"]["rights"] == "control"
-        listener = Listener(client_of(client, name, may_control=may_control))
+        listener = Listener(client_of(socket, client, name), page)
     except ApiRefusal as error:
         await socket.send_denial_response(json_response(error))
         return

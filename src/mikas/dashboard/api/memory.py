@@ -88,7 +88,7 @@ def unlock(dashboard: TheDashboard, client: Controller, body: UnlockRequest) -> 
     """Unlock writing of memory and parameters for some minutes, on this connection."""
     if dashboard.connection.thread is None:
         raise NotConnected
-    dashboard.write_lock.open(body.minutes * 60)
+    dashboard.write_lock.open(client, body.minutes * 60)
     return state_of(dashboard, client)
 
 

@@ -59,7 +59,7 @@ class ActiveAlarm(BaseModel):
 class ControlHolder(BaseModel):
     """The client in control. `you`: the client that asked."""
 
-    id: str
+    id: str = Field(description="a mark of that client, new at each start; it gives no rights")
     name: str
     you: bool
 
@@ -119,7 +119,7 @@ def own_state(dashboard: Dashboard, client: Client) -> OwnState:
     """Return the part of the state that `client` alone sees so, or only now."""
     held = dashboard.control.holder
     return OwnState(
-        controller=ControlHolder(id=held.id, name=held.name, you=held.id == client.id)
+        controller=ControlHolder(id=held.handle, name=held.name, you=held.id == client.id)
         if held
         else None,
         rights="control" if client.may_control else "view",

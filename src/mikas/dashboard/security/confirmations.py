@@ -3,8 +3,9 @@
 A change that was shown to a person is kept until that person confirms it by its nonce, once. A
 nonce is bound to its client, to the content shown and to the present unit; it lasts two minutes,
 and the attempt uses it up, whatever its result. The lock on memory and parameters is open for some
-minutes, on one connection, for the client that opened it. The approval lets the client library's
-gate pass exactly the confirmed change, and the sampler's own reversible ones.
+minutes, on one connection, for the client that opened it, while that has control. The approval
+lets the client library's gate pass exactly the confirmed change, and the sampler's own reversible
+ones.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Any, Final
 
 from mikas.client import Change
 from mikas.commands import Safety
-from mikas.dashboard.errors import ConfirmationExpired, ConfirmationOutdated
+from mikas.dashboard.errors import ConfirmationExpired, ConfirmationOutdated, Locked
 from mikas.dashboard.security.control import Client
 from mikas.i18n import Text
 
@@ -80,18 +81,24 @@ class ConfirmationStore:
 
 @dataclass(slots=True)
 class WriteLock:
-    """`clock`: seconds that never run back."""
+    """`clock`: seconds that never run back. Closed whenever the control lease changes hands."""
 
     clock: Callable[[], float]
     _until: float | None = None
+    _client: str = ""
 
-    def open(self, seconds: float) -> None:
-        """Unlock writing for `seconds`."""
-        self._until = self.clock() + seconds
+    def open(self, client: Client, seconds: float) -> None:
+        """Unlock writing by `client` for `seconds`."""
+        self._client, self._until = client.id, self.clock() + seconds
 
     def close(self) -> None:
         """Lock writing."""
         self._until = None
+
+    def check(self, client: Client) -> None:
+        """Raise `Locked`, unless writing is unlocked for `client`."""
+        if self.left is None or self._client != client.id:
+            raise Locked
 
     @property
     def left(self) -> float | None:

@@ -1,20 +1,27 @@
 """The control lease: one client at a time controls the line, the others view.
 
+A client is known by its id, a secret that it chose. The id itself is not kept: it is replaced by a
+digest with a key of this process, and what others see of a client, the handle, is derived from that
+digest. So nothing that is shown, logged or stored gives a client's rights to another.
+
 A client takes the lease by a request while it is free. The lease is free again when its holder has
-been away: 15 s after its last WebSocket closed (a reload, a lid shut for a moment), 60 s after the
-last request of a client that never had one (a script). A request of a page whose WebSocket is gone
-counts as the former: the page is being reloaded, or was closed. An invalid or refused request is
-undone: it did not use the lease. Viewing (`take` False) needs a lease that is free or one's own,
-and does not take it.
+been away: 15 s after its page's WebSocket closed (a reload, a lid shut for a moment), 60 s after
+the last request of a client that never had one (a script). Another page's WebSocket with the same
+id does not keep the lease. A request of a page whose WebSocket is gone counts as the former: the
+page is being reloaded, or was closed. An invalid or refused request is undone: it did not use the
+lease. Viewing (`take` False) needs a lease that is free or one's own, and does not take it.
 """
 
 from __future__ import annotations
 
+import hmac
+import secrets
 import threading
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
+from typing import Self
 
 from mikas.dashboard.errors import NotAllowed, NotController
 
@@ -22,15 +29,34 @@ AFTER_SOCKET = 15.0
 AFTER_REQUEST = 60.0
 Undo = Callable[[], None]
 _MAX_GONE = 100  # clients without a WebSocket that are remembered
+_KEY = secrets.token_bytes(32)
+_HANDLE = 8  # hexadecimal digits
+
+
+def _digest(text: str) -> str:
+    return hmac.digest(_KEY, text.encode(), "sha256").hex()
 
 
 @dataclass(frozen=True, slots=True)
 class Client:
-    """The sender of a request. `may_control`: whether it may take the lease at all."""
+    """The sender of a request. `may_control`: whether it may take the lease at all.
 
-    id: str
+    `id` tells clients apart and is never shown; empty: a client without one.
+    """
+
+    id: str = field(repr=False)
     name: str
     may_control: bool
+
+    @classmethod
+    def of(cls, secret: str, name: str, *, may_control: bool, local: bool) -> Self:
+        """Return the client with that secret; one in the network never is one on this computer."""
+        return cls(_digest(f"{'here' if local else 'network'} {secret}"), name, may_control)
+
+    @property
+    def handle(self) -> str:
+        """The mark of this client that others may see; new at each start."""
+        return _digest(f"handle {self.id}")[:_HANDLE]
 
 
 class ControlLease:
@@ -47,8 +73,9 @@ class ControlLease:
         self._requests = 0
         self._lock = threading.Lock()
         self._holder: Client | None = None
-        self._until = 0.0  # for a holder without a WebSocket
-        self._sockets: dict[str, int] = {}
+        self._page: str | None = None  # the holder's page, whose WebSocket keeps the lease
+        self._until = 0.0  # for a holder without it
+        self._sockets: dict[str, list[str]] = {}  # the pages of each client, one for each WebSocket
         self._gone: deque[str] = deque(maxlen=_MAX_GONE)
 
     @property
@@ -74,12 +101,15 @@ class ControlLease:
         with self._lock:
             holder = self._current()
             if holder is not None and holder.id != client.id and not force:
-                raise NotController(holder=holder.name or holder.id)
+                raise NotController(holder=holder.name or holder.handle)
             if holder is None and not take:
                 return lambda: None
             self._requests += 1
-            undo = partial(self._undo, self._requests, holder, self._until)
+            undo = partial(self._undo, self._requests, holder, self._page, self._until)
             self._give(client)
+            pages = self._sockets.get(client.id, [])
+            if pages and self._page is None:
+                self._page = pages[0]
             after = AFTER_SOCKET if client.id in self._gone else AFTER_REQUEST
             self._until = self._clock() + after
             return undo
@@ -90,31 +120,38 @@ class ControlLease:
             if self._holder is not None and self._holder.id == client.id:
                 self._give(None)
 
-    def socket_opened(self, client: Client) -> None:
-        """Count one more WebSocket of `client`."""
+    def socket_opened(self, client: Client, page: str) -> None:
+        """Count one more WebSocket of `client`'s `page`."""
         with self._lock:
-            self._sockets[client.id] = self._sockets.get(client.id, 0) + 1
+            self._sockets.setdefault(client.id, []).append(page)
+            holder = self._current()
+            if holder is not None and holder.id == client.id and self._page is None:
+                self._page = page
 
-    def socket_closed(self, client: Client) -> None:
-        """Count one WebSocket of `client` less."""
+    def socket_closed(self, client: Client, page: str) -> None:
+        """Count one WebSocket of `client`'s `page` less."""
         with self._lock:
-            left = self._sockets.pop(client.id) - 1
-            if left:
-                self._sockets[client.id] = left
-                return
-            self._gone.append(client.id)
-            if self._holder is not None and self._holder.id == client.id:
+            pages = self._sockets[client.id]
+            pages.remove(page)
+            if not pages:
+                del self._sockets[client.id]
+                self._gone.append(client.id)
+            holds = self._holder is not None and self._holder.id == client.id
+            if holds and self._page == page and page not in pages:
+                self._page = None
                 self._until = self._clock() + AFTER_SOCKET
 
-    def _undo(self, request: int, holder: Client | None, until: float) -> None:
+    def _undo(self, request: int, holder: Client | None, page: str | None, until: float) -> None:
         with self._lock:
             if request == self._requests:
                 self._give(holder)
+                open_pages = self._sockets.get(holder.id, []) if holder else []
+                self._page = page if page in open_pages else None
                 self._until = until
 
     def _current(self) -> Client | None:
         holder = self._holder
-        if holder is not None and holder.id not in self._sockets and self._clock() >= self._until:
+        if holder is not None and self._page is None and self._clock() >= self._until:
             holder = None
             self._give(None)
         return holder
@@ -122,4 +159,5 @@ class ControlLease:
     def _give(self, client: Client | None) -> None:
         before, self._holder = self._holder, client
         if (before and before.id) != (client and client.id):
+            self._page = None
             self._changed()

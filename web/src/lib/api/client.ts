@@ -1,5 +1,6 @@
 // The client identity of this tab: a random name that survives a reload but is not shared with a duplicate of the tab. A duplicate copies
-// sessionStorage, so the name is stored there only while the page is being left.
+// sessionStorage, so the name is stored there only while the page is being left. The name is a secret: who knows it has the rights of this
+// tab. Others see three of its digits, the tab's label; 100 random bits remain.
 
 // A tab that is closed while it holds control leaves its name for the next tab opened in this browser, which then holds control.
 
@@ -32,8 +33,11 @@ function first(): string {
   } catch {
     // No storage: a new name for each page load.
   }
-  const bytes = crypto.getRandomValues(new Uint8Array(12));
-  return `page-${[...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("")}`;
+  return `page-${randomDigits(14)}`;
+}
+
+function randomDigits(bytes: number): string {
+  return [...crypto.getRandomValues(new Uint8Array(bytes))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
 }
 
 function leftName(): string | null {
@@ -42,6 +46,9 @@ function leftName(): string | null {
 }
 
 export const clientId = globalThis.window ? first() : "page-test";
+
+/** This load of the page: its next connection continues the one that was lost, and keeps control, where another tab's would not. */
+export const pageId = randomDigits(8);
 
 /** The name that other clients see while this one holds control. */
 export const clientName = (): string => {
@@ -52,7 +59,7 @@ export const clientName = (): string => {
 };
 
 /** A short label that distinguishes this tab from others of the same browser; it survives a reload. */
-export const tabLabel = clientId.slice(-3).toUpperCase();
+export const tabLabel = clientId.slice(5, 8).toUpperCase();
 
 globalThis.window?.addEventListener("pagehide", () => {
   try {

@@ -162,6 +162,7 @@ export interface components {
         };
         /** @description The client in control. `you`: the client that asked. */
         ControlHolder: {
+            /** @description a mark of that client, new at each start; it gives no rights */
             id: string;
             name: string;
             you: boolean;

@@ -3,7 +3,7 @@
 import { api } from "../api/api";
 import { address } from "../api/http";
 import { frameClock } from "../platform/frameClock.svelte";
-import { clientId, clientName, controlLease } from "../api/client";
+import { clientId, clientName, controlLease, pageId } from "../api/client";
 import { Columns } from "../series/columns";
 import { EventLog } from "./eventLog";
 import type { LineEvent, LiveMessage, Rows, State } from "../api/types";
@@ -62,7 +62,7 @@ class LiveLine {
 
   private open(): void {
     clearTimeout(this.timer);
-    const url = new URL(address("/live", { client: clientId, name: clientName() }), location.href);
+    const url = new URL(address("/live", { client: clientId, name: clientName(), page: pageId }), location.href);
     url.protocol = url.protocol.replace("http", "ws");
     const socket = new WebSocket(url);
     this.socket = socket;
