@@ -174,7 +174,12 @@ def test_only_what_was_understood_and_allowed_takes_the_seat(off):
     off.post("/connect", {"port": 5}, 409)
 
 
+def faults_read(it):
+    it.until(lambda message: message["state"]["fault_count"] is not None)
+
+
 def test_who_only_looks_does_not_take_the_seat(idle):
+    faults_read(idle)
     for headers in ({}, SOMEBODY):
         for path in ("/faults", "/state", "/history", "/catalog", "/ports"):
             idle.get(path, headers=headers)
@@ -189,6 +194,7 @@ def test_who_only_looks_does_not_take_the_seat(idle):
 
 
 def test_a_client_without_an_id_gets_known_data_and_no_new_request(idle):
+    faults_read(idle)
     error = idle.get("/passport", 400, {})
     assert "X-Mikas-Client" in error["ru"]
     asked = []
