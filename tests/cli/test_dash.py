@@ -17,7 +17,7 @@ def started(monkeypatch, tmp_path, capsys):
         monkeypatch.setenv(name, str(tmp_path))
     monkeypatch.delenv("MIKAS_PORT", raising=False)
     monkeypatch.setenv("MIKAS_LANG", "en")
-    monkeypatch.setattr("mikas.dashboard.server.serve", lambda app, own, *, ready: ready())
+    monkeypatch.setattr("mikas.dashboard.server.serve", lambda app, own, *, ready, tls: ready())
 
     def start(*argv: str) -> tuple[str, str]:
         capsys.readouterr()
@@ -61,7 +61,9 @@ def test_a_port_that_is_there(started, tmp_path):
 
 def test_it_connects_with_the_options_of_the_command_line(started, monkeypatch):
     apps = []
-    monkeypatch.setattr("mikas.dashboard.server.serve", lambda app, own, *, ready: apps.append(app))
+    monkeypatch.setattr(
+        "mikas.dashboard.server.serve", lambda app, own, *, ready, tls: apps.append(app)
+    )
     started("--checksum", "raw", "--strict", "--inter-byte", "0.5", "--timeout", "1")
     options = apps[0].state.dashboard.settings.connection
     assert (options.raw_checksum, options.strict) == (True, True)

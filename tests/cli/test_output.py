@@ -169,9 +169,9 @@ def test_ports_with_an_adapter(mikas, monkeypatch):
 
 @pytest.mark.parametrize("command", ["demo", "dash"])
 def test_the_dashboard_prints_its_address_first(mikas, monkeypatch, command):
-    monkeypatch.setattr("mikas.dashboard.server.serve", lambda app, own, *, ready: ready())
+    monkeypatch.setattr("mikas.dashboard.server.serve", lambda app, own, *, ready, tls: ready())
     reported = mikas(command, "--no-browser", "--json").object
-    assert set(reported) == {"schema", "url", "lan_url"}
+    assert set(reported) == {"schema", "url", "lan_url", "fingerprint"}
     assert re.fullmatch(r"http://127\.0\.0\.1:\d+/", reported["url"])
     assert reported["lan_url"] is None
 

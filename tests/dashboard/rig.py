@@ -169,6 +169,7 @@ def rig(
     rate=5,
     page=None,
     language=None,
+    tls=None,
     **access,
 ):
     cars = Cars()
@@ -186,7 +187,7 @@ def rig(
         rules = Access(own.getsockname()[1], **access)
         ready = threading.Event()
         app = create_app(dashboard, rules, folder=page or tmp_path / "page")
-        server = Server(app, ready=ready.set)
+        server = Server(app, ready=ready.set, tls=tls)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [own]})
         thread.start()
         try:

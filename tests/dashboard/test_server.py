@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+from datetime import UTC, datetime
 
 import pytest
 
@@ -11,6 +12,7 @@ from mikas.cli.commands.dash import DashboardOptions, show_dashboard
 from mikas.cli.context import CommandContext
 from mikas.dashboard.listening import FIRST_PORT, listen, own_addresses
 from mikas.dashboard.page import shape
+from mikas.dashboard.security.certificate import own_certificate
 from mikas.dashboard.settings import VirtualCars
 from mikas.errors import BadPortUrl, UsageError
 from mikas.link import open_link
@@ -133,8 +135,8 @@ def served(monkeypatch, tmp_path):
     """What the command line starts, instead of serving it."""
     started = []
 
-    def serve(app, own, *, ready):
-        started.append((app, own.getsockname()))
+    def serve(app, own, *, ready, tls):
+        started.append((app, own.getsockname(), tls))
         ready()
 
     monkeypatch.setattr("mikas.dashboard.server.serve", serve)
@@ -151,14 +153,55 @@ def test_the_address_comes_first_and_the_browser_is_opened(served, monkeypatch, 
     assert url == f"http://127.0.0.1:{served[0][1][1]}/"
 
 
-def test_the_link_for_others_comes_with_a_picture(served, capsys, tmp_path):
-    show_dashboard(CommandContext(), DashboardOptions(lan=True, no_browser=True, record=tmp_path))
+@pytest.fixture
+def state(monkeypatch, tmp_path):
+    """The folder of the certificate."""
+    monkeypatch.setenv("MIKAS_STATE", str(tmp_path / "state"))
+    return tmp_path / "state"
+
+
+def test_the_link_for_others_comes_with_a_picture_and_a_fingerprint(
+    served, state, capsys, tmp_path
+):
+    options = DashboardOptions(lan=True, no_browser=True, record=tmp_path)
+    show_dashboard(CommandContext(), options)
     reported = capsys.readouterr()
-    assert "?token=" in reported.out.splitlines()[1]
+    link = reported.out.splitlines()[1]
+    assert link.startswith("https://")
+    assert "?token=" in link
     assert "█" in reported.err or "▄" in reported.err
-    app = served[0][0]
-    assert app.state.access.lan
-    assert not app.state.access.lan_control
+    app, _, tls = served[0]
+    access = app.state.access
+    assert access.lan
+    assert not access.lan_control
+    pairs = reported.err.splitlines()[-2:]
+    assert ":".join(line.strip() for line in pairs) == access.fingerprint
+    assert link.endswith(f"#sha256={pairs[0].strip()[:23]}")
+    assert all(len(line) < 80 for line in pairs)
+    assert tls.get_ciphers()
+    show_dashboard(CommandContext(), options)
+    assert served[1][0].state.access.fingerprint == access.fingerprint  # a phone knows it already
+
+
+def test_a_certificate_of_one_s_own_names_the_link(served, state, capsys, tmp_path):
+    file = tmp_path / "own.pem"
+    own_certificate(file, ("mikas.example",), datetime.now(UTC))
+    options = {"lan": True, "no_browser": True, "record": tmp_path}
+    show_dashboard(CommandContext(), DashboardOptions(tls_cert=file, tls_key=file, **options))
+    assert capsys.readouterr().out.splitlines()[1].startswith("https://mikas.example:")
+    assert not state.exists()
+
+
+def test_without_encryption_there_is_a_warning(served, state, capsys, tmp_path):
+    options = {"lan": True, "no_browser": True, "record": tmp_path}
+    show_dashboard(CommandContext(), DashboardOptions(no_tls=True, **options))
+    reported = capsys.readouterr()
+    assert reported.out.splitlines()[1].startswith("http://")
+    assert "Whoever is in this network can read the key" in reported.err
+    app, _, tls = served[0]
+    assert tls is None
+    assert app.state.access.fingerprint is None
+    assert not state.exists()
 
 
 def test_what_makes_no_sense_is_refused_before_anything_is_opened(served, tmp_path):
@@ -173,6 +216,16 @@ def test_what_makes_no_sense_is_refused_before_anything_is_opened(served, tmp_pa
     with pytest.raises(UsageError):
         DashboardOptions(**options, lan_control=False, record=tmp_path / "file")
     assert DashboardOptions(**options, lan_control=True, record=None).lan
+    file = tmp_path / "file"
+    for tls in (
+        {"no_tls": True},
+        {"tls_cert": file, "tls_key": file},
+        {"lan": True, "tls_cert": file},
+        {"lan": True, "tls_key": file},
+        {"lan": True, "tls_cert": file, "tls_key": file, "no_tls": True},
+    ):
+        with pytest.raises(UsageError, match="tls"):
+            DashboardOptions(**tls)
     assert not served
 
 

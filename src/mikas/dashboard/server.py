@@ -11,6 +11,7 @@ import logging
 import os
 import signal
 import socket
+import ssl
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -19,6 +20,8 @@ from types import FrameType
 
 import uvicorn
 from fastapi import FastAPI
+
+from mikas.dashboard.entrance import Entrance
 
 _PING = 20.0
 _GRACE = 3
@@ -29,12 +32,19 @@ _EXPECTED = (  # messages of uvicorn that report no error
 )
 
 
-def serve(app: FastAPI, own: socket.socket, *, ready: Callable[[], None]) -> None:
+def serve(
+    app: FastAPI,
+    own: socket.socket,
+    *,
+    ready: Callable[[], None],
+    tls: ssl.SSLContext | None = None,
+) -> None:
     """Serve `app` on `own` until Ctrl-C; `ready` is called once the server responds.
 
+    `tls`: what the network gets, while this computer gets plain HTTP; None: both plain HTTP.
     Raises `KeyboardInterrupt` after a clean shutdown; a second Ctrl-C ends the process at once.
     """
-    server = Server(app, ready=ready)
+    server = Server(app, ready=ready, tls=tls)
     server.run(sockets=[own])
     server.finish_signal()
 
@@ -48,7 +58,13 @@ def _is_error(record: logging.LogRecord) -> bool:
 class Server(uvicorn.Server):
     """uvicorn with the application's settings."""
 
-    def __init__(self, app: FastAPI, *, ready: Callable[[], None] = lambda: None) -> None:
+    def __init__(
+        self,
+        app: FastAPI,
+        *,
+        ready: Callable[[], None] = lambda: None,
+        tls: ssl.SSLContext | None = None,
+    ) -> None:
         log = logging.getLogger("uvicorn.error")
         log.setLevel(logging.ERROR)
         log.addFilter(_is_error)
@@ -69,7 +85,8 @@ class Server(uvicorn.Server):
                 timeout_graceful_shutdown=_GRACE,
             )
         )
-        self._app, self._ready = app, ready
+        self._app, self._ready, self._tls = app, ready, tls
+        self._entrances: list[Entrance] = []
         self._signal: int | None = None  # the first one received
 
     @contextmanager
@@ -107,11 +124,25 @@ class Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Cancel reports and exports at once, then shut down."""
+        for entrance in self._entrances:
+            await entrance.close()
         await self._app.state.dashboard.library.close()
         await super().shutdown(sockets)
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, and call `ready`."""
-        await super().startup(sockets)
+        tls = self._tls
+        await super().startup(sockets if tls is None else [])
+        if tls is not None:
+            self._entrances = [Entrance(own, self._protocol, tls) for own in sockets or ()]
+            for entrance in self._entrances:
+                entrance.open()
         if not self.should_exit:
             self._ready()
+
+    def _protocol(self) -> asyncio.Protocol:
+        """Return the protocol of a new connection, as `uvicorn.Server.startup` makes it."""
+        create: Callable[..., asyncio.Protocol] = self.config.http_protocol_class
+        return create(
+            config=self.config, server_state=self.server_state, app_state=self.lifespan.state
+        )

@@ -105,6 +105,11 @@ class Settings:
         return self._state / "presets.json"
 
     @property
+    def certificate(self) -> Path:
+        """The file of the certificate, with its key, for the network."""
+        return self._state / "dashboard.pem"
+
+    @property
     def dumps(self) -> Path:
         """The folder of dumps."""
         return self.recordings / "dumps"

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 import threading
+from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import urlencode
@@ -13,13 +15,14 @@ from mikas.cli.advice import ADVICE
 from mikas.cli.click_extensions import command, grouped, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, requested_language, tr
-from mikas.cli.parameter_types import whole
+from mikas.cli.parameter_types import existing_file, whole
 from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.dashboard.dashboard import Dashboard
     from mikas.dashboard.security.access import Access
+    from mikas.dashboard.security.certificate import Certificate
     from mikas.dashboard.settings import Settings
     from mikas.link.ahead import PortAhead
 
@@ -39,13 +42,35 @@ class DashboardOptions:
     lan_control: bool = False
     no_browser: bool = False
     record: Path | None = None
+    tls_cert: Path | None = None
+    tls_key: Path | None = None
+    no_tls: bool = False
 
     def __post_init__(self) -> None:
         self.lan = self.lan or self.lan_control
+        self._check_tls()
         if self.record is not None:
             from mikas.dashboard.settings import check_folder
 
             check_folder(self.record)
+
+    def _check_tls(self) -> None:
+        given = (self.tls_cert, self.tls_key)
+        if (given != (None, None) or self.no_tls) and not self.lan:
+            raise usage_error(
+                "--tls-cert, --tls-key and --no-tls apply to the network; add --lan",
+                "--tls-cert, --tls-key и --no-tls относятся к доступу из сети; добавьте --lan",
+            )
+        if (self.tls_cert is None) != (self.tls_key is None):
+            raise usage_error(
+                "--tls-cert and --tls-key belong together; name both files",
+                "--tls-cert и --tls-key нужны вместе; укажите оба файла",
+            )
+        if self.no_tls and self.tls_cert is not None:
+            raise usage_error(
+                "--no-tls excludes --tls-cert and --tls-key",
+                "--no-tls нельзя указать вместе с --tls-cert и --tls-key",
+            )
 
 
 dashboard_options = grouped(
@@ -63,8 +88,8 @@ dashboard_options = grouped(
         "--lan",
         is_flag=True,
         text=Text(
-            "allow viewing from the network, by a link with a key (also shown as a QR code)",
-            "разрешить просмотр из сети по ссылке с ключом (показана и QR-кодом)",
+            "allow viewing from the network, encrypted, by a link with a key (also a QR code)",
+            "разрешить просмотр из сети, с шифрованием, по ссылке с ключом (есть и QR-код)",
         ),
     ),
     option(
@@ -73,6 +98,29 @@ dashboard_options = grouped(
         text=Text(
             "allow control from the network, not only viewing",
             "разрешить из сети и управление, не только просмотр",
+        ),
+    ),
+    option(
+        "--tls-cert",
+        type=existing_file,
+        metavar="FILE",
+        text=Text(
+            "certificate of your own for the network (PEM); otherwise mikas makes one",
+            "свой сертификат для доступа из сети (PEM); иначе mikas сделает его сам",
+        ),
+    ),
+    option(
+        "--tls-key",
+        type=existing_file,
+        metavar="FILE",
+        text=Text("its private key (PEM)", "закрытый ключ к нему (PEM)"),
+    ),
+    option(
+        "--no-tls",
+        is_flag=True,
+        text=Text(
+            "do not encrypt in the network: others there can read the key of the link",
+            "не шифровать в сети: ключ из ссылки смогут прочитать другие в ней",
         ),
     ),
     option(
@@ -174,13 +222,16 @@ def _serve(context: CommandContext, options: DashboardOptions, ahead: PortAhead 
         open_port=(VirtualCars(ahead.open) if ahead else VirtualCars()).open,
         language=requested_language(),
     )
+    hosts = own_addresses() if options.lan else ()
+    certificate = _certificate(options, settings, hosts)
     own = listen(options.host_port, lan=options.lan)
     with own:
         access = Access(
             own.getsockname()[1],
             lan=options.lan,
             lan_control=options.lan_control,
-            hosts=own_addresses() if options.lan else (),
+            hosts=certificate.hosts(hosts) if certificate else hosts,
+            fingerprint=certificate.fingerprint if certificate else None,
         )
         dashboard = Dashboard(settings, port=context.port, lan=options.lan)
         try:
@@ -193,17 +244,32 @@ def _serve(context: CommandContext, options: DashboardOptions, ahead: PortAhead 
                 create_app(dashboard, access),
                 own,
                 ready=lambda: _show_address(context, access, options, settings),
+                tls=certificate.context if certificate else None,
             )
         finally:
             dashboard.connection.stop()
             _note_recording(context, dashboard)
 
 
+def _certificate(
+    options: DashboardOptions, settings: Settings, hosts: Sequence[str]
+) -> Certificate | None:
+    """Return the user's certificate or mikas' own one; None: nothing is encrypted."""
+    if not options.lan or options.no_tls:
+        return None
+    from mikas.dashboard.security.certificate import given_certificate, own_certificate
+
+    if options.tls_cert is not None and options.tls_key is not None:
+        return given_certificate(options.tls_cert, options.tls_key)
+    return own_certificate(settings.certificate, hosts, datetime.now(UTC))
+
+
 def _show_address(
     context: CommandContext, access: Access, options: DashboardOptions, settings: Settings
 ) -> None:
     urls = {"url": access.url, "lan_url": access.lan_url}
-    context.output.result(urls, "\n".join(filter(None, urls.values())))
+    found = {**urls, "fingerprint": access.fingerprint}
+    context.output.result(found, "\n".join(filter(None, urls.values())))
     context.say("Ctrl-C ends it.", "Выход: Ctrl-C.")
     _note_unusable_folder(context, settings)
     if context.port is not None:
@@ -212,9 +278,31 @@ def _show_address(
         import segno
 
         segno.make(access.lan_url, error="m").terminal(sys.stderr, compact=True)
+    if options.lan:
+        _note_encryption(context, access)
     if not options.no_browser:
         # On some systems opening a browser blocks.
         threading.Thread(target=_open, args=(access.url,), daemon=True).start()
+
+
+def _note_encryption(context: CommandContext, access: Access) -> None:
+    """Say by what a phone recognises this computer, or that nothing is encrypted."""
+    if access.fingerprint is None:
+        context.say(
+            "Warning: --no-tls sends the key of the link and all data in the clear. Whoever is in "
+            "this network can read the key and use it.",
+            "Внимание: с --no-tls ключ из ссылки и все данные идут без шифрования. Любой в этой "
+            "сети может прочитать ключ и воспользоваться им.",
+        )
+        return
+    half = len(access.fingerprint) // 2
+    pairs = f"  {access.fingerprint[:half]}\n  {access.fingerprint[half + 1 :]}"
+    context.say(
+        "The browser there warns of the certificate at the first visit. Compare its SHA-256 "
+        f"fingerprint with this one, and continue only if it is the same:\n{pairs}",
+        "При первом входе браузер предупредит о сертификате. Сверьте его отпечаток SHA-256 с этим "
+        f"и продолжайте, только если они совпадают:\n{pairs}",
+    )
 
 
 def _open(url: str) -> None:

@@ -36,7 +36,10 @@ _ChannelName = Annotated[str, Field(min_length=1, max_length=40)]
 
 
 class AboutResponse(BaseModel):
-    """The server. `lan_url` contains the token; null for clients without control rights."""
+    """The server. `lan_url` contains the token; null for clients without control rights.
+
+    `fingerprint`: SHA-256 of the certificate, by which `lan_url` is served; null: plain HTTP.
+    """
 
     version: str
     rights: Literal["control", "view"]
@@ -44,6 +47,7 @@ class AboutResponse(BaseModel):
     lan: bool
     url: str
     lan_url: str | None
+    fingerprint: str | None
     recordings_folder: str
 
 
@@ -148,6 +152,7 @@ def about(request: Request, dashboard: TheDashboard, client: Viewer) -> AboutRes
         lan=access.lan,
         url=access.url,
         lan_url=access.lan_url if client.may_control else None,
+        fingerprint=access.fingerprint,
         recordings_folder=str(dashboard.settings.recordings),
     )
 

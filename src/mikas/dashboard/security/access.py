@@ -3,6 +3,8 @@
     on this computer   Host and Origin must be this server's    control
     --lan              a token in addition                      view; with lan_control: control
 
+The network is served over TLS, this computer's own address is not (`dashboard/entrance.py`).
+
 Host is checked against DNS rebinding (a foreign name that leads to 127.0.0.1), Origin and
 Sec-Fetch-Site against pages of other sites, for HTTP and WebSocket alike. The token comes as
 `Authorization: Bearer`, as a cookie, or once in the link; then the server sets it as a cookie, so
@@ -35,19 +37,26 @@ from mikas.link.urls import parse
 
 Rights = Literal["control", "view"]
 _CAR_OPTIONS = {"scenario", "seed", "model", "faults"}
+_SHORT = (
+    8 * 3 - 1
+)  # 8 bytes in pairs of digits: nobody makes another certificate with the same ones
 _LOCAL = ("127.0.0.1", "localhost", "[::1]")
 _FORWARDING = ("forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-real-ip")
 
 
 @dataclass(frozen=True, slots=True)
 class Access:
-    """The rules in force. `hosts`: this computer's names in the network, with `lan`."""
+    """The rules in force. `hosts`: this computer's names in the network, with `lan`.
+
+    `fingerprint`: of the certificate, in pairs of digits; None: the network gets plain HTTP.
+    """
 
     port: int
     lan: bool = False
     lan_control: bool = False
     hosts: tuple[str, ...] = ()
     token: str = field(default_factory=lambda: secrets.token_urlsafe(18), repr=False)
+    fingerprint: str | None = None
 
     @property
     def url(self) -> str:
@@ -56,10 +65,17 @@ class Access:
 
     @property
     def lan_url(self) -> str | None:
-        """The link for other computers, with the token in it."""
+        """The link for other computers: with the token, and the begin of the fingerprint.
+
+        Browsers do not send the latter. A person compares it with the certificate that the browser
+        shows before it opens the page.
+        """
         if not self.lan or not self.hosts:
             return None
-        return f"http://{self.hosts[0]}:{self.port}/?token={self.token}"
+        address = f"{self.hosts[0]}:{self.port}/?token={self.token}"
+        if self.fingerprint is None:
+            return f"http://{address}"
+        return f"https://{address}#sha256={self.fingerprint[:_SHORT]}"
 
     @property
     def cookie(self) -> str:
@@ -115,7 +131,7 @@ class Access:
         origin = headers.get("origin")
         if origin is not None:
             scheme, _, address = origin.lower().partition("://")
-            if scheme != "http" or address not in self._addresses():
+            if scheme != _scheme(request.scope) or address not in self._addresses():
                 raise Forbidden(
                     problem=Text(f"foreign page {origin}", f"посторонняя страница {origin}")
                 )
@@ -153,6 +169,15 @@ class PortPolicy:
             return
         if not (_is_shipped_car(url) or url in [port.url for port in self.find()]):
             raise NotFromNetwork(url=url)
+
+
+def is_encrypted(scope: Scope) -> bool:
+    """Whether the request came over TLS."""
+    return scope.get("scheme") in ("https", "wss")
+
+
+def _scheme(scope: Scope) -> str:
+    return "https" if is_encrypted(scope) else "http"
 
 
 def _host(request: HTTPConnection) -> str:

@@ -15,7 +15,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from mikas.dashboard.error_responses import json_response, refusal_response
 from mikas.dashboard.errors import ApiRefusal, TokenRequired, TooLarge
-from mikas.dashboard.security.access import Access
+from mikas.dashboard.security.access import Access, is_encrypted
 from mikas.i18n import Text
 
 MAX_BODY = 1 << 20
@@ -31,8 +31,8 @@ _HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-_LOCAL = {"Cross-Origin-Opener-Policy": "same-origin"}
-"""Over plain HTTP browsers accept this header from their own computer only."""
+_TRUSTED = {"Cross-Origin-Opener-Policy": "same-origin"}
+"""Browsers accept this header over TLS, and from their own computer."""
 _YEAR = 365 * 24 * 3600
 _TOO_LARGE = Text(f"more than {MAX_BODY >> 20} MiB", f"больше {MAX_BODY >> 20} МиБ")
 
@@ -49,24 +49,25 @@ class AccessMiddleware:
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
-        sending = _with_headers(send, _HEADERS | (_LOCAL if self.access.is_local(scope) else {}))
+        is_trusted = is_encrypted(scope) or self.access.is_local(scope)
+        sending = _with_headers(send, _HEADERS | (_TRUSTED if is_trusted else {}))
         try:
             rights = {"rights": self.access.judge(scope), "local": self.access.is_local(scope)}
             scope.setdefault("state", {}).update(rights)
         except ApiRefusal as error:
             answer = refusal_response(error, scope)
             if isinstance(error, TokenRequired) and self.access.offers_token(scope):
-                answer = self._set_cookie()
+                answer = self._set_cookie(scope)
             await answer(scope, receive, sending)
             return
         if scope["type"] == "websocket":
             await self.app(scope, receive, send)
         elif self.access.offers_token(scope):
-            await self._set_cookie()(scope, receive, sending)
+            await self._set_cookie(scope)(scope, receive, sending)
         else:
             await self._limited(scope, receive, sending)
 
-    def _set_cookie(self) -> Response:
+    def _set_cookie(self, scope: Scope) -> Response:
         """Set the token as a cookie, and remove it from the address bar.
 
         Lax: browsers do not send a strict cookie with a link that was opened from a messenger's
@@ -74,7 +75,12 @@ class AccessMiddleware:
         """
         response = RedirectResponse("/", 303)
         response.set_cookie(
-            self.access.cookie, self.access.token, max_age=_YEAR, httponly=True, samesite="lax"
+            self.access.cookie,
+            self.access.token,
+            max_age=_YEAR,
+            httponly=True,
+            samesite="lax",
+            secure=is_encrypted(scope),
         )
         return response
 

@@ -9,7 +9,11 @@ export type paths = Record<string, never>;
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
-        /** @description The server. `lan_url` contains the token; null for clients without control rights. */
+        /**
+         * @description The server. `lan_url` contains the token; null for clients without control rights.
+         *
+         *     `fingerprint`: SHA-256 of the certificate, by which `lan_url` is served; null: plain HTTP.
+         */
         AboutResponse: {
             version: string;
             /** @enum {string} */
@@ -18,6 +22,7 @@ export interface components {
             lan: boolean;
             url: string;
             lan_url: string | null;
+            fingerprint: string | null;
             recordings_folder: string;
         };
         /** @description A channel beyond a limit. */

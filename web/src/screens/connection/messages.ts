@@ -197,6 +197,14 @@ export const t = dictionary({
     en: "On the same Wi-Fi, open this address or scan the QR code. It contains the token: whoever has it can see everything, and can control if the program was started with --lan-control.",
     ru: "В той же сети Wi-Fi откройте этот адрес или снимите QR-код. В нём ключ доступа: с ним видно всё, а если программа запущена с --lan-control, можно и управлять.",
   },
+  lan_certificate: {
+    en: "The browser there warns of the certificate at the first visit: it was made on this computer. Compare its SHA-256 fingerprint with this one, and continue only if it is the same:",
+    ru: "При первом входе браузер предупредит о сертификате: он сделан на этом компьютере. Сверьте его отпечаток SHA-256 с этим и продолжайте, только если они совпадают:",
+  },
+  lan_plain: {
+    en: "The connection is not encrypted (--no-tls): whoever is in this network can read the token and use it.",
+    ru: "Соединение не шифруется (--no-tls): любой в этой сети может прочитать ключ доступа и воспользоваться им.",
+  },
   lan_off: {
     en: "To watch from a phone, start the program with --lan: mikas dash --lan. It then shows a link and a QR code.",
     ru: "Чтобы смотреть с телефона, запустите программу с --lan: mikas dash --lan. Она покажет ссылку и QR-код.",

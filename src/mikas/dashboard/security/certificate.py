@@ -1,0 +1,261 @@
+"""The certificate with which the dashboard is served in the network (TLS): its own, or the user's.
+
+Its own one is self-signed (P-256), for the names and addresses of this computer. It is kept with
+its key in one file that only its owner can read, so that a browser which has accepted it once does
+so at the next start, too. A new one is made before it expires, when this computer has an address
+that is not in it (the earlier ones stay), and when others could have read the key.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import ipaddress
+import os
+import ssl
+import stat
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from mikas.errors import UsageError, reason_of
+from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from cryptography import x509
+
+VALID: Final = timedelta(days=397)  # the longest that browsers accept
+_RENEWED: Final = timedelta(days=30)  # before the end
+_CLOCKS: Final = timedelta(days=1)  # by which a phone's clock may be late
+_MOST_NAMES: Final = 24
+_LARGEST: Final = 1 << 16  # bytes of a file
+
+PLAIN_ADVICE: Final = Text(
+    "Give your own with --tls-cert and --tls-key, or serve without encryption with --no-tls.",
+    "Укажите свой ключами --tls-cert и --tls-key или откажитесь от шифрования ключом --no-tls.",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """`context`: with the certificate and its key. `names`: the hosts that it is for."""
+
+    context: ssl.SSLContext
+    fingerprint: str
+    """SHA-256, upper-case hex in pairs with colons, as browsers show it."""
+    names: tuple[str, ...]
+    is_own: bool
+    """Made by mikas."""
+
+    def hosts(self, here: Sequence[str]) -> tuple[str, ...]:
+        """Return the names by which this computer is reached, the one for the link first.
+
+        `here`: its own ones. Those of a user's certificate come first: browsers trust them.
+        """
+        named = () if self.is_own else [name for name in self.names if not {"*", ":"} & {*name}]
+        return tuple(dict.fromkeys((*named, *here)))
+
+
+class _Kept(NamedTuple):
+    certificate: x509.Certificate
+    is_private: bool
+    """Nobody but its owner could read the key."""
+
+
+def own_certificate(file: Path, hosts: Sequence[str], now: datetime) -> Certificate:
+    """Return the certificate kept in `file`, or a new one. Raises `UsageError`.
+
+    `hosts`: this computer's addresses and names in the network. `now`: with a time zone.
+    """
+    _require_library()
+    kept = _kept(file)
+    wanted = _usable(hosts)
+    names = _names(kept.certificate) if kept else ()
+    if kept is None or not _serves(kept, names, wanted, now):
+        names = tuple(dict.fromkeys((*wanted, *names)))[:_MOST_NAMES]
+        try:
+            _write_private(file, _made(names, now))
+        except OSError as error:
+            why = reason_of(error)
+            raise UsageError(
+                problem=Text(
+                    f"The certificate for --lan can't be written to {file}: {why.en}",
+                    f"Сертификат для --lan не удаётся записать в {file}: {why.ru}",
+                ),
+                advice=PLAIN_ADVICE,
+            ) from error
+    return _loaded(file, file, is_own=True)
+
+
+def given_certificate(file: Path, key: Path) -> Certificate:
+    """Return the user's certificate, both files in PEM. Raises `UsageError`."""
+    _require_library()
+    return _loaded(file, key, is_own=False)
+
+
+def _require_library() -> None:
+    try:
+        import cryptography  # noqa: F401  (looked for only)
+    except ImportError as error:
+        raise UsageError(
+            problem=Text(
+                "The dashboard is encrypted in the network, which needs the package cryptography; "
+                "it is not installed",
+                "В сети панель шифруется, для этого нужен пакет cryptography; он не установлен",
+            ),
+            advice=Text(
+                "Install it: pip install cryptography. Without encryption: --no-tls.",
+                "Установите его: pip install cryptography. Без шифрования: --no-tls.",
+            ),
+        ) from error
+
+
+def _loaded(file: Path, key: Path, *, is_own: bool) -> Certificate:
+    from cryptography import x509
+    from cryptography.hazmat.primitives.serialization import Encoding
+
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    try:
+        context.load_cert_chain(file, key, password=_no_password)
+        certificate = x509.load_pem_x509_certificate(_read(file)[0])
+    except (OSError, ValueError) as error:  # of OpenSSL's, too
+        why = _reason(error)
+        raise UsageError(
+            problem=Text(
+                f"The certificate {file} with the key {key} can't be used: {why.en}",
+                f"Сертификат {file} с ключом {key} использовать нельзя: {why.ru}",
+            ),
+            advice=Text(
+                "Both are PEM files, the key without a password; without these options mikas "
+                "makes a certificate itself.",
+                "Нужны файлы PEM, ключ — без пароля; без этих ключей mikas сделает сертификат сам.",
+            ),
+        ) from error
+    digest = hashlib.sha256(certificate.public_bytes(Encoding.DER)).digest()
+    return Certificate(context, digest.hex(":").upper(), _names(certificate), is_own)
+
+
+def _no_password() -> bytes:
+    """Refuse a key with a password: OpenSSL would ask for it at the terminal."""
+    raise ValueError(_PASSWORD.en)
+
+
+def _reason(error: OSError | ValueError) -> Text:
+    if isinstance(error, ssl.SSLError):
+        words = (error.reason or str(error)).replace("_", " ").lower()
+        return Text(words, words)
+    if isinstance(error, OSError):
+        return reason_of(error)
+    text = str(error)
+    return _PASSWORD if text == _PASSWORD.en else Text(text, text)
+
+
+_PASSWORD: Final = Text("the key has a password", "ключ защищён паролем")
+
+
+def _kept(file: Path) -> _Kept | None:
+    """Return the certificate in `file`; None if there is none with its key."""
+    from cryptography import x509
+    from cryptography.hazmat.primitives.serialization import load_pem_private_key
+
+    try:
+        data, status = _read(file)
+        certificate = x509.load_pem_x509_certificate(data)
+        key = load_pem_private_key(data, None)
+    except (OSError, ValueError, TypeError):
+        return None
+    if key.public_key() != certificate.public_key():
+        return None
+    return _Kept(certificate, os.name == "nt" or not status.st_mode & 0o077)
+
+
+def _read(file: Path) -> tuple[bytes, os.stat_result]:
+    """Return the contents of a small regular file. Raises `OSError`, `ValueError`."""
+    opened = os.open(file, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+    with os.fdopen(opened, "rb") as stream:
+        status = os.fstat(stream.fileno())
+        if not stat.S_ISREG(status.st_mode) or status.st_size > _LARGEST:
+            raise ValueError(f"{file} is no certificate")
+        return stream.read(_LARGEST), status
+
+
+def _serves(kept: _Kept, names: Iterable[str], wanted: Iterable[str], now: datetime) -> bool:
+    begin, end = kept.certificate.not_valid_before_utc, kept.certificate.not_valid_after_utc
+    return kept.is_private and begin <= now <= end - _RENEWED and set(wanted) <= set(names)
+
+
+def _usable(hosts: Iterable[str]) -> tuple[str, ...]:
+    """Return the hosts that can be in a certificate, in their order: addresses, names in ASCII."""
+    found = []
+    for host in hosts:
+        with suppress(ValueError):
+            found.append(str(ipaddress.ip_address(host)))
+            continue
+        with suppress(UnicodeError):
+            found.append(host.encode("idna").decode().lower())
+    return tuple(dict.fromkeys(filter(None, found)))
+
+
+def _names(certificate: x509.Certificate) -> tuple[str, ...]:
+    from cryptography import x509
+
+    try:
+        found = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    except (x509.ExtensionNotFound, ValueError):
+        return ()
+    names = [name.value for name in found if isinstance(name, x509.DNSName)]
+    addresses = [str(name.value) for name in found if isinstance(name, x509.IPAddress)]
+    return (*addresses, *names)
+
+
+def _made(names: Iterable[str], now: datetime) -> bytes:
+    """Return a new certificate and its key as PEM."""
+    from cryptography import x509
+    from cryptography.hazmat.primitives import hashes
+    from cryptography.hazmat.primitives.asymmetric import ec
+    from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
+    from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+
+    key = ec.generate_private_key(ec.SECP256R1())
+    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "mikas dashboard")])
+    alternatives = x509.SubjectAlternativeName([_general(each) for each in names])
+    now = now.astimezone(UTC).replace(microsecond=0)
+    certificate = (
+        x509.CertificateBuilder()
+        .subject_name(name)
+        .issuer_name(name)
+        .public_key(key.public_key())
+        .serial_number(x509.random_serial_number())
+        .not_valid_before(now - _CLOCKS)
+        .not_valid_after(now - _CLOCKS + VALID)
+        .add_extension(alternatives, critical=False)
+        .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
+        .add_extension(x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH]), critical=False)
+        .sign(key, hashes.SHA256())
+    )
+    secret = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
+    return secret + certificate.public_bytes(Encoding.PEM)
+
+
+def _general(name: str) -> x509.GeneralName:
+    from cryptography import x509
+
+    with suppress(ValueError):
+        return x509.IPAddress(ipaddress.ip_address(name))
+    return x509.DNSName(name)
+
+
+def _write_private(file: Path, data: bytes) -> None:
+    """Replace `file`, readable by its owner only from the first byte on."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    part = file.with_name(f"{file.name}.{os.getpid()}.part")
+    part.unlink(missing_ok=True)
+    try:
+        opened = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        with os.fdopen(opened, "wb") as stream:
+            stream.write(data)
+        part.replace(file)
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,138 @@
+"""TLS for the network over real sockets; what does not shake hands is closed."""
+
+from __future__ import annotations
+
+import json
+import socket
+import ssl
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from hashlib import sha256
+
+import httpx
+import pytest
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from dashboard.rig import ME, rig
+from mikas.dashboard import entrance
+from mikas.dashboard.security.certificate import own_certificate
+
+TOKEN = "a-token-of-the-test"
+
+
+@pytest.fixture(scope="module")
+def certificate(tmp_path_factory):
+    file = tmp_path_factory.mktemp("state") / "dashboard.pem"
+    made = own_certificate(file, ("127.0.0.1", "garage"), datetime.now(UTC))
+    trusting = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)  # checks the names, too
+    trusting.load_verify_locations(file)
+    return made, trusting
+
+
+@contextmanager
+def served(folder, made):
+    settings = {"lan": True, "hosts": ("127.0.0.1",), "token": TOKEN}
+    with rig(folder, None, tls=made.context, fingerprint=made.fingerprint, **settings) as it:
+        yield it
+
+
+@pytest.fixture
+def lan(certificate, tmp_path, monkeypatch):
+    """A dashboard to which every address is one of the network."""
+    monkeypatch.setattr(entrance, "PLAIN", "")
+    with served(tmp_path, certificate[0]) as it:
+        yield it
+
+
+def raw(lan):
+    return socket.create_connection(("127.0.0.1", lan.port), 60)
+
+
+def end_of(connection):
+    """What comes until the connection is closed from there."""
+    data = b""
+    try:
+        while piece := connection.recv(100):
+            data += piece
+    except ConnectionResetError:
+        pass
+    return data
+
+
+def test_the_certificate_is_the_one_of_the_fingerprint(lan, certificate):
+    blind = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    blind.check_hostname, blind.verify_mode = False, ssl.CERT_NONE
+    with raw(lan) as plain, blind.wrap_socket(plain) as connection:
+        shown = sha256(connection.getpeercert(binary_form=True)).digest().hex(":").upper()
+        assert connection.version() in ("TLSv1.2", "TLSv1.3")
+    assert shown == certificate[0].fingerprint
+    assert lan.access.lan_url.endswith(f"/?token={TOKEN}#sha256={shown[:23]}")
+
+
+def test_page_api_and_live_data_are_encrypted(lan, certificate):
+    url = f"https://127.0.0.1:{lan.port}"
+    with httpx.Client(base_url=url, verify=certificate[1], timeout=60) as phone:
+        network = {"Host": f"127.0.0.1:{lan.port}", "Authorization": f"Bearer {TOKEN}"}
+        opened = phone.get(f"/?token={TOKEN}")
+        assert "strict-transport-security" not in opened.headers
+        assert opened.headers["cross-origin-opener-policy"] == "same-origin"
+        about = phone.get("/api/about", headers=network).json()
+        assert about["fingerprint"] == certificate[0].fingerprint
+        for origin, status in ((url, 200), (url.replace("https", "http"), 403)):
+            headers = {**ME, **network, "Origin": origin}
+            assert phone.post("/api/disconnect", json={}, headers=headers).status_code == status
+    live = f"wss://127.0.0.1:{lan.port}/api/live?client=watcher-0001&token={TOKEN}"
+    with connect(live, ssl=certificate[1], origin=url, open_timeout=60) as socket_:
+        assert "state" in json.loads(socket_.recv(60))
+    with pytest.raises(InvalidStatus):
+        connect(live, ssl=certificate[1], origin=url.replace("https", "http"), open_timeout=60)
+
+
+def test_the_cookie_of_the_link_is_sent_encrypted_only(certificate, tmp_path, monkeypatch):
+    monkeypatch.setattr(entrance, "PLAIN", "")
+    made, trusting = certificate
+    settings = {"lan": True, "hosts": ("garage",), "token": TOKEN}
+    with rig(tmp_path, None, tls=made.context, fingerprint=made.fingerprint, **settings) as it:
+        host = {"Host": f"garage:{it.port}"}
+        with httpx.Client(base_url=f"https://127.0.0.1:{it.port}", verify=trusting) as phone:
+            cookie = phone.get(f"/?token={TOKEN}", headers=host).headers["set-cookie"]
+            assert "Secure" in cookie
+            kept = {**host, "Cookie": cookie.partition(";")[0]}
+            assert phone.get("/api/about", headers=kept).json()["rights"] == "view"
+
+
+def test_this_computer_needs_no_certificate(certificate, tmp_path):
+    with served(tmp_path, certificate[0]) as it:
+        assert it.get("/about")["rights"] == "control"
+        assert it.get("/about")["lan_url"].startswith("https://")
+        with it.live() as live:
+            assert live.next()["state"]
+
+
+def test_what_does_not_shake_hands_is_closed_without_a_word(lan, certificate, monkeypatch, caplog):
+    with raw(lan) as browser:  # which was given http://
+        browser.sendall(f"GET /?token={TOKEN} HTTP/1.1\r\nHost: a\r\n\r\n".encode())
+        answer = end_of(browser)
+        assert b"HTTP" not in answer
+        assert TOKEN.encode() not in answer
+    with monkeypatch.context() as patch:
+        patch.setattr(entrance, "_HANDSHAKE", 0.01)
+        with raw(lan) as silent:
+            assert end_of(silent) == b""
+    with raw(lan) as short:
+        short.sendall(b"\x16\x03\x01")
+    context = certificate[1]
+    with raw(lan) as plain, context.wrap_socket(plain, server_hostname="garage"):
+        pass  # the others go on
+    assert caplog.records == []
+
+
+def test_half_open_connections_of_one_address_are_few(lan, monkeypatch):
+    monkeypatch.setattr(entrance, "_MOST_OF_ONE", 2)
+    with raw(lan) as first, raw(lan) as second, raw(lan) as third:
+        assert end_of(third) == b""
+        for waiting in (first, second):
+            waiting.setblocking(False)
+            with pytest.raises(BlockingIOError):
+                waiting.recv(1)
