@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import pytest
 from client_harness import bench, ecu_on, lines
@@ -20,6 +19,7 @@ from mikas.errors import (
     ReadBackDiffers,
     UsageError,
 )
+from mikas.saving import save
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.responder import Identity
 
@@ -267,15 +267,15 @@ def test_a_bad_line_claims_nothing(tmp_path_factory, line_faults):
 def test_a_disk_that_fills_up_stops_nothing_half_way(tmp_path, monkeypatch):
     it = bench()
     data = dumped(it, tmp_path)
-    write_text, written = Path.write_text, []
+    written = []
 
-    def once(self, *args):
-        written.append(self)
+    def once(path, text):
+        written.append(path)
         if len(written) > 1:
             raise OSError(28, "No space left on device")
-        return write_text(self, *args)
+        save(path, text)
 
-    monkeypatch.setattr(Path, "write_text", once)
+    monkeypatch.setattr("mikas.client.memory.restoring.save", once)
     restored(it, tmp_path)
     assert stored(it) == data
     (tmp_path / "d").write_bytes(bytes(0x80))

@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 from mikas.commands import Safety
 from mikas.errors import JournalError, LinkLost, MikasError, NotConfirmed, reason_of
 from mikas.i18n import Text
+from mikas.saving import append_line
 from mikas.tester import Tester
 
 T = TypeVar("T")
@@ -165,8 +166,8 @@ def hex_or_none(data: bytes | None) -> str | None:
 class Journal:
     """A file of changes, one line of JSON each, only appended to.
 
-    A change is written before it is made, and again with its outcome. So the file also has changes
-    with an unknown outcome (cable unplugged, process killed).
+    A change is on the disk before it is made, and again with its outcome. So the file also has
+    changes with an unknown outcome (cable unplugged, process killed, power failed).
     """
 
     def __init__(self, path: Path) -> None:
@@ -174,11 +175,9 @@ class Journal:
 
     def write(self, entry: dict[str, Any]) -> None:
         """Append `entry`. Raises `JournalError`; a change without an entry is not made."""
-        line = json.dumps(entry, ensure_ascii=False) + "\n"
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             # A port's name may contain bytes that are no Unicode; JSON has \udc80 for them.
-            with self.path.open("a", encoding="utf-8", errors="backslashreplace") as file:
-                file.write(line)
+            append_line(self.path, json.dumps(entry, ensure_ascii=False))
         except OSError as error:
             raise JournalError(file=str(self.path), problem=reason_of(error)) from error

@@ -24,6 +24,7 @@ from typing import Any
 
 from mikas.commands import LARGEST_BLOCK
 from mikas.errors import LineError, NoConnection
+from mikas.saving import save
 from mikas.virtual import VIRTUAL_PASSPORT
 
 STARTING_LIST = 64  # far above the 21 codes of §4; a request of 66 bytes takes only 70 ms
@@ -118,10 +119,8 @@ class LimitsStore:
         with suppress(OSError):
             self.folder.mkdir(parents=True, exist_ok=True)
             file = self._file(version_code, passports)
-            new = file.with_suffix(".new")
             content = {"passports": passports, **asdict(limits)}
-            new.write_text(json.dumps(content, ensure_ascii=False), "utf-8")
-            new.replace(file)
+            save(file, json.dumps(content, ensure_ascii=False))
 
     def forget(self, version_code: int, passports: tuple[str, ...]) -> None:
         """Delete the limits of a unit; a file that can't be deleted stays in force."""

@@ -32,6 +32,7 @@ from mikas.errors import (
     reason_at,
 )
 from mikas.i18n import Text, counted
+from mikas.saving import save
 from mikas.tester import Tester
 
 Identity = tuple[int, tuple[str, ...]]  # version code and passports
@@ -87,7 +88,7 @@ class KeptLists:
         with suppress(OSError, LineError, NoConnection):
             if file := self._file(self._folder):
                 file.parent.mkdir(parents=True, exist_ok=True)
-                file.write_text(json.dumps({"names": list(names)}), "utf-8")
+                save(file, json.dumps({"names": list(names)}))
 
     def drop(self) -> None:
         """Drop the lists kept of all units. Raises `UsageError`: stale names would be worse."""

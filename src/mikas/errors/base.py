@@ -135,6 +135,7 @@ _IN_RUSSIAN = {
     errno.ENOTDIR: "часть пути — не папка",
     errno.EEXIST: "уже существует",
     errno.ENOSPC: "диск заполнен",
+    errno.EDQUOT: "отведённое вам место на диске заполнено",
     errno.EADDRINUSE: "этот адрес уже занят",
     errno.EADDRNOTAVAIL: "у этого компьютера нет такого адреса",
 }
@@ -153,7 +154,12 @@ def reason_of(error: OSError) -> Text:
     if isinstance(error, UnfitFile):
         return error.text
     words = error.strerror or str(error)
-    return Text(words, _IN_RUSSIAN.get(error.errno or 0, words))
+    reason = Text(words, _IN_RUSSIAN.get(error.errno or 0, words))
+    if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        return Text(
+            f"{reason.en}; make room, then repeat", f"{reason.ru}; освободите место и повторите"
+        )
+    return reason
 
 
 def reason_at(file: Path, error: OSError) -> Text:

@@ -19,6 +19,7 @@ from mikas.client.memory import MemorySpace
 from mikas.commands.base import check_range
 from mikas.commands.unit import version_of, version_text
 from mikas.errors import UsageError, reason_at, usage_error
+from mikas.saving import save
 
 SCHEMA = 1
 
@@ -146,7 +147,8 @@ class Dump:
 
     def _resume(self) -> None:
         stored, wanted = read_manifest(self._file), self.manifest
-        if not self._file.exists():
+        begun = stored is None or stored.bytes_read
+        if not self._file.exists() and begun:  # else killed between the manifest and the file
             raise self._error(
                 "the file is gone, only its manifest is left; delete that too to begin anew",
                 "самого файла нет, осталось только описание; чтобы начать заново, удалите и его",
@@ -164,12 +166,13 @@ class Dump:
                 "it was begun on another unit (its passport differs)",
                 "он начат на другом блоке (паспорт не тот)",
             )
-        if self._file.stat().st_size > wanted.size:
+        size = self._file.stat().st_size if self._file.exists() else 0
+        if size > wanted.size:
             raise self._error(
                 "it is longer than its manifest says, so it is another file",
                 "он длиннее, чем сказано в описании, значит это другой файл",
             )
-        stored.set_bytes_read(self._file.stat().st_size)
+        stored.set_bytes_read(size)
         self.manifest = replace(stored, model=wanted.model, schema=SCHEMA)
 
     def _error(self, en: str, ru: str) -> UsageError:
@@ -182,10 +185,10 @@ class Dump:
         start = manifest.first + manifest.bytes_read
         blocks = self._space.blocks(start, missing, block) if missing else ()
         try:
-            with self._file.open("r+b" if self._file.exists() else "wb") as out:
+            self._write_manifest()  # before the file: without it no byte could be resumed
+            with self._file.open("r+b" if self._file.exists() else "xb") as out:
                 out.truncate(manifest.bytes_read)
                 out.seek(manifest.bytes_read)
-                self._write_manifest()
                 for data in blocks:
                     out.write(data)
                     out.flush()
@@ -229,7 +232,7 @@ class Dump:
         path = manifest_path(self._file)
         try:
             text = json.dumps(manifest.as_json(), ensure_ascii=False, indent=1)
-            path.write_text(text + "\n", "utf-8")
+            save(path, text + "\n")
         except OSError as error:
             raise UsageError(problem=reason_at(path, error)) from error
 

@@ -30,6 +30,7 @@ from mikas.commands import LARGEST_BLOCK
 from mikas.commands.base import check_range
 from mikas.errors import ReadBackDiffers, UsageError, hex_dump, reason_at
 from mikas.i18n import Text
+from mikas.saving import save
 
 _PLACES_SHOWN = 6
 _HOPELESS = 3  # runs of which no byte was taken; then the others are not tried
@@ -251,7 +252,7 @@ class Restore:
             "schema": SCHEMA,
         }
         try:
-            self._state.write_text(json.dumps(state, ensure_ascii=False, indent=1) + "\n", "utf-8")
+            save(self._state, json.dumps(state, ensure_ascii=False, indent=1) + "\n")
         except OSError as error:
             raise UsageError(problem=reason_at(self._state, error)) from error
 

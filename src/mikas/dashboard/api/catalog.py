@@ -27,6 +27,7 @@ from mikas.dashboard.session.event_log import page_json
 from mikas.dashboard.session.history import json_columns
 from mikas.errors import UsageError, reason_at
 from mikas.recording.table.decimation import decimated
+from mikas.saving import save
 
 router = APIRouter(tags=["about"])
 
@@ -197,11 +198,9 @@ def write_presets(dashboard: TheDashboard, _: KnownClient, body: PresetList) -> 
     """Replace the user's presets, all or none."""
     file = dashboard.settings.presets
     content = [{**preset.model_dump(), "shipped": False} for preset in body.presets]
-    fresh = file.with_suffix(".new")
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        fresh.write_text(json.dumps(content, ensure_ascii=False, indent=1), "utf-8")
-        fresh.replace(file)
+        save(file, json.dumps(content, ensure_ascii=False, indent=1))
     except OSError as error:
         raise UsageError(problem=reason_at(file, error)) from error
     return presets(dashboard)

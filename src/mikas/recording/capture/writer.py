@@ -24,6 +24,7 @@ from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note, block_of
 from mikas.recording.capture.reader import FLAGS, CaptureReader, reason_of
+from mikas.saving import write_all
 
 if TYPE_CHECKING:
     from mikas.link.base import Direction
@@ -153,7 +154,7 @@ class CaptureWriter:
         """Write the whole block, or nothing of it."""
         data = pcapng.encode(block)
         try:
-            _write_all(self._file, data)
+            write_all(self._file, data)
             self._end += len(data)
         except BaseException as error:  # also Ctrl-C in the middle of a block
             try:
@@ -191,19 +192,13 @@ def append_note(path: Path, note: Note) -> None:
             order = pcapng.byte_order(file.read(12)[8:]) or "<"
             end = file.seek(0, os.SEEK_END)
             try:
-                _write_all(file, pcapng.encode(block_of(note), order))
+                write_all(file, pcapng.encode(block_of(note), order))
             except OSError:
                 with suppress(OSError):
                     file.truncate(end)
                 raise
     except OSError as error:
         raise CaptureError(str(path), system_reason_of(error)) from error
-
-
-def _write_all(file: BinaryIO, data: bytes) -> None:
-    rest = memoryview(data)
-    while rest:
-        rest = rest[file.write(rest) :]
 
 
 def _why_not_begun(error: OSError) -> Text:

@@ -22,6 +22,7 @@ from mikas.client.parameters import decode
 from mikas.commands import ReadUnknownSize
 from mikas.errors import NotSupported, UsageError, reason_at, usage_error
 from mikas.i18n import Text
+from mikas.saving import save
 
 _CODES = 0x100
 
@@ -213,7 +214,7 @@ def _write(
             ),
         ]
     try:
-        out.write_text(starter_catalog(data, catalog, heading, current_language()), "utf-8")
+        save(out, starter_catalog(data, catalog, heading, current_language()))
     except OSError as error:
         raise UsageError(problem=reason_at(out, error)) from error
     new = sum(catalog.size_of(code) is None for code in data)

@@ -1,0 +1,77 @@
+"""Files of the program's own, written whole: whatever stops it, the old content or the new one.
+
+`save` replaces a file, `append_line` adds to one. Both have the content on the disk on return, also
+if the power fails then. A program that is killed may leave `NAME.new`, which no reader takes for
+NAME and the next `save` removes.
+"""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import BinaryIO
+
+
+def save(path: Path, text: str) -> None:
+    """Replace the content of `path` by `text`, in UTF-8, all or nothing. Raises `OSError`.
+
+    A pipe or a device is written to as it is.
+    """
+    if path.exists() and not path.is_file():
+        path.write_text(text, "utf-8")
+        return
+    new = path.with_name(f"{path.name}.new")
+    new.unlink(missing_ok=True)  # of a killed program
+    try:
+        with new.open("x", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        new.replace(path)
+    except BaseException:
+        with suppress(OSError):
+            new.unlink(missing_ok=True)
+        raise
+    _settle(path.parent)
+
+
+def append_line(path: Path, line: str) -> None:
+    """Append `line`, in UTF-8, all or nothing, and on a line of its own. Raises `OSError`.
+
+    Halves of surrogate pairs become escapes, which JSON has too. A last line without its end, of a
+    killed program, gets it first.
+    """
+    data = f"{line}\n".encode("utf-8", "backslashreplace")
+    with path.open("a+b", buffering=0) as file:
+        begin = file.seek(0, os.SEEK_END)
+        if begin:
+            file.seek(begin - 1)
+            data = data if file.read(1) == b"\n" else b"\n" + data
+        try:
+            write_all(file, data)
+            os.fsync(file.fileno())
+        except OSError:
+            with suppress(OSError):
+                if file.seek(0, os.SEEK_END) <= begin + len(data):  # no other program's lines
+                    file.truncate(begin)
+            raise
+    if not begin:
+        _settle(path.parent)
+
+
+def write_all(file: BinaryIO, data: bytes) -> None:
+    """Write `data` to an unbuffered file, which may take less at a time."""
+    rest = memoryview(data)
+    while rest:
+        rest = rest[file.write(rest) :]
+
+
+def _settle(folder: Path) -> None:
+    """Have the folder's entries on the disk, where the system lets a folder be opened (POSIX)."""
+    with suppress(OSError):
+        opened = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(opened)
+        finally:
+            os.close(opened)

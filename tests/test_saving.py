@@ -1,0 +1,90 @@
+"""Files written whole, also on a full disk; `test_saving_posix.py` kills the writer."""
+
+from __future__ import annotations
+
+import errno
+import io
+import json
+from pathlib import Path
+
+import pytest
+
+from mikas.client.gate import Journal
+from mikas.errors import JournalError, reason_of
+from mikas.saving import append_line, save
+
+
+class SmallDisk:
+    """Files opened unbuffered or for text hold `room` more bytes, whatever else is written."""
+
+    def __init__(self, monkeypatch) -> None:
+        self.room = 1 << 30
+        opened, disk = Path.open, self
+
+        def small(path, mode="r", *args, **settings):
+            file = opened(path, mode, *args, **settings)
+            return file if mode in ("r", "rb") else disk.limited(file)
+
+        monkeypatch.setattr(Path, "open", small)
+
+    def limited(self, file):
+        disk, raw = self, file if isinstance(file, io.FileIO) else file.buffer.raw
+
+        class Limited(io.FileIO):
+            def write(self, data) -> int:
+                taken = bytes(data)[: disk.room]
+                if not taken:
+                    raise OSError(errno.ENOSPC, "No space left on device")
+                disk.room -= len(taken)
+                return super().write(taken)
+
+        mode = {"ab+": "ab+", "rb+": "rb+", "xb": "rb+", "wb": "rb+"}[raw.mode]
+        name, text = raw.name, not isinstance(file, io.FileIO)
+        file.close()
+        limited = Limited(name, mode)
+        return io.TextIOWrapper(io.BufferedWriter(limited), "utf-8") if text else limited
+
+
+def test_a_full_disk_leaves_the_old_content(tmp_path, monkeypatch):
+    file, disk = tmp_path / "it.json", SmallDisk(monkeypatch)
+    save(file, "old")
+    new = "новое " * 40
+    for room in (0, 1, 100, len(new.encode()) - 1):
+        disk.room = room
+        with pytest.raises(OSError, match="No space left"):
+            save(file, new)
+        assert [path.name for path in tmp_path.iterdir()] == ["it.json"]
+        assert file.read_text("utf-8") == "old"
+    disk.room = 1 << 20
+    save(file, new)
+    assert file.read_text("utf-8") == new
+
+
+def test_a_full_disk_leaves_no_half_line_in_the_journal(tmp_path, monkeypatch):
+    journal, disk = Journal(tmp_path / "state" / "journal.jsonl"), SmallDisk(monkeypatch)
+    entries = [{"change": f"правка {number}", "port": "\udc80"} for number in range(3)]
+    journal.write(entries[0])
+    for room in (0, 1, 20):
+        disk.room = room
+        with pytest.raises(JournalError, match="make room"):
+            journal.write(entries[1])
+    disk.room = 1 << 20
+    journal.write(entries[2])
+    assert [json.loads(line) for line in journal.path.read_text("utf-8").splitlines()] == [
+        *(entries[0], entries[2])
+    ]
+
+
+def test_a_line_begins_after_one_that_was_cut(tmp_path):
+    file = tmp_path / "lines"
+    file.write_text('{"whole": 1}\n{"cut": ', "utf-8")
+    append_line(file, '{"whole": 2}')
+    assert file.read_text("utf-8").splitlines() == ['{"whole": 1}', '{"cut": ', '{"whole": 2}']
+
+
+def test_a_full_disk_is_explained_in_both_languages():
+    reason = reason_of(OSError(errno.ENOSPC, "No space left on device"))
+    assert reason == (
+        "No space left on device; make room, then repeat",
+        "диск заполнен; освободите место и повторите",
+    )
