@@ -44,7 +44,7 @@ def reads_data(make):
 
 
 # (command, a value that it can be answered with)
-text16 = st.binary(max_size=16).map(lambda b: b.rstrip(b"\0").decode("cp866"))
+text16 = st.binary(min_size=16, max_size=16).map(c.ReadProgramPassport(1).read)
 exchanges = st.one_of(
     st.tuples(st.just(c.Availability()), bytes_),
     st.tuples(st.just(c.ReadFaults()), st.lists(bytes_, max_size=255).map(tuple)),

@@ -54,6 +54,14 @@ def test_what_to_check_is_never_surer_than_we_are() -> None:
 # --- a person's own
 
 
+def test_a_text_with_controls_is_cleaned(write: Write) -> None:
+    text = r'"a\u001b]52;c;QQ==\u0007 \u202e\u009b"'
+    entry = f"[parameter.F]\ncode = 0x33\nsize = 1\nunit = {text}\ntext = {text}\nerrata = []\n"
+    parameter = load(write(entry)).parameter("F")
+    for words in (*parameter.text, parameter.unit):
+        assert words == "a\ufffd]52;c;QQ==\ufffd \ufffd\ufffd"
+
+
 def test_a_lamp_of_ones_own(write: Write) -> None:
     catalog = load(write(FLAG + LAMP), write('[parameter.RXX]\nlamp.on.ru = "ХХ"\n'))
     assert catalog.parameter("F").lamp == Lamp(on=Text("yes", "yes"), off=Text("no", "no"))

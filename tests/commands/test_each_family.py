@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mikas import commands as c
+from mikas.cleaning import clean_line
 from mikas.commands.base import lengths_in_words
 from mikas.commands.unit import version_of, version_text
 from mikas.errors import (
@@ -168,8 +169,12 @@ def test_passports_are_code_page_866():
 def test_a_passport_loses_its_padding_and_nothing_else():
     passport = c.ReadDataPassport(1)
     for code in range(1, 0x100):
-        text = bytes([0x41, code]).decode("cp866")
-        assert passport.read(passport.respond(text)) == text
+        body = bytes([0x41, code]).ljust(16, b"\0")
+        text = passport.read(body)
+        assert passport.respond(text) == body
+        assert clean_line(text) == text  # ESC is ␛, which steers no terminal
+        if 0x20 <= code != 0x7F:
+            assert text == bytes([0x41, code]).decode("cp866")
     assert passport.respond("€ " + 16 * "x") == b"? " + 14 * b"x"
 
 

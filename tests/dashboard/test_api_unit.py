@@ -69,10 +69,19 @@ def test_older_entries_of_the_journal_are_in_english(tmp_path):
         it.dashboard.settings.journal.parent.mkdir(parents=True)
         it.dashboard.settings.journal.write_text('{"time": 1.0, "change": "jump to 1234"}\n{}\n5\n')
         change = {"en": "jump to 1234", "ru": "jump to 1234"}
-        assert it.get("/journal")["entries"] == [
-            {"change": {"en": "", "ru": ""}},
-            {"time": 1.0, "change": change},
-        ]
+        assert it.get("/journal")["entries"] == [{"time": 1.0, "change": change}]
+
+
+def test_a_line_of_the_journal_that_no_page_could_show_is_left_out(tmp_path):
+    bad = ["[" * 9_999, '{"change": "x"}', '{"time": 1e999, "change": "x"}', '{"time": 1e12}']
+    bad += ['{"time": 1, "change": [1]}', '{"time": 1, "before": {}}', f'{{"time": 1{"0" * 5000}}}']
+    good = json.dumps({"time": 1.0, "change": "a\ud800\x1bb", "port": "\u202e"})
+    with rig(tmp_path, None) as it:
+        it.dashboard.settings.journal.parent.mkdir(parents=True)
+        it.dashboard.settings.journal.write_text("\n".join([*bad, good]) + "\n")
+        [entry] = it.get("/journal")["entries"]
+        assert entry["change"]["en"] == "a\ufffd\ufffdb"
+        assert entry["port"] == "\ufffd"
 
 
 def test_a_nonce_is_good_once_for_one_client_for_two_minutes(faulty):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import pytest
 from serial.tools import list_ports
 
+from mikas.cleaning import clean_line
 from mikas.errors import NoPortGiven, PortNotFound
 from mikas.link import choose_port, find_ports
 from mikas.link.ports import listed
@@ -49,6 +50,14 @@ def test_all_that_is_known_of_an_adapter(tmp_path):
     assert port.latency_ms == 16
     assert "16 ms" in port.quirks[0].en
     assert "16 мс" in port.quirks[0].ru
+
+
+def test_the_texts_of_a_device_that_someone_has_made_are_of_one_line_and_short():
+    words = "\x1b]0;x\a\u202e\n" + "y" * 999
+    (port,) = found(Listed("/dev/ttyUSB0", words, 0x0403, 0x6001, words, words, words))
+    for text in (port.description, port.serial_number, port.location):
+        assert clean_line(text, 300) == text
+        assert "\x1b" not in text
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mikas.cleaning import clean_text
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.blocks import (
     Custom,
@@ -21,7 +22,7 @@ from mikas.recording.capture.blocks import (
     parse,
 )
 
-words = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=40)
+words = st.text(st.characters(exclude_categories=["Cs"]), max_size=40).map(clean_text)
 orders = st.sampled_from(["<", ">"])
 blocks = st.one_of(
     st.builds(Section, hardware=words, application=words),

@@ -11,6 +11,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from capture_writing_harness import appending
+from mikas.cleaning import clean_line
 from mikas.errors import CaptureError
 from mikas.link.base import Direction
 from mikas.recording.capture.blocks import OUTBOUND, EnhancedPacket, Interface, Section, encode
@@ -25,7 +26,7 @@ chunks = st.lists(
     ),
     max_size=12,
 )
-words = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=40)
+words = st.text(st.characters(exclude_categories=["Cs"]), max_size=40).map(clean_line)
 
 
 @given(chunks, words)

@@ -10,7 +10,8 @@ import pytest
 from mikas.errors import CaptureError
 from mikas.link.base import Direction
 from mikas.recording import CaptureReader, CaptureWriter
-from mikas.recording.annotations.events import LONGEST_COMMENT, comment_note, comment_of, note_of
+from mikas.recording.annotations.events import comment_note, comment_of, note_of
+from mikas.recording.annotations.fields import LONGEST_COMMENT
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Packet, Problem

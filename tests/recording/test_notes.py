@@ -29,7 +29,6 @@ from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture import notes as blocks
 from mikas.recording.capture.notes import index
 from mikas.recording.capture.reader import Packet
-from mikas.recording.capture.scan import LARGEST
 from mikas.sampling.alarms import Alarms
 from mikas.sampling.events import (
     AdapterMoved,
@@ -48,7 +47,7 @@ from session_header_harness import write_session_header
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 
-texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
+texts = st.text(st.characters(exclude_categories=["Cs", "Cc", "Cf", "Zl", "Zp", "Cn"]), max_size=20)
 values = st.recursive(
     st.none()
     | st.booleans()
@@ -210,7 +209,7 @@ def test_foreign_damaged_and_unknown_ones(path):
 def test_half_a_surrogate_pair_which_no_screen_shows_is_replaced():
     data = blocks.TAG + rb'{"kind":"marker","time":0,"data":{"label":"a\udcff \ud83d\ude97"}}'
     note = blocks.read_block(pcapng.Custom(blocks.ENTERPRISE, data))
-    assert note == note_of(Marker(0.0, "a? 🚗"))
+    assert note == note_of(Marker(0.0, "a� 🚗"))
 
 
 def test_a_big_endian_section_and_one_of_another_version(path):
@@ -264,7 +263,7 @@ def test_what_json_can_not_hold_is_refused_and_nothing_is_written(path, value):
         with pytest.raises(ValueError, match="JSON compliant"):
             writer.note(Note("note", nan))
         with pytest.raises(ValueError, match="too long"):
-            writer.note(note_of(TextNote(0.0, "x" * (LARGEST // 2))))
+            writer.note(note_of(TextNote(0.0, "x" * blocks.LONGEST)))
         assert path.stat().st_size == before
 
 

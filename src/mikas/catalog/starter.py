@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from mikas.catalog.lookup import Catalog
+from mikas.cleaning import clean_line
 from mikas.i18n import Language, Text
 
 _LARGEST = 2  # bytes of a parameter, docs/catalog.md
@@ -50,7 +51,7 @@ def starter_catalog(
             entries.append(_entry(code, raw, language))
     if known:
         remarks.insert(0, f"{_KNOWN.to(language)} {', '.join(known)}")
-    comment = [_printable(line) for line in (*heading, *remarks)]
+    comment = [clean_line(line) for line in (*heading, *remarks)]
     return "\n".join(["".join(f"# {line}\n" for line in comment), *entries])
 
 
@@ -62,8 +63,3 @@ def _entry(code: int, raw: bytes, language: Language) -> str:
         f"size = {len(raw)}\n"
         f'text = {{ en = "code {code:02X}", ru = "код {code:02X}" }}\n'
     )
-
-
-def _printable(line: str) -> str:
-    """Return `line` without the characters that a comment can't have."""
-    return "".join(character if character.isprintable() else " " for character in line)

@@ -16,7 +16,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Self
 
+from mikas.cleaning import clean_line
 from mikas.cli.language import tr
+from mikas.recording.annotations.fields import LONGEST_LINE
 from mikas.recording.recorder import Recorder
 
 _END = b"\0"  # no signal has this number
@@ -78,7 +80,7 @@ class Marking:
                 return
             if not line or (self._ended and self._waking is None):
                 return
-            self.mark(line.decode(encoding, "replace").strip())
+            self.mark(clean_line(line.decode(encoding, "replace").strip(), LONGEST_LINE))
 
     def _wait_for_line(self, descriptor: int) -> bool:
         """Wait for a line; False at the end or after Ctrl-C."""

@@ -91,6 +91,9 @@ class GoTo(AtAddress[bytes]):
 
 PASSPORT_LENGTH = 16
 PASSPORT_ENCODING = "cp866"
+_PICTURES = {code: 0x2400 + code for code in range(0x20)} | {0x7F: 0x2421}
+"""The pictures of control characters: ESC is shown as ␛. No passport steers a terminal by them."""
+_CONTROLS = {picture: code for code, picture in _PICTURES.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +110,10 @@ class Availability(ReadNumber):
 
 @dataclass(frozen=True, slots=True)
 class _ReadPassport(OnlyCode[str]):
-    """One 16-byte piece of a passport: code page 866, zero-padded. `part` counts from 1."""
+    """One 16-byte piece of a passport: code page 866, zero-padded. `part` counts from 1.
+
+    A control character is its picture (␛) in the text, so each text is that of one body only.
+    """
 
     part: int
 
@@ -124,12 +130,11 @@ class _ReadPassport(OnlyCode[str]):
 
     def _read(self, body: bytes) -> str:
         # Every byte is a character in code page 866, so this can't fail; only the padding goes.
-        return body.rstrip(b"\x00").decode(PASSPORT_ENCODING)
+        return body.rstrip(b"\x00").decode(PASSPORT_ENCODING).translate(_PICTURES)
 
     def respond(self, value: str) -> bytes:
-        return value.encode(PASSPORT_ENCODING, "replace")[:PASSPORT_LENGTH].ljust(
-            PASSPORT_LENGTH, b"\x00"
-        )
+        body = value.translate(_CONTROLS).encode(PASSPORT_ENCODING, "replace")
+        return body[:PASSPORT_LENGTH].ljust(PASSPORT_LENGTH, b"\x00")
 
     @classmethod
     def parse(cls, body: bytes, size_of: SizeOf) -> Self:
@@ -165,4 +170,6 @@ def version_of(value: object) -> int | None:
     """Read `version_text`, or the number that earlier files have; None for anything else."""
     if isinstance(value, str) and re.fullmatch("[0-9A-F]{2}", value):
         return int(value, 16)
-    return value if isinstance(value, int) and not isinstance(value, bool) else None
+    if isinstance(value, bool) or not isinstance(value, int):
+        return None
+    return value if 0 <= value <= 0xFF else None

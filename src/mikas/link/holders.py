@@ -16,6 +16,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from mikas.cleaning import clean_line
 from mikas.errors import (
     AdapterTaken,
     AdapterWithoutDriver,
@@ -145,7 +146,11 @@ def _programs(proc: Path) -> Iterator[tuple[Path, str]]:
         for folder in sorted(proc.iterdir()):
             if folder.name.isdecimal() and int(folder.name) != os.getpid():
                 with suppress(OSError):
-                    yield folder, (folder / "comm").read_text("utf-8", "replace").strip()
+                    yield folder, _name((folder / "comm").read_bytes())
+
+
+def _name(comm: bytes) -> str:
+    return clean_line(comm.decode("utf-8", "replace").strip())
 
 
 def _target(link: Path) -> str:

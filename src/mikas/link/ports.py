@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mikas.cleaning import clean_line
 from mikas.errors import NoPortGiven
 from mikas.i18n import Text
 from mikas.link.chips import CHIPS, chip_of
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from serial.tools.list_ports_common import ListPortInfo
 
 _SYSFS = Path("/sys/bus/usb-serial/devices")  # Linux
+_LONGEST = 300  # characters; USB has at most 126 in each text of a device
 _LISTINGS = 5  # attempts; two adapters on one hub come and go at once
 _RANK = {chip: rank for rank, chip in enumerate(CHIPS.values())}
 
@@ -114,13 +116,13 @@ def _port(it: ListPortInfo, sysfs: Path) -> Port:
         pid=it.pid,
         serial_number=_serial_number(it),
         latency_ms=_latency(it.device, sysfs),
-        location=it.location or None,
+        location=clean_line(it.location or "", _LONGEST) or None,
     )
 
 
 def _serial_number(it: ListPortInfo) -> str | None:
     """Return the adapter's own number: Windows makes one up, with an `&`, for each USB socket."""
-    number = it.serial_number or ""
+    number = clean_line(it.serial_number or "", _LONGEST)
     return None if "&" in number else number or None
 
 
@@ -129,7 +131,8 @@ def _description(it: ListPortInfo) -> str:
     if text in {"", "n/a"}:
         text = it.device
     maker = it.manufacturer or ""
-    return f"{text} ({maker})" if maker and maker.lower() not in text.lower() else text
+    whole = f"{text} ({maker})" if maker and maker.lower() not in text.lower() else text
+    return clean_line(whole, _LONGEST)
 
 
 def _latency(device: str, sysfs: Path) -> int | None:

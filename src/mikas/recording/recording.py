@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mikas.catalog import Catalog, load
+from mikas.cleaning import clean_line
 from mikas.errors import usage_error
 from mikas.recording.annotations.events import RecordedUnit, events_of, unit_of
 from mikas.recording.capture.notes import Kind, Note
@@ -93,7 +94,7 @@ class Recording:
         # The first plan precedes any measurement of methods.
         chosen = [event.method for event in self.events if isinstance(event, MethodChosen)]
         facts = {
-            "recording": self.path.name,
+            "recording": clean_line(self.path.name),
             "port": source.url,
             "adapter": source.description or unit.adapter,
             "computer": source.hardware,

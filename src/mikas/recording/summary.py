@@ -8,7 +8,7 @@ the `rate` computed from it. An unreadable file has a summary with a `problem`.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass
@@ -21,13 +21,14 @@ from mikas.errors import CaptureError, MikasError
 from mikas.i18n import Text
 from mikas.link.base import Direction
 from mikas.recording.annotations.events import RecordedUnit, comment_of, events_of, unit_of
+from mikas.recording.annotations.fields import LONGEST_COMMENT
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.notes import Kind, Note, index
+from mikas.recording.capture.notes import Kind, index
 from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, reason_of
 from mikas.recording.capture.scan import scan
 from mikas.recording.exchanges.scalar import ScalarMatcher
 from mikas.recording.table.channels import PLAINLY_UNIX
-from mikas.sampling.events import Gap
+from mikas.sampling.events import Gap, TextNote
 
 _TAIL: Final = 1 << 14
 _COUNTED: Final = 1 << 22  # bytes; of a longer file pieces are counted
@@ -132,7 +133,9 @@ class _Sections:
 def _summary(path: Path, sections: _Sections, catalog: Catalog) -> Summary:
     notes = sections.index.notes
     spans = list(_spans(sections))
-    gaps = [event for event in events_of(notes, catalog) if isinstance(event, Gap)]
+    events = events_of(notes, catalog)
+    gaps = [event for event in events if isinstance(event, Gap)]
+    texts = (event.text for event in events if isinstance(event, TextNote))
     first = spans[0][0] if spans else None
     length = sum(last - begin for begin, last in spans) if spans else None
     samples, is_exact = _samples(path, sections, catalog)
@@ -152,14 +155,9 @@ def _summary(path: Path, sections: _Sections, catalog: Catalog) -> Summary:
         gaps=len(gaps),
         faults=_faults(sections),
         markers=sum(note.kind == Kind.MARKER for note in notes),
-        note=comment_of(notes) or _first_text(notes),
+        note=comment_of(notes) or next(texts, "")[:LONGEST_COMMENT],
         recordings=len(sections.index.sections),
     )
-
-
-def _first_text(notes: Iterable[Note]) -> str:
-    texts = (note.data.get("text") for note in notes if note.kind == Kind.NOTE)
-    return next((text for text in texts if isinstance(text, str)), "")
 
 
 def _spans(sections: _Sections) -> Iterator[tuple[float, float]]:

@@ -18,6 +18,7 @@ from mikas.commands.base import ERROR
 from mikas.commands.unit import version_of
 from mikas.errors import CaptureError
 from mikas.i18n import Text
+from mikas.recording.annotations.fields import passport_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import CaptureReader, Problem, Source
 from mikas.recording.exchanges import read_exchanges
@@ -223,14 +224,15 @@ def _add_noted_identity(data: ReplayData, notes: list[Note]) -> None:
         if note.kind != Kind.UNIT:
             continue
         version = version_of(note.data.get("version_code"))
-        if version is not None and 0 <= version <= 0xFF and not data.version.values:
+        if version is not None and not data.version.values:
             data.version.add(0.0, version)
-        pieces = note.data.get("passports")
-        if not isinstance(pieces, list):  # a note of another program
-            data.problems += pieces is not None
+        passport = passport_of(note.data.get("passports"))
+        if passport is None:  # a note of another program
+            data.problems += note.data.get("passports") is not None
             continue
+        pieces = (*passport.program, *passport.data)
         for code, piece, known in zip(codes, pieces, data.passports, strict=False):
-            if isinstance(piece, str) and not known.values:
+            if piece is not None and not known.values:
                 known.add(0.0, piece)
                 data.refusals.pop(code, None)
 

@@ -18,6 +18,7 @@ from math import inf
 from statistics import median
 from typing import Final
 
+from mikas.recording.annotations.events import gap_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.exchanges.result import GAP, JUMP, Exchanges
 from mikas.replay.model import ReplayData, Series
@@ -119,10 +120,8 @@ def _hole_of(note: Note) -> Stretch | None:
         return note.time, note.time
     if note.kind != Kind.GAP:
         return None
-    began, ended = note.data.get("began"), note.data.get("ended")
-    if not isinstance(began, (int, float)):
-        return None
-    return float(began), float(ended) if isinstance(ended, (int, float)) else inf
+    began, ended = gap_of(note)
+    return began, inf if ended is None else ended
 
 
 def _usual_cycle(series: Iterable[Series]) -> float | None:

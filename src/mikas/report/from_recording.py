@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mikas.catalog import Catalog
+from mikas.cleaning import clean_line
 from mikas.commands import ERASE_FAULTS, ReadFaults
 from mikas.errors import MikasError
 from mikas.recording.annotations.events import (
@@ -71,7 +72,7 @@ def find_in_recording(
         faults_read=heard[-1].time if heard else None,
         cleared=cleared_faults(heard, catalog),
         conditions=Conditions(
-            file=capture.path.name if name is None else name,
+            file=clean_line(capture.path.name if name is None else name),
             date=date_of(measured.began),
             port=source.url,
             adapter=recorded.adapter if recorded else source.description,

@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 
 from mikas.catalog.loading.source import CatalogFile, KeyPath
 from mikas.catalog.model import INTERPRETATIONS, LIMITS, Confidence, Level
+from mikas.cleaning import clean_text
 from mikas.errors import CatalogError, UsageError, usage_error
 from mikas.i18n import Text
 from mikas.options import nearest
@@ -34,14 +35,14 @@ _NUMBER_KEY = re.compile(r"0x[0-9a-f]{1,2}|0|[1-9]\d{0,2}", re.IGNORECASE | re.A
 
 
 def string(value: object) -> str:
-    """Read a text of at most `LONGEST_TEXT` characters."""
+    """Read a text of at most `LONGEST_TEXT` characters; `mikas.cleaning` cleans it."""
     if isinstance(value, str):
         if len(value) > LONGEST_TEXT:
             raise usage_error(
                 f"is longer than {LONGEST_TEXT} characters; shorten it",
                 f"длиннее {LONGEST_TEXT} знаков; сократите",
             )
-        return value
+        return clean_text(value)
     raise usage_error("must be a text in quotes", "нужен текст в кавычках")
 
 

@@ -17,9 +17,11 @@ from urllib.parse import unquote
 
 from fastapi import Depends, Header, Query, Request
 from fastapi.exceptions import RequestValidationError
+from pydantic import AfterValidator
 from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
 
+from mikas.cleaning import clean_line, clean_text
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import status_of
 from mikas.dashboard.errors import BadRequest, NotAllowed
@@ -53,6 +55,10 @@ ClientName = Annotated[
 ]
 
 Names = Annotated[str | None, Query(max_length=4000, description="A,B; all")]
+Line = Annotated[str, AfterValidator(clean_line)]
+"""A person's words on one line; `mikas.cleaning` has replaced what no screen or file can take."""
+Words = Annotated[str, AfterValidator(clean_text)]
+"""The same with line feeds and tabs."""
 
 
 def split_names(names: str | None) -> list[str] | None:
@@ -65,9 +71,9 @@ def client_of(request: HTTPConnection, identity: str | None, name: str | None) -
     state = request.scope["state"]
     if identity is None or not _ID.fullmatch(identity):
         raise BadRequest(problem=NO_CLIENT_ID)
-    printable = "".join(c for c in unquote(name or "") if c.isprintable())
     may_control, local = state["rights"] == "control", state["local"]
-    return Client.of(identity, printable[:_MAX_NAME], may_control=may_control, local=local)
+    words = clean_line(unquote(name or ""), _MAX_NAME)
+    return Client.of(identity, words, may_control=may_control, local=local)
 
 
 def _dashboard(request: Request) -> Dashboard:

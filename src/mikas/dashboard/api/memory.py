@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import suppress
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query
-from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
 
+from mikas.cleaning import clean_json, is_in_calendar
 from mikas.client import Ecu
 from mikas.commands import WriteList
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
@@ -42,10 +43,7 @@ class UnlockRequest(BaseModel):
 
 
 class JournalEntry(BaseModel):
-    """A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure.
-
-    Not validated: the file may hold lines of older programs.
-    """
+    """A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure."""
 
     time: float
     port: str | None = None
@@ -99,30 +97,35 @@ def lock(dashboard: TheDashboard, client: Controller) -> State:
     return state_of(dashboard, client)
 
 
-@router.get("/journal", responses=errors(), response_model=JournalResponse)
-def journal(dashboard: TheDashboard) -> Response:
-    """Return the last 200 changes of units by this computer, without the lists to send (64)."""
+@router.get("/journal", responses=errors(), response_model_exclude_unset=True)
+def journal(dashboard: TheDashboard) -> JournalResponse:
+    """Return the last 200 changes of units by this computer, without the lists to send (64).
+
+    Lines of another form are left out: cut at the beginning of the tail, or edited by hand.
+    """
     try:
         with dashboard.settings.journal.open("rb") as file:
             size = file.seek(0, os.SEEK_END)
             file.seek(max(0, size - _TAIL))
             lines = file.read().decode("utf-8", "replace").splitlines()
     except OSError:
-        return JSONResponse({"entries": []})
-    entries: list[dict[str, Any]] = []
+        return JournalResponse(entries=[])
+    entries: list[JournalEntry] = []
     for line in reversed(lines):
         if len(entries) == _ENTRIES:
             break
-        try:
-            entry = json.loads(line)
-        except ValueError:
-            continue  # cut at the beginning of the tail, or edited by hand
-        if isinstance(entry, dict) and entry.get("command") != WriteList.SOURCE_NAME:
-            entries.append(_in_two_languages(entry))
-    return JSONResponse({"entries": entries})
+        with suppress(ValueError, RecursionError):
+            entry = clean_json(json.loads(line))
+            if isinstance(entry, dict) and entry.get("command") != WriteList.SOURCE_NAME:
+                entries.append(_entry(entry))
+    return JournalResponse(entries=entries)
 
 
-def _in_two_languages(entry: dict[str, Any]) -> dict[str, Any]:
-    """Return `entry` with `change` as a text; old entries have English only."""
-    english = str(entry.get("change", ""))
-    return {**entry, "change": {"en": english, "ru": str(entry.pop("change_ru", english))}}
+def _entry(stored: dict[str, Any]) -> JournalEntry:
+    """Return a line of the journal. Raises `ValueError`; old lines have English texts only."""
+    english = stored.get("change", "")
+    both = {"en": english, "ru": stored.get("change_ru", english)}
+    entry = JournalEntry.model_validate({**stored, "change": both})
+    if not is_in_calendar(abs(entry.time)):
+        raise ValueError("no date")
+    return entry

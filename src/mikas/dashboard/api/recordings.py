@@ -16,10 +16,12 @@ from pydantic import BaseModel, Field
 from mikas.dashboard.api.dependencies import (
     Controller,
     KnownClient,
+    Line,
     Names,
     TheDashboard,
     TheLibrary,
     TheRequester,
+    Words,
     split_names,
 )
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
@@ -31,7 +33,8 @@ from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.session.history import json_columns
 from mikas.dashboard.settings import check_folder
 from mikas.errors import UsageError
-from mikas.recording.annotations.events import LONGEST_COMMENT, comment_note
+from mikas.recording.annotations.events import comment_note
+from mikas.recording.annotations.fields import LONGEST_COMMENT, LONGEST_LINE, LONGEST_TEXT
 from mikas.recording.capture.writer import append_note
 from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary
@@ -49,7 +52,7 @@ class StartRecordingRequest(BaseModel):
 class MarkerRequest(BaseModel):
     """A marker's label."""
 
-    label: str = Field("", max_length=1000)
+    label: Line = Field("", max_length=LONGEST_LINE)
 
 
 class MarkerResponse(BaseModel):
@@ -61,7 +64,7 @@ class MarkerResponse(BaseModel):
 class NoteRequest(BaseModel):
     """A note for the recording in progress."""
 
-    text: str = Field(max_length=100_000)
+    text: Words = Field(max_length=LONGEST_TEXT)
 
 
 class NoteResponse(BaseModel):
@@ -125,7 +128,7 @@ class RowsResponse(LiveRows):
 class RecordingNoteRequest(BaseModel):
     """A comment on the whole recording; replaces the one before."""
 
-    text: str = Field(max_length=LONGEST_COMMENT)
+    text: Words = Field(max_length=LONGEST_COMMENT)
 
 
 @router.post("/recording/start", responses=errors(409, 503))

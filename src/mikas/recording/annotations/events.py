@@ -11,13 +11,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
-from math import isfinite
+from itertools import islice
 from typing import Any, Final
 
 from mikas.catalog import Catalog
 from mikas.client import Passport
 from mikas.commands.unit import version_of
 from mikas.i18n import Text
+from mikas.recording.annotations.fields import (
+    LONGEST_COMMENT,
+    LONGEST_LINE,
+    LONGEST_TEXT,
+    baud_of,
+    both_of,
+    codes_of,
+    line_of,
+    number_of,
+    passport_of,
+    text_of,
+    time_of,
+)
 from mikas.recording.capture.notes import Kind, Note
 from mikas.sampling.events import (
     AdapterMoved,
@@ -36,9 +49,8 @@ from mikas.sampling.events import (
 )
 
 _NO_TEXT: Final = Text("", "")
-_PROGRAM_PIECES: Final = 3  # of a passport; the others are the data's
 _COMMENT: Final = "about"
-LONGEST_COMMENT: Final = 10_000
+_MOST_NAMES: Final = 300  # of a plan, or with a measured rate: a unit has 256 codes
 
 # Events to notes
 
@@ -133,19 +145,19 @@ def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
     if Kind.UNIT not in first:
         return None
     unit, plan = first[Kind.UNIT], first.get(Kind.PLAN, {})
-    version, passport = version_of(unit.get("version_code")), _passport(unit.get("passports"))
+    version, passport = version_of(unit.get("version_code")), passport_of(unit.get("passports"))
     names = plan.get("names")
     return RecordedUnit(
         version_code=version,
         model=None if version is None else catalog.model(version).text,
         passport=(*passport.program, *passport.data) if passport else None,
-        adapter=_word(unit.get("adapter")) or "",
-        baud=_whole(unit.get("baud")),
+        adapter=line_of(unit.get("adapter")) or "",
+        baud=baud_of(unit.get("baud")),
         echo=unit["echo"] if isinstance(unit.get("echo"), bool) else None,
-        catalog=_word(first.get(Kind.CATALOG, {}).get("version")),
-        interpretation=_word(plan.get("reading")),
-        method=_word(plan.get("method")),
-        names=tuple(map(str, names)) if isinstance(names, list) else (),
+        catalog=line_of(first.get(Kind.CATALOG, {}).get("version")),
+        interpretation=line_of(plan.get("reading")),
+        method=line_of(plan.get("method")),
+        names=_names(names),
     )
 
 
@@ -172,8 +184,10 @@ def events_of(notes: Iterable[Note], catalog: Catalog) -> list[Event]:
 
 def comment_of(notes: Iterable[Note]) -> str:
     """Return the last comment; empty without one."""
-    texts = [note.data.get("text") for note in notes if note.kind == _COMMENT]
-    return next((text for text in reversed(texts) if isinstance(text, str)), "")
+    texts = [
+        text_of(note.data.get("text"), LONGEST_COMMENT) for note in notes if note.kind == _COMMENT
+    ]
+    return next((text for text in reversed(texts) if text is not None), "")
 
 
 def recorded_faults(notes: Iterable[Note]) -> Iterator[FaultReading]:
@@ -191,85 +205,66 @@ def _event(note: Note, catalog: Catalog) -> Event | None:
     time, data, recording = note.time, note.data, note.recording
     match note.kind:
         case Kind.MARKER:
-            return Marker(time, _word(data.get("label")) or "", recording=recording)
-        case Kind.NOTE if (words := _word(data.get("text"))) is not None:
+            return Marker(time, line_of(data.get("label")) or "", recording=recording)
+        case Kind.NOTE if (words := text_of(data.get("text"), LONGEST_TEXT)) is not None:
             return TextNote(time, words, recording=recording)
         case Kind.GAP:
-            began, ended = _number(data.get("began")), _number(data.get("ended"))
-            began = time if began is None else began
-            return Gap(time, began, ended, _text(data.get("reason")), recording=recording)
-        case Kind.STATE if (state := _word(data.get("state"))) is not None:
-            text, reason = _text(data.get("text")) or _NO_TEXT, _text(data.get("reason"))
+            began, ended = gap_of(note)
+            return Gap(time, began, ended, both_of(data.get("reason")), recording=recording)
+        case Kind.STATE if (state := line_of(data.get("state"))) is not None:
+            text, reason = both_of(data.get("text")) or _NO_TEXT, both_of(data.get("reason"))
             return StateChanged(time, state, text=text, reason=reason, recording=recording)
-        case Kind.ADAPTER if (port := _word(data.get("port"))) is not None:
-            return AdapterMoved(time, port, _word(data.get("before")) or "", recording=recording)
-        case Kind.ALARM if (name := _word(data.get("channel"))) is not None:
+        case Kind.ADAPTER if (port := line_of(data.get("port"))) is not None:
+            return AdapterMoved(time, port, line_of(data.get("before")) or "", recording=recording)
+        case Kind.ALARM if (name := line_of(data.get("channel"))) is not None:
             return AlarmChanged(
                 time,
                 name,
-                _word(data.get("level")) or "",
-                _word(data.get("before")),
-                _word(data.get("side")),
-                _number(data.get("value")),
-                _number(data.get("limit")),
-                _text(data.get("text")) or _NO_TEXT,
+                line_of(data.get("level")) or "",
+                line_of(data.get("before")),
+                line_of(data.get("side")),
+                number_of(data.get("value")),
+                number_of(data.get("limit")),
+                both_of(data.get("text")) or _NO_TEXT,
                 data.get("better") is True,
                 recording=recording,
             )
-        case Kind.LEARNT if (name := _word(data.get("dropped"))) is not None:
+        case Kind.LEARNT if (name := line_of(data.get("dropped"))) is not None:
             return ParameterDropped(time, name, recording=recording)
-        case Kind.LEARNT if (name := _word(data.get("returned"))) is not None:
+        case Kind.LEARNT if (name := line_of(data.get("returned"))) is not None:
             return ParameterReturned(time, name, recording=recording)
-        case Kind.LEARNT if (method := _word(data.get("method"))) is not None:
+        case Kind.LEARNT if (method := line_of(data.get("method"))) is not None:
             rates = data.get("rates")
-            items = rates.items() if isinstance(rates, dict) else ()
-            known = {key: rate for key, value in items if (rate := _number(value)) is not None}
+            items = islice(rates.items(), _MOST_NAMES) if isinstance(rates, dict) else ()
+            known = {
+                key[:LONGEST_LINE]: rate
+                for key, value in items
+                if (rate := number_of(value)) is not None
+            }
             return MethodChosen(time, method, known, recording=recording)
         case Kind.UNIT:
             version = version_of(data.get("version_code"))
             model = None if version is None else catalog.model(version).text
-            passport = _passport(data.get("passports"))
+            passport = passport_of(data.get("passports"))
             return UnitFound(time, version, passport, model=model, recording=recording)
     return None
+
+
+def gap_of(note: Note) -> tuple[float, float | None]:
+    """Return the begin and the end of a note on a gap; None: it has no end."""
+    began, ended = time_of(note.data.get("began")), time_of(note.data.get("ended"))
+    return note.time if began is None else began, ended
+
+
+def _names(value: object) -> tuple[str, ...]:
+    names = map(line_of, value[:_MOST_NAMES]) if isinstance(value, list) else ()
+    return tuple(name for name in names if name is not None)
 
 
 def _fault_reading(data: object) -> FaultReading | None:
     if not isinstance(data, dict):
         return None
-    time, codes = data.get("time"), data.get("codes")
-    if not isinstance(time, (int, float)) or not isinstance(codes, list):
+    time, codes = time_of(data.get("time")), codes_of(data.get("codes"))
+    if time is None or codes is None:
         return None
-    if not all(isinstance(code, int) and 0 <= code <= 0xFF for code in codes):
-        return None
-    return FaultReading(float(time), tuple(codes), data.get("erased") is True)
-
-
-def _word(value: object) -> str | None:
-    return value if isinstance(value, str) else None
-
-
-def _whole(value: object) -> int | None:
-    return value if isinstance(value, int) and not isinstance(value, bool) else None
-
-
-def _number(value: object) -> float | None:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return None
-    try:
-        return float(value) if isfinite(value) else None
-    except OverflowError:
-        return None
-
-
-def _text(value: object) -> Text | None:
-    if not isinstance(value, dict):
-        return None
-    en, ru = _word(value.get("en")), _word(value.get("ru"))
-    return None if en is None or ru is None else Text(en, ru)
-
-
-def _passport(value: object) -> Passport | None:
-    if not isinstance(value, list):
-        return None
-    pieces = tuple(map(_word, value))
-    return Passport(pieces[:_PROGRAM_PIECES], pieces[_PROGRAM_PIECES:])
+    return FaultReading(time, codes, data.get("erased") is True)

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Literal
 
+from mikas.cleaning import clean_text
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -37,6 +39,7 @@ _ORDERS: Final[dict[bytes, Order]] = {
 }
 _MICROSECONDS: Final = 6
 _END = 0
+_LONGEST: Final = 0xFFFF  # characters of a text, as of the bytes of one option
 
 
 class Malformed(ValueError):
@@ -224,7 +227,7 @@ def _fields(block: type[Block], data: bytes, order: Order) -> dict[str, Any]:
             fields[name] = _number(value, order + form)
         elif name:
             texts.setdefault(name, []).append(_string(value))
-    return fields | {name: "\n".join(lines) for name, lines in texts.items()}
+    return fields | {name: clean_text("\n".join(lines), _LONGEST) for name, lines in texts.items()}
 
 
 def _read_options(data: bytes, order: Order) -> Iterator[tuple[int, bytes]]:

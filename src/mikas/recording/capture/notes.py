@@ -21,15 +21,16 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import StrEnum
-from math import isfinite
 from typing import Any, BinaryIO, Final
 
 from mikas.cancellation import check_cancelled
+from mikas.cleaning import clean_json, is_in_calendar
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.scan import LARGEST, Scanner, is_headless, read_whole
+from mikas.recording.capture.scan import Scanner, is_headless, read_whole
 
 ENTERPRISE: Final = 32473  # RFC 5612: for documentation
 TAG: Final = b"mikas/1\n"
+LONGEST: Final = 1 << 21  # bytes of a note; 100,000 characters in JSON are at most 1.2 million
 _WINDOW: Final = 1 << 20
 _OVERLAP: Final = 64  # longer than any pattern with the bytes before it in its block
 _SECTION_START: Final = b"\x0a\x0d\x0d\x0a"  # the same in both byte orders
@@ -82,54 +83,31 @@ def block_of(note: Note) -> pcapng.Custom:
     """Return `note` as a block. Raises `ValueError` if it is too long or no JSON."""
     content = {"kind": str(note.kind), "time": note.time, "data": dict(note.data)}
     data = TAG + json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
-    if len(data) > LARGEST // 2:
+    if len(data) > LONGEST:
         raise ValueError("the note is too long")
     return pcapng.Custom(ENTERPRISE, data)
 
 
 def read_block(block: pcapng.Custom) -> Note | None:
-    """Return the note in `block`; None for an unreadable one. An unknown kind stays.
+    """Return the note in `block`, cleaned; None for an unreadable one. An unknown kind stays.
 
-    Its numbers are finite and fit a float; half of a surrogate pair in a text, which no file or
-    screen can show, becomes a “?”.
+    A note with a number of no use (`clean_json`), or a time outside the calendar, is unreadable.
     """
     if block.enterprise != ENTERPRISE or not block.data.startswith(TAG):
         return None
+    if len(block.data) > LONGEST:
+        return None
     try:
         text = block.data[len(TAG) :].rstrip(b"\0")
-        content = _printable(_FROM_JSON.decode(text.decode()))
+        content = clean_json(json.loads(text.decode()))
         kind, time, data = content["kind"], content["time"], dict(content["data"])
         if not isinstance(kind, str) or not isinstance(time, int | float):
+            return None
+        if isinstance(time, bool) or not is_in_calendar(abs(time)):  # a clock may start below 0
             return None
         return Note(Kind(kind) if kind in _KINDS else kind, float(time), data)
     except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
         return None
-
-
-def _finite(text: str) -> float:
-    number = float(text)  # 1e999 is infinite; NaN and Infinity are no JSON
-    if not isfinite(number):
-        raise ValueError(text)
-    return number
-
-
-def _whole(text: str) -> int:
-    _finite(text)
-    return int(text)
-
-
-_FROM_JSON: Final = json.JSONDecoder(parse_float=_finite, parse_int=_whole, parse_constant=_finite)
-
-
-def _printable(value: Any) -> Any:  # noqa: ANN401  (any JSON)
-    match value:
-        case str():
-            return value.encode("utf-8", "replace").decode()
-        case list():
-            return [_printable(item) for item in value]
-        case dict():
-            return {_printable(key): _printable(item) for key, item in value.items()}
-    return value
 
 
 @dataclass(slots=True)

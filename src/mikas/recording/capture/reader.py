@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
+from mikas.cleaning import clean_line
 from mikas.errors import CaptureError
 from mikas.errors import reason_of as system_reason_of
 from mikas.i18n import Text
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 FLAGS: Final = {Direction.SENT: pcapng.OUTBOUND, Direction.RECEIVED: pcapng.INBOUND}
 _DIRECTIONS: Final = {flags: direction for direction, flags in FLAGS.items()}
 _HERE: Final = "mikas"  # begin of this program's name in a section
+FASTEST: Final = 10_000_000  # baud; a higher rate is damage
 _LATEST: Final = 1 << 52  # µs; in 2112: a later time is in another unit
 _MOST_INTERFACES: Final = 256  # of a recording; one has one, merged recordings have a few
 _ZIP: Final = b"PK\x03\x04"
@@ -179,11 +181,11 @@ class Blocks:
         section = self._section or pcapng.Section()
         source = Source(
             recording=self._recording,
-            url=interface.name,
-            description=interface.description,
-            baud=interface.speed,
-            application=section.application,
-            hardware=section.hardware,
+            url=clean_line(interface.name),
+            description=clean_line(interface.description),
+            baud=interface.speed if interface.speed <= FASTEST else 0,
+            application=clean_line(section.application),
+            hardware=clean_line(section.hardware),
         )
         self._interfaces += ((interface, source),)
 

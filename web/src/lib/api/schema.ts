@@ -329,11 +329,7 @@ export interface components {
             values: (number | null)[][];
             events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
         };
-        /**
-         * @description A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure.
-         *
-         *     Not validated: the file may hold lines of older programs.
-         */
+        /** @description A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure. */
         JournalEntry: {
             time: number;
             port?: string | null;
