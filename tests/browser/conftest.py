@@ -18,7 +18,7 @@ from mikas.dashboard.page import FOLDER
 _FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
-    f"--host-resolver-rules=MAP {LAPTOP} 127.0.0.1",
+    f"--host-resolver-rules=MAP {LAPTOP} 127.0.0.2",
 )  # fmt: skip
 
 
@@ -52,7 +52,8 @@ def visitor(chromium):
 
         def visit(url: str, **wishes):
             wishes = {"locale": "en-GB", "viewport": {"width": 1280, "height": 800}} | wishes
-            context = chromium.new_context(**wishes)
+            # As a person does who has compared the fingerprint.
+            context = chromium.new_context(ignore_https_errors=True, **wishes)
             stack.callback(context.close)
             return stack.enter_context(tab_in(context, url))
 

@@ -11,6 +11,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
 from urllib.parse import urlencode
 
@@ -23,6 +24,7 @@ from mikas.dashboard.app import create_app
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.listening import listen
 from mikas.dashboard.security.access import Access
+from mikas.dashboard.security.certificate import own_certificate
 from mikas.dashboard.server import Server
 from mikas.dashboard.settings import PlanSettings, Settings
 from mikas.errors import PortNotFound
@@ -59,7 +61,7 @@ UOZ = "F9"
 8000 = "4D 49 4B 41 53 20 37 2E 31 0D 40 0A FF 00 10 80"
 """
 """A car whose values stand still, but for the speed: the engine lives. JAIR 15.0, UOZ −3.5."""
-LAPTOP = "laptop.test"
+LAPTOP = "laptop.test"  # at 127.0.0.2, which is not where a dashboard speaks plain HTTP
 """How the network calls this computer; the browser resolves it to 127.0.0.1. As from every
 plain http address but the loopback's own, pages from there have no secure context.
 """
@@ -229,11 +231,19 @@ def dashboard(
     every = dashboard.plan.request.every
     # The methods need not be tested, and sampling is not as fast as possible.
     dashboard.plan.request = PlanSettings(every, "batch", 12)
-    with listen(port, lan=False) as own:
-        hosts = (LAPTOP,) if lan else ()
-        access = Access(own.getsockname()[1], lan=lan, lan_control=lan_control, hosts=hosts)
+    hosts = (LAPTOP,) if lan else ()
+    made = own_certificate(folder / "dashboard.pem", hosts, datetime.now(UTC)) if lan else None
+    with listen(port, lan=lan) as own:
+        access = Access(
+            own.getsockname()[1],
+            lan=lan,
+            lan_control=lan_control,
+            hosts=hosts,
+            fingerprint=made.fingerprint if made else None,
+        )
         ready = threading.Event()
-        server = Server(create_app(dashboard, access), ready=ready.set)
+        app = create_app(dashboard, access)
+        server = Server(app, ready=ready.set, tls=made.context if made else None)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [own]})
         thread.start()
         try:

@@ -26,7 +26,7 @@ def shared_control(chromium, tmp_path_factory):
 
 def by_the_link(dash, visitor, **wishes):
     """A tab that was opened by the link with the token in it."""
-    tab = visitor(f"http://{LAPTOP}:{dash.port}", **wishes)
+    tab = visitor(f"https://{LAPTOP}:{dash.port}", **wishes)
     tab.page.goto(dash.access.lan_url)
     return tab
 
@@ -50,7 +50,7 @@ def test_by_the_link_one_sees_live_values(lan, visitor):
     tab = by_the_link(lan, visitor)
     tab.is_line("sampling")
     assert "token" not in tab.page.url  # it is a cookie now
-    assert tab.page.evaluate("() => isSecureContext") is False  # as on a phone
+    assert tab.page.evaluate("() => isSecureContext") is True
     tab.show("live")
     lan.garage.set("TWAT", "7F")
     expect(tab.value("TWAT")).to_have_text("87")
@@ -71,15 +71,22 @@ def test_a_link_in_a_message_opens_the_page(lan, dash, visitor):
         lan.access.lan_url,
     )
     tab.page.get_by_role("link", name="the car").click(force=True)
-    expect(tab.page).to_have_url(f"http://{LAPTOP}:{lan.port}/")
+    fingerprint = lan.access.lan_url.partition("#")[2]
+    expect(tab.page).to_have_url(f"https://{LAPTOP}:{lan.port}/#{fingerprint}")  # without the token
     tab.is_line("sampling")
+
+
+def test_the_owner_s_page_shows_what_the_phone_s_certificate_is_compared_with(lan, visitor):
+    tab = visitor(lan.url).show("connection")
+    tab.says(lan.access.fingerprint)
+    tab.says("continue only if it is the same")
 
 
 @pytest.mark.parametrize("query", ["", "?token=", "?token=wrong"])
 def test_without_the_token_a_page_in_words_says_what_to_do(lan, visitor, query):
-    tab = visitor(f"http://{LAPTOP}:{lan.port}")
+    tab = visitor(f"https://{LAPTOP}:{lan.port}")
     tab.refused = True
-    answer = tab.page.goto(f"http://{LAPTOP}:{lan.port}/{query}")
+    answer = tab.page.goto(f"https://{LAPTOP}:{lan.port}/{query}")
     assert answer.status == 401
     tab.says("scan its QR code")
     tab.says("отсканируйте QR-код")
