@@ -106,7 +106,7 @@ dashboard_options = grouped(
         metavar="FILE",
         text=Text(
             "certificate of your own for the network (PEM); otherwise mikas makes one",
-            "свой сертификат для доступа из сети (PEM); иначе mikas сделает его сам",
+            "свой сертификат для доступа из сети (PEM); иначе его сделает mikas",
         ),
     ),
     option(
@@ -298,10 +298,10 @@ def _note_encryption(context: CommandContext, access: Access) -> None:
     half = len(access.fingerprint) // 2
     pairs = f"  {access.fingerprint[:half]}\n  {access.fingerprint[half + 1 :]}"
     context.say(
-        "The browser there warns of the certificate at the first visit. Compare its SHA-256 "
-        f"fingerprint with this one, and continue only if it is the same:\n{pairs}",
-        "При первом входе браузер предупредит о сертификате. Сверьте его отпечаток SHA-256 с этим "
-        f"и продолжайте, только если они совпадают:\n{pairs}",
+        "If the browser there warns of the certificate (mikas makes it itself), compare its "
+        f"SHA-256 fingerprint with this one, and continue only if it is the same:\n{pairs}",
+        "Если браузер предупредит о сертификате (его делает mikas), сверьте его отпечаток "
+        f"SHA-256 с этим и продолжайте, только если они совпадают:\n{pairs}",
     )
 
 

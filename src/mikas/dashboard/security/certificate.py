@@ -128,9 +128,10 @@ def _loaded(file: Path, key: Path, *, is_own: bool) -> Certificate:
                 f"Сертификат {file} с ключом {key} использовать нельзя: {why.ru}",
             ),
             advice=Text(
-                "Both are PEM files, the key without a password; without these options mikas "
-                "makes a certificate itself.",
-                "Нужны файлы PEM, ключ — без пароля; без этих ключей mikas сделает сертификат сам.",
+                "Both are PEM files, the key without a password; without --tls-cert and --tls-key "
+                "mikas makes a certificate itself.",
+                "Нужны файлы PEM, закрытый ключ — без пароля; без --tls-cert и --tls-key "
+                "сертификат сделает mikas.",
             ),
         ) from error
     digest = hashlib.sha256(certificate.public_bytes(Encoding.DER)).digest()

@@ -198,8 +198,8 @@ export const t = dictionary({
     ru: "В той же сети Wi-Fi откройте этот адрес или снимите QR-код. В нём ключ доступа: с ним видно всё, а если программа запущена с --lan-control, можно и управлять.",
   },
   lan_certificate: {
-    en: "The browser there warns of the certificate at the first visit: it was made on this computer. Compare its SHA-256 fingerprint with this one, and continue only if it is the same:",
-    ru: "При первом входе браузер предупредит о сертификате: он сделан на этом компьютере. Сверьте его отпечаток SHA-256 с этим и продолжайте, только если они совпадают:",
+    en: "If the browser there warns of the certificate (mikas makes it itself), compare its SHA-256 fingerprint with this one, and continue only if it is the same:",
+    ru: "Если браузер предупредит о сертификате (его делает mikas), сверьте его отпечаток SHA-256 с этим и продолжайте, только если они совпадают:",
   },
   lan_plain: {
     en: "The connection is not encrypted (--no-tls): whoever is in this network can read the token and use it.",
