@@ -6,7 +6,7 @@ yielded one by one, so that a user interface can show them as they run.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from statistics import median
 
@@ -99,7 +99,9 @@ def _on_the_line(ecu: Ecu) -> Iterator[Step]:
             yield _baud(measured, tester.link.baud)
             rate = min(rate, measured) if isinstance(measured, float) else rate
         name = "line"
-        yield from _availability(tester, 10 / rate)
+        answered = yield from _availability(tester, 10 / rate)
+        if not answered:  # to try each command would take minutes, and show nothing
+            return
         yield Step("ecu", True, ecu.model.text)
         name = "commands"
         yield _commands(list(ecu.supported()))
@@ -170,8 +172,11 @@ def _baud(measured: float | Text, wanted: int) -> Step:
     return Step("baud", True, rate)
 
 
-def _availability(tester: Tester, byte_time: float) -> Iterator[Step]:
-    """Measure the adapter's delay and the line's errors by the same short exchanges."""
+def _availability(tester: Tester, byte_time: float) -> Generator[Step, None, bool]:
+    """Measure the adapter's delay and the line's errors by the same short exchanges.
+
+    Return whether any exchange succeeded.
+    """
     delays, failed = [], []
     for _ in range(_TRIES):
         began = tester.link.now()
@@ -187,6 +192,7 @@ def _availability(tester: Tester, byte_time: float) -> Iterator[Step]:
     if delays:
         yield _latency(max(0.0, median(delays)))
     yield _line(len(delays) + len(failed), failed)
+    return bool(delays)
 
 
 def _latency(delay: float) -> Step:

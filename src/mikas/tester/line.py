@@ -31,13 +31,16 @@ if TYPE_CHECKING:
 
 _DEBUG = 10  # logging.DEBUG; the module is imported when a line is opened
 WRONG_CHECKSUM = Text("the checksum is wrong", "неверна контрольная сумма")
+_TOO_LONG = DamageReason.TOO_LONG
 _DAMAGE = {
     DamageReason.CHECKSUM: WRONG_CHECKSUM,
-    DamageReason.TOO_LONG: Text("it has no end", "у него нет конца"),
+    _TOO_LONG: Text("it has no end", "у него нет конца"),
     DamageReason.IRREGULAR_ESCAPE: Text("an escape is wrong", "неверна замена байта"),
 }
 _LONGER = 1.2  # times the link's granularity: more than the longest pause that is none on the wire
 _OVERHEAD = 2  # bytes of a response besides its body, at least: checksum and terminator
+_LONGEST = 1100  # bytes of the longest response, all of them stuffed
+_SLOWEST = 2  # times as long as these take; what still goes on then has no end, however it drips
 _AT_ONCE = 10  # responses in the time of a wire, after which it is one
 _NOTHING = Chunk(b"", 0.0)
 _CUT = Text("it ends in the middle", "он обрывается на середине")
@@ -162,6 +165,7 @@ class Line:
         decoder = self.decoder()
         received = bytearray()
         deadline = sent_at + self.timing.response_timeout
+        last = deadline + _SLOWEST * _LONGEST * self.link.byte_time
         while True:
             chunk = self._next(deadline)
             if not chunk.data:
@@ -175,6 +179,8 @@ class Line:
             received += chunk.data
             deadline = chunk.time + self._pause()
             events = decoder.feed(chunk)
+            if not events and chunk.time > last:
+                raise self._damaged(wire, bytes(received), chunk.time, _DAMAGE[_TOO_LONG])
             if not events:
                 # At most half of the longest pause inside a response (D14), which bounds the delay
                 # of its detection.
