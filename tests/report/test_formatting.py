@@ -10,6 +10,7 @@ from mikas.report.formatting import (
     CONFIDENCE,
     band,
     clock,
+    date_of,
     duration,
     number,
     percent,
@@ -79,3 +80,9 @@ def test_every_label_speaks_both_languages() -> None:
     for name in NAMES - {"date"}:
         assert english(name) != russian(name), name
     assert russian("sample_rate", count=3, rate="1,5") == "3, 1,5 опр/с"
+
+
+def test_a_time_beyond_the_calendar_has_no_date():
+    for time in (1e300, 2.6e11, float("inf"), float("nan"), None, 5.0):
+        assert date_of(time) is None
+    assert date_of(1.79e9) is not None

@@ -107,7 +107,9 @@ class _Sections:
         """Return a section's ports and its first packet."""
         if section not in self._heads:
             blocks = Blocks()
-            first = next(self._packets(blocks, section, self.edges[section], None), None)
+            packets = self._packets(blocks, section, self.edges[section], None)
+            first = next(packets, None)
+            next(packets, None)  # the second one settles the clock
             self._heads = {section: (blocks, first)}
         return self._heads[section]
 

@@ -1,8 +1,8 @@
 """When the content of a recording is replayed, and when the replayed ECU is silent.
 
 Times of a replay count from the first packet. Recordings in one file (it was appended to) follow
-each other with a short silence between, however long it really was; where times run back, they
-continue from the latest.
+each other with a short silence between, however long it really was, and so do the parts of one
+recording with more than a day between; where times run back, they continue from the latest.
 
 An ECU that left all requests of two seconds unanswered had no supply. During a stretch without any
 packet the ECU may have worked, but the line was not recorded (the adapter was unplugged, or the
@@ -20,7 +20,7 @@ from typing import Final
 
 from mikas.recording.annotations.events import gap_of
 from mikas.recording.capture.notes import Kind, Note
-from mikas.recording.exchanges.result import GAP, JUMP, Exchanges
+from mikas.recording.exchanges.result import GAP, JUMP, LONGEST_PAUSE, Exchanges
 from mikas.replay.model import ReplayData, Series
 
 PAUSE: Final = 3.0  # s between two recordings in a file
@@ -107,6 +107,8 @@ class Timeline:
             self.shift = self.began - stretch.begin
         elif stretch.begin + self.shift < self.latest - JUMP:
             self.shift = self.latest - stretch.begin
+        elif stretch.begin + self.shift > self.latest + LONGEST_PAUSE:
+            self.shift = self.latest + PAUSE - stretch.begin
         self.recording = recording
         for begin, end in stretch.gaps:
             since = max(begin + self.shift, self.latest)

@@ -1,5 +1,6 @@
 """A chart as an SVG drawing: a channel's envelope, its reference as a band, the warm idle.
 
+The number of its parts does not depend on the length of the recording or on its number of gaps.
 Texts are escaped. No script and no `style` attribute: a page with a strict
 Content-Security-Policy shows it.
 """
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from markupsafe import Markup
 
-from mikas.i18n import Language
+from mikas.i18n import Language, Text
 from mikas.report.formatting import clock, number
 from mikas.report.measurements import Channel
 from mikas.report.statistics import Envelope
@@ -30,6 +31,8 @@ HEIGHT: Final = 190
 _LEFT, _RIGHT, _TOP, _BOTTOM = 46, 314, 10, 154
 _STRIP: Final = 5  # the bar of warm idle, on the time line
 _TICKS: Final = 4
+_MOST_BARS: Final = 300
+_HUGE: Final = 1e100  # beyond all values with a meaning; differences of larger ones overflow
 
 
 def chart(
@@ -48,12 +51,12 @@ def chart(
     plot = _Frame(max(seconds, curve.width), *ends)
     parts = [
         _svg("title", label),
-        *(plot.bar("pause", span) for span in pauses),
+        *(plot.bar("pause", span) for span in plot.distinct(pauses)),
         *([plot.level("band", reference)] if reference else []),
         *_value_axis(plot, channel, language),
-        *_time_axis(plot),
+        *_time_axis(plot, language),
         plot.course(curve),
-        *(plot.bar("idle", span, _BOTTOM - _STRIP) for span in idle),
+        *(plot.bar("idle", span, _BOTTOM - _STRIP) for span in plot.distinct(idle)),
         _svg("rect", cls="frame", x=_LEFT, y=_TOP, width=_RIGHT - _LEFT, height=_BOTTOM - _TOP),
     ]
     return Markup(
@@ -73,6 +76,19 @@ class _Frame:
 
     def y(self, value: float) -> float:
         return _BOTTOM - (value - self.low) / (self.high - self.low) * (_BOTTOM - _TOP)
+
+    def distinct(self, spans: Sequence[Span]) -> list[Span]:
+        """Return the spans; if there are many, those that touch in the drawing as one."""
+        if len(spans) <= _MOST_BARS:
+            return list(spans)
+        least = self.seconds / _MOST_BARS
+        joined: list[Span] = []
+        for began, ended in sorted((max(0.0, a), min(self.seconds, b)) for a, b in spans):
+            if joined and began - joined[-1][0] < least:
+                joined[-1] = joined[-1][0], max(ended, joined[-1][1])
+            else:
+                joined.append((began, ended))
+        return joined
 
     def bar(self, cls: str, span: Span, top: int = _TOP) -> Markup:
         x = self.x(span[0])
@@ -117,7 +133,8 @@ def _ends(curve: Envelope, reference: Span | None, step: float) -> Span:
     low, high = float(np.nanmin(curve.least)), float(np.nanmax(curve.most))
     if reference is not None:
         low, high = min(low, reference[0]), max(high, reference[1])
-    room = max((high - low) * 0.06, 2 * step)
+    low, high = max(low, -_HUGE), min(high, _HUGE)
+    room = max((high - low) * 0.06, 2 * step, 1e-9 * max(abs(low), abs(high)))
     return (0.0 if 0 <= low < room else low - room), high + room
 
 
@@ -141,12 +158,28 @@ def _step(span: float, decimals: int) -> tuple[int, float]:
 _TIME_STEPS: Final = (1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 36000)
 
 
-def _time_axis(plot: _Frame) -> Iterator[Markup]:
-    step = next((each for each in _TIME_STEPS if plot.seconds / each <= _TICKS + 1), 86400)
+_DAY: Final = 86400
+
+
+def _time_axis(plot: _Frame, language: Language) -> Iterator[Markup]:
+    step = _time_step(plot.seconds)
     for count in range(floor(plot.seconds / step) + 1):
         x = plot.x(count * step)
         yield _svg("line", cls="grid", x1=x, x2=x, y1=_TOP, y2=_BOTTOM)
-        yield _svg("text", clock(count * step), cls="time", x=x, y=_BOTTOM + 16)
+        label = clock(count * step)
+        if step >= _DAY:
+            days = count * step // _DAY
+            label = Text(f"{days} d", f"{days} дн.").to(language)
+        yield _svg("text", label, cls="time", x=x, y=_BOTTOM + 16)
+
+
+def _time_step(seconds: float) -> int:
+    """Return a round distance between grid lines, of which there are at most six."""
+    for step in _TIME_STEPS:
+        if seconds / step <= _TICKS + 1:
+            return step
+    _, days = _step(seconds * _TICKS / (_TICKS + 1) / _DAY, 0)
+    return _DAY * round(days)
 
 
 def _svg(tag: str, text: str = "", *, cls: str = "", **attributes: float | str) -> Markup:

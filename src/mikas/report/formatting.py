@@ -6,6 +6,7 @@ from datetime import datetime
 from math import isfinite
 
 from mikas.catalog import Confidence, Derived, Parameter
+from mikas.cleaning import is_in_calendar
 from mikas.i18n import Language, Text
 from mikas.recording.table.channels import PLAINLY_UNIX
 
@@ -65,8 +66,8 @@ def clock(seconds: float) -> str:
 
 
 def date_of(time: float | None) -> datetime | None:
-    """Return the date of a time of the link's clock; None for a simulated clock."""
-    if time is None or time < PLAINLY_UNIX:
+    """Return the date of a time of the link's clock; None without one: a simulated clock."""
+    if time is None or time < PLAINLY_UNIX or not is_in_calendar(time):
         return None
     return datetime.fromtimestamp(time).astimezone()
 

@@ -68,7 +68,7 @@ def find_in_recording(
     subject = ReportSubject(
         catalog=catalog,
         unit=_unit(recorded, catalog),
-        faults=tuple(map(catalog.fault, heard[-1].codes)) if heard else None,
+        faults=tuple(map(catalog.fault, dict.fromkeys(heard[-1].codes))) if heard else None,
         faults_read=heard[-1].time if heard else None,
         cleared=cleared_faults(heard, catalog),
         conditions=Conditions(

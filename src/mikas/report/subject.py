@@ -5,13 +5,17 @@ Filled in from a recording or a running session; None or empty: unknown, which t
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from itertools import pairwise
+from typing import Final
 
 from mikas.catalog import Catalog, Fault, Model
 from mikas.sampling.events import FaultReading, Gap
+
+_MOST_CLEARED: Final = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,13 +74,14 @@ class ReportSubject:
 
 
 def cleared_faults(heard: Sequence[FaultReading], catalog: Catalog) -> tuple[ClearedFaults, ...]:
-    """Return the faults of one reading that are missing in the next."""
+    """Return the faults of one reading that are missing in the next, of the last few times."""
     missing = (
-        (after, tuple(code for code in before.codes if code not in after.codes))
+        (after, [code for code in dict.fromkeys(before.codes) if code not in stored])
         for before, after in pairwise(heard)
+        for stored in [frozenset(after.codes)]
     )
+    cleared = deque(((after, codes) for after, codes in missing if codes), _MOST_CLEARED)
     return tuple(
         ClearedFaults(after.time, tuple(map(catalog.fault, codes)), after.erased)
-        for after, codes in missing
-        if codes
+        for after, codes in cleared
     )

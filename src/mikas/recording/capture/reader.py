@@ -19,6 +19,7 @@ from mikas.errors import reason_of as system_reason_of
 from mikas.i18n import Text
 from mikas.link.base import BITS_PER_BYTE, Direction
 from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.clock import RecordingClock
 from mikas.recording.capture.notes import Note, index
 from mikas.recording.capture.scan import (
     RawBlock,
@@ -36,6 +37,8 @@ _DIRECTIONS: Final = {flags: direction for direction, flags in FLAGS.items()}
 _HERE: Final = "mikas"  # begin of this program's name in a section
 FASTEST: Final = 10_000_000  # baud; a higher rate is damage
 _LATEST: Final = 1 << 52  # µs; in 2112: a later time is in another unit
+_BAUDS: Final = range(50, 4_000_001)  # no adapter has other ones
+_SHOWN: Final = 32  # bytes of a packet that is passed over
 _MOST_INTERFACES: Final = 256  # of a recording; one has one, merged recordings have a few
 _ZIP: Final = b"PK\x03\x04"
 _CLASSIC_PCAP: Final = ("a1b2c3d4", "d4c3b2a1", "a1b23c4d", "4d3cb2a1", "a1b2cd34", "34cdb2a1")
@@ -58,7 +61,7 @@ class Source:
     @property
     def byte_time(self) -> float:
         """The seconds of a byte on the wire; at 9600 baud (§1) if the rate is not known."""
-        return BITS_PER_BYTE / (self.baud or 9600)
+        return BITS_PER_BYTE / (self.baud if self.baud in _BAUDS else 9600)
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,20 +124,26 @@ class CaptureReader:
 class Blocks:
     """Interprets the blocks of one file, one after the other.
 
-    A shallow copy goes on from the same place. Blocks before the first section are those of a
-    recording that has lost its beginning. If its first packet has the form that this program
-    writes, its port is known except for the name.
+    Blocks before the first section are those of a recording that has lost its beginning. If its
+    first packet has the form that this program writes, its port is known except for the name.
+    `clocks`: of the present ports, by number. A shallow copy goes on from the same place.
     """
 
     def __init__(self) -> None:
         self._recording = -1
         self._section: pcapng.Section | None = None
         self._interfaces: tuple[tuple[pcapng.Interface, Source], ...] = ()
+        self.clocks: tuple[RecordingClock, ...] = ()
 
     @property
     def interfaces(self) -> tuple[tuple[pcapng.Interface, Source], ...]:
         """The present section's, by number; none in an unknown version."""
         return self._interfaces if self._section else ()
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the clock of a port is settled: its next packets change nothing here."""
+        return any(clock.is_settled for clock in self.clocks)
 
     def read(self, item: RawBlock | Unreadable) -> Iterator[Packet | Problem]:
         """Yield the block's packet or problems."""
@@ -170,6 +179,7 @@ class Blocks:
     def _begin(self, section: pcapng.Section, offset: int) -> Iterator[Problem]:
         self._recording += 1
         self._interfaces = ()
+        self.clocks = ()
         self._section = section if section.version[0] == 1 else None
         if self._section is None:
             yield Problem(offset, _VERSION.filled(version=section.version[0]))
@@ -188,6 +198,7 @@ class Blocks:
             hardware=clean_line(section.hardware),
         )
         self._interfaces += ((interface, source),)
+        self.clocks += (RecordingClock(),)
 
     def _is_ours(self, number: int) -> bool:
         return self._interfaces[number][0].link_type == pcapng.LINKTYPE_USER0
@@ -197,6 +208,13 @@ class Blocks:
         here = self._section is not None and self._section.application.startswith(_HERE)
         whole = block.interface == 0 and not block.comment and not block.cut
         return here and whole and block.flags in FLAGS.values() and block.ticks < _LATEST
+
+    def _is_possible(self, number: int, time: float) -> bool:
+        before = self.clocks[number]
+        clock, is_possible = before.take(time)
+        if clock is not before:
+            self.clocks = (*self.clocks[:number], clock, *self.clocks[number + 1 :])
+        return is_possible
 
     def _packet(self, block: pcapng.EnhancedPacket, offset: int) -> Iterator[Packet | Problem]:
         if not self._interfaces and self._is_as_written_here(block):
@@ -212,10 +230,19 @@ class Blocks:
         if direction is None:
             yield Problem(offset, _NO_DIRECTION)
             return
+        time = interface.time(block.ticks)
+        if not self._is_possible(block.interface, time):
+            yield Problem(offset, _TIME.filled(data=_shown(block.data)))
+            return
         if block.cut:
             yield Problem(offset, _PACKET_CUT.filled(count=block.cut))
-        time = interface.time(block.ticks)
         yield Packet(direction, block.data, time, offset, block.comment, source)
+
+
+def _shown(data: bytes) -> str:
+    """Return a packet's bytes in hex, at most a line of them."""
+    digits = data[:_SHOWN].hex(" ").upper() or "—"
+    return f"{digits} …" if len(data) > _SHOWN else digits
 
 
 def _problem(file: BinaryIO) -> Text | None:
@@ -313,6 +340,10 @@ _NO_INTERFACE = Text(
 _NO_DIRECTION = Text(
     "a packet that does not say whether it was sent or received is passed over",
     "пропущен пакет, в котором не указано, послан он или принят",
+)
+_TIME = Text(
+    "a packet is passed over: no recording can have its time; its bytes: {data}",
+    "пропущен пакет с временем, какого в записи быть не может; его байты: {data}",
 )
 _PACKET_CUT = Text(
     "the next packet was recorded without its last bytes ({count})",

@@ -32,7 +32,7 @@ from mikas.recording.capture.reader import (
 )
 from mikas.recording.capture.scan import LARGEST, RawBlock, Scanner, read_whole
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, joined
-from mikas.recording.exchanges.result import JUMP
+from mikas.recording.exchanges.result import JUMP, LONGEST_PAUSE
 
 WINDOW: Final = 1 << 20
 _LEAST: Final = 1 << 11  # bytes; a shorter window costs more than its packets one by one
@@ -141,7 +141,13 @@ class PacketColumns:
             described, source = blocks.interfaces[number]
             if described.link_type != pcapng.LINKTYPE_USER0:
                 continue
-            self._times[chosen] = seconds(described, high[chosen], low[chosen])
+            clock = blocks.clocks[number]
+            times = seconds(described, high[chosen], low[chosen])
+            earliest, latest = clock.limits
+            possible = clock.is_settled & (times >= earliest) & (times <= latest)
+            plain[chosen[~possible]] = False
+            chosen = chosen[possible]
+            self._times[chosen] = times[possible]
             self._source[chosen] = self._number(source)
         self.unusual: Index = (~plain).nonzero()[0]
 
@@ -167,11 +173,12 @@ class PacketColumns:
 
     def packets(self, start: int, stop: int) -> Iterator[Packets]:
         """Yield the packets of the blocks from `start` to before `stop`; a new piece where the port
-        changes, or the clock was set back.
+        changes, the clock was set back, or a long pause ends.
         """
         known = (self._source[start:stop] >= 0).nonzero()[0] + start
-        edges = np.diff(self._source[known]) != 0
-        edges = (edges | (np.diff(self._times[known]) < -JUMP)).nonzero()[0] + 1
+        steps = np.diff(self._times[known])
+        edges = (np.diff(self._source[known]) != 0) | (steps < -JUMP) | (steps > LONGEST_PAUSE)
+        edges = edges.nonzero()[0] + 1
         for chosen in np.split(known, edges):
             if chosen.size:
                 yield Packets(
@@ -229,7 +236,7 @@ class _Walk:
         order: pcapng.Order | None = None
         while offset < self._scanner.size:
             check_cancelled()
-            if order is not None and self._blocks.interfaces:
+            if order is not None and self._blocks.interfaces and self._blocks.is_settled:
                 window, found, end = self._run_at(offset, order)
                 if window is not None and found.size:
                     yield from self._run(window, found)

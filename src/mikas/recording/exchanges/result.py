@@ -23,6 +23,9 @@ GAP: Final = 0.5
 JUMP: Final = 1.0
 """s; where times run back by more, a clock was set, and a stretch ends. Less is jitter."""
 
+LONGEST_PAUSE: Final = 86_400.0
+"""s; a stretch also ends where no packet came for longer: another day, as in another recording."""
+
 T = TypeVar("T")
 
 

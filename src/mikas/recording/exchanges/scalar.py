@@ -26,7 +26,15 @@ from mikas.recording.exchanges.matching import (
     SentRequest,
     matched,
 )
-from mikas.recording.exchanges.result import GAP, JUMP, Exchanges, ExchangesOf, Requests, Responses
+from mikas.recording.exchanges.result import (
+    GAP,
+    JUMP,
+    LONGEST_PAUSE,
+    Exchanges,
+    ExchangesOf,
+    Requests,
+    Responses,
+)
 
 UNFINISHED: Final = "unfinished"
 """Why an abandoned frame is damage, beside the values of `DamageReason`."""
@@ -274,4 +282,4 @@ def _stretches(items: Iterable[Packet | Problem]) -> Iterator[Sequence[Packet] |
 def _continues(last: Packet, item: Packet | Problem) -> bool:
     if isinstance(item, Problem):
         return False
-    return item.source == last.source and item.time >= last.time - JUMP
+    return item.source == last.source and -JUMP <= item.time - last.time <= LONGEST_PAUSE

@@ -38,6 +38,7 @@ _EVENTS: Final = {
 }
 """The type and the cause of an event, by the kind of moment."""
 _UNKNOWN = datetime(1970, 1, 1, tzinfo=UTC)
+_BEYOND = datetime(2554, 1, 1, tzinfo=UTC)  # the header has 64 bits for nanoseconds
 
 
 def write(path: Path, sheet: Sheet) -> None:
@@ -47,7 +48,8 @@ def write(path: Path, sheet: Sheet) -> None:
         TemporaryDirectory(dir=path.parent, prefix=f"{path.name}.") as folder,
         MDF(version="4.10", temporary_folder=folder) as mdf,
     ):
-        mdf.start_time = sheet.started or _UNKNOWN
+        started = sheet.started or _UNKNOWN
+        mdf.start_time = started if started < _BEYOND else _UNKNOWN
         mdf.header.comment = _comment(sheet)
         stretches = iter(sheet.stretches)
         empty = np.empty(0)
@@ -103,6 +105,6 @@ def _event(kind: str, time: float, name: str, comment: str) -> EventBlock:
 
 def _comment(sheet: Sheet) -> str:
     facts = [program(), *(f"{title}: {text}" for title, text in sheet.about.items())]
-    if sheet.started is None:
-        facts.append("start: unknown")
+    if sheet.started is None or sheet.started >= _BEYOND:
+        facts.append(f"start: {sheet.started or 'unknown'}")
     return "\n".join(facts)

@@ -7,14 +7,17 @@ without values: otherwise a plot would join the samples on both sides.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Any, Final
 
 from mikas.catalog import Catalog, Derived
+from mikas.cleaning import is_in_calendar
 from mikas.errors import usage_error
 from mikas.i18n import Text
+from mikas.recording.capture.clock import LONGEST
 from mikas.sampling.events import Event, Gap
 
 if TYPE_CHECKING:
@@ -58,12 +61,9 @@ def calendar(time: float) -> datetime | None:
 
     A damaged time beyond the calendar has no date either.
     """
-    if time < PLAINLY_UNIX:
+    if time < PLAINLY_UNIX or not is_in_calendar(time):
         return None
-    try:
-        return datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=time)
-    except OverflowError:
-        return None
+    return datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=time)
 
 
 def named(catalog: Catalog, name: str) -> str:
@@ -106,12 +106,12 @@ def with_gaps(rows: Iterable[Rows], events: Iterable[Event]) -> Iterator[Rows]:
     """Yield `rows`, times rising within a stretch, with a row of NaN in each gap of `events`.
 
     The row stands half-way between the gap's begin and its end, or the next row if that is earlier.
-    A gap before the first row of all has none.
+    A gap before the first row of all has none, nor has one years after the last.
     """
     import numpy as np
 
     gaps = [event for event in events if isinstance(event, Gap)]
-    left = sorted((gap.began, gap.began if gap.ended is None else gap.ended) for gap in gaps)
+    left = _Spans((gap.began, gap.began if gap.ended is None else gap.ended) for gap in gaps)
     last: Rows | None = None
     for stretch in rows:
         if not len(stretch.times):
@@ -119,8 +119,7 @@ def with_gaps(rows: Iterable[Rows], events: Iterable[Event]) -> Iterator[Rows]:
         begin, end = float(stretch.times[0]), float(stretch.times[-1])
         if last is not None and last.times[-1] <= begin:  # the same session: times rise
             begin = float(last.times[-1])
-        inside = [span for span in left if begin <= span[0] < end]
-        left = [span for span in left if not begin <= span[0] < end]
+        inside = left.take(begin, end)
         last = stretch
         if not inside:
             yield stretch
@@ -131,9 +130,37 @@ def with_gaps(rows: Iterable[Rows], events: Iterable[Event]) -> Iterator[Rows]:
             name: np.insert(column, places, np.nan) for name, column in stretch.values.items()
         }
         yield Rows(np.insert(stretch.times, places, times), values)
-    if last is not None and (later := [span for span in left if span[0] >= last.times[-1]]):
+    if last is None:
+        return
+    ended = float(last.times[-1])
+    if later := left.take(ended, ended + LONGEST):
         times = _middles(later, np.full(len(later), np.inf))
         yield Rows(times, {name: np.full(len(times), np.nan) for name in last.values})
+
+
+class _Spans:
+    """Spans of time, each to be taken once; those that are left are found without the others."""
+
+    def __init__(self, spans: Iterable[tuple[float, float]]) -> None:
+        self._spans = sorted(spans)
+        self._begins = [begin for begin, _ in self._spans]
+        self._left = list(range(len(self._spans) + 1))  # on the way to the next one that is left
+
+    def take(self, begin: float, end: float) -> list[tuple[float, float]]:
+        """Take the spans that begin from `begin` to before `end`, in their order."""
+        taken = []
+        at, stop = self._next(bisect_left(self._begins, begin)), bisect_left(self._begins, end)
+        while at < stop:
+            taken.append(self._spans[at])
+            self._left[at] = at + 1
+            at = self._next(at)
+        return taken
+
+    def _next(self, at: int) -> int:
+        while self._left[at] != at:
+            self._left[at] = self._left[self._left[at]]
+            at = self._left[at]
+        return at
 
 
 def _middles(gaps: list[tuple[float, float]], following: Floats) -> Floats:
