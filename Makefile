@@ -45,11 +45,12 @@ MINUTES ?= 60
 hour: .venv/with-test build/cable/unpacked ## an hour of recording in QEMU while the cable is pulled out and put back, nothing wrong or lost
 	@PYTHONPATH=tests $(venv_python) -m cable.hour --minutes $(MINUTES) --seed $(SEED)
 
-# Seconds for each of four targets, which run two at a time: make fuzz SECONDS=3600
-SECONDS ?= 60
+# Seconds for each of four targets, one after another; recordings are read beside them, as long as all four together, by
+# cases of SEED: make fuzz SECONDS=3600 SEED=2
+SECONDS ?= 45
 
-fuzz: .venv/with-fuzz ## the parsers under mutated inputs, guided by coverage (Linux); fails on a finding
-	@$(venv_python) -m fuzz --seconds $(SECONDS)
+fuzz: .venv/with-test .venv/with-fuzz ## the parsers under mutated inputs, and all readers under hostile recordings (Linux); fails on a finding
+	@$(venv_python) -m fuzz --seconds $(SECONDS) --seed $(SEED)
 
 check: .venv/with-check web/node_modules/installed ## lint, format, types, import rules, names of changes/
 	$(venv_python) -m ruff check .

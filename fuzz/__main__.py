@@ -1,13 +1,15 @@
 """Fuzzes the parsers, two at a time: `make fuzz`. Exit status 1 on a finding.
 
-python -m fuzz                       all targets, 60 s each
+python -m fuzz                       all targets: `recordings` 180 s, the four others 45 s each
 python -m fuzz notes --seconds 5     this one
 python -m fuzz notes --input FILE    repeats one input, with its traceback
 python -m fuzz notes --base64 TEXT   the same; a finding prints this line
+python -m fuzz recordings --seed 2   other cases
 python -m fuzz --keep                moves what was reached since into fuzz/corpus, minimized
 
-A target is a module of this folder with `check(data)`, which raises on a finding. libFuzzer mutates
-the inputs of fuzz/corpus; those that reach new code are kept in build/fuzz.
+A target is a module or a package of this folder with `check(data)`, which raises on a finding.
+libFuzzer mutates the inputs of fuzz/corpus; those that reach new code are kept in build/fuzz.
+`recordings` makes its inputs itself (fuzz/recordings/).
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -25,9 +28,13 @@ from importlib import import_module
 from pathlib import Path
 from typing import Final
 
-TARGETS: Final = ("framing", "capture", "catalog", "notes")
+TARGETS: Final = ("framing", "capture", "catalog", "notes")  # libFuzzer's
+RECORDINGS: Final = "recordings"
 CORPUS: Final = Path(__file__).parent / "corpus"
 BUILD: Final = Path("build/fuzz")
+
+EACH: Final = 45  # seconds
+CASES: Final = 4000
 
 # Of one input. More is a finding: the inputs are small.
 SECONDS: Final = 5
@@ -61,6 +68,9 @@ class Run:
         return "\n".join(lines)
 
 
+Work = dict[str, Callable[[], Run]]
+
+
 def main() -> int:
     given = _arguments()
     if given.target and (given.input or given.base64 is not None):
@@ -68,22 +78,45 @@ def main() -> int:
         import_module(f"fuzz.{given.target}").check(data)
         print(f"{given.target}: nothing found in these {len(data)} bytes")
         return 0
-    work = _keep if given.keep else partial(_fuzz, seconds=given.seconds)
+    if given.keep:
+        wanted = [given.target] if given.target else TARGETS
+        work: Work = {it: partial(_keep, it) for it in wanted if it in TARGETS}
+    else:
+        work = _campaigns(given)
     with ThreadPoolExecutor(given.jobs) as pool:
-        runs = list(pool.map(work, [given.target] if given.target else TARGETS))
-    print("\n".join(run.report() for run in runs))
+        runs = list(pool.map(lambda target: work[target](), work))
+    print("\n".join(run.report() for run in runs if run.target != RECORDINGS))
     return 0 if all(run.is_good for run in runs) else 1
+
+
+def _campaigns(given: argparse.Namespace) -> Work:
+    """Return the campaigns: that of recordings lasts as long as all others, one after another."""
+    seconds = given.seconds or EACH
+    long = given.seconds if given.target and given.seconds else seconds * len(TARGETS)
+    campaigns: Work = {RECORDINGS: partial(_fuzz_recordings, long, given.seed, given.cases)}
+    campaigns |= {target: partial(_fuzz, target, seconds) for target in TARGETS}
+    return {given.target: campaigns[given.target]} if given.target else campaigns
 
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m fuzz", description="Fuzz the parsers.")
-    parser.add_argument("target", nargs="?", choices=TARGETS)
-    parser.add_argument("--seconds", type=int, default=60, help="for each target")
+    parser.add_argument("target", nargs="?", choices=(*TARGETS, RECORDINGS))
+    parser.add_argument("--seconds", type=int, help=f"for each target ({EACH})")
+    parser.add_argument("--seed", type=int, default=1, help="of the recordings")
+    parser.add_argument("--cases", type=int, default=CASES, help="at most so many recordings")
     parser.add_argument("--jobs", type=int, default=2, help="targets at a time")
     parser.add_argument("--keep", action="store_true", help="move what is new into fuzz/corpus")
     parser.add_argument("--input", type=Path, help="repeat this file only")
     parser.add_argument("--base64", help="repeat this input only")
     return parser.parse_args()
+
+
+def _fuzz_recordings(seconds: int, seed: int, cases: int) -> Run:
+    """Run the campaign, which reports by itself."""
+    options = ("--seconds", str(seconds), "--seed", str(seed), "--cases", str(cases))
+    command = [sys.executable, "-m", "fuzz.recordings.campaign", *options]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False)
+    return Run(RECORDINGS, done.returncode, "", [])
 
 
 def _fuzz(target: str, seconds: int) -> Run:
