@@ -193,9 +193,17 @@ class Bus:
     def send(self, data: bytes, now: float) -> None:
         """Put `data` of the tester on the wire, after the bytes that it is still sending."""
         self.advance(now)
+        start = self.adapter.stalls.passed(now)
         if self.adapter.kind.supplied:
-            self._tester.transmit(data, self.adapter.stalls.passed(now))
+            self._tester.transmit(data, start)
             self._next = self._next_on_wire()
+        else:  # they take their time, and go nowhere
+            self._tester.free_at = max(start, self._tester.free_at) + len(data) * self.byte_time
+
+    @property
+    def sending_until(self) -> float:
+        """When the adapter will have sent all bytes of the tester."""
+        return self._tester.free_at
 
     def send_break(self, seconds: float, now: float) -> None:
         """Hold the line low: all bytes on it are lost, and the unit receives a break."""
@@ -210,6 +218,12 @@ class Bus:
         self._next = self._next_on_wire()
         if self.adapter.kind.echo:
             self.adapter.receive(0x00, end)
+
+    def drop_unsent(self, now: float) -> None:
+        """Drop the tester's bytes that the adapter has not sent: the tester has gone."""
+        self.advance(now)
+        self._tester.clear(now)
+        self._next = self._next_on_wire()
 
     def advance(self, now: float) -> None:
         """Run the wire up to `now`."""
@@ -312,6 +326,13 @@ class Elm327(Bus):
         self._out = deque(byte for byte in self._out if byte[0] <= now)
         self._received_at = self._free_at = now + seconds
         self._line.clear()
+
+    @property
+    def sending_until(self) -> float:
+        return self._received_at
+
+    def drop_unsent(self, now: float) -> None:
+        self.send_break(0.0, now)
 
     def advance(self, now: float) -> None:
         """Do nothing: the wire is not driven."""

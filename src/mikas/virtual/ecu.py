@@ -19,6 +19,7 @@ from mikas.virtual.quirks import StreamEnd
 from mikas.virtual.responder import Responder, Stream
 
 PARTIAL_REQUEST_LIFE = 0.1  # s that a unit waits for the rest of a request
+MOST_ANSWERS = 4  # responses that wait for the line to become idle; a real unit has one buffer
 STANDING_ENGINE_CHECK = 0.05  # s between checks whether a standing engine turns again
 
 
@@ -147,9 +148,9 @@ class VirtualEcu:
         self._report("request", now, body)
         answer = self.responder.answer(body, now)
         turn_round = self.responder.quirks.turn_round
-        if isinstance(answer, bytes):
+        if isinstance(answer, bytes) and len(self._answers) < MOST_ANSWERS:
             self._answers.append((now + turn_round, answer))
-        elif answer is None:
+        elif answer is None or isinstance(answer, bytes):
             self._report("silence", now)
         else:
             self._stream = _Running(answer, self._due(answer, now, turn_round))

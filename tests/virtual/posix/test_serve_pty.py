@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import select
 from contextlib import contextmanager, suppress
@@ -12,6 +13,8 @@ import pytest
 import mikas
 from mikas.errors import LinkLost
 from mikas.framing import encode
+from mikas.virtual import serve
+from mikas.virtual.build import build_bus
 from mikas.virtual.memory import pattern
 from protocol_codes import NAMES, SECTION_4, SIMULATED
 from virtual_harness import DATA
@@ -161,3 +164,26 @@ def test_the_main_job_over_a_pty_with_echo_and_pacing(pinned, tmp_path):
         assert ecu.memory.code.read_block(0x8000, 300) == pattern("code")[0x8000:0x812C]
         assert monotonic() - began >= 300 * BYTE
         assert ecu.erase_faults().after == ()
+
+
+def test_a_flood_waits_at_its_sender():
+    """Writing to the port blocks, as on a real one; 1 KiB waits for the wire, and none is lost."""
+
+    async def main():
+        bus = build_bus({"baud": "200000"}, start=monotonic())
+        port = serve.PtyPort(bus, monotonic)
+        waited = set()
+        with opened(port.url) as tester:
+            os.set_blocking(tester, False)
+            sent = heard = 0
+            while sent < 8192 or heard < sent:
+                with suppress(BlockingIOError):
+                    sent += os.write(tester, b"\x55" * 4096) if sent < 8192 else 0
+                with suppress(BlockingIOError):
+                    heard += len(os.read(tester, 4096))
+                await asyncio.sleep(0)
+                waited.add(len(bus._tester.queue))
+        port.close()
+        assert 1000 <= max(waited) <= 1024
+
+    serve.run(main())
