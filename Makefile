@@ -49,7 +49,7 @@ hour: .venv/with-test build/cable/unpacked ## an hour of recording in QEMU while
 # cases of SEED: make fuzz SECONDS=3600 SEED=2
 SECONDS ?= 45
 
-fuzz: .venv/with-test .venv/with-fuzz ## the parsers under mutated inputs, and all readers under hostile recordings (Linux); fails on a finding
+fuzz: .venv/with-fuzz ## the parsers under mutated inputs, and all readers under hostile recordings (Linux); fails on a finding
 	@$(venv_python) -m fuzz --seconds $(SECONDS) --seed $(SEED)
 
 check: .venv/with-check web/node_modules/installed ## lint, format, types, import rules, names of changes/
