@@ -5,10 +5,13 @@ from __future__ import annotations
 import errno
 import io
 import json
+import os
+import sys
 from pathlib import Path
 
 import pytest
 
+from mikas import saving
 from mikas.client.gate import Journal
 from mikas.errors import JournalError, reason_of
 from mikas.saving import append_line, save
@@ -26,6 +29,7 @@ class SmallDisk:
             return file if mode in ("r", "rb") else disk.limited(file)
 
         monkeypatch.setattr(Path, "open", small)
+        monkeypatch.setattr(saving, "open_regular", lambda path, mode, **_: small(path, mode, 0))
 
     def limited(self, file):
         disk, raw = self, file if isinstance(file, io.FileIO) else file.buffer.raw
@@ -88,3 +92,23 @@ def test_a_full_disk_is_explained_in_both_languages():
         "No space left on device; make room, then repeat",
         "диск заполнен; освободите место и повторите",
     )
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="names of pipes")
+def test_nothing_is_written_through_a_link_or_to_a_pipe(tmp_path):
+    """Planted in a folder that others may write to."""
+    secret, file, journal = (tmp_path / name for name in ("secret", "it.json", "journal.jsonl"))
+    secret.write_text("not yours")
+    for plant in (
+        lambda path: path.symlink_to(secret),
+        lambda path: os.link(secret, path),
+        os.mkfifo,
+    ):
+        for path in (file, file.with_name("it.json.new"), journal):
+            path.unlink(missing_ok=True)
+            plant(path)
+        save(file, "new")
+        assert (file.is_symlink(), file.read_text()) == (False, "new")
+        with pytest.raises(JournalError, match=r"a link|second name|a pipe"):
+            Journal(journal).write({})
+        assert secret.read_text() == "not yours"

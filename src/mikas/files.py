@@ -14,7 +14,6 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, Final, Literal
 
@@ -22,12 +21,12 @@ from mikas.cleaning import clean_json
 from mikas.errors import UnfitFile
 from mikas.i18n import Text
 
-Mode = Literal["rb", "r+b", "ab"]
+Mode = Literal["rb", "r+b", "a+b"]
 
 _FLAGS: Final[dict[Mode, int]] = {
     "rb": os.O_RDONLY,
     "r+b": os.O_RDWR,
-    "ab": os.O_WRONLY | os.O_APPEND | os.O_CREAT,
+    "a+b": os.O_RDWR | os.O_APPEND | os.O_CREAT,
 }
 _NO_FOLLOW: Final[int] = getattr(os, "O_NOFOLLOW", 0)
 _ALWAYS: Final[int] = sum(
@@ -58,8 +57,10 @@ _TOO_LARGE: Final = Text(
 )
 
 
-def open_regular(path: Path, mode: Mode = "rb", *, follow: bool = False) -> BinaryIO:
-    """Open a regular file, never waiting. "ab" creates a missing one.
+def open_regular(
+    path: Path, mode: Mode = "rb", *, follow: bool = False, buffering: int = -1
+) -> BinaryIO:
+    """Open a regular file, never waiting. "a+b" creates a missing one.
 
     Raises `OSError`; `UnfitFile` for anything but a regular file, for a link unless `follow`, and
     for a change of a file that has a second name.
@@ -69,7 +70,7 @@ def open_regular(path: Path, mode: Mode = "rb", *, follow: bool = False) -> Bina
         before = path.stat(follow_symlinks=follow)
         _check(before, mode)  # opening a device may have effects
     except FileNotFoundError:
-        if mode != "ab":
+        if mode != "a+b":
             raise
     flags = _FLAGS[mode] | _ALWAYS | (0 if follow else _NO_FOLLOW)
     try:
@@ -83,7 +84,7 @@ def open_regular(path: Path, mode: Mode = "rb", *, follow: bool = False) -> Bina
         _check(after, mode)
         if not (_NO_FOLLOW or follow or before is None or os.path.samestat(before, after)):
             raise UnfitFile(errno.ELOOP, _REPLACED)
-        return os.fdopen(descriptor, mode)
+        return os.fdopen(descriptor, mode, buffering)
     except BaseException:
         os.close(descriptor)
         raise
@@ -91,14 +92,19 @@ def open_regular(path: Path, mode: Mode = "rb", *, follow: bool = False) -> Bina
 
 def _check(status: os.stat_result, mode: Mode) -> None:
     """Raise `UnfitFile` unless this is a regular file, and one that may be changed."""
+    check_regular(status)
+    if mode != "rb" and status.st_nlink > 1:
+        raise UnfitFile(errno.EMLINK, _TWO_NAMES)
+
+
+def check_regular(status: os.stat_result) -> None:
+    """Raise `UnfitFile` unless `status` is that of a regular file."""
     if stat.S_ISLNK(status.st_mode):
         raise UnfitFile(errno.ELOOP, _LINK)
     if stat.S_ISDIR(status.st_mode):
         raise UnfitFile(errno.EISDIR, _FOLDER)
     if not stat.S_ISREG(status.st_mode):
         raise UnfitFile(errno.EINVAL, _NO_FILE)
-    if mode != "rb" and status.st_nlink > 1:
-        raise UnfitFile(errno.EMLINK, _TWO_NAMES)
 
 
 def read_regular(path: Path, most: int, *, follow: bool = False) -> bytes:
@@ -121,20 +127,3 @@ def read_json(path: Path, most: int) -> Any:  # noqa: ANN401  (any JSON)
         return clean_json(json.loads(read_regular(path, most).decode()))
     except RecursionError:
         raise ValueError("nested too deep") from None
-
-
-def write_whole(path: Path, data: bytes) -> None:
-    """Replace `path` by a file with `data`, all or nothing. Raises `OSError`.
-
-    A link at `path` is replaced too; its target is not touched.
-    """
-    fresh = path.with_name(f"{path.name}.new")
-    fresh.unlink(missing_ok=True)  # of a killed program
-    try:
-        with fresh.open("xb") as file:
-            file.write(data)
-        fresh.replace(path)
-    except BaseException:
-        with suppress(OSError):
-            fresh.unlink(missing_ok=True)
-        raise

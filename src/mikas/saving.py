@@ -12,13 +12,16 @@ from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
+from mikas.files import open_regular
 
-def save(path: Path, text: str) -> None:
+
+def save(path: Path, text: str, *, follow: bool = False) -> None:
     """Replace the content of `path` by `text`, in UTF-8, all or nothing. Raises `OSError`.
 
-    A pipe or a device is written to as it is.
+    What is no file is replaced too: nothing is written through a link, or to a pipe. `follow`: the
+    user named it, so a pipe or a device is written to as it is.
     """
-    if path.exists() and not path.is_file():
+    if follow and path.exists() and not path.is_file():
         path.write_text(text, "utf-8")
         return
     new = path.with_name(f"{path.name}.new")
@@ -43,7 +46,7 @@ def append_line(path: Path, line: str) -> None:
     killed program, gets it first.
     """
     data = f"{line}\n".encode("utf-8", "backslashreplace")
-    with path.open("a+b", buffering=0) as file:
+    with open_regular(path, "a+b", buffering=0) as file:
         begin = file.seek(0, os.SEEK_END)
         if begin:
             file.seek(begin - 1)

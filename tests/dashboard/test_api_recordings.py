@@ -64,7 +64,7 @@ def test_what_the_list_says(desk, folder) -> None:
 
 def test_no_folder_is_an_empty_list(tmp_path) -> None:
     with rig(tmp_path, None) as it:
-        assert it.get("/recordings") == {"recordings": [], "problem": None}
+        assert it.get("/recordings") == {"recordings": [], "problem": None, "left_out": []}
         assert it.get("/recordings/a.pcapng", 404)["code"] == "NotFound"
 
 

@@ -9,19 +9,25 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from types import UnionType
+from typing import Any, BinaryIO
 
+from mikas.cleaning import clean_text
 from mikas.client.ecu import Ecu
 from mikas.client.memory import MemorySpace
 from mikas.commands.base import check_range
 from mikas.commands.unit import version_of, version_text
 from mikas.errors import UsageError, reason_at, usage_error
+from mikas.files import open_regular, read_json, read_regular
 from mikas.saving import save
 
 SCHEMA = 1
+MOST_BYTES = 1 << 20  # of a dump; the largest space has 64 KB
+_MOST_MANIFEST = 1 << 16
 
 
 @dataclass(slots=True)
@@ -78,27 +84,59 @@ def manifest_path(file: Path) -> Path:
 def read_manifest(file: Path) -> Manifest | None:
     """Return the manifest of `file`, None if missing. Raises `UsageError` for an invalid one."""
     path = manifest_path(file)
-    if not path.exists():
+    if not os.path.lexists(path):
         return None
     try:
-        stored = json.loads(path.read_text("utf-8"))
+        stored = read_json(path, _MOST_MANIFEST)
         version_code = version_of(stored["version_code"])
         passport = tuple(stored["passport"])
         manifest = Manifest(**{**stored, "version_code": version_code, "passport": passport})
+        _check_kinds(manifest)
         check_range(manifest.space, manifest.first, manifest.size)
         _check_second_pass(manifest)
-    except (OSError, ValueError, TypeError, KeyError) as error:
+    except OSError as error:
+        raise UsageError(problem=reason_at(path, error)) from error
+    except (ValueError, TypeError, KeyError) as error:
         raise file_error(path, "it is no manifest of a dump", "это не описание дампа") from error
     return manifest
 
 
+_KINDS: dict[str, type | UnionType] = {
+    **dict.fromkeys(("space", "model"), str),
+    **dict.fromkeys(("first", "last", "version_code", "bytes_read", "schema", "checked"), int),
+    **dict.fromkeys(("complete", "verify"), bool),
+    "verified": bool | None,
+    "sha256": str | None,
+    "time": int | float,
+    "differences": int | None,
+}
+
+
+def _check_kinds(manifest: Manifest) -> None:
+    """Raise `TypeError` for a value of another kind: the file may be anybody's."""
+    for name, kind in _KINDS.items():
+        value = getattr(manifest, name)
+        if not isinstance(value, kind) or (isinstance(value, bool) and kind is int):
+            raise TypeError(name)
+    if not all(isinstance(piece, str) for piece in manifest.passport):
+        raise TypeError("passport")
+
+
 def _check_second_pass(manifest: Manifest) -> None:
-    """Check the second pass's fields. Raises `ValueError`, `TypeError`."""
+    """Check the second pass's fields. Raises `ValueError`."""
     found, checked = manifest.differences, manifest.checked
-    if not isinstance(checked, int) or not isinstance(found, int | None):
-        raise TypeError
     if not 0 <= checked <= manifest.size or (found is not None and found < 0):
         raise ValueError
+
+
+def identity_of(ecu: Ecu) -> tuple[int, tuple[str, ...]]:
+    """Return version code and passport as a manifest has them, which is cleaned when it is read."""
+    return ecu.version_code, tuple(clean_text(piece) for piece in ecu.passport().pieces)
+
+
+def read_dump(file: Path, *, follow: bool = False) -> bytes:
+    """Return a dump's bytes. Raises `OSError` as `mikas.files`; `follow`: the user named it."""
+    return read_regular(file, MOST_BYTES, follow=follow)
 
 
 def file_error(file: Path, en: str, ru: str) -> UsageError:
@@ -133,10 +171,8 @@ class Dump:
         self._ecu = ecu
         self._space = space
         self._file = file
-        self.manifest = Manifest(
-            space.name, first, last, ecu.model.text.en, ecu.version_code, ecu.passport().pieces
-        )
-        if file.exists() or manifest_path(file).exists():
+        self.manifest = Manifest(space.name, first, last, ecu.model.text.en, *identity_of(ecu))
+        if os.path.lexists(file) or os.path.lexists(manifest_path(file)):
             if not resume:
                 raise file_error(
                     file,
@@ -148,7 +184,8 @@ class Dump:
     def _resume(self) -> None:
         stored, wanted = read_manifest(self._file), self.manifest
         begun = stored is None or stored.bytes_read
-        if not self._file.exists() and begun:  # else killed between the manifest and the file
+        there = os.path.lexists(self._file)
+        if not there and begun:  # else killed between the manifest and the file
             raise self._error(
                 "the file is gone, only its manifest is left; delete that too to begin anew",
                 "самого файла нет, осталось только описание; чтобы начать заново, удалите и его",
@@ -166,7 +203,7 @@ class Dump:
                 "it was begun on another unit (its passport differs)",
                 "он начат на другом блоке (паспорт не тот)",
             )
-        size = self._file.stat().st_size if self._file.exists() else 0
+        size = self._size() if there else 0
         if size > wanted.size:
             raise self._error(
                 "it is longer than its manifest says, so it is another file",
@@ -186,7 +223,7 @@ class Dump:
         blocks = self._space.blocks(start, missing, block) if missing else ()
         try:
             self._write_manifest()  # before the file: without it no byte could be resumed
-            with self._file.open("r+b" if self._file.exists() else "xb") as out:
+            with self._opened() as out:
                 out.truncate(manifest.bytes_read)
                 out.seek(manifest.bytes_read)
                 for data in blocks:
@@ -202,6 +239,19 @@ class Dump:
         finally:
             self._write_manifest()
 
+    def _size(self) -> int:
+        try:
+            with open_regular(self._file, "r+b") as file:
+                return file.seek(0, os.SEEK_END)
+        except OSError as error:
+            raise UsageError(problem=reason_at(self._file, error)) from error
+
+    def _opened(self) -> BinaryIO:
+        try:
+            return open_regular(self._file, "r+b")
+        except FileNotFoundError:
+            return self._file.open("xb")  # never through a link
+
     def verify(self, *, block: int | None, progress: Progress) -> list[Difference]:
         """Make a second pass over the whole range; return the differences from the first."""
         manifest = self.manifest
@@ -211,9 +261,12 @@ class Dump:
     def check(self, most: int, *, block: int | None, progress: Progress) -> list[Difference]:
         """Check the next `most` bytes in the second pass; return the differences from the first."""
         manifest = self.manifest
-        with self._file.open("rb") as file:
-            file.seek(manifest.checked)
-            data = file.read(most)
+        try:
+            with open_regular(self._file) as file:
+                file.seek(manifest.checked)
+                data = file.read(most)
+        except OSError as error:
+            raise UsageError(problem=reason_at(self._file, error)) from error
         first = manifest.first + manifest.checked
         found = list(compare(self._space, data, first, block, progress))
         manifest.verify = True
@@ -225,12 +278,11 @@ class Dump:
         return found
 
     def _write_manifest(self) -> None:
-        manifest = self.manifest
+        manifest, path = self.manifest, manifest_path(self._file)
         manifest.time = round(self._ecu.tester.link.now(), 6)
-        if manifest.complete:
-            manifest.sha256 = hashlib.sha256(self._file.read_bytes()).hexdigest()
-        path = manifest_path(self._file)
         try:
+            if manifest.complete:
+                manifest.sha256 = hashlib.sha256(read_dump(self._file)).hexdigest()
             text = json.dumps(manifest.as_json(), ensure_ascii=False, indent=1)
             save(path, text + "\n")
         except OSError as error:

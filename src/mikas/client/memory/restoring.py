@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -24,6 +25,8 @@ from mikas.client.memory.dumps import (
     Progress,
     compare,
     file_error,
+    identity_of,
+    read_dump,
     read_manifest,
 )
 from mikas.commands import LARGEST_BLOCK
@@ -66,7 +69,7 @@ class DumpFile:
         `first`: the first address, for `ignore_manifest` only.
         """
         try:
-            data = path.read_bytes()
+            data = read_dump(path, follow=True)
         except OSError as error:
             raise UsageError(problem=reason_at(path, error)) from error
         if not data:
@@ -96,10 +99,7 @@ class DumpFile:
         manifest = self.manifest
         if manifest is None:
             return
-        if (manifest.version_code, manifest.passport) != (
-            ecu.version_code,
-            ecu.passport().pieces,
-        ):
+        if (manifest.version_code, manifest.passport) != identity_of(ecu):
             named = " · ".join(piece for piece in manifest.passport if piece) or manifest.model
             raise file_error(
                 self.path,
@@ -154,7 +154,7 @@ class Restore:
         self.written = 0
         self.differences: list[Difference] = []
         self.is_interrupted = False
-        if self._state.exists() and not resume:
+        if os.path.lexists(self._state) and not resume:
             raise file_error(
                 dump.path,
                 "a restore of it was interrupted; --resume compares again and goes on "

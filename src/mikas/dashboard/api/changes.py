@@ -61,7 +61,7 @@ class DeleteDumpRequest(BaseModel):
     """Delete a dump: its file and its manifest."""
 
     kind: Literal["delete_dump"]
-    id: str = Field(max_length=100)
+    id: str = Field(max_length=240)
 
 
 ChangeRequest = Annotated[

@@ -11,23 +11,24 @@ from itertools import islice
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Body, Path, Query
-from fastapi.responses import FileResponse, Response
+from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
 from mikas.client import Ecu
-from mikas.client.memory.dumps import Manifest, differences
+from mikas.client.memory.dumps import Manifest, differences, identity_of
 from mikas.commands.base import check_range
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
+from mikas.dashboard.api.downloads import LeftOutFile, OpenFile, left_out
 from mikas.dashboard.api.errors import content, errors, made_of
 from mikas.dashboard.api.memory import Space
 from mikas.dashboard.error_responses import ErrorBody, body_of
-from mikas.dashboard.errors import NotFound
+from mikas.dashboard.library.folder import opened
 from mikas.dashboard.session.dump_jobs import DumpJob
 
 router = APIRouter(tags=["dumps"])
 
 _MAX_SHOWN = 1000
-DumpId = Annotated[str, Path(max_length=100)]
+DumpId = Annotated[str, Path(max_length=240)]
 
 
 class DumpRequest(BaseModel):
@@ -70,9 +71,10 @@ class DumpResponse(BaseModel):
 
 
 class DumpsResponse(BaseModel):
-    """The newest first."""
+    """The newest first. `left_out`: files of the folder that are not listed, and why."""
 
     dumps: list[DumpResponse]
+    left_out: list[LeftOutFile]
 
 
 class ByteDifference(BaseModel):
@@ -107,7 +109,9 @@ async def start(dashboard: TheDashboard, _: Controller, body: DumpRequest) -> Du
 async def dumps(dashboard: TheDashboard) -> DumpsResponse:
     """Return all dumps."""
     jobs = sorted(dashboard.dump_jobs.jobs.values(), key=lambda job: job.started, reverse=True)
-    return DumpsResponse(dumps=[_response(job) for job in jobs])
+    return DumpsResponse(
+        dumps=[_response(job) for job in jobs], left_out=left_out(dashboard.dump_jobs.left_out)
+    )
 
 
 @router.get("/dumps/{id}", responses=errors(404))
@@ -141,9 +145,8 @@ async def resume(dashboard: TheDashboard, _: Controller, id: DumpId) -> DumpResp
 def file(dashboard: TheDashboard, id: DumpId) -> Response:  # noqa: A002  (the API's name)
     """Return the bytes read so far."""
     job = dashboard.dump_jobs.one(id)
-    if not job.file.is_file():
-        raise NotFound(name=id)
-    return FileResponse(job.file, media_type="application/octet-stream", filename=job.file.name)
+    kept, size = opened(job.file, id), job.manifest.size
+    return OpenFile(kept, job.file.name, "application/octet-stream", most=size)
 
 
 @router.post("/dumps/{id}/compare", responses=errors(404))
@@ -158,10 +161,8 @@ async def compare(
     begin = job.manifest.first if first is None else first
 
     def work() -> DifferencesResponse:
-        try:
-            own = job.file.read_bytes()
-        except FileNotFoundError:
-            raise NotFound(name=id) from None
+        with opened(job.file, id) as file:
+            own = file.read(job.manifest.size)
         found = differences(own, job.manifest.first, other, begin)
         shown = [
             ByteDifference(address=it.address, a=_hex(it.a), b=_hex(it.b))
@@ -178,8 +179,7 @@ def _manifest(ecu: Ecu, body: DumpRequest) -> Manifest:
         body.first,
         body.last,
         ecu.model.text.en,
-        ecu.version_code,
-        ecu.passport().pieces,
+        *identity_of(ecu),
         verify=body.verify,
     )
 

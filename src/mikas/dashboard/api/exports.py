@@ -10,19 +10,17 @@ from __future__ import annotations
 import asyncio
 import shutil
 import tempfile
-from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack
 from pathlib import Path
 from typing import Annotated, Final, Literal
-from urllib.parse import quote
 
 from fastapi import APIRouter, Query
-from fastapi.responses import FileResponse, Response, StreamingResponse
+from fastapi.responses import FileResponse, Response
 from starlette.types import Receive, Scope, Send
 
 from mikas.dashboard.api.dependencies import Names, TheLibrary, TheRequester, split_names
+from mikas.dashboard.api.downloads import OpenFile
 from mikas.dashboard.api.errors import content, errors
-from mikas.dashboard.library.folder import RecordingFile
 from mikas.i18n import Language
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
@@ -36,7 +34,6 @@ _TYPES: Final = {
     "mlg": "application/octet-stream",
 }
 _CAPTURE: Final = "application/x-pcapng"
-_CHUNK: Final = 1 << 16
 _FILE: Final = content("application/octet-stream", "the file")
 
 
@@ -62,10 +59,7 @@ async def _delete(folder: Path) -> None:
 def file(library: TheLibrary, identity: str) -> Response:
     """Return the recording itself (.pcapng); of one in progress, the part written so far."""
     found = library.folder.one(identity)
-    if not library.is_growing(found):
-        return FileResponse(found.path, media_type=_CAPTURE, filename=found.id)
-    headers = {"Content-Length": str(found.bytes), "Content-Disposition": attachment(found.id)}
-    return StreamingResponse(_written_part(found), media_type=_CAPTURE, headers=headers)
+    return OpenFile(library.folder.open(found), found.id, _CAPTURE)
 
 
 @router.get("/{identity}/export", response_class=Response, responses=errors(404, 409, 504) | _FILE)
@@ -109,20 +103,3 @@ async def export(
             library.files.run(lambda: write(out), key=source.id, address=requester.address)
         )
         return _Temporary(out, resources.pop_all(), media_type=_TYPES[format], filename=out.name)
-
-
-def attachment(name: str) -> str:
-    """Return the header that makes a browser save the response as `name`."""
-    return f"attachment; filename*=UTF-8''{quote(name, safe='')}"
-
-
-async def _written_part(file: RecordingFile) -> AsyncIterator[bytes]:
-    """Yield as many bytes as the file had when it was found; it grows meanwhile."""
-    left = file.bytes
-    with await asyncio.to_thread(file.path.open, "rb") as opened:
-        while left:
-            data = await asyncio.to_thread(opened.read, min(left, _CHUNK))
-            if not data:
-                return
-            left -= len(data)
-            yield data

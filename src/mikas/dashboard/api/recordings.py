@@ -24,6 +24,7 @@ from mikas.dashboard.api.dependencies import (
     Words,
     split_names,
 )
+from mikas.dashboard.api.downloads import LeftOutFile, left_out
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
 from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
@@ -111,10 +112,13 @@ class RecordingDetail(RecordingInfo):
 
 
 class RecordingsResponse(BaseModel):
-    """The latest first. `problem`: why the folder is not writable, if so."""
+    """The latest first. `problem`: why the folder is not writable, if so. `left_out`: files of the
+    folder that are not listed, and why.
+    """
 
     recordings: list[RecordingInfo]
     problem: TwoTexts | None
+    left_out: list[LeftOutFile]
 
 
 class RowsResponse(LiveRows):
@@ -161,11 +165,13 @@ def note(dashboard: TheDashboard, _: Controller, body: NoteRequest) -> NoteRespo
 @router.get("/recordings", responses=errors(409, 504), response_model=RecordingsResponse)
 async def recordings(library: TheLibrary, requester: TheRequester) -> Response:
     """Return all recordings in the folder, the latest first."""
-    listed = await requester.awaits(library.all(requester.address))
+    listed, left = await requester.awaits(library.all(requester.address))
 
     def described() -> Response:
         found = [_info(library, file, summary) for file, summary in listed]
-        answer = RecordingsResponse(recordings=found, problem=_problem(library))
+        answer = RecordingsResponse(
+            recordings=found, problem=_problem(library), left_out=left_out(left)
+        )
         return Response(answer.model_dump_json(), media_type="application/json")
 
     return await asyncio.to_thread(described)

@@ -1,25 +1,44 @@
 """The folder of recordings: its files by name, and the names of new ones.
 
-An id is a file's name in the folder, and nothing else: no path, no link to elsewhere.
+An id is a file's name in the folder, and nothing else: no path, no link to elsewhere. Others may
+write to the folder: what is no regular file with a usable name is left out and said, and the number
+of files is bounded.
 """
 
 from __future__ import annotations
 
-import re
-import stat
+import os
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
-from typing import Final
+from typing import BinaryIO, Final, NamedTuple
 
+from mikas.cleaning import clean_line
 from mikas.dashboard.errors import NotFound
-from mikas.errors import CaptureError, reason_of
+from mikas.dashboard.library.names import file_stem, is_file_name
+from mikas.errors import CaptureError, UnfitFile, UsageError, reason_at, reason_of
+from mikas.files import check_regular, open_regular
+from mikas.i18n import Text
 
 SUFFIX: Final = ".pcapng"
-_UNFIT: Final = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]+')
-_RESERVED: Final = re.compile(r"(?i)(?:con|prn|aux|nul|com\d|lpt\d)(?:\.|$)")
-_MAX_NAME: Final = 100
 _MAX_SHOWN: Final = 60  # characters of an id that was not found
+_MOST_SEEN: Final = 100_000  # names of a folder that are looked at
+_MOST_LISTED: Final = 2000
+_MOST_SAID: Final = 20  # files left out, each with its reason
+
+_NAME: Final = Text(
+    "the name has characters that can't be shown or used, or is too long; rename the file",
+    "в имени есть знаки, которые нельзя показать, или оно слишком длинное; переименуйте файл",
+)
+_OLDER: Final = Text(
+    "older files that are not listed: {count}; move some to another folder",
+    "старых файлов, которых нет в списке: {count}; перенесите часть в другую папку",
+)
+_MORE: Final = Text(
+    "more files that can't be used here: {count}", "ещё файлов, которые здесь не годятся: {count}"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,32 +55,83 @@ class RecordingFile:
         return self.path.name
 
 
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """A file that is not listed, and why. `name`: to be shown only; empty: not of one file."""
+
+    name: str
+    problem: Text
+
+
+class Listing(NamedTuple):
+    """The files of a folder, the latest first."""
+
+    files: list[RecordingFile]
+    left_out: list[LeftOut]
+
+
+def files_in(folder: Path, suffix: str, most: int) -> Listing:
+    """Return the regular files with this suffix, at most `most`; none if there is no folder."""
+    found: list[RecordingFile] = []
+    left_out: list[LeftOut] = []
+    unfit = 0
+    for path in _paths(folder, suffix):
+        try:
+            if not is_file_name(path.name, suffix):
+                raise UnfitFile(0, _NAME)
+            found.append(_file_at(path))
+        except FileNotFoundError:
+            continue  # deleted meanwhile
+        except OSError as error:
+            unfit += 1
+            if unfit <= _MOST_SAID:
+                left_out.append(LeftOut(clean_line(path.name, 100), reason_of(error)))
+    found.sort(key=lambda it: (-it.stamp[0], it.id))
+    for text, count in ((_MORE, unfit - _MOST_SAID), (_OLDER, len(found) - most)):
+        if count > 0:
+            left_out.append(LeftOut("", text.filled(count=count)))
+    return Listing(found[:most], left_out)
+
+
+def _paths(folder: Path, suffix: str) -> Iterator[Path]:
+    """Yield the paths with this suffix; hidden files are somebody's own."""
+    try:
+        with os.scandir(folder) as entries:
+            for entry in islice(entries, _MOST_SEEN):
+                if entry.name.endswith(suffix) and not entry.name.startswith("."):
+                    yield folder / entry.name
+    except OSError:  # nothing was kept yet, or the drive is gone
+        return
+
+
 class RecordingFolder:
     """The recordings in `folder`, which need not exist. Any thread may call."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
-    def all(self) -> list[RecordingFile]:
-        """Return all recordings, the latest first."""
-        try:
-            paths = list(self.folder.iterdir())
-        except OSError:  # nothing was recorded yet, or the drive is gone
-            return []
-        found = [it for path in paths if _is_name(path.name) and (it := _file_at(path))]
-        return sorted(found, key=lambda it: (-it.stamp[0], it.id))
+    def all(self) -> Listing:
+        """Return the latest recordings, the latest first."""
+        return files_in(self.folder, SUFFIX, _MOST_LISTED)
 
     def one(self, identity: str) -> RecordingFile:
         """Return the recording of that id. Raises `NotFound`."""
-        if _is_name(identity) and (found := _file_at(self.folder / identity)):
-            return found
-        raise NotFound(name=identity[:_MAX_SHOWN])
+        if is_file_name(identity, SUFFIX):
+            try:
+                return _file_at(self.folder / identity)
+            except (OSError, ValueError):
+                pass
+        raise NotFound(name=clean_line(identity, _MAX_SHOWN))
+
+    def open(self, file: RecordingFile) -> BinaryIO:
+        """Open the file to read it. Raises `NotFound` if it is gone, `UsageError`."""
+        return opened(file.path, file.id)
 
     def new_path(self, name: str | None) -> Path:
         """Return the path of a new recording: of `name`, or of the date and time."""
-        stem = file_stem(name) or time.strftime("%Y-%m-%d %H-%M-%S")
+        stem = file_stem(name, SUFFIX) or time.strftime("%Y-%m-%d %H-%M-%S")
         path, number = self.folder / f"{stem}{SUFFIX}", 2
-        while path.exists():
+        while os.path.lexists(path):
             path, number = self.folder / f"{stem} ({number}){SUFFIX}", number + 1
         return path
 
@@ -73,23 +143,18 @@ class RecordingFolder:
             raise CaptureError(str(file.path), reason_of(error)) from error
 
 
-def file_stem(name: str | None) -> str:
-    """Return `name` as a file name without suffix; empty if no character of it fits."""
-    fit = _UNFIT.sub(" ", name or "").removesuffix(SUFFIX)
-    fit = fit.strip(" .")[:_MAX_NAME].strip(" .")
-    return f"{fit}-" if _RESERVED.match(fit) else fit
-
-
-def _is_name(name: str) -> bool:
-    return name.endswith(SUFFIX) and not name.startswith(".") and not _UNFIT.search(name)
-
-
-def _file_at(path: Path) -> RecordingFile | None:
-    """Return the file at `path`; None for links and anything else."""
+def opened(path: Path, identity: str) -> BinaryIO:
+    """Open a kept file to read it. Raises `NotFound` if it is gone, else `UsageError`."""
     try:
-        status = path.lstat()
-    except (OSError, ValueError):
-        return None
-    if not stat.S_ISREG(status.st_mode):
-        return None
+        return open_regular(path)
+    except FileNotFoundError:
+        raise NotFound(name=identity) from None
+    except OSError as error:
+        raise UsageError(problem=reason_at(path, error)) from error
+
+
+def _file_at(path: Path) -> RecordingFile:
+    """Return the file at `path`. Raises `OSError`, for links and anything else."""
+    status = path.lstat()
+    check_regular(status)
     return RecordingFile(path, status.st_size, (status.st_mtime_ns, status.st_size, status.st_ino))

@@ -20,7 +20,7 @@ from typing import Final, NamedTuple, TypeVar
 from mikas.catalog import Catalog
 from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import TookTooLong
-from mikas.dashboard.library.folder import RecordingFile, RecordingFolder
+from mikas.dashboard.library.folder import LeftOut, RecordingFile, RecordingFolder
 from mikas.dashboard.library.lanes import Lane, LaneLimits
 from mikas.i18n import Text
 from mikas.recording.recording import Recording
@@ -106,15 +106,15 @@ class RecordingService:
                 lambda: look(self.folder.one(identity)), key=identity, address=address
             )
 
-    async def all(self, address: str | None) -> list[Listed]:
-        """Return all recordings, the latest first; raises as `view`.
+    async def all(self, address: str | None) -> tuple[list[Listed], list[LeftOut]]:
+        """Return the recordings, the latest first, and the files left out; raises as `view`.
 
         A summary that takes too long has a `problem`; the next call continues with the others.
         """
         end = self._clock() + _LIST_TIME
         listed = []
         with self.views.place(address):
-            files = await self.views.run(self.folder.all, key="", address=address)
+            files, left_out = await self.views.run(self.folder.all, key="", address=address)
             for name in self._summaries.keys() - {file.id for file in files}:
                 del self._summaries[name]
             for file in files:
@@ -123,7 +123,7 @@ class RecordingService:
                     left = min(_SUMMARY_TIME, end - self._clock())
                     summary = await self._read_for_list(file, left, address)
                 listed.append(Listed(file, summary))
-        return listed
+        return listed, left_out
 
     def summary(self, file: RecordingFile) -> Summary:
         """Return the summary of `file`, made now or before; in a thread that views this file."""

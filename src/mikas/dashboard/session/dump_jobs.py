@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import os
 import re
 from collections import deque
 from collections.abc import Callable
@@ -23,6 +24,7 @@ from mikas.client import Ecu
 from mikas.client.memory.dumps import Dump, Manifest, manifest_path, read_manifest
 from mikas.dashboard.errors import Busy, InternalError, NotConnected, NotFound
 from mikas.dashboard.library.deletion import DUMP, Found, deletion
+from mikas.dashboard.library.folder import LeftOut, files_in
 from mikas.dashboard.security.confirmations import PendingChange
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.settings import ensure_folder
@@ -31,6 +33,8 @@ from mikas.i18n import Text
 
 _log = logging.getLogger("mikas.dashboard")
 
+SUFFIX = ".bin"
+_MOST_DUMPS = 200  # listed; the latest
 PIECE = 384  # bytes: 0.4 s on the line
 TURN = 0.2  # s for sampling between two pieces
 _RETRY = 1.0  # s until a lost line is tried again
@@ -111,15 +115,23 @@ class DumpJobs:
         self._connection, self._clock = connection, clock
         self.folder = folder
         self.jobs: dict[str, DumpJob] = {}
+        self.left_out: list[LeftOut] = []
 
     def find(self) -> None:
-        """Find the dumps of earlier runs."""
-        for file in sorted(self.folder.glob("*.bin")):
-            manifest = None
-            with suppress(MikasError):
+        """Find the dumps of earlier runs; a file that is none of them stops nothing."""
+        found = files_in(self.folder, SUFFIX, _MOST_DUMPS)
+        self.left_out = found.left_out
+        for kept in found.files:
+            file = kept.path
+            try:
                 manifest = read_manifest(file)
+            except MikasError as error:
+                at, why = manifest_path(file), error.reason
+                short = Text(why.en.removeprefix(f"{at}: "), why.ru.removeprefix(f"{at}: "))
+                self.left_out.append(LeftOut(at.name, short))
+                continue
             if manifest is not None and file.stem not in self.jobs:
-                manifest.set_bytes_read(file.stat().st_size)
+                manifest.set_bytes_read(kept.bytes)
                 job = DumpJob(file.stem, file, manifest, None)
                 if manifest.finished:
                     job.phase = "done"
@@ -156,9 +168,9 @@ class DumpJobs:
     def new_file(self, name: str) -> Path:
         """Return the file for a new dump: of `name`, with a number if that is taken."""
         stem, number = name, 2
-        while stem in self.jobs or (self.folder / f"{stem}.bin").exists():
+        while stem in self.jobs or os.path.lexists(self.folder / f"{stem}{SUFFIX}"):
             stem, number = f"{name}-{number}", number + 1
-        return self.folder / f"{stem}.bin"
+        return self.folder / f"{stem}{SUFFIX}"
 
     async def deletion(self, name: str) -> PendingChange:
         """Return the deletion of that dump, file and manifest. Raises `NotFound`, `Busy`."""

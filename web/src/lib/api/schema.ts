@@ -259,9 +259,10 @@ export interface components {
             done: number;
             total: number;
         };
-        /** @description The newest first. */
+        /** @description The newest first. `left_out`: files of the folder that are not listed, and why. */
         DumpsResponse: {
             dumps: components["schemas"]["DumpResponse"][];
+            left_out: components["schemas"]["LeftOutFile"][];
         };
         /** @description Erase the stored faults. */
         EraseFaultsRequest: {
@@ -350,6 +351,11 @@ export interface components {
         LampTexts: {
             on: components["schemas"]["TwoTexts"];
             off: components["schemas"]["TwoTexts"];
+        };
+        /** @description A file of the folder that is not listed, and why. `name` empty: several files. */
+        LeftOutFile: {
+            name: string;
+            problem: components["schemas"]["TwoTexts"];
         };
         /**
          * @description The severity of an alarm.
@@ -609,10 +615,14 @@ export interface components {
             id: string;
             bytes: number;
         };
-        /** @description The latest first. `problem`: why the folder is not writable, if so. */
+        /**
+         * @description The latest first. `problem`: why the folder is not writable, if so. `left_out`: files of the
+         *     folder that are not listed, and why.
+         */
         RecordingsResponse: {
             recordings: components["schemas"]["RecordingInfo"][];
             problem: components["schemas"]["TwoTexts"] | null;
+            left_out: components["schemas"]["LeftOutFile"][];
         };
         /** @description The unit answers the dropped parameter `name` again; it is sampled from now on. */
         ReturnedEvent: {

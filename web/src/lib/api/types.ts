@@ -38,6 +38,7 @@ export type MemoryRead = Schemas["MemoryResponse"];
 export type Space = MemoryRead["space"];
 export type Dump = Schemas["DumpResponse"];
 export type Dumps = Schemas["DumpsResponse"];
+export type LeftOutFile = Schemas["LeftOutFile"];
 export type Differences = Schemas["DifferencesResponse"];
 
 export type Change =

@@ -3,7 +3,7 @@ import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import { loadSetting, saveSetting } from "../../lib/platform/storage";
 import { ecuKey } from "../../lib/live/capabilities.svelte";
-import type { Dump, MemoryRead, Space } from "../../lib/api/types";
+import type { Dump, LeftOutFile, MemoryRead, Space } from "../../lib/api/types";
 import { bytesOf, readsFor, restored, type Cell } from "./cells/cells";
 import { Glow } from "./cells/glow";
 import { SPACES, addressText, fromHex, parseAddress, spaceOf, type Charset } from "./cells/hex";
@@ -82,6 +82,8 @@ class MemoryStore {
   bytes = $state.raw<ReadonlyMap<string, Uint8Array>>(new Map());
   readonly watched = new ApiRequest<true>();
   readonly dumps = new ApiRequest<Dump[]>();
+  /** Files in the folder of dumps that are none. */
+  leftOut = $state.raw<readonly LeftOutFile[]>([]);
   private unit = "";
 
   get view(): View {
@@ -140,7 +142,11 @@ class MemoryStore {
   }
 
   async refreshDumps(): Promise<void> {
-    await this.dumps.run(async () => (await api.dumps()).dumps);
+    await this.dumps.run(async () => {
+      const answer = await api.dumps();
+      this.leftOut = answer.left_out;
+      return answer.dumps;
+    });
   }
 
   /** Replace one dump in the list. */

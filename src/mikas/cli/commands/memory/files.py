@@ -20,10 +20,11 @@ from mikas.client.memory.dumps import (
     compare,
     differences,
     file_error,
+    read_dump,
     read_manifest,
 )
 from mikas.commands.base import Space, check_range
-from mikas.errors import usage_error
+from mikas.errors import UsageError, reason_at, usage_error
 from mikas.i18n import Text
 
 BLOCK = option(
@@ -157,7 +158,7 @@ def show_differences(context: CommandContext, found: Sequence[Difference], what:
 def verify(
     context: CommandContext, space: str, file: Path, first: int | None, block: int | None
 ) -> None:
-    data, manifest = file.read_bytes(), read_manifest(file)
+    data, manifest = _read(file), read_manifest(file)
     if not data:
         raise usage_error(f"{file}: the file is empty", f"{file}: файл пуст")
     if manifest and manifest.space != space:
@@ -184,8 +185,15 @@ def verify(
 @click.argument("b", metavar="FILE", type=existing_file)
 def diff(context: CommandContext, a: Path, b: Path) -> None:
     starts = [manifest.first if (manifest := read_manifest(file)) else 0 for file in (a, b)]
-    found = list(differences(a.read_bytes(), starts[0], b.read_bytes(), starts[1]))
+    found = list(differences(_read(a), starts[0], _read(b), starts[1]))
     _report(context, found, a.name, b.name)
+
+
+def _read(file: Path) -> bytes:
+    try:
+        return read_dump(file, follow=True)
+    except OSError as error:
+        raise UsageError(problem=reason_at(file, error)) from error
 
 
 def _report(context: CommandContext, found: Sequence[Difference], a: str, b: str) -> None:

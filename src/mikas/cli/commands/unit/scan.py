@@ -79,7 +79,7 @@ def scan(context: CommandContext, out: Path | None, *, overwrite: bool) -> None:
 
 def _check_writable(out: Path, *, overwrite: bool) -> None:
     """Raise `UsageError` now: after a scan of ten minutes would be late."""
-    if out.exists() and not overwrite:
+    if os.path.lexists(out) and not overwrite:
         raise usage_error(
             f"{out}: it exists already; choose another name, or --overwrite",
             f"{out}: такой файл уже есть; выберите другое имя или добавьте --overwrite",
@@ -214,7 +214,7 @@ def _write(
             ),
         ]
     try:
-        save(out, starter_catalog(data, catalog, heading, current_language()))
+        save(out, starter_catalog(data, catalog, heading, current_language()), follow=True)
     except OSError as error:
         raise UsageError(problem=reason_at(out, error)) from error
     new = sum(catalog.size_of(code) is None for code in data)
