@@ -8,9 +8,10 @@ from threading import Event
 
 import pytest
 
-from mikas.cancellation import check_cancelled
+from mikas.cancellation import Cancelled, check_cancelled
 from mikas.dashboard.errors import Busy, TookTooLong
 from mikas.dashboard.library.lanes import Lane, LaneLimits
+from mikas.dashboard.library.work_thread import WorkThread
 
 LIMITS = LaneLimits(slots=3, deadline=3600, places=4, per_address=2)
 PHONE, TABLET = "192.168.0.7", "192.168.0.8"
@@ -145,23 +146,54 @@ def test_the_end_of_the_program_ends_all_work():
 
 def test_work_that_ignores_its_end_keeps_its_slot_but_not_its_client(monkeypatch):
     monkeypatch.setattr("mikas.dashboard.library.lanes._PATIENCE", 0)
-    deaf, freed = Event(), Event()
-
-    def work():
-        deaf.wait(60)
-        freed.set()
+    deaf = Event()
 
     async def scenario():
         lane = Lane(LIMITS)
-        with pytest.raises(TookTooLong):
-            await lane.run(work, key="deaf", address=None, deadline=0)
-        again = asyncio.create_task(lane.run(freed.is_set, key="deaf", address=None))
+        with pytest.raises(TookTooLong):  # a step in C, which nothing ends
+            await lane.run(lambda: deaf.wait(60), key="deaf", address=None, deadline=0)
+        again = asyncio.create_task(lane.run(deaf.is_set, key="deaf", address=None))
         assert await lane.run(lambda: 1, key="other", address=None) == 1
         assert not again.done()
         deaf.set()
         assert await again  # only after the first has really ended
 
     asyncio.run(scenario())
+
+
+def test_a_loop_without_a_check_is_interrupted(monkeypatch):
+    monkeypatch.setattr("mikas.dashboard.library.lanes._PATIENCE", 0)
+    cleaned = []
+
+    def loop():
+        try:
+            while True:
+                pass
+        finally:
+            cleaned.append(1)
+
+    async def scenario():
+        lane = Lane(LIMITS)
+        for number in range(1, 8):  # more than there are slots
+            with pytest.raises(TookTooLong):
+                await lane.run(loop, key="a", address=None, deadline=0)
+            assert await lane.run(lambda: len(cleaned), key="a", address=None) == number
+
+    asyncio.run(scenario())
+
+
+def test_an_interrupt_reaches_the_work_or_nothing():
+    """It is sent at any moment; whatever it meets, the end is reported, once."""
+    for _ in range(300):
+        began, ended = Event(), []
+        thread = WorkThread("short", began.set, lambda *outcome, ended=ended: ended.append(outcome))
+        thread.start()
+        began.wait(60)
+        thread.interrupt()
+        thread.interrupt()
+        thread.join(60)
+        ((_, error),) = ended
+        assert error is None or isinstance(error, Cancelled)
 
 
 def test_an_error_of_the_work_is_raised_where_it_is_awaited():

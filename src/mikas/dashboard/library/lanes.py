@@ -4,22 +4,22 @@ A piece of work runs in a thread of its own. Of a lane's slots, one key (a file)
 network all but one. So neither a long or crafted file nor a viewer in the network takes up a lane.
 
 A piece is cancelled (`mikas.cancellation`) at its deadline, with the task that awaits it (its
-client has disconnected), and at the end of the program. Its slot is free when its thread has really
-ended. Threads are daemons: none can hold up the end of the program.
+client has disconnected), and at the end of the program; if it has not ended a second later, it is
+interrupted. Its slot is free when its thread has really ended.
 """
 
 from __future__ import annotations
 
 import asyncio
-import threading
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any, Final, TypeVar
 
-from mikas.cancellation import Cancellation, Cancelled
+from mikas.cancellation import Cancelled
 from mikas.dashboard.errors import Busy, TookTooLong
+from mikas.dashboard.library.work_thread import WorkThread
 from mikas.i18n import Text
 
 T = TypeVar("T")
@@ -54,7 +54,12 @@ class _Piece:
         self.key, self.address = key, address
         self.turn: asyncio.Future[None] = loop.create_future()
         self.done: asyncio.Future[Any] = loop.create_future()
-        self.cancellation = Cancellation()
+        self.thread: WorkThread | None = None
+
+    def cancel(self) -> None:
+        """Let the work end at its next check."""
+        if self.thread is not None:
+            self.thread.cancellation.request()
 
 
 class Lane:
@@ -122,9 +127,7 @@ class Lane:
         except Cancelled:
             raise Busy(problem=_CLOSING) from None
         finally:
-            piece.cancellation.request()
-            if not piece.done.done():  # the caller may delete the files that it works on
-                await asyncio.wait({piece.done}, timeout=_PATIENCE)
+            await self._end(piece)  # the caller may delete the files that it works on
 
     async def close(self) -> None:
         """Cancel all pieces, and give the running ones a moment to end."""
@@ -133,7 +136,7 @@ class Lane:
             if not piece.turn.done():
                 piece.turn.set_exception(Busy(problem=_CLOSING))
         for piece in self._running:
-            piece.cancellation.request()
+            piece.cancel()
         if self._running:
             await asyncio.wait({piece.done for piece in self._running}, timeout=_PATIENCE)
 
@@ -170,13 +173,20 @@ class Lane:
                 piece.done.exception()  # retrieved here, in case its client has disconnected
             self._leave(piece)
 
-        def run() -> None:
-            result, failure = None, None
-            try:
-                result = piece.cancellation.run(work)
-            except BaseException as error:  # any: it is raised where the piece is awaited
-                failure = error
+        def ended(result: object, error: BaseException | None) -> None:
             with suppress(RuntimeError):  # the loop is closed: the program ends
-                loop.call_soon_threadsafe(end, result, failure)
+                loop.call_soon_threadsafe(end, result, error)
 
-        threading.Thread(target=run, name=f"mikas {piece.key}", daemon=True).start()
+        piece.thread = WorkThread(f"mikas {piece.key}", work, ended)
+        piece.thread.start()
+
+    @staticmethod
+    async def _end(piece: _Piece) -> None:
+        if piece.done.done() or piece.thread is None:
+            return
+        piece.cancel()
+        try:
+            await asyncio.wait({piece.done}, timeout=_PATIENCE)
+        finally:
+            if not piece.done.done():
+                piece.thread.interrupt()
