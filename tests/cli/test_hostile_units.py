@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from hostile_rig import CONNECTED, MANNERS, URL, EndlessFrame, Flood, Manner, World, hostile
+from hostile_rig import CONNECTED, MANNERS, URL, Babble, EndlessFrame, Flood, Manner, World, hostile
 from mikas import commands as c
 from mikas.cli.commands import COMMANDS, LIST_COMMANDS, MEMORY_COMMANDS
 from mikas.commands.base import Write
@@ -145,6 +145,13 @@ def test_a_unit_that_turns_hostile_while_it_is_recorded(unit):
     for manner in MANNERS:
         with case(manner.__name__):
             check(*unit(CASES["log"].line, manner, since=1.0, interrupted=10.0), frozenset())
+
+
+def test_watch_names_a_babbling_line(unit):
+    """And not a silent unit; once."""
+    ran, _ = unit(CASES["watch"].line, Babble, since=1.0, interrupted=30.0)
+    assert ran.err.count("The line does not become idle: something keeps sending.") == 1
+    assert "silent" not in ran.err
 
 
 @pytest.mark.parametrize("language", ["en", "ru"])

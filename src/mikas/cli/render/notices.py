@@ -14,6 +14,7 @@ from mikas.errors import (
     AnotherAdapter,
     EngineStopped,
     LineFlooded,
+    LineNotQuiet,
     MikasError,
     NoConnection,
     SyncLost,
@@ -129,12 +130,7 @@ class Notices:
         since = max(self._gaps.open.began, self._well_since)
         if isinstance(event.error, EngineStopped) or event.time - since >= _LASTING:
             self._shown_state = LineState.SAMPLING
-            sentences = (
-                f"{localized(event.error.reason)}.",
-                localized(ADVICE.advice(event.error)),
-                _waits(),
-            )
-            yield " ".join(sentence for sentence in sentences if sentence)
+            yield _with_advice(event.error)
 
     def _planned(self, plan: Plan) -> Iterator[str]:
         self._plan = plan
@@ -158,7 +154,11 @@ class Notices:
         elif self._session.connected:
             if isinstance(event.error, AnotherAdapter | AdapterTaken | LineFlooded):
                 yield f"{localized(event.error.text)} {_waits()}"
-            elif event.state is not self._shown_state:  # a new reason alone is not shown
+            elif event.state is self._shown_state:
+                pass  # a new reason alone is not shown
+            elif isinstance(event.error, LineNotQuiet):  # the unit is not silent
+                yield _with_advice(event.error)
+            else:
                 yield waiting_sentence(event)
             self._shown_state = event.state
             if self._verbose and event.error is not None:
@@ -177,6 +177,12 @@ def waiting_sentence(event: StateChanged) -> str:
     state = capital(localized(event.text))
     state += "" if state.endswith("?") else "."
     return f"{state} {_waits()}"
+
+
+def _with_advice(error: MikasError) -> str:
+    """Return the reason, what to try, and that sampling resumes."""
+    sentences = (f"{localized(error.reason)}.", localized(ADVICE.advice(error)), _waits())
+    return " ".join(sentence for sentence in sentences if sentence)
 
 
 def _waits() -> str:
