@@ -15,11 +15,12 @@ from typing import BinaryIO
 from mikas.files import open_regular
 
 
-def save(path: Path, text: str, *, follow: bool = False) -> None:
+def save(path: Path, text: str, *, follow: bool = False, private: bool = False) -> None:
     """Replace the content of `path` by `text`, in UTF-8, all or nothing. Raises `OSError`.
 
     What is no file is replaced too: nothing is written through a link, or to a pipe. `follow`: the
-    user named it, so a pipe or a device is written to as it is.
+    user named it, so a pipe or a device is written to as it is. `private`: only its owner can read
+    the file, from its first byte on (POSIX).
     """
     if follow and path.exists() and not path.is_file():
         path.write_text(text, "utf-8")
@@ -27,7 +28,9 @@ def save(path: Path, text: str, *, follow: bool = False) -> None:
     new = path.with_name(f"{path.name}.new")
     new.unlink(missing_ok=True)  # of a killed program
     try:
-        with new.open("x", encoding="utf-8") as file:
+        if private:
+            new.touch(0o600, exist_ok=False)
+        with new.open("w" if private else "x", encoding="utf-8") as file:
             file.write(text)
             file.flush()
             os.fsync(file.fileno())

@@ -12,7 +12,6 @@ import hashlib
 import ipaddress
 import os
 import ssl
-import stat
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -21,7 +20,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from mikas.errors import UsageError, reason_of
+from mikas.files import read_regular
 from mikas.i18n import Text
+from mikas.saving import save
 
 if TYPE_CHECKING:
     from cryptography import x509
@@ -76,7 +77,8 @@ def own_certificate(file: Path, hosts: Sequence[str], now: datetime) -> Certific
     if kept is None or not _serves(kept, names, wanted, now):
         names = tuple(dict.fromkeys((*wanted, *names)))[:_MOST_NAMES]
         try:
-            _write_private(file, _made(names, now))
+            file.parent.mkdir(parents=True, exist_ok=True)
+            save(file, _made(names, now), private=True)
         except OSError as error:
             why = reason_of(error)
             raise UsageError(
@@ -119,7 +121,8 @@ def _loaded(file: Path, key: Path, *, is_own: bool) -> Certificate:
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     try:
         context.load_cert_chain(file, key, password=_no_password)
-        certificate = x509.load_pem_x509_certificate(_read(file)[0])
+        data = read_regular(file, _LARGEST, follow=True)
+        certificate = x509.load_pem_x509_certificate(data)
     except (OSError, ValueError) as error:  # of OpenSSL's, too
         why = _reason(error)
         raise UsageError(
@@ -162,24 +165,15 @@ def _kept(file: Path) -> _Kept | None:
     from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
     try:
-        data, status = _read(file)
+        data = read_regular(file, _LARGEST)
+        is_private = os.name == "nt" or not file.lstat().st_mode & 0o077
         certificate = x509.load_pem_x509_certificate(data)
         key = load_pem_private_key(data, None)
     except (OSError, ValueError, TypeError):
         return None
     if key.public_key() != certificate.public_key():
         return None
-    return _Kept(certificate, os.name == "nt" or not status.st_mode & 0o077)
-
-
-def _read(file: Path) -> tuple[bytes, os.stat_result]:
-    """Return the contents of a small regular file. Raises `OSError`, `ValueError`."""
-    opened = os.open(file, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
-    with os.fdopen(opened, "rb") as stream:
-        status = os.fstat(stream.fileno())
-        if not stat.S_ISREG(status.st_mode) or status.st_size > _LARGEST:
-            raise ValueError(f"{file} is no certificate")
-        return stream.read(_LARGEST), status
+    return _Kept(certificate, is_private)
 
 
 def _serves(kept: _Kept, names: Iterable[str], wanted: Iterable[str], now: datetime) -> bool:
@@ -211,7 +205,7 @@ def _names(certificate: x509.Certificate) -> tuple[str, ...]:
     return (*addresses, *names)
 
 
-def _made(names: Iterable[str], now: datetime) -> bytes:
+def _made(names: Iterable[str], now: datetime) -> str:
     """Return a new certificate and its key as PEM."""
     from cryptography import x509
     from cryptography.hazmat.primitives import hashes
@@ -237,7 +231,7 @@ def _made(names: Iterable[str], now: datetime) -> bytes:
         .sign(key, hashes.SHA256())
     )
     secret = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
-    return secret + certificate.public_bytes(Encoding.PEM)
+    return (secret + certificate.public_bytes(Encoding.PEM)).decode()
 
 
 def _general(name: str) -> x509.GeneralName:
@@ -246,17 +240,3 @@ def _general(name: str) -> x509.GeneralName:
     with suppress(ValueError):
         return x509.IPAddress(ipaddress.ip_address(name))
     return x509.DNSName(name)
-
-
-def _write_private(file: Path, data: bytes) -> None:
-    """Replace `file`, readable by its owner only from the first byte on."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(f"{file.name}.{os.getpid()}.part")
-    part.unlink(missing_ok=True)
-    try:
-        opened = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-        with os.fdopen(opened, "wb") as stream:
-            stream.write(data)
-        part.replace(file)
-    finally:
-        part.unlink(missing_ok=True)

@@ -193,7 +193,7 @@ def append_note(path: Path, note: Note) -> None:
             end = file.seek(0, os.SEEK_END)
             try:
                 write_all(file, pcapng.encode(block_of(note), order))
-            except OSError:
+            except BaseException:  # Ctrl-C, too
                 with suppress(OSError):
                     file.truncate(end)
                 raise
