@@ -52,8 +52,8 @@ CASES = {
     "info": Case("info"),
     "read": Case(f"read FREQ TWAT --capture {RECORDING}"),
     "scan": Case("scan", interrupted=30.0),
-    "watch": Case("watch FREQ", interrupted=4.0),
-    "log": Case(f"log -o {RECORDING} FREQ", interrupted=4.0),
+    "watch": Case("watch FREQ --rate 10", interrupted=4.0),
+    "log": Case(f"log -o {RECORDING} FREQ --rate 10", interrupted=4.0),
     "faults": Case("faults"),
     "faults erase": changing("faults erase", 0x62),
     "write": changing("write UOZ 1", 0x62),
@@ -179,7 +179,7 @@ def test_the_sampling_of_the_dashboard_goes_on_until_it_is_stopped(tmp_path):
         for since in (0.0, CONNECTED, 1.0):
             with (
                 case(manner.__name__, since),
-                hostile(manner, since=since, interrupted=20.0) as world,
+                hostile(manner, since=since, interrupted=12.0) as world,
             ):
                 path = tmp_path / f"{manner.__name__}{since}.pcapng"
                 recorder, events, ends = Recorder(), [], []
@@ -192,7 +192,7 @@ def test_the_sampling_of_the_dashboard_goes_on_until_it_is_stopped(tmp_path):
                 thread = SamplingThread(
                     PortSettings(URL),
                     Settings(tmp_path, state=tmp_path / "state"),
-                    PlanSettings({"FREQ": 1}),
+                    PlanSettings({"FREQ": 1}, rate=5.0),
                     sink=recorder,
                     confirm=lambda _: False,
                     on_event=take,
@@ -210,7 +210,7 @@ def test_the_sampling_of_the_dashboard_goes_on_until_it_is_stopped(tmp_path):
                 assert not ends  # neither by itself nor by an error
                 assert world.is_interrupted
                 assert world.calls_after_interrupt <= 20
-                assert world.time <= 22
+                assert world.time <= 14
                 assert world.brought <= world.most_bytes
                 failures = [e for e in events if isinstance(e, StateChanged | CycleFailed)]
                 assert len(failures) <= 60
