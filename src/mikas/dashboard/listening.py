@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import errno
+import ipaddress
 import socket
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 
 from mikas.errors import reason_of, usage_error
@@ -14,7 +16,29 @@ _TRIED = 20
 _SEND_BUFFER = 1 << 16  # bytes of a slow client that the system may queue
 
 
-def listen(port: int | None, *, lan: bool) -> socket.socket:
+class ListeningSocket(socket.socket):
+    """A listening socket. `accept_by`, if set, chooses the connections that may come in."""
+
+    accept_by: Callable[[ListeningSocket], tuple[socket.socket, object]] | None = None
+
+    def accept(self) -> tuple[socket.socket, object]:
+        """Accept a connection."""
+        return self.accept_any() if self.accept_by is None else self.accept_by(self)
+
+    def accept_any(self) -> tuple[socket.socket, object]:
+        """Accept the next connection."""
+        return super().accept()
+
+
+def is_loopback(address: str) -> bool:
+    """Return whether a connection from `address` comes from this computer."""
+    try:
+        return ipaddress.ip_address(address).is_loopback
+    except ValueError:
+        return False
+
+
+def listen(port: int | None, *, lan: bool) -> ListeningSocket:
     """Return a socket on `port`, or on the first free one from 8071 on. Raises `UsageError`."""
     wanted = range(FIRST_PORT, FIRST_PORT + _TRIED) if port is None else [port]
     failure: OSError | None = None
@@ -35,8 +59,8 @@ def listen(port: int | None, *, lan: bool) -> socket.socket:
     ) from failure
 
 
-def _bound(host: str, port: int) -> socket.socket:
-    own = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+def _bound(host: str, port: int) -> ListeningSocket:
+    own = ListeningSocket(socket.AF_INET, socket.SOCK_STREAM)
     try:
         if sys.platform != "win32":  # where the option would share the port with another program
             own.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -1,7 +1,8 @@
 """The HTTP server: uvicorn with the application's settings, and a clean shutdown.
 
-One worker, no access log; WebSockets are pinged to detect a computer that sleeps. The first Ctrl-C
-closes recordings and the port, the second ends the process at once.
+One worker, no access log; WebSockets are pinged to detect a computer that sleeps. `connections`
+bounds the connections and their times. The first Ctrl-C closes recordings and the port, the second
+ends the process at once.
 """
 
 from __future__ import annotations
@@ -14,17 +15,28 @@ import socket
 import ssl
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
+from h11 import Request
+from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.server import ServerState
 
+from mikas.dashboard.connections import Connection, Connections, Limits, Phase, is_exhausted
 from mikas.dashboard.entrance import Entrance
+from mikas.dashboard.listening import ListeningSocket
+
+_log = logging.getLogger("mikas.dashboard")
 
 _PING = 20.0
 _GRACE = 3
+_BACKLOG = 64  # connections that the system queues, and that are accepted at once
+_TICKS = 10  # of uvicorn's clock, a second
 _INTERRUPTED = 130  # as docs/cli.md has it
 _EXPECTED = (  # messages of uvicorn that report no error
     "ASGI callable returned without completing handshake.",  # a refused WebSocket
@@ -55,8 +67,43 @@ def _is_error(record: logging.LogRecord) -> bool:
     return record.msg not in _EXPECTED and not isinstance(error, asyncio.CancelledError)
 
 
+class _State(ServerState):
+    """What all protocols of a server share."""
+
+    def __init__(self, guard: Connections) -> None:
+        super().__init__()
+        self.guard = guard
+
+
+class _Protocol(H11Protocol):
+    """HTTP on one connection, which reports what it waits for."""
+
+    server_state: _State
+    _connection: Connection
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        self._connection = self.server_state.guard.of(transport)
+
+    def handle_events(self) -> None:
+        super().handle_events()
+        if self.cycle is not None and not self.cycle.response_complete:
+            self._enter(Phase.BODY if self.cycle.more_body else Phase.NOTHING)
+
+    def on_response_complete(self) -> None:
+        self._enter(Phase.REQUEST)
+        super().on_response_complete()
+
+    def handle_websocket_upgrade(self, event: Request) -> None:
+        self._enter(Phase.NOTHING)
+        super().handle_websocket_upgrade(event)
+
+    def _enter(self, phase: Phase) -> None:
+        self._connection.enter(phase, self.server_state.guard.clock())
+
+
 class Server(uvicorn.Server):
-    """uvicorn with the application's settings."""
+    """uvicorn with the application's settings. `clock`: seconds, for the times of connections."""
 
     def __init__(
         self,
@@ -64,6 +111,7 @@ class Server(uvicorn.Server):
         *,
         ready: Callable[[], None] = lambda: None,
         tls: ssl.SSLContext | None = None,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         log = logging.getLogger("uvicorn.error")
         log.setLevel(logging.ERROR)
@@ -74,6 +122,9 @@ class Server(uvicorn.Server):
                 log_config=None,
                 access_log=False,
                 lifespan="on",
+                loop="asyncio:SelectorEventLoop",  # elsewhere `ListeningSocket` is passed by
+                http=_Protocol,
+                backlog=_BACKLOG,
                 ws="websockets-sansio",
                 ws_max_size=1 << 16,
                 ws_ping_interval=_PING,
@@ -85,6 +136,8 @@ class Server(uvicorn.Server):
                 timeout_graceful_shutdown=_GRACE,
             )
         )
+        self.guard = Connections(Limits.of_this_process(), clock)
+        self.server_state = _State(self.guard)
         self._app, self._ready, self._tls = app, ready, tls
         self._entrances: list[Entrance] = []
         self._signal: int | None = None  # the first one received
@@ -131,6 +184,10 @@ class Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, and call `ready`."""
+        asyncio.get_running_loop().set_exception_handler(_report)
+        for own in sockets or []:
+            if isinstance(own, ListeningSocket):
+                own.accept_by = self.guard.accept
         tls = self._tls
         await super().startup(sockets if tls is None else [])
         if tls is not None:
@@ -146,3 +203,17 @@ class Server(uvicorn.Server):
         return create(
             config=self.config, server_state=self.server_state, app_state=self.lifespan.state
         )
+
+    async def on_tick(self, counter: int) -> bool:
+        """End the connections that have waited for too long, once a second."""
+        if counter % _TICKS == 0:
+            self.guard.sweep()
+        return await super().on_tick(counter)
+
+
+def _report(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    """Report an error of the event loop; in a line, if the system has no file left for a client."""
+    if is_exhausted(context.get("exception")):
+        _log.warning("no more connections: the system has no files left; trying again")
+    else:
+        loop.default_exception_handler(context)

@@ -21,7 +21,6 @@ virtual car that comes with mikas may be named.
 from __future__ import annotations
 
 import hmac
-import ipaddress
 import secrets
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -31,6 +30,7 @@ from starlette.requests import HTTPConnection
 from starlette.types import Scope
 
 from mikas.dashboard.errors import Forbidden, NotFromNetwork, TokenRequired
+from mikas.dashboard.listening import is_loopback
 from mikas.i18n import Text
 from mikas.link import Port
 from mikas.link.urls import parse
@@ -185,10 +185,7 @@ def _host(request: HTTPConnection) -> str:
 
 
 def _is_loopback(request: HTTPConnection) -> bool:
-    try:
-        return ipaddress.ip_address(request.client.host if request.client else "").is_loopback
-    except ValueError:
-        return False
+    return request.client is not None and is_loopback(request.client.host)
 
 
 def _is_shipped_car(url: str) -> bool:
