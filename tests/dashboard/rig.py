@@ -98,8 +98,9 @@ class Cars:
 
 
 class Rig:
-    def __init__(self, dashboard, access, client, cars):
+    def __init__(self, dashboard, access, client, cars, server):
         self.dashboard, self.access, self.client, self.cars = dashboard, access, client, cars
+        self.server = server
         self.port = access.port
 
     def get(self, path, status=200, headers=ME, **params):
@@ -195,7 +196,7 @@ def rig(
             url = f"http://127.0.0.1:{rules.port}"
             # Without TLS: to load the system's certificates takes as long as to start the server.
             with httpx.Client(base_url=url, timeout=60, verify=False) as client:
-                yield Rig(dashboard, rules, client, cars)
+                yield Rig(dashboard, rules, client, cars, server)
         finally:
             server.should_exit = True
             thread.join()

@@ -11,7 +11,7 @@ from websockets.exceptions import InvalidStatus
 from dashboard.rig import ME, rig
 from mikas.dashboard.errors import Forbidden, TokenRequired
 from mikas.dashboard.security.access import Access
-from mikas.dashboard.security.middleware import MAX_BODY
+from mikas.dashboard.security.middleware import MAX_BODY, MAX_LONG_BODY
 
 LAN = {"lan": True, "hosts": ("10.1.2.3", "garage"), "token": "a-token-of-the-test"}
 TOKEN = {"Authorization": f"Bearer {LAN['token']}"}
@@ -221,17 +221,25 @@ def test_every_answer_keeps_the_browser_in_its_place(shared_off):
         assert "server" not in headers
 
 
-def test_a_body_without_end_is_refused(shared_off):
-    large = b"x" * (MAX_BODY + 1)
-    answer = shared_off.client.post("/api/connect", content=large, headers=ME)
-    assert (answer.status_code, answer.json()["error"]["code"]) == (413, "TooLarge")
-
+@pytest.mark.parametrize(
+    ("method", "path", "most"),
+    [
+        ("POST", "/connect", MAX_BODY),
+        ("PUT", "/presets", MAX_LONG_BODY),
+        ("POST", "/dumps/x/compare", MAX_LONG_BODY),
+    ],
+)
+def test_a_body_without_end_is_refused(shared_off, method, path, most):
     def pieces():
-        for _ in range(MAX_BODY // 65536 + 1):
+        for _ in range(most // 65536 + 1):
             yield b"x" * 65536
 
-    answer = shared_off.client.post("/api/connect", content=pieces(), headers=ME)
-    assert (answer.status_code, answer.json()["error"]["code"]) == (413, "TooLarge")
+    for content in (b"x" * (most + 1), pieces()):
+        answer = shared_off.client.request(method, f"/api{path}", content=content, headers=ME)
+        assert (answer.status_code, answer.json()["error"]["code"]) == (413, "TooLarge")
+        assert f"{most // 1024} KiB" in answer.json()["error"]["en"]
+    answer = shared_off.client.request(method, f"/api{path}", content=b"x" * most, headers=ME)
+    assert answer.status_code in (400, 404, 405)
 
 
 def test_a_wrong_path_method_or_value_gets_an_error_of_the_usual_shape(shared_off):

@@ -219,28 +219,48 @@ def test_one_client_too_many_gets_try_later(shared_off, monkeypatch):
         live.until(lambda it: it.get("pong") == 1)
 
 
-class DeafSocket:
-    """Takes no message."""
+def test_viewers_from_the_network_leave_places_for_this_computer(tmp_path, monkeypatch):
+    monkeypatch.setattr(Broadcaster, "_run", lambda _: asyncio.sleep(0))
+
+    def come(broadcaster, address, count):
+        came = 0
+        for number in range(count):
+            if broadcaster.has_room(address):
+                client = Client(f"{address}-{number}", "", False)
+                broadcaster.join(Listener(client, "", address))
+                came += 1
+        return came
+
+    async def all_come():
+        it = Broadcaster(Dashboard(Settings(tmp_path, state=tmp_path)))
+        came = [come(it, address, 40) for address in ("10.0.0.1", "10.0.0.2", "10.0.0.3", "x")]
+        assert came == [8, 8, 8, 0]
+        one = next(iter(it.listeners))
+        again = Listener(one.client, one.page, one.address)
+        it.replace(again)
+        assert it.has_room(again.address)  # for the page that connects again
+        assert come(it, None, 40) == 9
+
+    asyncio.run(all_come())
+
+
+class BrokenSocket:
+    """Can't send a message."""
 
     def __init__(self):
         self.closed = None
 
     async def send_text(self, text):
-        await asyncio.Event().wait()
+        text.encode("utf-8-unknown")
 
     async def close(self, code):
         self.closed = code
 
 
-def test_who_takes_no_message_is_given_up(tmp_path, monkeypatch):
-    monkeypatch.setattr("mikas.dashboard.api.live._SEND_TIMEOUT", 0.0)
-    broadcaster, deaf = Broadcaster(Dashboard(Settings(tmp_path, state=tmp_path))), DeafSocket()
-
-    async def send():
-        waiting = listener("deaf")
-        waiting.offer("")
-        async with asyncio.timeout(60):
-            await _send(deaf, waiting, broadcaster)
-
-    asyncio.run(send())
-    assert deaf.closed == 1013
+def test_a_message_that_can_not_be_sent_ends_its_connection(tmp_path, caplog):
+    broadcaster = Broadcaster(Dashboard(Settings(tmp_path, state=tmp_path)))
+    broken, waiting = BrokenSocket(), listener("broken")
+    waiting.offer("")
+    asyncio.run(_send(broken, waiting, broadcaster))
+    assert broken.closed == 1011
+    assert "utf-8-unknown" in caplog.text

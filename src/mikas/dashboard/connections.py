@@ -112,10 +112,10 @@ class Connection:
 
     def is_late(self, now: float) -> bool:
         """Return whether the client has kept the server waiting for too long."""
-        unsent = self.unsent
-        if unsent != self._unsent:
-            self._unsent, self._moved = unsent, now
-        if unsent:
+        before, self._unsent = self._unsent, self.unsent
+        if not before or self._unsent < before:
+            self._moved = now
+        if self._unsent:
             self.since = now  # the client is still taking the last response
             return now - self._moved >= STALL_SECONDS
         return self.phase.value is not None and now - self.since >= self.phase.value

@@ -76,6 +76,13 @@ def client_of(request: HTTPConnection, identity: str | None, name: str | None) -
     return Client.of(identity, words, may_control=may_control, local=local)
 
 
+def address_of(request: HTTPConnection) -> str | None:
+    """Return the address of a client in the network; None: it is on this computer."""
+    if request.scope["state"]["local"]:
+        return None
+    return request.client.host if request.client else "unknown"
+
+
 def _dashboard(request: Request) -> Dashboard:
     dashboard: Dashboard = request.app.state.dashboard
     return dashboard
@@ -96,11 +103,7 @@ class Requester:
 
     def __init__(self, request: Request) -> None:
         self._request = request
-        client = request.client
-        self.address = (
-            None if request.scope["state"]["local"] else client.host if client else "unknown"
-        )
-        """Of a client in the network; None: it is on this computer."""
+        self.address = address_of(request)
 
     async def awaits(self, work: Coroutine[Any, Any, T]) -> T:
         """Return the result of `work`, which is cancelled when the client disconnects."""

@@ -2,7 +2,8 @@
 
 A message is sent at once if the one before is old enough. The text that all clients share is made
 once. Each client has a queue of half a second; a slow one loses whole messages, the oldest first,
-and the next message counts them. Sampling never waits for a client.
+and the next message counts them. Sampling never waits for a client. One that takes nothing at all
+is dropped by `mikas.dashboard.connections`.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from typing import Annotated, Any, Final
 from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
 from pydantic import TypeAdapter, ValidationError
 
-from mikas.dashboard.api.dependencies import client_of
+from mikas.cleaning import clean_json
+from mikas.dashboard.api.dependencies import address_of, client_of
 from mikas.dashboard.api.messages import FieldsMessage, PingMessage
 from mikas.dashboard.api.state import OwnState, own_state, shared_state
 from mikas.dashboard.dashboard import Dashboard
@@ -39,9 +41,10 @@ STATE_EVERY = 0.5  # s, if only numbers in it change
 QUEUE = 10
 _MAX_MESSAGE = 4096
 _MAX_CLIENTS = 32
+_KEPT_HERE = 8  # of these, for this computer
+_MAX_EACH = 8  # of one address in the network
 _MAX_PER_SECOND = 30
-_SEND_TIMEOUT = 30.0  # s that one message may take
-_POLICY_VIOLATION, _TRY_LATER = 1008, 1013
+_GOING_AWAY, _POLICY_VIOLATION, _INTERNAL_ERROR, _TRY_LATER = 1001, 1008, 1011, 1013
 
 Fields = frozenset[str] | None
 _REQUEST: Final = TypeAdapter[PingMessage | FieldsMessage](PingMessage | FieldsMessage)
@@ -58,11 +61,14 @@ class Listener:
     """One WebSocket: its columns (None: all), its queue, and the count of messages it lost.
 
     `page`: the same for the WebSockets that a page opens one after the other; empty: its only one.
+    `address`: of a client in the network; None: on this computer.
     """
 
-    def __init__(self, client: Client, page: str = "") -> None:
+    def __init__(self, client: Client, page: str = "", address: str | None = None) -> None:
         self.client = client
         self.page = page or secrets.token_hex(8)
+        self.address = address
+        self.replaced = False
         self.fields: Fields = None
         self.waiting: deque[str] = deque()
         self.wake = asyncio.Event()
@@ -103,7 +109,10 @@ def handle_request(listener: Listener, text: str | None) -> bool:
     except ValidationError:
         return False
     if isinstance(request, PingMessage):
-        listener.pong = dumps(request.ping)
+        try:
+            listener.pong = dumps(clean_json(request.ping))
+        except ValueError:  # a number of no use
+            return False
     else:
         listener.fields = None if request.fields is None else frozenset(request.fields)
     return True
@@ -118,6 +127,22 @@ class Broadcaster:
         self._task: asyncio.Task[None] | None = None
         self._state = (0, "")
         self._stated = 0.0
+
+    def replace(self, listener: Listener) -> None:
+        """End the WebSocket that the same page had before, which may be lost without a trace."""
+        for it in self.listeners:
+            if (it.client.id, it.page) == (listener.client.id, listener.page):
+                it.replaced = True
+                it.wake.set()
+
+    def has_room(self, address: str | None) -> bool:
+        """Return whether one more WebSocket of that address may come in."""
+        taken = [it.address for it in self.listeners if not it.replaced]
+        others = [it for it in taken if it is not None]
+        return len(taken) < _MAX_CLIENTS and (
+            address is None
+            or (len(others) < _MAX_CLIENTS - _KEPT_HERE and others.count(address) < _MAX_EACH)
+        )
 
     def join(self, listener: Listener) -> None:
         """Add a listener."""
@@ -214,12 +239,13 @@ async def live(
     """Send live data; docs/api.md describes the messages."""
     broadcaster: Broadcaster = socket.app.state.broadcaster
     try:
-        listener = Listener(client_of(socket, client, name), page)
+        listener = Listener(client_of(socket, client, name), page, address_of(socket))
     except ApiRefusal as error:
         await socket.send_denial_response(json_response(error))
         return
     await socket.accept()
-    if len(broadcaster.listeners) >= _MAX_CLIENTS:
+    broadcaster.replace(listener)
+    if not broadcaster.has_room(listener.address):
         await socket.close(_TRY_LATER)
         return
     broadcaster.join(listener)
@@ -238,15 +264,17 @@ async def _send(socket: WebSocket, listener: Listener, broadcaster: Broadcaster)
         while True:
             await listener.wake.wait()
             listener.wake.clear()
+            if listener.replaced:
+                await socket.close(_GOING_AWAY)
+                return
             while listener.waiting:
-                text = broadcaster.message(listener)
-                async with asyncio.timeout(_SEND_TIMEOUT):
-                    await socket.send_text(text)
+                await socket.send_text(broadcaster.message(listener))
                 await asyncio.sleep(SPACING)
-    except TimeoutError:
-        await socket.close(_TRY_LATER)
     except (WebSocketDisconnect, RuntimeError):
         return  # disconnected; `_receive` ends, too
+    except Exception as bug:  # any: else the page would wait for messages for ever
+        _log.error("a bug in a message of live data", exc_info=bug)
+        await socket.close(_INTERNAL_ERROR)
 
 
 async def _receive(socket: WebSocket, listener: Listener, monitor: ConnectionMonitor) -> None:

@@ -7,6 +7,7 @@ and streams pass unchanged.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from starlette.datastructures import MutableHeaders
@@ -18,7 +19,9 @@ from mikas.dashboard.errors import ApiRefusal, TokenRequired, TooLarge
 from mikas.dashboard.security.access import Access, is_encrypted
 from mikas.i18n import Text
 
-MAX_BODY = 1 << 20
+MAX_BODY = 1 << 16
+MAX_LONG_BODY = 1 << 20
+_LONG = re.compile(r"/api/(presets|dumps/[^/]+/compare)")
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; "
     "form-action 'self'; frame-ancestors 'none'"
@@ -34,7 +37,6 @@ _HEADERS = {
 _TRUSTED = {"Cross-Origin-Opener-Policy": "same-origin"}
 """Browsers accept this header over TLS, and from their own computer."""
 _YEAR = 365 * 24 * 3600
-_TOO_LARGE = Text(f"more than {MAX_BODY >> 20} MiB", f"больше {MAX_BODY >> 20} МиБ")
 
 
 class AccessMiddleware:
@@ -85,9 +87,13 @@ class AccessMiddleware:
         return response
 
     async def _limited(self, scope: Scope, receive: Receive, send: Send) -> None:
+        most = MAX_LONG_BODY if _LONG.fullmatch(scope["path"]) else MAX_BODY
+        too_large = TooLarge(
+            problem=Text(f"more than {most >> 10} KiB", f"больше {most >> 10} КиБ")
+        )
         length = dict(scope["headers"]).get(b"content-length", b"0")
-        if not length.isdigit() or int(length) > MAX_BODY:
-            await json_response(TooLarge(problem=_TOO_LARGE))(scope, receive, send)
+        if not length.isdigit() or int(length) > most:
+            await json_response(too_large)(scope, receive, send)
             return
         taken = 0
         started = False
@@ -96,8 +102,8 @@ class AccessMiddleware:
             nonlocal taken
             message = await receive()
             taken += len(message.get("body", b""))
-            if taken > MAX_BODY:
-                raise TooLarge(problem=_TOO_LARGE)
+            if taken > most:
+                raise too_large
             return message
 
         async def watched(message: Message) -> None:
