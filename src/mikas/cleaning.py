@@ -70,6 +70,11 @@ def terminal_text(text: str) -> str:
     return _UNSAFE.sub(lambda match: _escaped(match[0]), text)
 
 
+def terminal_json(text: str) -> str:
+    """Return a JSON text with the escapes of JSON, `\\u001b`, for the same: it stays JSON."""
+    return _UNSAFE.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
+
+
 def _escaped(character: str) -> str:
     code = ord(character)
     return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"

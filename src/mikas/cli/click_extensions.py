@@ -13,6 +13,7 @@ import click
 from mikas.cli.common_options import CommonOption, LocalizedOption, common_options
 from mikas.cli.language import localized, tr
 from mikas.cli.parameter_types import any_file
+from mikas.cli.render.terminal import write_error
 from mikas.i18n import Text
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -162,7 +163,7 @@ class LocalizedGroup(LocalizedCommand, click.Group):
         if not args and ctx.find_root().ensure_object(dict).get("json"):
             raise _command_missing(ctx)
         if not args:
-            click.echo(ctx.get_help(), err=True)
+            write_error(f"{ctx.get_help()}\n")
             ctx.exit(2)
         return super().parse_args(ctx, args)
 

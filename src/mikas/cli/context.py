@@ -19,6 +19,7 @@ from mikas.cli import config
 from mikas.cli.advice import ADVICE
 from mikas.cli.language import capital, localized, tr
 from mikas.cli.render.output import Output
+from mikas.cli.render.terminal import write_error
 from mikas.errors import MikasError, NotConfirmed, NotSupported
 from mikas.i18n import Text
 
@@ -196,11 +197,10 @@ def require_consent(what: Text, *, yes: bool) -> None:
 
 def _confirmed() -> bool:
     """Return whether the answer at the terminal is yes."""
-    sys.stderr.write(tr("Do it? [y/N] ", "Выполнить? [д/Н] "))
-    sys.stderr.flush()
+    write_error(tr("Do it? [y/N] ", "Выполнить? [д/Н] "))
     answer = sys.stdin.readline()
     if not answer.endswith("\n"):
-        sys.stderr.write("\n")  # Ctrl-D leaves the cursor after the question
+        write_error("\n")  # Ctrl-D leaves the cursor after the question
     return answer.strip().lower() in ("y", "yes", "д", "да")
 
 

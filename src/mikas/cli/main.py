@@ -6,13 +6,10 @@ Nothing heavy is imported here: `mikas --help` must appear at once.
 from __future__ import annotations
 
 import gc
-import io
 import itertools
-import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
-from pathlib import Path
 
 import click
 
@@ -22,6 +19,14 @@ from mikas.cli.commands import COMMANDS
 from mikas.cli.common_options import LocalizedOption, common_options
 from mikas.cli.failures import BUG, DONE, INTERRUPTED, failure_of
 from mikas.cli.language import detect_language, set_language
+from mikas.cli.render.terminal import (
+    discard_output,
+    escaping,
+    flush_out,
+    make_writable,
+    write_error,
+    write_out,
+)
 from mikas.i18n import Text
 
 _OBJECTS_BEFORE_COLLECTION = 50_000
@@ -32,7 +37,7 @@ def _version(ctx: click.Context, _: click.Parameter, value: bool) -> None:
     if value:
         import mikas
 
-        click.echo(f"mikas {mikas.__version__}")
+        write_out(f"mikas {mikas.__version__}\n")
         ctx.exit()
 
 
@@ -63,29 +68,24 @@ cli = LocalizedGroup(
 def main(argv: Sequence[str] | None = None) -> None:
     """Run the `mikas` command and end the process with the status of docs/cli.md."""
     gc.set_threshold(_OBJECTS_BEFORE_COLLECTION)
-    _make_writable()
-    sys.exit(run(sys.argv[1:] if argv is None else list(argv)))
-
-
-def _make_writable() -> None:
-    """Replace closed streams; replace characters that a stream can't encode."""
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            nowhere = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115  (open for good)
-            setattr(sys, name, nowhere)
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")
+    make_writable()
+    with escaping():
+        sys.exit(run(sys.argv[1:] if argv is None else list(argv)))
 
 
 def run(argv: list[str]) -> int:
     """Run one command line; return the exit status."""
+    with escaping():
+        return _run(argv)
+
+
+def _run(argv: list[str]) -> int:
     try:
         set_language(detect_language(argv, config.language))
         # `cli.main` would end the process when a pipe's reader is gone. click empties the list.
         with cli.make_context("mikas", [*argv]) as context:
             result = cli.invoke(context)
-        sys.stdout.flush()
+        flush_out()
         return result if isinstance(result, int) else DONE
     except click.exceptions.Exit as ended:
         return ended.exit_code
@@ -94,7 +94,7 @@ def run(argv: list[str]) -> int:
         return INTERRUPTED
     except BrokenPipeError:
         # The reader of stdout has closed it: no error, not at exit either.
-        _discard_output()
+        discard_output()
         return DONE
     except Exception as error:  # of mikas or click, or a bug
         return _failed(error, argv)
@@ -114,7 +114,7 @@ def _failed(error: Exception, argv: list[str]) -> int:
         if failure.status == BUG:
             import traceback
 
-            traceback.print_exception(error)
+            _print_error("".join(traceback.format_exception(error)).rstrip("\n"))
         elif cause := error.__cause__:
             _print_error(f"  ({type(error).__name__} ← {type(cause).__name__}: {cause})")
     return failure.status
@@ -122,16 +122,7 @@ def _failed(error: Exception, argv: list[str]) -> int:
 
 def _print_error(text: str) -> None:
     try:
-        sys.stdout.flush()
-        sys.stderr.write(f"{text}\n")
-        sys.stderr.flush()
+        flush_out()
+        write_error(f"{text}\n")
     except BrokenPipeError:
-        _discard_output()
-
-
-def _discard_output() -> None:
-    for stream in (sys.stdout, sys.stderr):
-        try:
-            stream.flush()
-        except BrokenPipeError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        discard_output()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from mikas.cli.click_extensions import command, grouped, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, requested_language, tr
 from mikas.cli.parameter_types import existing_file, whole
+from mikas.cli.render.terminal import error_drawing
 from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text
 
@@ -277,7 +277,7 @@ def _show_address(
     if access.lan_url and not context.output.json:
         import segno
 
-        segno.make(access.lan_url, error="m").terminal(sys.stderr, compact=True)
+        segno.make(access.lan_url, error="m").terminal(error_drawing(), compact=True)
     if options.lan:
         _note_encryption(context, access)
     if not options.no_browser:

@@ -1,6 +1,7 @@
 """Data to stdout, everything else to stderr; tables with rich on a terminal, plain otherwise.
 
-`--json`: one object, or one a line for endless commands, each with `"schema": 1`.
+`--json`: one object, or one a line for endless commands, each with `"schema": 1`. `terminal`
+writes, and escapes what could steer a terminal; JSON has the escapes of JSON for it.
 """
 
 from __future__ import annotations
@@ -13,12 +14,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from mikas.cleaning import terminal_json
+from mikas.cli.render import terminal
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
 SCHEMA = 1
-CLEAR_LINE = "\r\x1b[K"
 
 
 @dataclass(slots=True)
@@ -31,14 +34,14 @@ class Output:
     def data(self, value: Mapping[str, Any]) -> None:
         """Print one JSON object on a line of stdout, flushed for the reader of a pipe."""
         # Where the stream is not UTF-8, escapes as \\u00b0 are safe.
-        escaped = (sys.stdout.encoding or "").lower().replace("-", "") != "utf8"
+        escaped = not terminal.is_utf8_out()
         whole = {"schema": SCHEMA, **value}
-        self.line(json.dumps(whole, ensure_ascii=escaped, allow_nan=False, default=_plain))
+        text = json.dumps(whole, ensure_ascii=escaped, allow_nan=False, default=_plain)
+        self.line(terminal_json(text))
 
     def line(self, text: str = "") -> None:
         """Print one line on stdout."""
-        sys.stdout.write(text + "\n")
-        sys.stdout.flush()
+        terminal.write_out(f"{text}\n")
 
     def result(self, value: Mapping[str, Any], text: str) -> None:
         """Print `value` as JSON, or `text` for people."""
@@ -49,8 +52,7 @@ class Output:
 
     def note(self, text: str) -> None:
         """Print one line on stderr, for people."""
-        sys.stderr.write(text + "\n")
-        sys.stderr.flush()
+        terminal.write_error(f"{text}\n")
 
     def detail(self, *words: str) -> None:
         """Print a note that only `-v` shows."""
@@ -63,7 +65,7 @@ class Output:
             stdout_console().print(make_table(headers, rows, right))
         else:
             for row in [headers, *rows] if headers else rows:
-                self.line("\t".join(row))
+                self.line("\t".join(map(terminal.cell_text, row)))
 
 
 class StatusLine:
@@ -96,8 +98,7 @@ class StatusLine:
         from shutil import get_terminal_size
 
         if self._live:
-            sys.stderr.write(f"{CLEAR_LINE}{text[: get_terminal_size().columns - 1]}")
-            sys.stderr.flush()
+            terminal.redraw(terminal.cell_text(text)[: get_terminal_size().columns - 1])
 
 
 def make_table(headers: Sequence[str], rows: Sequence[Sequence[str]], right: str = "") -> Table:
@@ -111,9 +112,10 @@ def make_table(headers: Sequence[str], rows: Sequence[Sequence[str]], right: str
     )
     for index, header in enumerate(headers):  # a long word is folded: never cut
         side: Literal["left", "right"] = "right" if str(index) in right else "left"
-        table.add_column(header, justify=side, overflow="fold")
+        words = RichText(terminal.cell_text(header))
+        table.add_column(words, justify=side, overflow="fold")
     for row in rows:
-        table.add_row(*map(RichText, row))
+        table.add_row(*(RichText(terminal.cell_text(cell)) for cell in row))
     return table
 
 
@@ -121,14 +123,14 @@ def stdout_console() -> Console:
     """Return rich's console on stdout; it respects NO_COLOR and the width of the terminal."""
     from rich.console import Console
 
-    return Console(highlight=False)
+    return Console(file=terminal.out_drawing(), highlight=False)
 
 
 def stderr_console() -> Console:
     """Return rich's console on stderr, for progress."""
     from rich.console import Console
 
-    return Console(stderr=True, highlight=False)
+    return Console(file=terminal.error_drawing(), stderr=True, highlight=False)
 
 
 def _plain(value: object) -> object:
@@ -150,9 +152,9 @@ class StderrHandler(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Write one record; a broken stderr ends no command."""
         try:
-            clear = CLEAR_LINE if sys.stderr.isatty() else ""
-            sys.stderr.write(f"{clear}{self.format(record)}\n")
-            sys.stderr.flush()
+            if sys.stderr.isatty():
+                terminal.redraw("")
+            terminal.write_error(f"{self.format(record)}\n")
         except (OSError, ValueError):
             self.handleError(record)
 

@@ -9,6 +9,7 @@ from typing import Protocol
 
 from mikas.cli.language import tr
 from mikas.cli.render.output import stderr_console
+from mikas.cli.render.terminal import cell_text
 
 
 class Advance(Protocol):
@@ -41,16 +42,16 @@ def progress(what: str, total: int, already: int = 0, *, speed: bool = True) -> 
             return RichText(tr(f"{speed} bytes/s", f"{speed} байт/с"))
 
     with Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TextColumn("{task.completed:.0f}/{task.total:.0f}"),
         *([Speed()] if speed else []),
         TimeRemainingColumn(),
         console=stderr_console(),
     ) as bar:
-        task = bar.add_task(what, total=total, completed=already)
+        task = bar.add_task(cell_text(what), total=total, completed=already)
 
         def advance(count: int, text: str | None = None, /) -> None:
-            bar.update(task, advance=count, description=what if text is None else text)
+            bar.update(task, advance=count, description=cell_text(what if text is None else text))
 
         yield advance

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mikas.cli.language import tr
+from mikas.cli.render.terminal import cell_text
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -56,6 +57,10 @@ class _Column:
     right: bool = False
     min_length: int = 0  # keeps the table from jumping with every digit
     spare: bool = False  # left out if it would be empty
+
+    def words(self, row: Row) -> str:
+        """Return the cell's text, escaped, on one line."""
+        return cell_text(self.cell(row))
 
 
 def _columns() -> list[_Column]:
@@ -106,7 +111,7 @@ def draw(head: Head, rows: Sequence[Row], width: int, height: int) -> Renderable
 def _line(text: str, style: str) -> RenderableType:
     from rich.text import Text as RichText
 
-    return RichText(text, style=style, no_wrap=True, overflow="ellipsis")
+    return RichText(cell_text(text), style=style, no_wrap=True, overflow="ellipsis")
 
 
 def _tables(rows: Sequence[Row], width: int, room: int) -> int:
@@ -117,7 +122,7 @@ def _tables(rows: Sequence[Row], width: int, room: int) -> int:
 
 
 def _width(column: _Column, rows: Sequence[Row]) -> int:
-    longest = max((len(column.cell(row)) for row in rows), default=0)
+    longest = max((len(column.words(row)) for row in rows), default=0)
     return max(longest, len(column.title), column.min_length)
 
 
@@ -131,7 +136,7 @@ def _table(part: Sequence[Row], rows: Sequence[Row], width: int) -> Table:
     for index, column in enumerate(columns):
         wanted = _width(column, rows)
         needed = min(wanted, column.narrowest or wanted) + (_GAP if chosen else 0)
-        empty = column.spare and not any(column.cell(row) for row in rows)
+        empty = column.spare and not any(column.words(row) for row in rows)
         if index >= _NEEDED and (needed > free or empty):
             continue
         chosen[index] = needed - (_GAP if chosen else 0)
@@ -154,7 +159,7 @@ def _table(part: Sequence[Row], rows: Sequence[Row], width: int) -> Table:
     for row in part:
         table.add_row(
             *(
-                RichText(columns[i].cell(row), style=row.style if i == _VALUE else "")
+                RichText(columns[i].words(row), style=row.style if i == _VALUE else "")
                 for i in _ORDER
                 if i in chosen
             )
