@@ -107,10 +107,11 @@ def test_the_certificate_of_the_user(file, tmp_path):
     )
     (tmp_path / "text").write_text("no certificate")
     for certificate, key, why in (
-        (file, other, "mismatch"),
+        (file, other, "another certificate"),
         (other, locked, "password"),
-        (tmp_path / "text", other, ""),
-        (tmp_path, other, ""),
+        (tmp_path / "text", other, "no certificate in PEM"),
+        (file, tmp_path / "text", "none in PEM"),
+        (tmp_path, other, "folder"),
     ):
         with pytest.raises(UsageError, match=f"can't be used: .*{why}") as failure:
             given_certificate(certificate, key)

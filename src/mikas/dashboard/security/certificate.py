@@ -115,15 +115,14 @@ def _require_library() -> None:
 
 
 def _loaded(file: Path, key: Path, *, is_own: bool) -> Certificate:
-    from cryptography import x509
     from cryptography.hazmat.primitives.serialization import Encoding
 
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     try:
-        context.load_cert_chain(file, key, password=_no_password)
-        data = read_regular(file, _LARGEST, follow=True)
-        certificate = x509.load_pem_x509_certificate(data)
-    except (OSError, ValueError) as error:  # of OpenSSL's, too
+        data, secret = (read_regular(each, _LARGEST, follow=True) for each in (file, key))
+        certificate = _pair(data, secret)
+        context.load_cert_chain(file, key, password="")
+    except (OSError, _Unfit) as error:  # of OpenSSL's, too
         why = _reason(error)
         raise UsageError(
             problem=Text(
@@ -141,39 +140,55 @@ def _loaded(file: Path, key: Path, *, is_own: bool) -> Certificate:
     return Certificate(context, digest.hex(":").upper(), _names(certificate), is_own)
 
 
-def _no_password() -> bytes:
-    """Refuse a key with a password: OpenSSL would ask for it at the terminal."""
-    raise ValueError(_PASSWORD.en)
+class _Unfit(Exception):
+    """These files are no certificate with its key."""
+
+    def __init__(self, why: Text) -> None:
+        super().__init__(why.en)
+        self.why = why
 
 
-def _reason(error: OSError | ValueError) -> Text:
+def _pair(data: bytes, secret: bytes) -> x509.Certificate:
+    """Return the certificate in `data`. Raises `_Unfit`, also if `secret` is not its key."""
+    from cryptography import x509
+    from cryptography.exceptions import UnsupportedAlgorithm
+    from cryptography.hazmat.primitives.serialization import load_pem_private_key
+
+    try:
+        certificate = x509.load_pem_x509_certificate(data)
+        public = certificate.public_key()
+    except (ValueError, UnsupportedAlgorithm) as error:
+        why = Text("the file holds no certificate in PEM", "в файле нет сертификата PEM")
+        raise _Unfit(why) from error
+    try:
+        key = load_pem_private_key(secret, None)
+    except TypeError as error:
+        raise _Unfit(Text("the key has a password", "ключ защищён паролем")) from error
+    except (ValueError, UnsupportedAlgorithm) as error:
+        why = Text("the file of the key holds none in PEM", "в файле ключа его нет (PEM)")
+        raise _Unfit(why) from error
+    if key.public_key() != public:
+        raise _Unfit(Text("the key is of another certificate", "ключ от другого сертификата"))
+    return certificate
+
+
+def _reason(error: OSError | _Unfit) -> Text:
+    if isinstance(error, _Unfit):
+        return error.why
     if isinstance(error, ssl.SSLError):
         words = (error.reason or str(error)).replace("_", " ").lower()
         return Text(words, words)
-    if isinstance(error, OSError):
-        return reason_of(error)
-    text = str(error)
-    return _PASSWORD if text == _PASSWORD.en else Text(text, text)
-
-
-_PASSWORD: Final = Text("the key has a password", "ключ защищён паролем")
+    return reason_of(error)
 
 
 def _kept(file: Path) -> _Kept | None:
     """Return the certificate in `file`; None if there is none with its key."""
-    from cryptography import x509
-    from cryptography.hazmat.primitives.serialization import load_pem_private_key
-
     try:
         data = read_regular(file, _LARGEST)
         is_private = os.name == "nt" or not file.lstat().st_mode & 0o077
-        certificate = x509.load_pem_x509_certificate(data)
-        key = load_pem_private_key(data, None)
-    except (OSError, ValueError, TypeError):
+        return _Kept(_pair(data, data), is_private)
+    except (OSError, _Unfit):
         return None
-    if key.public_key() != certificate.public_key():
-        return None
-    return _Kept(certificate, is_private)
 
 
 def _serves(kept: _Kept, names: Iterable[str], wanted: Iterable[str], now: datetime) -> bool:
