@@ -40,7 +40,9 @@ _DAMAGE = {
 _LONGER = 1.2  # times the link's granularity: more than the longest pause that is none on the wire
 _OVERHEAD = 2  # bytes of a response besides its body, at least: checksum and terminator
 _LONGEST = 1100  # bytes of the longest response, all of them stuffed
-_SLOWEST = 2  # times as long as these take; what still goes on then has no end, however it drips
+# What goes on longer than this has no end, however it drips: the time of the longest, by so much,
+_SLOWEST = 2
+_PAUSES = 5  # and so many of the longest pauses
 _AT_ONCE = 10  # responses in the time of a wire, after which it is one
 _NOTHING = Chunk(b"", 0.0)
 _CUT = Text("it ends in the middle", "он обрывается на середине")
@@ -165,7 +167,7 @@ class Line:
         decoder = self.decoder()
         received = bytearray()
         deadline = sent_at + self.timing.response_timeout
-        last = deadline + _SLOWEST * _LONGEST * self.link.byte_time
+        last = deadline + _SLOWEST * _LONGEST * self.link.byte_time + _PAUSES * self._pause()
         while True:
             chunk = self._next(deadline)
             if not chunk.data:

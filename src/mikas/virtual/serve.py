@@ -213,7 +213,8 @@ class TcpPort(ServedBus):
             self.drop_waiting()
 
     def feed(self, data: bytes) -> None:
-        if not self.waiting:  # a tester waits for the answer
+        idle = self._bus.next_event() == inf and self._bus.sending_until <= self._clock()
+        if idle or not self.waiting:  # a tester waits for the answer
             self._active = self._clock()
         super().feed(data)
 
