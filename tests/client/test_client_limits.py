@@ -5,11 +5,13 @@ that.
 from __future__ import annotations
 
 import json
+import os
+import sys
 
 import pytest
 from client_harness import bench, ecu_on
 
-from mikas.client import Limits
+from mikas.client import Limits, limits
 from mikas.client.limits import STARTING_LIST, LimitsStore, MethodTiming
 from mikas.errors import NoResponse, NotSupported
 from mikas.virtual.fault_injector import LineFault
@@ -168,6 +170,30 @@ class TestKeptForTheUnit:
         ecu = ecu_on(it, state=tmp_path)
         assert len(ecu.read()) == 23
         assert json.loads(kept.read_text("utf-8"))["max_list"] == 10  # learnt again
+
+    @pytest.mark.skipif(sys.platform == "win32", reason="names of pipes and devices")
+    def test_what_is_no_file_or_too_large_counts_as_nothing_learnt(self, tmp_path):
+        it = self.learnt(tmp_path)
+        (kept,) = tmp_path.glob("*.json")
+        (tmp_path / "zero.json").symlink_to("/dev/zero")
+        os.mkfifo(tmp_path / "pipe.json")
+        (tmp_path / "folder.json").mkdir()
+        with (tmp_path / "large.json").open("wb") as large:
+            large.truncate(1 << 40)
+        store = LimitsStore(tmp_path)
+        assert store.limits_any
+        kept.unlink()
+        assert not store.limits_any
+        os.mkfifo(kept)
+        assert len(ecu_on(it, state=tmp_path).read()) == 23
+        assert json.loads(kept.read_text("utf-8"))["max_list"] == 10  # the pipe was replaced
+
+    def test_of_a_thousand_units_none_is_looked_into(self, tmp_path, monkeypatch):
+        monkeypatch.setattr(limits, "_MOST_FILES", 3)
+        for number in range(4):
+            assert not LimitsStore(tmp_path).limits_any
+            (tmp_path / f"{number}.json").write_text("{}")
+        assert LimitsStore(tmp_path).limits_any  # so the passport is read
 
     def test_nonsense_numbers_are_brought_back_into_bounds(self, tmp_path):
         it = self.learnt(tmp_path)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import sys
+
 import pytest
 from client_harness import bench, ecu_on
 
@@ -169,3 +172,31 @@ def test_names_that_cannot_be_dropped_stop_the_64(lists, monkeypatch):
         with pytest.raises(UsageError, match="Permission denied"):
             ecu.set_list("THR")
         assert it.requests(0x64) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="names of pipes and devices")
+def test_what_lies_in_the_folder_of_lists_stops_no_list(lists, tmp_path):
+    it, secret = bench(), tmp_path / "secret"
+    secret.write_text("not yours")
+    set_by(it, lists, "TWAT")
+    (kept,) = lists.glob("*.json")
+    for text in (
+        "[" * 200_000,
+        "9" * 5000,
+        '{"names": 5}',
+        "[]",
+        '{"names": ' + "1" * 70_000 + "}",
+    ):
+        kept.write_text(text)
+        with pytest.raises(NoList):
+            read_by(it, lists)
+    kept.unlink()
+    os.mkfifo(kept)
+    (lists / "folder.json").mkdir()
+    (lists / "link.json").symlink_to(secret)
+    (lists / f"{kept.name}.new").symlink_to(secret)
+    with pytest.raises(NoList):
+        read_by(it, lists)
+    set_by(it, lists, "TWAT")
+    assert list(read_by(it, lists)) == ["TWAT"]
+    assert secret.read_text() == "not yours"

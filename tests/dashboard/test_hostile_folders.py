@@ -267,3 +267,19 @@ def test_a_folder_that_is_replaced_while_it_is_listed(tmp_path: Path, monkeypatc
 
     monkeypatch.setattr(library_folder, "_file_at", late)
     assert len(files_in(folder, ".bin", 10).files) < 5
+
+
+@posix
+def test_a_pipe_for_the_journal_or_the_presets_is_not_waited_for(tmp_path: Path) -> None:
+    state = tmp_path / "state"
+    state.mkdir()
+    os.mkfifo(state / "journal.jsonl")
+    os.mkfifo(state / "presets.json")
+    with rig(tmp_path, None) as it:
+        assert it.get("/journal") == {"entries": []}
+        assert it.get("/presets") == {"presets": []}
+        tile = {"kind": "gauge", "names": ["TWAT"], "span": 1}
+        preset = {"id": "a", "name": {"en": "a", "ru": "a"}, "tiles": [tile]}
+        assert it.put("/presets", {"presets": [preset]})["presets"][0]["id"] == "a"
+        (state / "presets.json").write_text(json.dumps([preset] * 101))
+        assert it.get("/presets") == {"presets": []}

@@ -12,6 +12,7 @@ from mikas.errors import CaptureError
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader
 from mikas.recording.capture.writer import CaptureWriter
+from mikas.recording.summary import summarise
 
 SENT = Direction.SENT
 
@@ -81,8 +82,19 @@ def test_a_device_without_room():
 def test_a_pipe_is_not_read():
     reading, writing = os.pipe()
     try:
-        with pytest.raises(CaptureError, match="not a pipe"):
+        with pytest.raises(CaptureError, match="this is a pipe"):
             CaptureReader(f"/dev/fd/{reading}")
     finally:
         os.close(reading)
         os.close(writing)
+
+
+def test_a_pipe_without_a_writer_is_not_waited_for(tmp_path):
+    """Nor one that takes the place of a recording between the look and the opening."""
+    pipe = tmp_path / "a.pcapng"
+    os.mkfifo(pipe)
+    with pytest.raises(CaptureError, match="this is a pipe"):
+        CaptureReader(pipe)
+    assert "канал" in summarise(pipe).problem.ru
+    with pytest.raises(CaptureError, match="exists"):
+        CaptureWriter(pipe, url="sim:", pipe=False)

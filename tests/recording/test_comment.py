@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import errno
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from mikas.errors import CaptureError
+from mikas.files import Mode, open_regular
 from mikas.link.base import Direction
 from mikas.recording import CaptureReader, CaptureWriter
 from mikas.recording.annotations.events import comment_note, comment_of, note_of
 from mikas.recording.annotations.fields import LONGEST_COMMENT
 from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture import writer
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Packet, Problem
 from mikas.recording.capture.writer import append_note
@@ -22,10 +26,10 @@ from mikas.sampling.events import TextNote
 @pytest.fixture
 def drive(tmp_path: Path) -> Path:
     path = tmp_path / "drive.pcapng"
-    with CaptureWriter(path, url="sim:") as writer:
-        writer.record(Direction.SENT, b"\x01\xff\x0d", 1.0)
-        writer.note(note_of(TextNote(2.0, "a word in between")))
-        writer.record(Direction.RECEIVED, b"\x0a\xf6\x0d", 3.0)
+    with CaptureWriter(path, url="sim:") as sink:
+        sink.record(Direction.SENT, b"\x01\xff\x0d", 1.0)
+        sink.note(note_of(TextNote(2.0, "a word in between")))
+        sink.record(Direction.RECEIVED, b"\x0a\xf6\x0d", 3.0)
     return path
 
 
@@ -70,7 +74,6 @@ def test_what_can_not_be_written_leaves_the_file_as_it_was(
     drive: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = drive.read_bytes()
-    opened = Path.open
 
     class FullDisk:
         def __init__(self, file) -> None:
@@ -92,11 +95,10 @@ def test_what_can_not_be_written_leaves_the_file_as_it_was(
         def __getattr__(self, name):
             return getattr(self._file, name)
 
-    def full(self, mode="r", **settings):
-        file = opened(self, mode, **settings)
-        return FullDisk(file) if "+" in mode else file
+    def full(path: Path, mode: Mode, **settings: Any) -> FullDisk:
+        return FullDisk(open_regular(path, mode, **settings))
 
-    monkeypatch.setattr(Path, "open", full)
+    monkeypatch.setattr(writer, "open_regular", full)
     with pytest.raises(CaptureError) as caught:
         append_note(drive, comment_note(1.0, "too much"))
     assert "диск" in caught.value.text.ru
@@ -109,3 +111,15 @@ def test_what_can_not_be_written_leaves_the_file_as_it_was(
     assert empty.read_bytes() == b""
     with pytest.raises(CaptureError):
         append_note(tmp_path / "none.pcapng", comment_note(1.0, "x"))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need a right there")
+def test_a_comment_is_not_written_through_a_link(drive: Path) -> None:
+    """A planted one; the folder's own list has none (`RecordingFolder`)."""
+    before, link = drive.read_bytes(), drive.with_name("link.pcapng")
+    for make in (link.symlink_to, link.hardlink_to):
+        make(drive)
+        with pytest.raises(CaptureError, match=r"is a link|second name"):
+            append_note(link, comment_note(10.0, "words"))
+        link.unlink()
+    assert drive.read_bytes() == before

@@ -18,18 +18,22 @@ from contextlib import suppress
 from copy import deepcopy
 from dataclasses import asdict, dataclass, field
 from hashlib import sha256
+from itertools import islice
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from mikas.commands import LARGEST_BLOCK
 from mikas.errors import LineError, NoConnection
+from mikas.files import read_json
 from mikas.saving import save
 from mikas.virtual import VIRTUAL_PASSPORT
 
 STARTING_LIST = 64  # far above the 21 codes of §4; a request of 66 bytes takes only 70 ms
 
 _ADAPTERS = 8  # latest kinds of adapter whose timings are kept for a unit
+_MOST_FILES = 1000  # looked into for `limits_any`
+_MOST_BYTES = 1 << 18  # of a file; a unit with timings of eight adapters has 4 KB
 # Errors of reading a file that holds no limits.
 _NO_LIMITS = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError)
 
@@ -91,14 +95,17 @@ class LimitsStore:
     def limits_any(self) -> bool:
         """Whether lists or parameters of any unit are limited."""
         with suppress(OSError):
-            return any(self._limits_lists(file) for file in self.folder.glob("*.json"))
+            files = list(islice(self.folder.glob("*.json"), _MOST_FILES + 1))
+            return len(files) > _MOST_FILES or any(map(self._limits_lists, files))
         return False
 
     def _limits_lists(self, file: Path) -> bool:
-        limits = _load(file)
-        if limits.max_list == STARTING_LIST and not limits.refused:
-            return False
-        return self.virtual_units or VIRTUAL_PASSPORT not in file.read_text("utf-8")
+        with suppress(OSError, *_NO_LIMITS):
+            stored = read_json(file, _MOST_BYTES)
+            limits = _limits_of(stored)
+            if limits.max_list < STARTING_LIST or limits.refused:
+                return self.virtual_units or VIRTUAL_PASSPORT not in stored["passports"]
+        return False
 
     def load(self, version_code: int, passports: tuple[str, ...]) -> Limits:
         """Load the limits of a unit; the starting values if its file is missing or invalid."""
@@ -142,20 +149,24 @@ def unit_file(folder: Path, version_code: int, passports: tuple[str, ...]) -> Pa
 
 def _load(file: Path) -> Limits:
     with suppress(OSError, *_NO_LIMITS):
-        stored = json.loads(file.read_text("utf-8"))
-        return Limits(
-            max_list=min(max(int(stored["max_list"]), 1), STARTING_LIST),
-            max_block={
-                str(space): min(max(int(count), 1), LARGEST_BLOCK)
-                for space, count in stored["max_block"].items()
-            },
-            refused=[int(code) for code in stored["refused"]],
-            methods={
-                str(adapter): {str(method): _timing(timing) for method, timing in each.items()}
-                for adapter, each in stored.get("methods", {}).items()
-            },
-        )
+        return _limits_of(read_json(file, _MOST_BYTES))
     return Limits()
+
+
+def _limits_of(stored: dict[str, Any]) -> Limits:
+    """Return the limits in the JSON of a file. Raises the errors of `_NO_LIMITS`."""
+    return Limits(
+        max_list=min(max(int(stored["max_list"]), 1), STARTING_LIST),
+        max_block={
+            str(space): min(max(int(count), 1), LARGEST_BLOCK)
+            for space, count in stored["max_block"].items()
+        },
+        refused=[code for each in stored["refused"] if 0 <= (code := int(each)) <= 0xFF],
+        methods={
+            str(adapter): {str(method): _timing(timing) for method, timing in each.items()}
+            for adapter, each in stored.get("methods", {}).items()
+        },
+    )
 
 
 class LimitsCache:

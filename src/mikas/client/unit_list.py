@@ -31,12 +31,14 @@ from mikas.errors import (
     WrongLength,
     reason_at,
 )
+from mikas.files import read_json
 from mikas.i18n import Text, counted
 from mikas.saving import save
 from mikas.tester import Tester
 
 Identity = tuple[int, tuple[str, ...]]  # version code and passports
 
+_MOST_BYTES = 1 << 16  # of a kept list
 _TOO_LONG = Text(
     "The list may be too long for this unit: name fewer parameters, or read without a list.",
     "Возможно, список для этого блока слишком длинен: назовите меньше параметров или читайте без "
@@ -77,7 +79,7 @@ class KeptLists:
             return ()
         file = self._file(self._folder)
         with suppress(OSError, ValueError, TypeError, LookupError):
-            names = json.loads(file.read_text("utf-8"))["names"] if file else ()
+            names = read_json(file, _MOST_BYTES)["names"] if file else ()
             return tuple(str(name) for name in names)
         return ()
 
@@ -99,7 +101,9 @@ class KeptLists:
                 raise UsageError(problem=reason_at(file, error)) from error
 
     def _files(self) -> list[Path]:
-        return list(self._folder.glob("*.json")) if self._folder else []
+        """Return what may be read as a list: a folder can't, and can't be deleted as a file."""
+        found = self._folder.glob("*.json") if self._folder else ()
+        return [file for file in found if file.is_symlink() or not file.is_dir()]
 
     def _file(self, folder: Path) -> Path | None:
         version_code, passports = self._identify()

@@ -99,8 +99,9 @@ class Recorder:
         url: str,
         baud: int = 9600,
         overwrite: bool = False,
+        pipe: bool = True,
     ) -> None:
-        """Record to `path` from here on; end a running recording first.
+        """Record to `path` from here on; end a running recording first. As `CaptureWriter`.
 
         In mid-session the request of a running stream or list was sent before: pass `ask_in_full`
         to `Acquisition.call` to send it again, so that this file can be read by itself.
@@ -110,7 +111,7 @@ class Recorder:
         """
         with self._lock:
             named = Path(path)
-            opened = self._create(named, named, url, baud, overwrite=overwrite)
+            opened = self._create(named, named, url, baud, overwrite=overwrite, pipe=pipe)
             self.stop()
             self._begin(opened)
 
@@ -212,9 +213,16 @@ class Recorder:
         return self._open if self._open is not None and self._open.failure is None else None
 
     def _create(
-        self, path: Path, named: Path, url: str, baud: int, *, overwrite: bool = False
+        self,
+        path: Path,
+        named: Path,
+        url: str,
+        baud: int,
+        *,
+        overwrite: bool = False,
+        pipe: bool = False,
     ) -> _Open:
-        writer = CaptureWriter(path, url=url, baud=baud, overwrite=overwrite)
+        writer = CaptureWriter(path, url=url, baud=baud, overwrite=overwrite, pipe=pipe)
         sink = Coalescer(writer, baud=baud) if self._joined else writer
         return _Open(path, named, url, baud, writer, sink, self._time)
 
@@ -286,6 +294,6 @@ def ask_in_full(ecu: Ecu) -> None:
 def _next(named: Path) -> Path:
     """Return NAME-2.pcapng, or with the first higher number that is free."""
     number = 2
-    while (path := named.with_name(f"{named.stem}-{number}{named.suffix}")).exists():
+    while os.path.lexists(path := named.with_name(f"{named.stem}-{number}{named.suffix}")):
         number += 1
     return path

@@ -18,6 +18,7 @@ from typing import BinaryIO, Final
 from mikas import commands as c
 from mikas.catalog import Catalog, shipped
 from mikas.errors import CaptureError, MikasError
+from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.link.base import Direction
 from mikas.recording.annotations.events import RecordedUnit, comment_of, events_of, unit_of
@@ -83,7 +84,7 @@ def summarise(path: str | os.PathLike[str], catalog: Catalog | None = None) -> S
     try:
         size = path.stat().st_size
         CaptureReader(path)  # raises, if it is no capture
-        with path.open("rb", buffering=0) as file:
+        with open_regular(path, follow=True, buffering=0) as file:
             return _summary(path, _Sections(file), catalog)
     except CaptureError as error:
         return Summary(path, size, problem=error.problem)

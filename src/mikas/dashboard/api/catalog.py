@@ -26,6 +26,7 @@ from mikas.dashboard.security.access import Access
 from mikas.dashboard.session.event_log import page_json
 from mikas.dashboard.session.history import json_columns
 from mikas.errors import UsageError, reason_at
+from mikas.files import read_regular
 from mikas.recording.table.decimation import decimated
 from mikas.saving import save
 
@@ -118,6 +119,7 @@ class Preset(BaseModel):
     tiles: list[Tile] = Field(max_length=200)
 
 
+_MOST_BYTES: Final = 1 << 24  # of the file; a request's body has 1 MiB
 _Presets: Final = TypeAdapter(list[Preset])
 
 
@@ -187,10 +189,10 @@ def catalog(dashboard: TheDashboard) -> CatalogResponse:
 def presets(dashboard: TheDashboard) -> PresetList:
     """Return the user's own presets; none if their file can't be read."""
     try:
-        stored = _Presets.validate_json(dashboard.settings.presets.read_bytes())
+        stored = read_regular(dashboard.settings.presets, _MOST_BYTES)
+        return PresetList(presets=_Presets.validate_json(stored))
     except (OSError, ValidationError):
-        stored = []
-    return PresetList(presets=stored)
+        return PresetList(presets=[])
 
 
 @router.put("/presets", responses=errors())

@@ -17,6 +17,7 @@ from mikas.dashboard.api.dependencies import Controller, TheDashboard
 from mikas.dashboard.api.errors import TwoTexts, errors
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.errors import NotConnected, hex_or_none
+from mikas.files import open_regular
 
 router = APIRouter(tags=["memory"])
 
@@ -104,10 +105,10 @@ def journal(dashboard: TheDashboard) -> JournalResponse:
     Lines of another form are left out: cut at the beginning of the tail, or edited by hand.
     """
     try:
-        with dashboard.settings.journal.open("rb") as file:
+        with open_regular(dashboard.settings.journal) as file:
             size = file.seek(0, os.SEEK_END)
             file.seek(max(0, size - _TAIL))
-            lines = file.read().decode("utf-8", "replace").splitlines()
+            lines = file.read(_TAIL).decode("utf-8", "replace").split("\n")
     except OSError:
         return JournalResponse(entries=[])
     entries: list[JournalEntry] = []

@@ -124,7 +124,7 @@ class SessionRecorder:
             self._log_end(status.path.name, status.failure)
 
     def _start(self, path: Path, thread: SamplingThread) -> None:
-        self.recorder.start(ensure_folder(path.parent) / path.name, url=thread.url)
+        self.recorder.start(ensure_folder(path.parent) / path.name, url=thread.url, pipe=False)
         self._reported = None
         readings = self._fault_history.readings
         if readings:  # from before this file

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
 from mikas.cleaning import clean_line
-from mikas.errors import CaptureError
+from mikas.errors import CaptureError, UnfitFile
 from mikas.errors import reason_of as system_reason_of
+from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.link.base import BITS_PER_BYTE, Direction
 from mikas.recording.capture import blocks as pcapng
@@ -96,7 +97,7 @@ class CaptureReader:
         self.path = Path(path)
         with self._opened() as file:
             if problem := _problem(file):
-                raise CaptureError(str(self.path), problem, None if problem is _NO_FILE else 0)
+                raise CaptureError(str(self.path), problem, 0)
 
     def __iter__(self) -> Iterator[Packet | Problem]:
         with self._opened() as file:
@@ -115,7 +116,7 @@ class CaptureReader:
     @contextmanager
     def _opened(self) -> Iterator[BinaryIO]:
         try:
-            with self.path.open("rb", buffering=0) as file:
+            with open_regular(self.path, follow=True, buffering=0) as file:
                 yield file
         except OSError as error:
             raise CaptureError(str(self.path), reason_of(error)) from error
@@ -247,8 +248,6 @@ def _shown(data: bytes) -> str:
 
 def _problem(file: BinaryIO) -> Text | None:
     """Return why the file is no capture; None if it is one."""
-    if not file.seekable():
-        return _NO_FILE
     head = file.read(12)
     if not head:
         return _EMPTY
@@ -282,11 +281,12 @@ def _foreign_link_type(file: BinaryIO) -> int | None:
 
 def reason_of(error: OSError) -> Text:
     """Return why a file could not be read or written, for a person."""
+    if isinstance(error, UnfitFile):
+        return error.text
     return _REASONS.get(error.errno or 0, system_reason_of(error))
 
 
 _EMPTY = Text("the file is empty", "файл пуст")
-_NO_FILE = Text("only a file can be read, not a pipe", "читать можно только файл, но не канал")
 _NOT_PCAPNG = Text(
     "this is not a recording of the line (a capture in pcapng); recordings are made on the Live "
     "screen (key R), by `mikas log -o FILE.pcapng` or by `--capture`",

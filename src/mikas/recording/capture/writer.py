@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final, Self
 
 from mikas.errors import CaptureError
 from mikas.errors import reason_of as system_reason_of
+from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note, block_of
@@ -37,7 +38,8 @@ class CaptureWriter:
     """Appends the bytes on the wire to `path`. Implements `mikas.link.base.Sink`.
 
     An existing file is refused, unless `overwrite` discards it. An existing named pipe is written
-    to: other programs can read along.
+    to: other programs can read along. `pipe` false: only a new file is, as the user did not name
+    it, and others may write to its folder.
 
     Every method that touches the file raises `CaptureError` if it can't be written: no room, no
     right, medium gone, file deleted meanwhile. The file stays valid: a half-written packet is
@@ -51,6 +53,7 @@ class CaptureWriter:
         url: str,
         baud: int = 9600,
         overwrite: bool = False,
+        pipe: bool = True,
     ) -> None:
         self.path = Path(path)
         self.deleted = False
@@ -63,7 +66,7 @@ class CaptureWriter:
         self._broken = False  # a half-written block could not be removed
         self._lock = threading.RLock()
         try:
-            self._file = self._open(overwrite=overwrite)
+            self._file = self._open(overwrite=overwrite, pipe=pipe)
             self._links = os.fstat(self._file.fileno()).st_nlink
         except OSError as error:
             raise CaptureError(str(self.path), _why_not_begun(error)) from error
@@ -137,9 +140,9 @@ class CaptureWriter:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _open(self, *, overwrite: bool) -> BinaryIO:
+    def _open(self, *, overwrite: bool, pipe: bool) -> BinaryIO:
         exists = self.path.exists() and not self.path.is_dir()
-        in_place = overwrite or (exists and not self.path.is_file())
+        in_place = overwrite or (pipe and exists and not self.path.is_file())
         file = self.path.open("wb" if in_place else "xb", buffering=0)
         self._made = not exists
         return file
@@ -188,7 +191,7 @@ def append_note(path: Path, note: Note) -> None:
     """
     CaptureReader(path)
     try:
-        with path.open("r+b", buffering=0) as file:
+        with open_regular(path, "r+b", buffering=0) as file:
             order = pcapng.byte_order(file.read(12)[8:]) or "<"
             end = file.seek(0, os.SEEK_END)
             try:

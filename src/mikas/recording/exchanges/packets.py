@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from mikas.cancellation import check_cancelled
 from mikas.errors import CaptureError
+from mikas.files import open_regular
 from mikas.link.base import Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.reader import (
@@ -210,7 +211,7 @@ def read(path: str | os.PathLike[str], window: int = WINDOW) -> Iterator[Packets
     """Yield packets and problems in the order of the file. Raise as `CaptureReader` does."""
     checked = CaptureReader(path)
     try:
-        with checked.path.open("rb", buffering=0) as file:
+        with open_regular(checked.path, follow=True, buffering=0) as file:
             yield from walk(file, window)
     except OSError as error:
         raise CaptureError(str(Path(path)), reason_of(error)) from error

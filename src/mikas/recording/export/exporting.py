@@ -155,6 +155,8 @@ def write_whole(out: Path, write: Callable[[Path], object], *, overwrite: bool) 
     part = out.with_name(out.name + ".part")
     try:
         try:
+            part.unlink(missing_ok=True)  # of a killed program
+            part.open("xb").close()  # the writers open it by name: it is no link to another file
             write(part)
             with part.open("rb+") as file:
                 os.fsync(file.fileno())
