@@ -255,6 +255,13 @@ def test_a_request_and_its_body_have_their_time(small):
     assert is_closed(slow)
 
 
+@pytest.mark.parametrize("more", [["X: a"] * 200, ["X: " + "a" * 9000]], ids=["many", "long"])
+def test_a_websocket_that_is_never_opened_keeps_no_place(small, more):
+    asked = ("GET /api/live?client=tester-0001 HTTP/1.1", f"Host: 127.0.0.1:{small.port}",
+             "Connection: Upgrade", "Upgrade: websocket")  # fmt: skip
+    assert is_closed(opened(small, *asked, *more, "", ""))
+
+
 def test_who_reads_nothing_of_a_response_gives_its_place_back(small):
     guard = small.server.guard
 

@@ -25,6 +25,7 @@ import uvicorn
 from fastapi import FastAPI
 from h11 import Request
 from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from uvicorn.server import ServerState
 
 from mikas.dashboard.connections import Connection, Connections, Limits, Phase, is_exhausted
@@ -97,6 +98,9 @@ class _Protocol(H11Protocol):
     def handle_websocket_upgrade(self, event: Request) -> None:
         self._enter(Phase.NOTHING)
         super().handle_websocket_upgrade(event)
+        upgraded = self.transport.get_protocol()
+        if isinstance(upgraded, WebSocketsSansIOProtocol) and not upgraded.handshake_initiated:
+            self.transport.close()  # it has more headers than websockets reads, and no answer
 
     def _enter(self, phase: Phase) -> None:
         self._connection.enter(phase, self.server_state.guard.clock())
