@@ -87,6 +87,7 @@ def test_an_empty_port_in_the_environment_is_none(mikas, monkeypatch):
         ("retries = -1", "whole number"),
         ("catalog = 'my.toml'", "list of files"),
         ("catalog = [1]", "list of files"),
+        (r'catalog = ["a\u0000b"]', "list of files"),
         ("[port]\na = 1", "port has to be"),
     ],
 )

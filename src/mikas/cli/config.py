@@ -101,7 +101,8 @@ def _expected(name: str, value: object) -> Text | None:
             if good
             else Text(f"a whole number, 0 to {MAX_RETRIES}", f"целое число от 0 до {MAX_RETRIES}")
         )
-    good = isinstance(value, list) and all(isinstance(item, str) and item for item in value)
+    good = isinstance(value, list) and all(isinstance(it, str) and it for it in value)
+    good = good and not any("\0" in it for it in value)  # no system has such a file
     return None if good else Text('a list of files, ["my.toml"]', 'список файлов: ["my.toml"]')
 
 
