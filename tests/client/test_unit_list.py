@@ -142,7 +142,10 @@ def test_another_unit_and_one_without_passports_have_none(lists):
     assert read_by(nameless, lists, "TWAT") == {"TWAT": DATA[0x1A]}
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"names": 5}', '{"names": []}'])
+DEEP = '{"names": ' + "[" * 9_999
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"names": 5}', '{"names": []}', DEEP])
 def test_an_invalid_file_is_none(lists, text):
     it = bench()
     set_by(it, lists, "TWAT")

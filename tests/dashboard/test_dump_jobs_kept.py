@@ -111,7 +111,8 @@ def test_the_progress_in_a_manifest_is_understood(tmp_path, stored, known):
 @pytest.mark.parametrize(
     "stored",
     [{"checked": "9"}, {"checked": -1}, {"checked": 65}, {"differences": -1},
-     {"differences": float("inf")}, {"space": "rom"}, {"space": []}, {"space": "ram", "last": 256}],
+     {"differences": float("inf")}, {"space": "rom"}, {"space": []}, {"space": "ram", "last": 256},
+     {"time": 1e300}, {"bytes_read": -1}, {"model": ["a"]}, {"version_code": 1 << 70}],
 )  # fmt: skip
 def test_what_is_no_manifest_is_no_dump_and_stops_nothing(tmp_path, stored):
     put(tmp_path, "a", **stored)

@@ -101,9 +101,12 @@ def _expected(name: str, value: object) -> Text | None:
             if good
             else Text(f"a whole number, 0 to {MAX_RETRIES}", f"целое число от 0 до {MAX_RETRIES}")
         )
-    good = isinstance(value, list) and all(isinstance(it, str) and it for it in value)
-    good = good and not any("\0" in it for it in value)  # no system has such a file
+    good = isinstance(value, list) and all(map(_is_path, value))
     return None if good else Text('a list of files, ["my.toml"]', 'список файлов: ["my.toml"]')
+
+
+def _is_path(value: object) -> bool:
+    return isinstance(value, str) and bool(value) and "\0" not in value
 
 
 def _parsed(file: Path) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import UnionType
 from typing import Any, BinaryIO
 
-from mikas.cleaning import clean_text
+from mikas.cleaning import clean_text, is_in_calendar
 from mikas.client.ecu import Ecu
 from mikas.client.memory import MemorySpace
 from mikas.commands.base import check_range
@@ -93,7 +93,7 @@ def read_manifest(file: Path) -> Manifest | None:
         manifest = Manifest(**{**stored, "version_code": version_code, "passport": passport})
         _check_kinds(manifest)
         check_range(manifest.space, manifest.first, manifest.size)
-        _check_second_pass(manifest)
+        _check_numbers(manifest)
     except OSError as error:
         raise UsageError(problem=reason_at(path, error)) from error
     except (ValueError, TypeError, KeyError) as error:
@@ -122,10 +122,12 @@ def _check_kinds(manifest: Manifest) -> None:
         raise TypeError("passport")
 
 
-def _check_second_pass(manifest: Manifest) -> None:
-    """Check the second pass's fields. Raises `ValueError`."""
+def _check_numbers(manifest: Manifest) -> None:
+    """Check the numbers of both passes. Raises `ValueError`."""
     found, checked = manifest.differences, manifest.checked
     if not 0 <= checked <= manifest.size or (found is not None and found < 0):
+        raise ValueError
+    if manifest.bytes_read < 0 or not is_in_calendar(abs(manifest.time)):
         raise ValueError
 
 
