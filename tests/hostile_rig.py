@@ -91,7 +91,9 @@ class World:
 
 
 class Manner:
-    """A manner of being hostile: by default, silence."""
+    """A manner of being hostile: by default, silence. `hangs_up`: the port fails at each use."""
+
+    hangs_up = False
 
     def __init__(self) -> None:
         self.random = Random(7)
@@ -225,9 +227,15 @@ class EndlessStream(Manner):
         return 1e-3, encode(bytes(27)) * 10
 
 
+class HangsUp(Manner):
+    """The port opens, and fails at once, as of a program that shares an adapter and has none."""
+
+    hangs_up = True
+
+
 MANNERS: tuple[type[Manner], ...] = (
     Silence, Garbage, Babble, OtherAnswers, Impossible, BadEcho, Slow, Refusal, Changeling, Flood,
-    EndlessFrame, EndlessStream,
+    EndlessFrame, EndlessStream, HangsUp,
 )  # fmt: skip
 
 
@@ -273,6 +281,11 @@ class HostileLink(VirtualLink):
             chunk = self._hostile(deadline)
         self.world.brought += len(chunk.data)
         return chunk
+
+    def _check(self) -> None:
+        if self.world.is_hostile and self.world.manner.hangs_up:
+            self.unplug()
+        super()._check()
 
     def _hostile(self, deadline: float) -> Chunk:
         now = self.now()

@@ -114,6 +114,7 @@ def check(ran, world: World, changes: frozenset[int]) -> None:
     once = [body for body in made if body[0] != LIST]
     assert len(once) == len(set(once)), made
     assert world.brought <= world.most_bytes
+    assert world.opened <= world.time + 2  # a port that fails is not opened without end
     if world.is_interrupted:
         assert world.calls_after_interrupt <= 200
         assert world.time - world.interrupted <= 10
@@ -212,6 +213,7 @@ def test_the_sampling_of_the_dashboard_goes_on_until_it_is_stopped(tmp_path):
                 assert world.calls_after_interrupt <= 20
                 assert world.time <= 14
                 assert world.brought <= world.most_bytes
+                assert world.opened <= world.time + 2
                 failures = [e for e in events if isinstance(e, StateChanged | CycleFailed)]
                 assert len(failures) <= 60
                 check_recording(path, world)
