@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
-from bench import cpu, dash, memory, reading, stalls, startup, wire
+from bench import cpu, crash, dash, memory, reading, stalls, startup, wire
 from bench.rows import Scope
 
 THEMES = {
@@ -26,6 +26,7 @@ THEMES = {
     "reading": reading,
     "startup": startup,
     "dash": dash,
+    "crash": crash,
 }
 DOCUMENT = Path(__file__).parent.parent / "docs" / "benchmarks.md"
 
