@@ -23,7 +23,7 @@ from typing import Final, TextIO
 from fuzz.recordings.cases import Cases
 from fuzz.recordings.limits import TooMuch, arm, bound_addresses, place
 from fuzz.recordings.minimizing import minimized
-from fuzz.recordings.readers import READERS, Reader, read, readers_of
+from fuzz.recordings.readers import Reader, read, readers_of, warm_up
 
 FINDINGS: Final = Path("build/fuzz/recordings/findings")
 _FRAME: Final = re.compile(r'File "([^"]*/mikas/[^"]*)", line (\d+) in (\w+)')
@@ -133,22 +133,15 @@ class Worker:
     """Reads case after case; says where it is, and what it has found."""
 
     def __init__(self, seed: int, path: Path, own: TextIO) -> None:
-        self._cases = Cases(seed)
-        self._path = path
+        self.cases = Cases(seed)
+        self.path = path
         self._own = own
         self._known: set[str] = set()
-
-    def warm_up(self) -> None:
-        """Import and cache everything, which is no reader's work."""
-        for name in ("sections", "noted"):
-            for reader in READERS:
-                self._path.write_bytes(self._cases.real[name])
-                reader.read(self._path)
 
     def read(self, number: int) -> None:
         """Let the readers of this case read it."""
         self._say(f"case {number}")
-        data = self._cases.case(number)
+        data = self.cases.case(number)
         for reader in readers_of(number):
             self._say(f"reader {reader.name}")
             name = self._finding(reader, data)
@@ -160,9 +153,9 @@ class Worker:
 
     def _finding(self, reader: Reader, data: bytes) -> str | None:
         """Return the finding's name; None: the reader has read the file as it should."""
-        self._path.write_bytes(data)
+        self.path.write_bytes(data)
         try:
-            read(reader, self._path)
+            read(reader, self.path)
         except TooMuch as error:
             return f"{reader.name}: {error.what} in {error.where}"
         except Exception as error:
@@ -177,12 +170,12 @@ class Worker:
         small = data
         if ": too many" not in name:  # less work is not the same finding
             small = minimized(data, lambda fewer: self._finding(reader, fewer) == name)
-        self._path.write_bytes(small)
+        self.path.write_bytes(small)
         try:
-            read(reader, self._path)
+            read(reader, self.path)
         except Exception:
             self._say(traceback.format_exc(limit=-6))
-        self._say(_kept(small, name, self._cases.seed, number))
+        self._say(_kept(small, name, self.cases.seed, number))
 
     def _say(self, line: str) -> None:
         print(line, file=self._own, flush=True)
@@ -194,7 +187,7 @@ def _work(seed: int, first: int, last: int) -> None:
     os.dup2(2, 1)
     with tempfile.TemporaryDirectory(prefix="mikas-fuzz-") as folder:
         worker = Worker(seed, Path(folder) / "it.pcapng", own)
-        worker.warm_up()
+        warm_up(worker.path, worker.cases)
         arm(sys.stderr)
         bound_addresses()
         for number in range(first, last):
