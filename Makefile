@@ -61,7 +61,7 @@ check: .venv/with-check web/node_modules/installed ## lint, format, types, impor
 	@$(venv_python) -m towncrier build --draft --version next >/dev/null
 	@$(npm) run check
 
-bench: .venv/with-test ## rates, times and memory against their targets, into docs/benchmarks.md: half an hour
+bench: .venv/with-test ## rates, times, memory, kills and full disks against their targets, into docs/benchmarks.md: an hour
 	@$(venv_python) -m bench
 
 # Exchanges and seed of the campaign; a hundred thousand take a minute or two: make soak EXCHANGES=100000 SEED=2

@@ -33,7 +33,7 @@ DOCUMENT = Path(__file__).parent.parent / "docs" / "benchmarks.md"
 _ABOUT = """\
 # Benchmarks
 
-Made by `make bench`, which takes about half an hour; not edited by hand. A figure is the
+Made by `make bench`, which takes about an hour; not edited by hand. A figure is the
 median of its runs, lowest and highest stand beside it. A target that was not reached says MISSED.
 The limits of the wire are those of [protocol.md](protocol.md), §5. Under each table stands where
 and when it was measured, and what else the machine was doing."""
