@@ -257,15 +257,15 @@ def test_a_folder_that_is_replaced_while_it_is_listed(tmp_path: Path, monkeypatc
     folder.mkdir()
     for number in range(5):
         (folder / f"{number}.bin").write_bytes(b"1")
-    look = library_folder._file_at
+    check = library_folder._check_name
 
-    def late(path: Path):
-        if path.name == "2.bin":
+    def late(name: str, suffix: str) -> None:
+        if folder.is_dir():
             folder.rename(tmp_path / "gone")
             folder.write_bytes(b"no folder any more")
-        return look(path)
+        check(name, suffix)
 
-    monkeypatch.setattr(library_folder, "_file_at", late)
+    monkeypatch.setattr(library_folder, "_check_name", late)
     assert len(files_in(folder, ".bin", 10).files) < 5
 
 

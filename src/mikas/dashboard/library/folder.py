@@ -7,9 +7,11 @@ of files is bounded.
 
 from __future__ import annotations
 
+import errno
 import os
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -72,34 +74,44 @@ class Listing(NamedTuple):
 
 def files_in(folder: Path, suffix: str, most: int) -> Listing:
     """Return the regular files with this suffix, at most `most`; none if there is no folder."""
-    found: list[RecordingFile] = []
     left_out: list[LeftOut] = []
+    found: list[tuple[int, str]] = []
     unfit = 0
-    for path in _paths(folder, suffix):
+    for entry in _entries(folder, suffix):
         try:
-            if not is_file_name(path.name, suffix):
-                raise UnfitFile(0, _NAME)
-            found.append(_file_at(path))
+            status = entry.stat(follow_symlinks=False)
+            check_regular(status)
+            _check_name(entry.name, suffix)
+            found.append((-status.st_mtime_ns, entry.name))
         except FileNotFoundError:
             continue  # deleted meanwhile
         except OSError as error:
             unfit += 1
             if unfit <= _MOST_SAID:
-                left_out.append(LeftOut(clean_line(path.name, 100), reason_of(error)))
-    found.sort(key=lambda it: (-it.stamp[0], it.id))
+                left_out.append(LeftOut(clean_line(entry.name, 100), reason_of(error)))
     for text, count in ((_MORE, unfit - _MOST_SAID), (_OLDER, len(found) - most)):
         if count > 0:
             left_out.append(LeftOut("", text.filled(count=count)))
-    return Listing(found[:most], left_out)
+    files = []
+    for _, name in sorted(found)[:most]:
+        with suppress(OSError):  # deleted meanwhile
+            files.append(_file_at(folder / name))  # on Windows an entry does not know all of it
+    return Listing(files, left_out)
 
 
-def _paths(folder: Path, suffix: str) -> Iterator[Path]:
-    """Yield the paths with this suffix; hidden files are somebody's own."""
+def _check_name(name: str, suffix: str) -> None:
+    """Raise `UnfitFile` for a name that is not used."""
+    if not is_file_name(name, suffix):
+        raise UnfitFile(errno.EINVAL, _NAME)
+
+
+def _entries(folder: Path, suffix: str) -> Iterator[os.DirEntry[str]]:
+    """Yield the entries with this suffix; hidden files are somebody's own."""
     try:
         with os.scandir(folder) as entries:
             for entry in islice(entries, _MOST_SEEN):
                 if entry.name.endswith(suffix) and not entry.name.startswith("."):
-                    yield folder / entry.name
+                    yield entry
     except OSError:  # nothing was kept yet, or the drive is gone
         return
 
