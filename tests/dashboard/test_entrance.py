@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import socket
 import ssl
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
 from hashlib import sha256
 
@@ -16,6 +16,7 @@ from websockets.sync.client import connect
 
 from dashboard.rig import ME, rig
 from mikas.dashboard import entrance
+from mikas.dashboard.connections import Limits
 from mikas.dashboard.security.certificate import own_certificate
 
 TOKEN = "a-token-of-the-test"
@@ -117,7 +118,7 @@ def test_what_does_not_shake_hands_is_closed_without_a_word(lan, certificate, mo
         assert b"HTTP" not in answer
         assert TOKEN.encode() not in answer
     with monkeypatch.context() as patch:
-        patch.setattr(entrance, "_HANDSHAKE", 0.01)
+        patch.setattr(entrance, "HEAD_SECONDS", 0.01)
         with raw(lan) as silent:
             assert end_of(silent) == b""
     with raw(lan) as short:
@@ -128,11 +129,11 @@ def test_what_does_not_shake_hands_is_closed_without_a_word(lan, certificate, mo
     assert caplog.records == []
 
 
-def test_half_open_connections_of_one_address_are_few(lan, monkeypatch):
-    monkeypatch.setattr(entrance, "_MOST_OF_ONE", 2)
-    with raw(lan) as first, raw(lan) as second, raw(lan) as third:
-        assert end_of(third) == b""
-        for waiting in (first, second):
-            waiting.setblocking(False)
-            with pytest.raises(BlockingIOError):
-                waiting.recv(1)
+def test_half_open_handshakes_make_room_for_the_next_one(certificate, tmp_path, monkeypatch):
+    monkeypatch.setattr(entrance, "PLAIN", "")
+    monkeypatch.setattr(Limits, "of_this_process", lambda: Limits(4))
+    made, trusting = certificate
+    with served(tmp_path, made) as it, ExitStack() as kept:
+        silent = [kept.enter_context(raw(it)) for _ in range(8)]
+        with raw(it) as plain, trusting.wrap_socket(plain, server_hostname="garage"):
+            assert end_of(silent[0]) == b""
