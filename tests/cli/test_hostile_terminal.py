@@ -113,6 +113,15 @@ def test_no_command_steers_the_terminal(here):
     assert hostile > len(LINES) / 2
 
 
+def test_a_name_of_two_lines_forges_no_line(here):
+    forged = "a\nEverything works.\n.pcapng"
+    shutil.copy(NAME, forged)
+    for line in (("decode", f"no{forged}"), ("export", forged, "-o", f"{forged}.csv")):
+        ran = here(*line)
+        assert "Everything works" in ran.err
+        assert len(ran.err.splitlines()) == 1
+
+
 def test_json_stays_json(here):
     for line in IN_JSON:
         ran = here(*line, "--json")

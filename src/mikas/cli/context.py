@@ -19,7 +19,7 @@ from mikas.cli import config
 from mikas.cli.advice import ADVICE
 from mikas.cli.language import capital, localized, tr
 from mikas.cli.render.output import Output
-from mikas.cli.render.terminal import write_error
+from mikas.cli.render.terminal import cell_text, write_error
 from mikas.errors import MikasError, NotConfirmed, NotSupported
 from mikas.i18n import Text
 
@@ -98,7 +98,7 @@ class CommandContext:
 
     def say(self, en: str, ru: str) -> None:
         """Print a sentence on stderr, in the current language."""
-        self.output.note(tr(en, ru))
+        self.output.note(cell_text(tr(en, ru)))
 
     def say_sent(self) -> None:
         """Print that a request without an expected response was sent."""

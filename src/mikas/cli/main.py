@@ -20,6 +20,7 @@ from mikas.cli.common_options import LocalizedOption, common_options
 from mikas.cli.failures import BUG, DONE, INTERRUPTED, failure_of
 from mikas.cli.language import detect_language, set_language
 from mikas.cli.render.terminal import (
+    cell_text,
     discard_output,
     escaping,
     flush_out,
@@ -109,7 +110,7 @@ def _failed(error: Exception, argv: list[str]) -> int:
         with suppress(BrokenPipeError):
             Output(json=True).data(failure.as_json())
     else:
-        _print_error(failure.text)
+        _print_error(cell_text(failure.text))  # a paragraph, whatever lines a file's name has
     if any(word in ("-v", "-vv", "--verbose") for word in argv):
         if failure.status == BUG:
             import traceback
