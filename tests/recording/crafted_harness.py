@@ -97,6 +97,41 @@ def far_lengths(n: int) -> bytes:
     return good() + b"\1" + b"".join(heads) + bytes(64)
 
 
+def distinct_requests(n: int) -> bytes:
+    """Each asks for other parameters, and the clock runs to and fro."""
+    codes = (b"\x61\x1a" + bytes([1 + number % 200, 1 + number // 200]) for number in range(n))
+    return good() + b"".join(
+        exchange(body, b"\1\2\3", 9.0 * (at % 2)) for at, body in enumerate(codes)
+    )
+
+
+def lists_set_anew(n: int) -> bytes:
+    bodies = (b"\x64\x1a" + bytes([1 + number % 200]) for number in range(n))
+    return good() + b"".join(exchange(body, b"\0") + exchange(b"\x63", b"\1\2") for body in bodies)
+
+
+def sessions(n: int) -> bytes:
+    return b"".join(SECTION + PORT + exchange(b"\x61\x1a", b"\x50", at) for at in range(n))
+
+
+def empty_packets(n: int) -> bytes:
+    """Within an unfinished frame, while the clock runs to and fro."""
+    begun = pcapng.encode(pcapng.EnhancedPacket(0, 0, b"\5", pcapng.INBOUND))
+    return good() + begun + b"".join(packet(b"", 9.0 * (at % 2), sent=False) for at in range(n))
+
+
+def responses_to_a_long_request(n: int) -> bytes:
+    flood = pcapng.EnhancedPacket(0, MICRO, encode(b"\x10") * n, pcapng.INBOUND)
+    return good() + packet(b"\x61" + b"\x1a" * 2000) + pcapng.encode(flood)
+
+
+EXCHANGES = (
+    distinct_requests,
+    lists_set_anew,
+    sessions,
+    empty_packets,
+    responses_to_a_long_request,
+)
 FILES = (
     fake_sections,
     fake_notes,

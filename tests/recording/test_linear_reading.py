@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from crafted_harness import FILES, CountingFile, calls
+from crafted_harness import EXCHANGES, FILES, CountingFile, calls
 
 import mikas
 from mikas.catalog import shipped
@@ -19,7 +19,7 @@ from mikas.recording.summary import summarise
 from mikas.replay import load
 from mikas.report.from_recording import find_in_recording
 
-COUNT = 40
+COUNT = 24
 
 
 def exhausted(items):
@@ -73,3 +73,13 @@ def test_each_byte_of_a_crafted_file_is_read_a_bounded_number_of_times(
         )
         assert taken <= 20 * path.stat().st_size, crafted.__name__
         assert called_twice <= 2.2 * called, crafted.__name__
+
+
+@pytest.mark.parametrize("reader", ["decode", "report", "replay"])
+def test_crafted_exchanges_cost_in_proportion_to_their_number(reader, tmp_path, monkeypatch):
+    for crafted in EXCHANGES:
+        files = [crafted(count) for count in (10, 20)]
+        (_, once), (_, twice) = (
+            work_of(READERS[reader], data, tmp_path / "a.pcapng", monkeypatch) for data in files
+        )
+        assert twice <= 2.2 * once, crafted.__name__

@@ -16,10 +16,11 @@ from typing import Any, Final
 from mikas import commands as c
 from mikas.catalog import Catalog
 from mikas.commands.base import ERROR
-from mikas.errors import MikasError
+from mikas.errors import MikasError, NotSupported, WrongLength
 from mikas.i18n import Language, Text
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import Packet, Problem, Source
+from mikas.recording.exchanges.layouts import READ_LIST
 from mikas.recording.exchanges.scalar import UNFINISHED, DecodedDamage, DecodedFrame, PortDecoder
 
 Describe = Callable[[bytes, bytes | None], Text | None]
@@ -157,6 +158,8 @@ class Describer:
         self._interpretation = interpretation
         self._list: tuple[c.Datum, ...] = ()
         self._started: bytes | None = None  # the stream requested last, without a response
+        self._latest: tuple[bytes, c.Command[Any] | None] = b"", None
+        self._unfit: dict[int, Text] = {}  # by the length of a response to the latest request
 
     def __call__(self, request: bytes, response: bytes | None) -> Text | None:
         """Return the meaning of `request`, or of `response` to it."""
@@ -167,14 +170,19 @@ class Describer:
         if response is None:
             self._started = request
             if isinstance(command, c.WriteList):
-                self._list = ()  # until its 00 comes, the list of the ECU is not known
+                self._set_list(())  # until its 00 comes, the list of the ECU is not known
             return self._described_request(command)
+        length = len(response) if response != ERROR else -1
+        if length in self._unfit:
+            return self._unfit[length]
         try:
             value = command.read(response)
         except MikasError as error:
+            if isinstance(error, (WrongLength, NotSupported)):
+                self._unfit[length] = error.reason
             return error.reason
         if isinstance(command, c.WriteList):
-            self._list = command.parameters
+            self._set_list(command.parameters)
         first = isinstance(command, c.ReadParameters) or started == request
         if isinstance(command, _REFUSABLE) and first and len(request) == 2 and response == ERROR:
             return _VALUE_OR_REFUSAL
@@ -192,7 +200,18 @@ class Describer:
         return Text(f"{command.TITLE.en}: {names}", f"{command.TITLE.ru}: {names}")
 
     def _command(self, request: bytes) -> c.Command[Any] | None:
-        if request == b"\x63":
+        """Return the command; once for all responses to one request, which may be a long list."""
+        if request != self._latest[0]:
+            self._latest = request, self._parsed(request)
+            self._unfit = {}
+        return self._latest[1]
+
+    def _set_list(self, data: tuple[c.Datum, ...]) -> None:
+        self._list = data
+        self._latest = b"", None
+
+    def _parsed(self, request: bytes) -> c.Command[Any] | None:
+        if request == READ_LIST:
             return c.ReadList(self._list) if self._list else None
         try:
             return c.parse(request, self._catalog.size_of)

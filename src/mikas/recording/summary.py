@@ -33,6 +33,7 @@ from mikas.sampling.events import Gap, TextNote
 
 _TAIL: Final = 1 << 14
 _COUNTED: Final = 1 << 22  # bytes; of a longer file pieces are counted
+_MOST_SECTIONS: Final = 100  # of a file whose responses are counted: each costs milliseconds
 _PIECE: Final = 1 << 17
 _PIECES: Final = 8
 _MOST_PACKETS: Final = 64  # after a request, in which its response must be
@@ -188,8 +189,7 @@ def _faults(sections: _Sections) -> tuple[int, ...] | None:
         if not exchange:
             continue
         found = ScalarMatcher(exchange[0].source).feed(exchange)
-        requests = {number for number, body in enumerate(found.bodies) if body == b"\x02"}
-        for _, _, body in found.responses.of(requests):
+        for _, _, body in found.answers((b"\x02",)):
             with suppress(MikasError):
                 return tuple(c.ReadFaults().read(body))
     return None
@@ -197,7 +197,7 @@ def _faults(sections: _Sections) -> tuple[int, ...] | None:
 
 def _samples(path: Path, sections: _Sections, catalog: Catalog) -> tuple[int | None, bool]:
     """Return the number of responses with data, and whether it was counted."""
-    if sections.index.size > _COUNTED:
+    if sections.index.size > _COUNTED or len(sections.index.sections) > _MOST_SECTIONS:
         return _estimated(sections), False
     from mikas.recording.table.reader import TableReader
 

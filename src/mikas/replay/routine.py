@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 _MIN_RUN: Final = 16  # exchanges
 _RETRY_AFTER: Final = 64  # rows after an attempt that found no run
+_LOOKED_AT: Final = 256  # rows at first; twice as many after each run without an end
 
 
 class Routine:
@@ -39,6 +40,7 @@ class Routine:
         self._usual: Mask = responses.requests == responses.after
         self._usual &= ~np.isin(responses.requests, np.asarray(exchanges.damaged))
         self._next_attempt = 0
+        self._looked_at = _LOOKED_AT
 
     def take(self, row: int) -> int:
         """Keep the routine exchanges from `row` on, but for the last one; return how many."""
@@ -46,7 +48,8 @@ class Routine:
         steady = request and request.answered and self._builder.outages.failing_since is None
         if row < self._next_attempt or not request or not steady:
             return 0
-        fits, series = self._fitting(row, request)
+        fits, series = self._fitting(slice(row, row + self._looked_at), request)
+        self._looked_at = 2 * self._looked_at if fits.all() else _LOOKED_AT
         count = (int(fits.argmin()) if not fits.all() else fits.size) - 1
         if count < _MIN_RUN:
             self._next_attempt = row + _RETRY_AFTER
@@ -62,25 +65,27 @@ class Routine:
         self._builder.data.frames += count
         return count
 
-    def _fitting(self, row: int, request: Request) -> tuple[Mask, dict[int, Series]]:
-        """Return which rows from `row` on are routine, and the series by the request's number."""
+    def _fitting(self, rows: slice, request: Request) -> tuple[Mask, dict[int, Series]]:
+        """Return which of these rows are routine, and the series by the request's number."""
         responses = self._responses
-        numbers, serials = responses.numbers[row:], responses.requests[row:]
+        numbers, serials = responses.numbers[rows], responses.requests[rows]
+        lengths, starts = responses.lengths[rows], responses.starts[rows]
         streamed = request.body[0] in STREAMS
         expected = request.serial + (0 if streamed else 1 + np.arange(serials.size))
-        fits: Mask = self._usual[row:] & (serials == expected)
-        sizes = np.full(len(self._exchanges.bodies) + 1, -1)  # of -1, too
+        fits: Mask = self._usual[rows] & (serials == expected)
         found: dict[int, Series] = {}
-        for number in np.unique(numbers[fits]).tolist():
+        different, at = np.unique(numbers, return_inverse=True)
+        sizes = np.full(different.size, -1)
+        for place, number in enumerate(different.tolist()):
             body = self._exchanges.bodies[number] if number >= 0 else b""
             if body and (body[0] in STREAMS) == streamed and (series := self._series_of(body)):
-                found[number], sizes[number] = series, series.layout.length
-        fits &= sizes[numbers] == responses.lengths[row:]
+                found[number], sizes[place] = series, series.layout.length
+        fits &= sizes[at] == lengths
         for number, series in found.items():
             for begin, size in self._port.resolver.followed(series.layout):
                 if size == 1:
                     mine = (fits & (numbers == number)).nonzero()[0]
-                    fits[mine] = responses.bodies[responses.starts[row:][mine] + begin] != 1
+                    fits[mine] = responses.bodies[starts[mine] + begin] != 1
         return fits, found
 
     def _series_of(self, body: bytes) -> Series | None:

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
@@ -25,7 +26,7 @@ from mikas.recording.annotations.events import (
 )
 from mikas.recording.capture.reader import CaptureReader, Problem, Source
 from mikas.recording.exchanges import read_exchanges
-from mikas.recording.table.channels import Rows
+from mikas.recording.table.channels import Rows, joined_rows
 from mikas.recording.table.derived import Deriver
 from mikas.recording.table.reader import TableReader
 from mikas.report.findings import Findings, find
@@ -88,6 +89,9 @@ def find_in_recording(
     return find(subject, measured)
 
 
+_PIECES: Final = 4096
+
+
 @dataclass(slots=True)
 class _Session:
     """One port in one session of the file."""
@@ -97,16 +101,37 @@ class _Session:
 
 
 def _sessions(table: TableReader, catalog: Catalog) -> dict[Source, _Session]:
+    """Return the ports of the last recording that has rows."""
     recorded = [channel.name for channel in table.channels]
     derived = [name for name in catalog.derived if _follows(name, recorded, catalog)]
     sessions: dict[Source, _Session] = {}
-    for source, rows in table.stretches():
+    for source, rows in _last_recording(table):
+        if any(other.recording != source.recording for other in sessions):
+            sessions.clear()
         if source not in sessions:
             measuring = MeasurementCollector(catalog, [*recorded, *derived])
             sessions[source] = _Session(measuring, Deriver(catalog, derived))
         made = sessions[source].deriver.columns(rows) if derived else {}
         sessions[source].measuring.add(Rows(rows.times, {**rows.values, **made}))
     return sessions
+
+
+def _last_recording(table: TableReader) -> Iterator[tuple[Source, Rows]]:
+    """Yield the rows of the last recording, at best many at a time.
+
+    Where a clock runs to and fro a stretch may be a single row. An earlier recording of many rows
+    is begun, but not one of the thousands that a file can have.
+    """
+    held: dict[Source, list[Rows]] = {}
+    for source, rows in table.stretches():
+        if any(other.recording != source.recording for other in held):
+            held.clear()
+        pieces = held.setdefault(source, [])
+        pieces.append(rows)
+        if len(pieces) >= _PIECES or len(rows.times) >= _PIECES:
+            yield source, joined_rows(held.pop(source))
+    for source, pieces in held.items():
+        yield source, joined_rows(pieces)
 
 
 def _follows(name: str, recorded: Iterable[str], catalog: Catalog) -> bool:
@@ -140,13 +165,12 @@ def fault_readings(path: Path) -> Mapping[Source, Sequence[FaultReading]]:
     heard: dict[Source, list[FaultReading]] = defaultdict(list)
     erased: set[Source] = set()  # since the last reading
     command, erasing = ReadFaults(), ERASE_FAULTS[-1].body()
+    wanted = frozenset((command.body(), erasing))
     for item in read_exchanges(path):
         if isinstance(item, Problem):
             continue
-        bodies = item.bodies
-        wanted = {n for n, body in enumerate(bodies) if body in (command.body(), erasing)}
-        for time, number, body in item.responses.of(wanted):
-            if bodies[number] == erasing:
+        for time, request, body in item.answers(wanted):
+            if request == erasing:
                 erased.add(item.source)
                 continue
             with suppress(MikasError):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
@@ -10,11 +12,13 @@ Bytes = NDArray[np.uint8]
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 Floats = NDArray[np.float64]
+_SMALL: Final = 4096
 
 
 def present(numbers: Index) -> list[int]:
-    """Return the small numbers, 0 and up, that occur: quicker than `np.unique`."""
-    found: list[int] = np.bincount(numbers).nonzero()[0].tolist()
+    """Return the numbers, 0 and up, that occur; of small ones quicker than `np.unique`."""
+    small = numbers.size and int(numbers.max()) < max(_SMALL, numbers.size)
+    found: list[int] = (np.bincount(numbers).nonzero()[0] if small else np.unique(numbers)).tolist()
     return found
 
 

@@ -6,7 +6,7 @@ leaves their values out. Responses are numbered through all stretches of a port.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -35,6 +35,7 @@ from mikas.recording.exchanges.refusals import (
 
 _ONE: Final = ERROR[0]
 _NOWHERE: Final = np.empty(0, np.int64)
+_Events = list[tuple[Index, Index]]  # rows and their kinds
 _DOUBTFUL: Final = 3  # beside the kinds of `refusals`
 
 
@@ -59,7 +60,9 @@ class ResponseClassifier:
 
     def __init__(self, layouts: Layouts) -> None:
         self._layouts = layouts
-        self._settings: list[tuple[int, bytes]] = []  # serial and body of the last 64
+        self._settings: list[tuple[int, int]] = []  # serial and body's number of the last 64
+        self._set_lists: set[int] = set()  # numbers of the bodies that are a 64
+        self._known = 0  # bodies
         self._list: Layout | None = None
 
     def groups(self, exchanges: ExchangeColumns) -> Iterator[ResponseGroup]:
@@ -74,7 +77,7 @@ class ResponseClassifier:
             if request == READ_LIST:
                 edges = [since for since, _ in lists] + [len(responses.numbers)]
                 for (_, layout), start, stop in zip(lists, edges, edges[1:], strict=False):
-                    listed = rows[(rows >= start) & (rows < stop)]
+                    listed = rows[slice(*rows.searchsorted([start, stop]))]
                     if layout and listed.size:
                         yield _group(number, layout, listed, responses)
             elif layout := self._layouts.of(request):
@@ -84,22 +87,26 @@ class ResponseClassifier:
         """Return the lists with the response from which each holds."""
         requests, responses, bodies = exchanges.requests, exchanges.responses, exchanges.bodies
         lists = [(0, self._list)]
-        sets_list = [n for n, body in enumerate(bodies) if body.startswith(WRITE_LIST)]
-        sent = np.isin(requests.numbers, sets_list).nonzero()[0]
-        new = zip((sent + requests.first).tolist(), requests.numbers[sent].tolist(), strict=True)
+        for new in range(self._known, len(bodies)):
+            if bodies[new].startswith(WRITE_LIST):
+                self._set_lists.add(new)
+        self._known = len(bodies)
+        numbers = requests.numbers
+        sets_list = self._set_lists.intersection(present(numbers[numbers >= 0]))
+        sent = np.isin(numbers, list(sets_list)).nonzero()[0]
         earlier, settings = len(self._settings), self._settings.copy()
-        settings += [(serial, bodies[number]) for serial, number in new]
-        for at, (serial, request) in enumerate(settings):
+        settings += zip((sent + requests.first).tolist(), numbers[sent].tolist(), strict=True)
+        for at, (serial, number) in enumerate(settings):
             start = int(responses.after.searchsorted(serial))
             until = settings[at + 1][0] if at + 1 < len(settings) else np.inf
             stop = int(responses.after.searchsorted(until))
             if at >= earlier:
                 lists.append((start, None))
-            number = bodies.index(request)
             done = (responses.numbers[start:stop] == number) & (responses.lengths[start:stop] == 1)
             done[done] = responses.bodies[responses.starts[start:stop][done]] == LIST_IS_SET
             lists += [
-                (start + row, self._layouts.of(request)) for row in done.nonzero()[0].tolist()
+                (start + row, self._layouts.of(bodies[number]))
+                for row in done.nonzero()[0].tolist()
             ]
         self._settings = settings[-1:]
         self._list = lists[-1][1]
@@ -148,8 +155,8 @@ class RefusalColumns:
             if doubtful.size < group.fitting.size:
                 found.update(code for code, _, _ in group.layout.places)
         self._remember(certain, responses)
-        for code in self._codes:
-            self._decide(code, *self._events(code, certain, lone.get(code), responses))
+        for code, events in self._events(certain, lone, responses).items():
+            self._decide(code, *_in_order(events))
         self._taken += len(responses.starts)
         return found
 
@@ -205,32 +212,36 @@ class RefusalColumns:
 
     def _events(
         self,
-        code: int,
         certain: list[ResponseGroup],
-        lone: ResponseGroup | None,
+        lone: Mapping[int, ResponseGroup],
         responses: ResponseColumns,
-    ) -> tuple[Index, Index]:
-        """Return the rows that concern a code, in order, and their kinds."""
-        rows: list[Index] = []
-        kinds: list[Index] = []
+    ) -> dict[int, _Events]:
+        """Return, by followed code, the rows that concern it, and their kinds."""
+        events: dict[int, _Events] = {}
         for group in certain:
-            place = group.layout.last_of(code)
-            if place is not None and group.fitting.size:
-                begin, size = place
-                values = responses.bodies[responses.starts[group.fitting] + begin]
-                rows.append(group.fitting)
-                kinds.append(np.where((values == _ONE) & (size == 1), DATUM, OTHER))
+            if group.fitting.size:
+                for code in self._codes.keys() & group.layout.last.keys():
+                    begin, size = group.layout.last[code]
+                    values = responses.bodies[responses.starts[group.fitting] + begin]
+                    kinds = np.where((values == _ONE) & (size == 1), DATUM, OTHER)
+                    events.setdefault(code, []).append((group.fitting, kinds))
             request = self._bodies[group.request]
-            if is_twice(request) and request[1] == code:
+            if is_twice(request):
                 short = group.rows[responses.lengths[group.rows] == 1]
-                rows.append(short[responses.bodies[responses.starts[short]] == _ONE])
-                kinds.append(np.full(rows[-1].size, REFUSAL))
-        if lone is not None:
-            rows.append(lone.fitting)
-            kinds.append(np.where(_is_one(lone, responses), _DOUBTFUL, OTHER))
-        found = np.concatenate([*rows, np.empty(0, np.int64)])
-        order: Index = found.argsort(kind="stable")
-        return found[order], np.concatenate([*kinds, np.empty(0, np.int64)])[order]
+                refused = short[responses.bodies[responses.starts[short]] == _ONE]
+                kinds = np.full(refused.size, REFUSAL)
+                events.setdefault(request[1], []).append((refused, kinds))
+        for code, group in lone.items():
+            kinds = np.where(_is_one(group, responses), _DOUBTFUL, OTHER)
+            events.setdefault(code, []).append((group.fitting, kinds))
+        return events
+
+
+def _in_order(events: _Events) -> tuple[Index, Index]:
+    """Return the rows of all events, rising, and their kinds."""
+    rows, kinds = (np.concatenate(column) for column in zip(*events, strict=True))
+    order = rows.argsort(kind="stable")
+    return rows[order], kinds[order]
 
 
 def _is_one(group: ResponseGroup, responses: ResponseColumns) -> Mask:

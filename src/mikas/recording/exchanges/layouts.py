@@ -7,8 +7,8 @@ unit may have either list.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 from mikas import commands as c
@@ -23,17 +23,22 @@ DATA: Final = (c.ReadParameters, c.StreamCyclic, c.StreamAtStroke)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Layout:
-    """A body of `length` bytes; `places`: (code, where its datum begins, its size), in order."""
+    """A body of `length` bytes; `places`: (code, where its datum begins, its size), in order.
+
+    `last`: by code, the place of its last datum.
+    """
 
     length: int
     places: tuple[tuple[int, int, int], ...]
+    last: Mapping[int, tuple[int, int]] = field(init=False)
+
+    def __post_init__(self) -> None:
+        last = {code: (begin, size) for code, begin, size in self.places}
+        object.__setattr__(self, "last", last)
 
     def last_of(self, code: int) -> tuple[int, int] | None:
         """Return where the code's last datum begins, and its size; None if it has none."""
-        for each, begin, size in reversed(self.places):
-            if each == code:
-                return begin, size
-        return None
+        return self.last.get(code)
 
 
 class Layouts:

@@ -80,12 +80,10 @@ class Responses(Generic[B_co, F_co, I_co]):
     lengths: I_co
     wire_lengths: I_co
 
-    def of(self, numbers: Collection[int]) -> Iterator[tuple[float, int, bytes]]:
-        """Yield (time, number, body) of the responses to these requests."""
-        for row, number in enumerate(self.numbers.tolist()):
-            if number in numbers:
-                start = self.starts[row]
-                yield self.times[row], number, bytes(self.bodies[start : start + self.lengths[row]])
+    def body(self, row: int) -> bytes:
+        """Return the body of one response."""
+        start = self.starts[row]
+        return bytes(self.bodies[start : start + self.lengths[row]])
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +106,12 @@ class ExchangesOf(Generic[B_co, F_co, I_co]):
     gaps: Sequence[tuple[float, float]]
     begin: float
     end: float
+
+    def answers(self, requests: Collection[bytes]) -> Iterator[tuple[float, bytes, bytes]]:
+        """Yield (time, request, response) of the responses to these requests, as bodies."""
+        for row, number in enumerate(self.responses.numbers.tolist()):
+            if number >= 0 and (request := self.bodies[number]) in requests:
+                yield self.responses.times[row], request, self.responses.body(row)
 
 
 Exchanges = ExchangesOf["bytes | NDArray[np.uint8]", Column[float], Column[int]]

@@ -115,6 +115,8 @@ class _Direction:
     def feed(self, packet: Packet) -> Iterator[tuple[Event, _Place]]:
         """Yield the events that the packet completes."""
         self.last_time = packet.time
+        if not packet.data:
+            return
         end = self._decoder.offset + len(packet.data)
         self._packets.append(_PacketEnd(end, packet.time, packet.offset))
         for event in self._decoder.feed(packet.data):

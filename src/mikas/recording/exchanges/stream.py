@@ -35,9 +35,9 @@ class PacketStream:
         completed = block.needed + (block.origin - before)
         by = numbers[ends.searchsorted(completed)] if len(block) else numbers[:0]
 
-        needed = self._ends > unfinished
-        self._ends = np.concatenate((self._ends[needed], before + ends))
-        self._times = np.concatenate((self._times[needed], times))
+        needed, brings = self._ends > unfinished, lengths > 0
+        self._ends = np.concatenate((self._ends[needed], before + ends[brings]))
+        self._times = np.concatenate((self._times[needed], times[brings]))
         return block, by
 
     def packet_times(self, block: FrameBlock, events: Index) -> Floats:

@@ -8,7 +8,7 @@ without values: otherwise a plot would join the samples on both sides.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Any, Final
@@ -54,6 +54,19 @@ class Rows:
 
     times: Floats
     values: Mapping[str, Floats]
+
+
+def joined_rows(pieces: Sequence[Rows]) -> Rows:
+    """Return the rows of all pieces, which have the same columns, in their order."""
+    import numpy as np
+
+    if len(pieces) == 1:
+        return pieces[0]
+    names = pieces[0].values
+    return Rows(
+        np.concatenate([rows.times for rows in pieces]),
+        {name: np.concatenate([rows.values[name] for rows in pieces]) for name in names},
+    )
 
 
 def calendar(time: float) -> datetime | None:

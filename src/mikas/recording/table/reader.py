@@ -15,6 +15,7 @@ import os
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator
 from itertools import pairwise
+from math import inf, nextafter
 from pathlib import Path
 from typing import Final
 
@@ -83,8 +84,9 @@ class TableReader:
                 waiting[source] = _PortRows(source, self.channels, self._definitions, size)
             first, refused = taken[source], self._refused[source]
             taken[source] += len(exchanges.responses.starts)
-            here = refused[slice(*refused.searchsorted([first, taken[source]]))] - first
-            counting = [it.only(it.fitting[~np.isin(it.fitting, here)]) for it in groups]
+            counts = np.ones(len(exchanges.responses.starts), np.bool_)
+            counts[refused[slice(*refused.searchsorted([first, taken[source]]))] - first] = False
+            counting = [it.only(it.fitting[counts[it.fitting]]) for it in groups]
             yield from waiting[source].add(exchanges.responses, counting)
         for rows in waiting.values():
             yield from rows.rest()
@@ -140,8 +142,9 @@ class _PortRows:
         """Take these responses; yield the rows that need not wait."""
         times, columns = self._table(responses, groups)
         back = (np.diff(times, prepend=self._last) < -_JITTER).nonzero()[0].tolist()
+        backs = {*back}
         for start, stop in pairwise([0, *back, times.size]):
-            if start in back:
+            if start in backs:
                 yield from self.rest()
             if start < stop:
                 part = slice(start, stop)
@@ -196,7 +199,7 @@ def _set_rising(times: Floats, last: float, byte_time: float) -> None:
     for begin in begins.tolist():
         row, before = begin, float(times[begin - 1]) if begin else last
         while row < times.size and times[row] <= before:
-            before += byte_time
+            before = max(before + byte_time, nextafter(before, inf))
             times[row] = before
             row += 1
 
@@ -229,6 +232,8 @@ def converted(
     names: Collection[str],
 ) -> Iterator[tuple[str, Floats]]:
     """Yield the values of the group's fitting rows, a parameter at a time."""
+    if not group.fitting.size:
+        return
     table = side_by_side(responses.bodies, responses.starts[group.fitting], group.layout.length)
     for code, begin, _ in group.layout.places:
         for name, conversion in definitions.conversions(code):
