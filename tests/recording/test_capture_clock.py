@@ -50,7 +50,7 @@ def test_a_clock_from_0_one_before_0_and_a_real_one_stay_and_may_jump_for_years(
 
 def test_a_time_without_a_date_or_far_from_the_others_is_refused():
     far = TODAY + 2 * LONGEST
-    assert accepted(TODAY, TODAY, NEAR_2_64, far, 0.0, TODAY, far, far) == [TODAY] * 3
+    assert accepted(TODAY, TODAY, NEAR_2_64, far, -LONGEST, TODAY, far, far) == [TODAY] * 3
     assert accepted(float("nan"), float("inf"), -1e18, 3, 4) == [3, 4]
     # A wrong first one, or a wrong second one: the third decides.
     assert accepted(far, 1, 2, far, 3) == [far, 2, 3]
@@ -104,7 +104,11 @@ def work_of(path, parts):
     return calls(lambda: everything(path, path.with_suffix(".x")))
 
 
-def test_ten_years_cost_no_more_than_a_month(tmp_path):
+def test_a_clock_that_is_set_from_1970_to_today_loses_nothing():
+    assert accepted(3, 4, TODAY, TODAY + 1, 5) == [3, 4, TODAY, TODAY + 1, 5]
+
+
+def test_a_lifetime_costs_no_more_than_a_month(tmp_path):
     path = tmp_path / "a.pcapng"
     work_of(path, drive(2, TODAY, 0.2))  # imports, the catalog
     month, years = (work_of(path, drive(12, TODAY, step)) for step in (2e5, YEARS / 12))

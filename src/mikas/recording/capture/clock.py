@@ -1,9 +1,9 @@
 """The times that the packets of one port can have in a recording.
 
 A stamp is 64 bits of the file: damaged, or made by somebody, it is any time at all. A time without
-a date, or years from the other packets, is refused where it is read, so nothing after the reader
-meets a span that no recording has. A clock that was set, and a laptop that slept, are usual: jumps
-within `LONGEST` stay.
+a date, or lifetimes from the other packets, is refused where it is read, so nothing after the
+reader meets a span that no recording has. A clock that was set, and a laptop that slept, are usual:
+jumps within `LONGEST` stay.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import Final, NamedTuple
 
 from mikas.cleaning import LATEST
 
-# Seconds: ten years. One recording is a session of hours, perhaps with a laptop that slept for
-# weeks; even the recordings of one car that another program has merged into one fit.
-LONGEST: Final = 10 * 365.25 * 86400
+# Seconds: a hundred years. A computer whose clock has no battery begins in 1970 and is set to today
+# in the middle of a recording: all of its packets stay.
+LONGEST: Final = 100 * 365.25 * 86400
 
 
 class RecordingClock(NamedTuple):
