@@ -32,6 +32,12 @@ _SECTION_BYTES: Final = struct.pack("<I", pcapng.SECTION)
 _OURS: Final[pcapng.Order] = "<"
 
 
+_PLAIN: Final = pcapng.KNOWN - {pcapng.SECTION}  # those that do not change the byte order
+_STRUCTS: Final = {
+    order: (struct.Struct(order + "II"), struct.Struct(order + "I")) for order in pcapng.ORDERS
+}
+
+
 def _start(order: pcapng.Order) -> re.Pattern[bytes]:
     """Return what a block of a known kind begins with: its kind, and a length that may be one."""
     kinds = (struct.pack(order + "I", kind) for kind in pcapng.KNOWN - {pcapng.SECTION})
@@ -99,7 +105,7 @@ class Scanner:
         self._load(offset)
         is_inside = order is not None
         order = order or _OURS
-        block = self.block(offset, order)
+        block = self._in_window(offset, order) or self.block(offset, order)
         if block is not None and (is_inside or block.kind in pcapng.KNOWN):
             return block
         found = next(self._extents(offset + 1, order), None)
@@ -119,6 +125,21 @@ class Scanner:
             if len(body) < length:  # the file has become shorter
                 return None
         return RawBlock(found.kind, body, found.order, offset, found.end)
+
+    def _in_window(self, offset: int, order: pcapng.Order) -> RawBlock | None:
+        """Return what `block` returns, in half the time, for nearly every block of a recording."""
+        window, begin = self._window, offset - self._begin
+        if begin + _SMALLEST > len(window):
+            return None
+        heads, lengths = _STRUCTS[order]
+        kind, total = heads.unpack_from(window, begin)
+        end = begin + total
+        if kind not in _PLAIN or total < _SMALLEST or total % 4 or end > len(window):
+            return None
+        if lengths.unpack_from(window, end - 4)[0] != total:
+            return None
+        body = window[begin + 8 : end - 4]
+        return RawBlock(kind, body, order, offset, offset + total)
 
     def goes_on_as_one(self) -> bool:
         """Return whether a section begins somewhere, or some blocks follow each other."""
