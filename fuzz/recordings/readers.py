@@ -206,10 +206,10 @@ def readers_of(number: int) -> list[Reader]:
     return [it for index, it in enumerate(READERS) if (number + index) % it.each == 0]
 
 
-def read(reader: Reader, path: Path) -> Work:
+def read(reader: Reader, path: Path, *, calls: bool = True) -> Work:
     """Let one reader read the file; return its work. Raises all but a `MikasError`."""
     size = path.stat().st_size
-    with counted() as work, suppress(MikasError):
+    with counted(calls=calls) as work, suppress(MikasError):
         reader.read(path)
     work.check(size, reader.allowed)
     return work
