@@ -30,7 +30,7 @@ _PRIVATE = 1 << 18 | 1 << 14  # MS_PRIVATE | MS_REC
 _SIM = "sim:?clock=simulated"
 _WORDS = {"en": "room", "ru": "мест"}
 _METHOD = """\
-The commands on a disk with room for 4 to 60 KB (`scan`: 4; seed {seed}), {runs} times, with
+The commands on a disk with room for 4 to 60 KB (`scan`: none; seed {seed}), {runs} times, with
 the virtual unit on the simulated clock: {disk}. There is a loss if the end status is not 2, if the
 message does not speak of room (in English and Russian by turns), if what was kept can't be read, if
 a half-written file stays, or if the same command does not work once there is room again (a dump:
@@ -117,6 +117,8 @@ class _Disk:
         kilobytes = 4 if words[0] == "scan" else random.randrange(4, 64, 4)
         self._mount(disk, kilobytes)
         (disk / "state").mkdir()
+        if words[0] == "scan":  # its file would fit
+            (disk / "other").write_bytes(bytes(kilobytes << 10))
         os.environ["MIKAS_STATE"] = str(disk / "state")
         file = next(word for word in words if word.startswith("it."))
         command = [str(disk / word) if word == file else word for word in words]
