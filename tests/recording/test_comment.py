@@ -20,6 +20,7 @@ from mikas.recording.capture import writer
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Packet, Problem
 from mikas.recording.capture.writer import append_note
+from mikas.recording.summary import summarise
 from mikas.sampling.events import TextNote
 
 
@@ -55,6 +56,11 @@ def test_behind_a_cut_end_they_are_found_all_the_same(drive: Path) -> None:
     items = list(CaptureReader(drive))
     assert sum(isinstance(item, Packet) for item in items) == 1
     assert any(isinstance(item, Problem) for item in items)
+
+
+def test_a_comment_longer_than_the_end_that_is_searched_hides_no_packet(drive: Path) -> None:
+    append_note(drive, comment_note(10.0, "Ж" * LONGEST_COMMENT))
+    assert summarise(drive).length == 2.0
 
 
 def test_in_the_file_s_own_byte_order(tmp_path: Path) -> None:

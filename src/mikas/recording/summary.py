@@ -32,6 +32,7 @@ from mikas.recording.table.channels import PLAINLY_UNIX
 from mikas.sampling.events import Gap, TextNote
 
 _TAIL: Final = 1 << 14
+_WIDEN: Final = 8
 _COUNTED: Final = 1 << 22  # bytes; of a longer file pieces are counted
 _MOST_SECTIONS: Final = 100  # of a file whose responses are counted: each costs milliseconds
 _PIECE: Final = 1 << 17
@@ -169,9 +170,13 @@ def _spans(sections: _Sections) -> Iterator[tuple[float, float]]:
     for number, stop in enumerate(sections.edges[1:]):
         _, first = sections.head(number)
         if first is not None:
-            begin = max(first.offset, stop - _TAIL)
-            tail = sections.packets(number, begin, stop - begin)
-            yield first.time, max([first.time, *(packet.time for packet in tail)])
+            tail, size = [first.time], _TAIL
+            while len(tail) == 1 and size < _WIDEN * (stop - first.offset):
+                begin = max(first.offset, stop - size)
+                packets = sections.packets(number, begin, stop - begin)
+                tail += (packet.time for packet in packets)
+                size *= _WIDEN  # a long comment may stand behind the last packet
+            yield first.time, max(tail)
 
 
 def _faults(sections: _Sections) -> tuple[int, ...] | None:
