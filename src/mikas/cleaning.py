@@ -2,7 +2,7 @@
 
 Files, catalogs, units and other computers may send anything. What a reader returns has passed
 through here; the raw bytes stay in their file. `terminal_text` is for the one place that writes to
-a terminal: it escapes what is left, also in what was not cleaned.
+a terminal: it escapes the rest, also in texts that were not cleaned.
 """
 
 from __future__ import annotations

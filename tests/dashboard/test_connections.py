@@ -15,9 +15,9 @@ from mikas.dashboard.connections import (
     HEAD_SECONDS,
     MAX_NEW,
     STALL_SECONDS,
-    Connections,
-    Limits,
-    Phase,
+    TcpConnections,
+    TcpLimits,
+    TcpPhase,
 )
 from mikas.dashboard.server import _report
 
@@ -63,7 +63,7 @@ class Transport:
 
 @pytest.fixture
 def guard():
-    return Connections(Limits(64), Clock())  # 16 kept for this computer, 8 for each address
+    return TcpConnections(TcpLimits(64), Clock())  # 16 kept for this computer, 8 for each address
 
 
 def come(guard, address, count=1):
@@ -80,7 +80,7 @@ def come(guard, address, count=1):
 def work(guard, accepted):
     """It has sent its request."""
     transport = Transport(accepted)
-    guard.of(transport).enter(Phase.NOTHING, guard.clock())
+    guard.of(transport).enter(TcpPhase.NOTHING, guard.clock())
     return transport
 
 
@@ -127,7 +127,7 @@ def test_an_address_opens_no_more_than_so_many_a_second(guard):
     assert guard.admit(Accepted(), "10.0.0.1")
 
 
-@pytest.mark.parametrize("phase", Phase)
+@pytest.mark.parametrize("phase", TcpPhase)
 def test_a_client_has_so_long_for_each_phase(guard, phase):
     (it,) = come(guard, None)
     guard.of(Transport(it)).enter(phase, guard.clock())
@@ -137,10 +137,10 @@ def test_a_client_has_so_long_for_each_phase(guard, phase):
     assert not it.ended
     guard.clock.now += (phase.value or 1e6) / 50
     guard.sweep()
-    assert it.ended is (phase is not Phase.NOTHING)
+    assert it.ended is (phase is not TcpPhase.NOTHING)
 
 
-@pytest.mark.parametrize("phase", Phase)
+@pytest.mark.parametrize("phase", TcpPhase)
 def test_who_takes_nothing_of_what_was_sent_is_dropped_and_a_slow_one_is_not(guard, phase):
     (it,) = come(guard, None)
     transport = Transport(it)
@@ -201,7 +201,7 @@ def small(tmp_path_factory):
         folder = tmp_path_factory.mktemp("small")
         (folder / "index.html").write_bytes(bytes(1 << 20))
         with rig(folder, None, page=folder) as it:
-            it.server.guard.limits = Limits(16)
+            it.server.guard.limits = TcpLimits(16)
             it.server.guard.clock = Clock()
             yield it
 

@@ -16,7 +16,7 @@ from websockets.sync.client import connect
 
 from dashboard.rig import ME, rig
 from mikas.dashboard import entrance
-from mikas.dashboard.connections import Limits
+from mikas.dashboard.connections import TcpLimits
 from mikas.dashboard.security.certificate import own_certificate
 
 TOKEN = "a-token-of-the-test"
@@ -131,7 +131,7 @@ def test_what_does_not_shake_hands_is_closed_without_a_word(lan, certificate, mo
 
 def test_half_open_handshakes_make_room_for_the_next_one(certificate, tmp_path, monkeypatch):
     monkeypatch.setattr(entrance, "PLAIN", "")
-    monkeypatch.setattr(Limits, "of_this_process", lambda: Limits(4))
+    monkeypatch.setattr(TcpLimits, "of_this_process", lambda: TcpLimits(4))
     made, trusting = certificate
     with served(tmp_path, made) as it, ExitStack() as kept:
         silent = [kept.enter_context(raw(it)) for _ in range(8)]

@@ -41,7 +41,7 @@ _REFUSED_AT_ONCE = 64
 _EXHAUSTED = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
 
-class Phase(Enum):
+class TcpPhase(Enum):
     """What a connection waits for."""
 
     REQUEST = HEAD_SECONDS
@@ -50,7 +50,7 @@ class Phase(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class TcpLimits:
     """Connections at once: of all, those of them kept for this computer, of another address."""
 
     total: int = MAX_TOTAL
@@ -66,19 +66,19 @@ class Limits:
         return self.total // 8
 
     @classmethod
-    def of_this_process(cls) -> Limits:
+    def of_this_process(cls) -> TcpLimits:
         """Return the limits that the system's limit of open files allows."""
         return cls(max(_MIN_TOTAL, min(MAX_TOTAL, _descriptors() - _OTHER_FILES)))
 
 
-class Connection:
+class TcpConnection:
     """An accepted connection. `address`: of an address in the network; None: of this computer."""
 
     __slots__ = ("_drop", "_moved", "_transport", "_unsent", "address", "phase", "since")
 
     def __init__(self, address: str | None, drop: Callable[[], object], now: float) -> None:
         self.address = address
-        self.phase = Phase.REQUEST
+        self.phase = TcpPhase.REQUEST
         self._drop: Callable[[], object] | None = drop
         self._transport: asyncio.Transport | None = None
         self.since = self._moved = now
@@ -90,7 +90,7 @@ class Connection:
         if self._drop is not None:
             self._drop = transport.abort
 
-    def enter(self, phase: Phase, now: float) -> None:
+    def enter(self, phase: TcpPhase, now: float) -> None:
         """Set the phase; its time begins, unless it is the present one."""
         if phase is not self.phase:
             self.phase, self.since = phase, now
@@ -108,7 +108,7 @@ class Connection:
     @property
     def waits(self) -> bool:
         """Whether it has waited for its client since `since`, and may be dropped for another."""
-        return not self.dropped and self.phase is not Phase.NOTHING and not self.unsent
+        return not self.dropped and self.phase is not TcpPhase.NOTHING and not self.unsent
 
     def is_late(self, now: float) -> bool:
         """Return whether the client has kept the server waiting for too long."""
@@ -128,13 +128,13 @@ class Connection:
                 drop()
 
 
-class Connections:
+class TcpConnections:
     """All connections of a server."""
 
-    def __init__(self, limits: Limits, clock: Callable[[], float]) -> None:
+    def __init__(self, limits: TcpLimits, clock: Callable[[], float]) -> None:
         self.limits = limits
         self.clock = clock
-        self._open: dict[int, Connection] = {}
+        self._open: dict[int, TcpConnection] = {}
         """By file descriptor."""
         self._new: Counter[str] = Counter()
         self._second = 0.0
@@ -144,12 +144,12 @@ class Connections:
         """Return the number of connections whose sockets are open."""
         return len(self._open)
 
-    def of(self, transport: asyncio.Transport) -> Connection:
+    def of(self, transport: asyncio.Transport) -> TcpConnection:
         """Return the connection of `transport`, and attach it."""
         own, peer = transport.get_extra_info("socket"), transport.get_extra_info("peername")
         connection = self._open.get(own.fileno()) if own is not None else None
         if connection is None:  # not accepted by a `ListeningSocket`
-            connection = Connection(_address(peer), transport.abort, self.clock())
+            connection = TcpConnection(_address(peer), transport.abort, self.clock())
         connection.attach(transport)
         return connection
 
@@ -182,7 +182,9 @@ class Connections:
             if not (self._make_room(others) or self._make_room(live)):
                 return False
         number = accepted.fileno()
-        self._open[number] = Connection(address, lambda: accepted.shutdown(socket.SHUT_RDWR), now)
+        self._open[number] = TcpConnection(
+            address, lambda: accepted.shutdown(socket.SHUT_RDWR), now
+        )
         accepted.left = lambda: self._open.pop(number, None)
         return True
 
@@ -193,7 +195,7 @@ class Connections:
             if connection.is_late(now):
                 connection.drop()
 
-    def _live(self) -> list[Connection]:
+    def _live(self) -> list[TcpConnection]:
         return [it for it in self._open.values() if not it.dropped]
 
     def _is_fair(self, address: str, now: float) -> bool:
@@ -211,7 +213,7 @@ class Connections:
         return len(others) < self.limits.total - self.limits.kept or self._make_room(others)
 
     @staticmethod
-    def _make_room(among: Iterable[Connection]) -> bool:
+    def _make_room(among: Iterable[TcpConnection]) -> bool:
         """Drop the one that has waited longest, of the address that has most; False: none waits."""
         waiting = [it for it in among if it.waits]
         if not waiting:

@@ -28,7 +28,13 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from uvicorn.server import ServerState
 
-from mikas.dashboard.connections import Connection, Connections, Limits, Phase, is_exhausted
+from mikas.dashboard.connections import (
+    TcpConnection,
+    TcpConnections,
+    TcpLimits,
+    TcpPhase,
+    is_exhausted,
+)
 from mikas.dashboard.entrance import Entrance
 from mikas.dashboard.listening import ListeningSocket
 
@@ -71,7 +77,7 @@ def _is_error(record: logging.LogRecord) -> bool:
 class _State(ServerState):
     """What all protocols of a server share."""
 
-    def __init__(self, guard: Connections) -> None:
+    def __init__(self, guard: TcpConnections) -> None:
         super().__init__()
         self.guard = guard
 
@@ -80,7 +86,7 @@ class _Protocol(H11Protocol):
     """HTTP on one connection, which reports what it waits for."""
 
     server_state: _State
-    _connection: Connection
+    _connection: TcpConnection
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
@@ -89,20 +95,20 @@ class _Protocol(H11Protocol):
     def handle_events(self) -> None:
         super().handle_events()
         if self.cycle is not None and not self.cycle.response_complete:
-            self._enter(Phase.BODY if self.cycle.more_body else Phase.NOTHING)
+            self._enter(TcpPhase.BODY if self.cycle.more_body else TcpPhase.NOTHING)
 
     def on_response_complete(self) -> None:
-        self._enter(Phase.REQUEST)
+        self._enter(TcpPhase.REQUEST)
         super().on_response_complete()
 
     def handle_websocket_upgrade(self, event: Request) -> None:
-        self._enter(Phase.NOTHING)
+        self._enter(TcpPhase.NOTHING)
         super().handle_websocket_upgrade(event)
         upgraded = self.transport.get_protocol()
         if isinstance(upgraded, WebSocketsSansIOProtocol) and not upgraded.handshake_initiated:
             self.transport.close()  # it has more headers than websockets reads, and no answer
 
-    def _enter(self, phase: Phase) -> None:
+    def _enter(self, phase: TcpPhase) -> None:
         self._connection.enter(phase, self.server_state.guard.clock())
 
 
@@ -140,7 +146,7 @@ class Server(uvicorn.Server):
                 timeout_graceful_shutdown=_GRACE,
             )
         )
-        self.guard = Connections(Limits.of_this_process(), clock)
+        self.guard = TcpConnections(TcpLimits.of_this_process(), clock)
         self.server_state = _State(self.guard)
         self._app, self._ready, self._tls = app, ready, tls
         self._entrances: list[Entrance] = []

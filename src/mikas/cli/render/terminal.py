@@ -111,7 +111,7 @@ def write_error(text: str) -> None:
 
 
 def _write(stream: TextIO, text: str) -> None:
-    # Without `escaping`, or while rich has put its own stream in front, nobody else escapes.
+    # Without `escaping`, or while rich has put its own stream in front, nothing else escapes.
     stream.write(text if isinstance(stream, EscapingStream) else terminal_text(text))
     stream.flush()
 
@@ -150,7 +150,7 @@ def make_writable() -> None:
 
 
 def discard_output() -> None:
-    """Write what is left to nowhere: the reader of the pipe is gone."""
+    """Discard the rest of the output: the reader of the pipe is gone."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

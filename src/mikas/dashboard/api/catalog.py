@@ -32,7 +32,7 @@ from mikas.saving import save
 
 router = APIRouter(tags=["about"])
 
-_SHIPPED: Final = Path(__file__).with_name("presets.toml")
+_SHIPPED: Final = Path(__file__).parent.parent / "presets.toml"
 _SVG: Final = content("image/svg+xml", "the image")
 _ChannelName = Annotated[str, Field(min_length=1, max_length=40)]
 

@@ -1,8 +1,8 @@
 """The folder of recordings: its files by name, and the names of new ones.
 
 An id is a file's name in the folder, and nothing else: no path, no link to elsewhere. Others may
-write to the folder: what is no regular file with a usable name is left out and said, and the number
-of files is bounded.
+write to the folder: anything but a regular file with a usable name is left out with its reason,
+and the number of files is bounded.
 """
 
 from __future__ import annotations

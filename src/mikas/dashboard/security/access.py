@@ -39,7 +39,7 @@ Rights = Literal["control", "view"]
 _CAR_OPTIONS = {"scenario", "seed", "model", "faults"}
 _SHORT = (
     8 * 3 - 1
-)  # 8 bytes in pairs of digits: nobody makes another certificate with the same ones
+)  # 8 bytes in pairs of digits: too many to make another certificate with the same ones
 _LOCAL = ("127.0.0.1", "localhost", "[::1]")
 _FORWARDING = ("forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-real-ip")
 

@@ -95,7 +95,7 @@ class Scanner:
         self._begin = 0  # of the window in the file
 
     def item(self, offset: int, order: pcapng.Order | None) -> RawBlock | Unreadable | None:
-        """Return what is at `offset`; None at the end.
+        """Return the block or the bytes at `offset`; None at the end.
 
         `order`: that of the section. None: `offset` may lie anywhere, so only a known kind shows
         that a block begins there.
