@@ -227,7 +227,9 @@ def _fields(block: type[Block], data: bytes, order: Order) -> dict[str, Any]:
             fields[name] = _number(value, order + form)
         elif name:
             texts.setdefault(name, []).append(_string(value))
-    return fields | {name: clean_text("\n".join(lines), _LONGEST) for name, lines in texts.items()}
+    for name, lines in texts.items():
+        fields[name] = clean_text("\n".join(lines), _LONGEST)
+    return fields
 
 
 def _read_options(data: bytes, order: Order) -> Iterator[tuple[int, bytes]]:
