@@ -53,10 +53,10 @@ _METHOD = """\
 `mikas mem dump` and its --resume, changes of the unit's memory with their journal, each on a
 virtual unit of its own behind a pty; and a program that does nothing but save (learnt limits, a
 catalog, presets), in a loop. What the unit had sent, or the program had reported, is compared
-with the files. A recording has a loss if a response older than a second is missing or differs, or
-if the file can't be read; a dump, if it can't be gone on with to the same bytes; a journal, if an
-entry of a change that was begun or reported is missing, or the next entry is not readable; a saved
-file, if it is neither the old one nor the new one."""
+with the files. A recording has a loss if a byte that was received more than a second before the
+kill is missing or differs, or if the file can't be read; a dump, if it can't be gone on with to the
+same bytes; a journal, if an entry of a change that was begun or reported is missing, or the next
+entry is not readable; a saved file, if it is neither the old one nor the new one."""
 
 
 def run(scope: Scope) -> Iterator[Theme]:
