@@ -52,7 +52,8 @@ def measured(runs: int, seed: int) -> Theme:
     if not (child := os.fork()):
         status = 1
         try:
-            found = _Disk(runs, seed).tried()
+            with tempfile.TemporaryDirectory(prefix="mikas-full-") as folder:
+                found = _Disk(Path(folder), runs, seed).tried()
             os.write(told, json.dumps(found).encode())
             status = 0
         finally:
@@ -76,10 +77,10 @@ def measured(runs: int, seed: int) -> Theme:
 
 
 class _Disk:
-    def __init__(self, runs: int, seed: int) -> None:
+    def __init__(self, place: Path, runs: int, seed: int) -> None:
         self._runs = runs
         self._seed = seed
-        self._place = Path(tempfile.mkdtemp(prefix="mikas-full-"))
+        self._place = place
         self._is_mounted = False
         self._source = self._place / "source.pcapng"
 

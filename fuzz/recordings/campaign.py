@@ -85,9 +85,15 @@ def _run(campaign: Campaign, first: int, last: int, until: float) -> int:
     command = [sys.executable, "-m", "fuzz.recordings.campaign", *map(str, words)]
     at, reader = first, ""
     with (
+        tempfile.TemporaryDirectory(prefix="mikas-fuzz-") as folder,  # it may be killed
         tempfile.TemporaryFile("w+") as errors,
         subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=errors, text=True, encoding="utf-8"
+            command,
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+            encoding="utf-8",
+            env=os.environ | {"TMPDIR": folder},
         ) as process,
     ):
         assert process.stdout is not None
