@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
-from bench import cpu, crash, dash, memory, reading, stalls, startup, wire
+from bench import cpu, crash, dash, hostile, memory, reading, stalls, startup, wire
 from bench.rows import Scope
 
 THEMES = {
@@ -27,6 +27,7 @@ THEMES = {
     "startup": startup,
     "dash": dash,
     "crash": crash,
+    "hostile": hostile,
 }
 DOCUMENT = Path(__file__).parent.parent / "docs" / "benchmarks.md"
 
