@@ -22,7 +22,7 @@ chunks = st.lists(
     st.tuples(
         st.sampled_from(Direction),
         st.binary(min_size=1, max_size=30),
-        st.integers(-(2**47), 2**47).map(lambda ticks: ticks / MICRO),
+        st.integers(-(2**50), 2**50).map(lambda ticks: ticks / MICRO),
     ),
     max_size=12,
 )

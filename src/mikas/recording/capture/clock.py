@@ -20,20 +20,16 @@ LONGEST: Final = 100 * 365.25 * 86400
 class RecordingClock(NamedTuple):
     """The clock of one port in one recording, after some of its packets.
 
-    `reference`: the time of a packet, None before the first; `is_settled`: another packet agrees
-    with it, so it stays. `doubtful`: the last refused time before that.
+    `reference`: the time of a packet, None before the first; `doubtful`: the last refused time
+    after it. `is_settled`: another packet agrees with `reference`, so it stays. `earliest` and
+    `latest`: the first and the last time that the next packet can have.
     """
 
     reference: float | None = None
-    is_settled: bool = False
     doubtful: float | None = None
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        """The first and the last time that the next packet can have."""
-        if self.reference is None or not self.is_settled:
-            return -LONGEST, LATEST
-        return max(-LONGEST, self.reference - LONGEST), min(LATEST, self.reference + LONGEST)
+    is_settled: bool = False
+    earliest: float = -LONGEST
+    latest: float = LATEST
 
     def take(self, time: float) -> tuple[RecordingClock, bool]:
         """Return the clock after a packet of `time`, and whether that time is possible.
@@ -41,18 +37,22 @@ class RecordingClock(NamedTuple):
         If the first packet's time was the wrong one, the second is refused and decides with the
         third.
         """
-        first, last = self.limits
-        if not first <= time <= last:
+        if not self.earliest <= time <= self.latest:
             return self, False
-        if self.reference is None:
-            return RecordingClock(time), True
         if self.is_settled:
             return self, True
+        if self.reference is None:
+            return RecordingClock(time), True
         if _agree(time, self.reference):
-            return RecordingClock(self.reference, is_settled=True), True
+            return _settled(self.reference), True
         if self.doubtful is not None and _agree(time, self.doubtful):
-            return RecordingClock(time, is_settled=True), True
+            return _settled(time), True
         return RecordingClock(self.reference, doubtful=time), False
+
+
+def _settled(reference: float) -> RecordingClock:
+    earliest, latest = max(-LONGEST, reference - LONGEST), min(LATEST, reference + LONGEST)
+    return RecordingClock(reference, is_settled=True, earliest=earliest, latest=latest)
 
 
 def _agree(one: float, other: float) -> bool:

@@ -144,8 +144,7 @@ class PacketColumns:
                 continue
             clock = blocks.clocks[number]
             times = seconds(described, high[chosen], low[chosen])
-            earliest, latest = clock.limits
-            possible = clock.is_settled & (times >= earliest) & (times <= latest)
+            possible = clock.is_settled & (times >= clock.earliest) & (times <= clock.latest)
             plain[chosen[~possible]] = False
             chosen = chosen[possible]
             self._times[chosen] = times[possible]
