@@ -170,8 +170,8 @@ def _spans(sections: _Sections) -> Iterator[tuple[float, float]]:
     for number, stop in enumerate(sections.edges[1:]):
         _, first = sections.head(number)
         if first is not None:
-            tail, size = [first.time], _TAIL
-            while len(tail) == 1 and size < _WIDEN * (stop - first.offset):
+            tail, begin, size = [first.time], stop, _TAIL
+            while len(tail) == 1 and begin > first.offset:
                 begin = max(first.offset, stop - size)
                 packets = sections.packets(number, begin, stop - begin)
                 tail += (packet.time for packet in packets)
