@@ -39,7 +39,7 @@ def test_minutes_of_a_bad_line_leave_nothing_behind(method, tmp_path):
     try:
         with closing(made.run()) as events:
             for stretch in range(1, 9):
-                while plug.now() < 6 * stretch:
+                while plug.now() < 4 * stretch:
                     event = next(events)
                     if isinstance(event, Sampled):
                         times.append(event.time)

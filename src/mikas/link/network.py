@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import queue
 import socket
+import sys
 import threading
 import warnings
 from contextlib import suppress
@@ -123,7 +124,7 @@ class Rfc2217Port(rfc2217.Serial):
     def _make_room(unread: queue.Queue[bytes | None]) -> None:
         """Let the reader thread put down all that it holds, so that it can end."""
         with unread.mutex:
-            unread.maxsize = 0
+            unread.maxsize = sys.maxsize  # 0 would not end a `put` that waits already
             unread.not_full.notify_all()
 
 

@@ -79,7 +79,7 @@ def test_a_name_that_sql_would_trip_over(tmp_path):
     assert facts(out)["channels"][name]["unit"] == "'"
 
 
-@settings(max_examples=30)
+@settings(max_examples=20)
 @given(drawn=tables(ALL_FLOATS))
 def test_what_was_exported_is_read_back(tmp_path_factory, drawn):
     out = exported(drawn, tmp_path_factory.getbasetemp() / "log.parquet")

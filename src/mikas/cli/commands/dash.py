@@ -295,14 +295,15 @@ def _note_encryption(context: CommandContext, access: Access) -> None:
             "сети может прочитать ключ и воспользоваться им.",
         )
         return
-    half = len(access.fingerprint) // 2
-    pairs = f"  {access.fingerprint[:half]}\n  {access.fingerprint[half + 1 :]}"
     context.say(
         "If the browser there warns of the certificate (mikas makes it itself), compare its "
-        f"SHA-256 fingerprint with this one, and continue only if it is the same:\n{pairs}",
+        "SHA-256 fingerprint with this one, and continue only if it is the same:",
         "Если браузер предупредит о сертификате (его делает mikas), сверьте его отпечаток "
-        f"SHA-256 с этим и продолжайте, только если они совпадают:\n{pairs}",
+        "SHA-256 с этим и продолжайте, только если они совпадают:",
     )
+    half = len(access.fingerprint) // 2
+    for line in (access.fingerprint[:half], access.fingerprint[half + 1 :]):
+        context.output.note(f"  {line}")
 
 
 def _open(url: str) -> None:

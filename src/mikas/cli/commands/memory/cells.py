@@ -72,10 +72,11 @@ def write(context: CommandContext, space: str, address: int, data: bytes, *, yes
     except KeyboardInterrupt:
         if confirmed:
             again = f"mikas mem read {space} {address:X} {len(data)}"
+            context.output.note("")  # after the terminal's ^C
             context.say(
-                f"\nStopped: some of the bytes may be written. Read them: {again}. The journal has "
+                f"Stopped: some of the bytes may be written. Read them: {again}. The journal has "
                 "the bytes before.",
-                f"\nПрервано: часть байтов могла быть записана. Прочтите их: {again}. Прежние "
+                f"Прервано: часть байтов могла быть записана. Прочтите их: {again}. Прежние "
                 "байты есть в журнале.",
             )
         raise
