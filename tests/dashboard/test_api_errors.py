@@ -9,8 +9,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from mikas.dashboard.api.catalog import Preset
 from mikas.dashboard.api.changes import WriteParameterRequest
-from mikas.dashboard.api.dumps import DumpRequest
 from mikas.dashboard.api.errors import validation_text
+from mikas.dashboard.api.library.dumps import DumpRequest
 
 
 def errors_of(kind, value):

@@ -17,7 +17,7 @@ import pytest
 import mikas
 from dashboard.recordings_rig import record
 from dashboard.rig import ME, OTHER, rig
-from mikas.dashboard.api import exports
+from mikas.dashboard.api.library import exports
 from mikas.dashboard.library.lanes import Lane
 from mikas.errors import ExportError
 from mikas.i18n import Text

@@ -7,7 +7,7 @@ import numpy as np
 from dashboard.rig import rig
 from mikas.catalog import shipped
 from mikas.client import Passport
-from mikas.dashboard.api.report import _judged, _pauses, _since
+from mikas.dashboard.api.library.report import _judged, _pauses, _since
 from mikas.i18n import Text
 from mikas.recording.table.channels import Rows
 from mikas.sampling.events import Gap, LineState, Marker, StateChanged, UnitFound

@@ -11,7 +11,7 @@ import pytest
 from dashboard.dumps_rig import XRAM, ended, hold, until_read, when
 from dashboard.rig import rig
 from mikas.client.memory.dumps import Manifest, manifest_path
-from mikas.dashboard.api import dumps
+from mikas.dashboard.api.library import dumps
 from mikas.dashboard.session import dump_jobs
 from mikas.dashboard.session.dump_jobs import DumpJobs
 

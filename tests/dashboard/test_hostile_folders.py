@@ -15,7 +15,7 @@ import pytest
 from dashboard.dumps_rig import ended
 from dashboard.rig import ME, rig
 from mikas.client.memory.dumps import Manifest, manifest_path
-from mikas.dashboard.api import downloads
+from mikas.dashboard.api.library import downloads
 from mikas.dashboard.library import folder as library_folder
 from mikas.dashboard.library.folder import RecordingFolder, files_in
 from mikas.dashboard.session import dump_jobs

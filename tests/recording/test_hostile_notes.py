@@ -19,7 +19,7 @@ from dashboard.recordings_rig import record
 from mikas.catalog import shipped
 from mikas.cleaning import clean_line, clean_text, is_in_calendar
 from mikas.dashboard.api.errors import made_of, two_or_none
-from mikas.dashboard.api.recordings import RecordingInfo
+from mikas.dashboard.api.library.recordings import RecordingInfo
 from mikas.recording import CaptureReader
 from mikas.recording.annotations import fields
 from mikas.recording.annotations.events import events_of, note_of

@@ -16,20 +16,8 @@ from typing import Any
 from fastapi import FastAPI
 
 from mikas.dashboard import page
-from mikas.dashboard.api import (
-    catalog,
-    changes,
-    connection,
-    diagnosis,
-    dumps,
-    errors,
-    exports,
-    live,
-    memory,
-    recordings,
-    report,
-    unit,
-)
+from mikas.dashboard.api import catalog, changes, connection, diagnosis, errors, live, memory, unit
+from mikas.dashboard.api.library import dumps, exports, recordings, report
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import ErrorResponse

@@ -19,8 +19,8 @@ from fastapi.responses import FileResponse, Response
 from starlette.types import Receive, Scope, Send
 
 from mikas.dashboard.api.dependencies import Names, TheLibrary, TheRequester, split_names
-from mikas.dashboard.api.downloads import OpenFile
 from mikas.dashboard.api.errors import content, errors
+from mikas.dashboard.api.library.downloads import OpenFile
 from mikas.i18n import Language
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])

@@ -16,8 +16,8 @@ from fastapi import APIRouter
 from fastapi.responses import Response
 
 from mikas.dashboard.api.dependencies import Requester, TheDashboard, TheLibrary, TheRequester
-from mikas.dashboard.api.downloads import attachment
 from mikas.dashboard.api.errors import content, errors
+from mikas.dashboard.api.library.downloads import attachment
 from mikas.dashboard.errors import NotConnected
 from mikas.i18n import Language
 from mikas.recording.table.channels import Rows

@@ -24,8 +24,8 @@ from mikas.dashboard.api.dependencies import (
     Words,
     split_names,
 )
-from mikas.dashboard.api.downloads import LeftOutFile, left_out
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
+from mikas.dashboard.api.library.downloads import LeftOutFile, left_out
 from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.errors import ADVICE

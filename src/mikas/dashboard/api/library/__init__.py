@@ -1,0 +1,1 @@
+"""Routes of kept files: recordings, their exports and reports, dumps."""
