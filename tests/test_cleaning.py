@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.cleaning import (
+    _UNSAFE,
     LATEST,
     clean_json,
     clean_line,
@@ -54,6 +55,11 @@ def test_terminal_text_has_no_control_and_loses_nothing(text: str):
 def test_known_texts(text: str, clean: str, escaped: str):
     assert clean_text(text) == clean
     assert terminal_text(text) == escaped
+
+
+def test_what_python_calls_printable_is_safe():
+    printable = "".join(filter(str.isprintable, map(chr, range(0x110000))))
+    assert not _UNSAFE.search(printable)
 
 
 def test_limit_counts_characters():
