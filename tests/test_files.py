@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import socket
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,6 @@ from mikas import files
 from mikas.errors import UnfitFile, reason_at
 from mikas.files import Mode, open_regular, read_json, read_regular
 
-posix = pytest.mark.skipif(sys.platform == "win32", reason="names of pipes, devices, sockets")
 MODES: tuple[Mode, ...] = ("rb", "r+b", "a+b")
 
 
@@ -27,7 +25,7 @@ def secret(tmp_path: Path) -> Path:
     return file
 
 
-@posix
+@pytest.mark.posix
 def test_nothing_but_a_regular_file_is_opened(
     tmp_path: Path, secret: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -47,7 +45,7 @@ def test_nothing_but_a_regular_file_is_opened(
     assert not (tmp_path / "elsewhere" / "none").exists()
 
 
-@posix
+@pytest.mark.posix
 def test_what_takes_the_place_of_a_file_after_the_check_is_not_opened(
     tmp_path: Path, secret: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -92,7 +90,7 @@ def test_a_file_with_a_second_name_is_read_but_not_changed(tmp_path: Path, secre
     assert read_regular(file, 100) == b"not yours!"
 
 
-@posix
+@pytest.mark.posix
 def test_a_link_is_followed_only_if_the_user_named_it(tmp_path: Path, secret: Path) -> None:
     link = tmp_path / "link"
     link.symlink_to(secret)

@@ -6,7 +6,6 @@ import errno
 import io
 import json
 import os
-import sys
 from pathlib import Path
 
 import pytest
@@ -94,7 +93,7 @@ def test_a_full_disk_is_explained_in_both_languages():
     )
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="names of pipes")
+@pytest.mark.posix
 def test_nothing_is_written_through_a_link_or_to_a_pipe(tmp_path):
     """Planted in a folder that others may write to."""
     secret, file, journal = (tmp_path / name for name in ("secret", "it.json", "journal.jsonl"))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import sys
 import tomllib
 from pathlib import Path
 
@@ -117,7 +116,7 @@ def test_a_file_of_more_than_a_megabyte_is_not_read(tmp_path: Path) -> None:
         read_source(file)
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="pipes and devices have no names in folders")
+@pytest.mark.posix
 def test_a_pipe_or_a_device_is_no_catalog(tmp_path: Path) -> None:
     pipe, link = tmp_path / "pipe.toml", tmp_path / "link.toml"
     os.mkfifo(pipe)

@@ -165,7 +165,7 @@ class Worker:
             read(reader, self.path, calls=calls)
         except TooMuch as error:
             return f"{reader.name}: {error.what} in {error.where}"
-        except Exception as error:
+        except Exception as error:  # any that is no MikasError: that is the finding
             frames = traceback.extract_tb(error.__traceback__)
             ours = [frame for frame in frames if _OURS in frame.filename]
             where = place(ours[-1].filename, ours[-1].name) if ours else f"after {frames[-1].name}"
@@ -180,7 +180,7 @@ class Worker:
         self.path.write_bytes(small)
         try:
             read(reader, self.path)
-        except Exception:
+        except Exception:  # the finding, once more, for its traceback
             self._say(traceback.format_exc(limit=-6))
         self._say(_kept(small, name, self.cases.seed, number))
 

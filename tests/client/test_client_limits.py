@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 import os
-import sys
 
 import pytest
 from client_harness import bench, ecu_on
@@ -171,7 +170,7 @@ class TestKeptForTheUnit:
         assert len(ecu.read()) == 23
         assert json.loads(kept.read_text("utf-8"))["max_list"] == 10  # learnt again
 
-    @pytest.mark.skipif(sys.platform == "win32", reason="names of pipes and devices")
+    @pytest.mark.posix
     def test_what_is_no_file_or_too_large_counts_as_nothing_learnt(self, tmp_path):
         it = self.learnt(tmp_path)
         (kept,) = tmp_path.glob("*.json")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 
 import pytest
 from client_harness import bench, ecu_on
@@ -177,7 +176,7 @@ def test_names_that_cannot_be_dropped_stop_the_64(lists, monkeypatch):
         assert it.requests(0x64) == []
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="names of pipes and devices")
+@pytest.mark.posix
 def test_what_lies_in_the_folder_of_lists_stops_no_list(lists, tmp_path):
     it, secret = bench(), tmp_path / "secret"
     secret.write_text("not yours")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import socket
-import sys
 from contextlib import closing
 from http.client import HTTPConnection, IncompleteRead
 from pathlib import Path
@@ -20,7 +19,6 @@ from mikas.dashboard.library import folder as library_folder
 from mikas.dashboard.library.folder import RecordingFolder, files_in
 from mikas.dashboard.session import dump_jobs
 
-posix = pytest.mark.skipif(sys.platform == "win32", reason="names of pipes, devices, sockets")
 SECRET = b"root:x:0:0:"
 
 
@@ -38,7 +36,7 @@ def dumps(tmp_path: Path) -> Path:
     return folder
 
 
-@posix
+@pytest.mark.posix
 def test_no_file_in_dumps_keeps_the_dashboard_from_starting(
     tmp_path: Path, dumps: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -87,7 +85,7 @@ def test_no_file_in_dumps_keeps_the_dashboard_from_starting(
     assert "rename the file" in why["a\ufffd2J.bin"]["en"]
 
 
-@posix
+@pytest.mark.posix
 def test_resuming_a_dump_writes_through_no_link(
     idle, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -137,7 +135,7 @@ def download(it, path: str) -> tuple[int, int, bytes]:
             return answer.status, length, cut.partial
 
 
-@posix
+@pytest.mark.posix
 def test_a_download_raced_with_what_others_do(tmp_path: Path, monkeypatch, caplog) -> None:
     """Between the look-up and the opening, and between the opening and the sending."""
     folder = tmp_path / "recordings"
@@ -201,7 +199,7 @@ def test_a_download_raced_with_what_others_do(tmp_path: Path, monkeypatch, caplo
     assert not [each for each in caplog.records if each.exc_info]
 
 
-@posix
+@pytest.mark.posix
 def test_the_file_of_a_dump_raced_with_what_others_do(tmp_path: Path, dumps: Path) -> None:
     put(dumps / "a.bin")
     with rig(tmp_path, None) as it:
@@ -218,7 +216,7 @@ def test_the_file_of_a_dump_raced_with_what_others_do(tmp_path: Path, dumps: Pat
         assert "pipe" in it.client.post(compare, **body).json()["error"]["en"]
 
 
-@posix
+@pytest.mark.posix
 def test_of_the_recordings_what_is_none_is_named(tmp_path: Path, monkeypatch) -> None:
     folder = tmp_path / "recordings"
     folder.mkdir()
@@ -269,7 +267,7 @@ def test_a_folder_that_is_replaced_while_it_is_listed(tmp_path: Path, monkeypatc
     assert len(files_in(folder, ".bin", 10).files) < 5
 
 
-@posix
+@pytest.mark.posix
 def test_a_pipe_for_the_journal_or_the_presets_is_not_waited_for(tmp_path: Path) -> None:
     state = tmp_path / "state"
     state.mkdir()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -119,7 +118,7 @@ def test_what_can_not_be_written_leaves_the_file_as_it_was(
         append_note(tmp_path / "none.pcapng", comment_note(1.0, "x"))
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="links need a right there")
+@pytest.mark.posix
 def test_a_comment_is_not_written_through_a_link(drive: Path) -> None:
     """A planted one; the folder's own list has none (`RecordingFolder`)."""
     before, link = drive.read_bytes(), drive.with_name("link.pcapng")
