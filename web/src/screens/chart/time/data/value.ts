@@ -1,7 +1,7 @@
 // Values of a channel at a time and between two times.
-import type { Columns } from "../../../lib/series/columns";
-import { gapThreshold } from "../../../lib/series/gapThreshold";
-import type { LineEvent } from "../../../lib/api/types";
+import type { Columns } from "../../../../lib/series/columns";
+import { gapThreshold } from "../../../../lib/series/gapThreshold";
+import type { LineEvent } from "../../../../lib/api/types";
 
 /** Seconds on each side in which the usual interval is measured. */
 const AROUND = 30;

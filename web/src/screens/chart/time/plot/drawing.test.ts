@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { Columns } from "../../../lib/series/columns";
+import { Columns } from "../../../../lib/series/columns";
 import { drawing } from "./drawing";
 
 /** Rows a tenth of a second apart from `first` on; none from..to. */

@@ -1,5 +1,5 @@
 // Markers, alarms and gaps as flags on the time line; flags that would overlap are merged into one with a count.
-import type { LineEvent, Text } from "../../../lib/api/types";
+import type { LineEvent, Text } from "../../../../lib/api/types";
 
 export interface Flag {
   time: number;

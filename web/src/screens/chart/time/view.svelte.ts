@@ -1,8 +1,8 @@
 // The view of the chart: panes with their traces (stored in this browser), time window, value zoom, stacking. It outlives the screen.
-import { comparison } from "../../lib/recording/comparison.svelte";
-import { cursors } from "../../lib/view/cursors.svelte";
-import { loadSetting, saveSetting } from "../../lib/platform/storage";
-import { display } from "../../lib/view/source.svelte";
+import { comparison } from "../../../lib/recording/comparison.svelte";
+import { cursors } from "../../../lib/view/cursors.svelte";
+import { loadSetting, saveSetting } from "../../../lib/platform/storage";
+import { display } from "../../../lib/view/source.svelte";
 
 export interface Trace {
   name: string;

@@ -1,7 +1,7 @@
 // What one pane draws: its traces, those of the second recording on the same time line, and where each line is interrupted.
-import { decimate, findHoles, mergeTimelines, type Cells, type Decimated } from "../../../lib/series/decimate";
-import type { Columns } from "../../../lib/series/columns";
-import { gapThreshold } from "../../../lib/series/gapThreshold";
+import { decimate, findHoles, mergeTimelines, type Cells, type Decimated } from "../../../../lib/series/decimate";
+import type { Columns } from "../../../../lib/series/columns";
+import { gapThreshold } from "../../../../lib/series/gapThreshold";
 
 export interface Drawing {
   times: number[];

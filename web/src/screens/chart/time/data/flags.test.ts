@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import type { LineEvent } from "../../../lib/api/types";
+import type { LineEvent } from "../../../../lib/api/types";
 import { flagsOf, wrapText, gapFlags, gapsOf, shiftedBy, nextGap } from "./flags";
 
 const marker = (time: number, label = ""): LineEvent => ({ kind: "marker", time, label });

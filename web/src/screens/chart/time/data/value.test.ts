@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { Columns } from "../../../lib/series/columns";
-import type { LineEvent } from "../../../lib/api/types";
+import { Columns } from "../../../../lib/series/columns";
+import type { LineEvent } from "../../../../lib/api/types";
 import { valueAt } from "./value";
 
 const columns = new Columns();

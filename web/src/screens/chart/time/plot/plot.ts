@@ -1,8 +1,8 @@
 // One pane as a uPlot: series, scales and axes from its traces, gaps hatched behind the lines. Cursor, wheel and gestures are implemented
 // here, not by uPlot.
 import uPlot from "uplot";
-import { number } from "../../../lib/i18n";
-import type { Channel } from "../../../lib/api/types";
+import { number } from "../../../../lib/i18n";
+import type { Channel } from "../../../../lib/api/types";
 import { counted, timesOfDay } from "./timeAxis";
 import { wrapText, type GapBand } from "../data/flags";
 import { fitting, lane, stretched } from "./scales";

@@ -1,8 +1,8 @@
 // Keyboard shortcuts of the chart: moving the cursor, zoom, fit.
-import { comparison } from "../../lib/recording/comparison.svelte";
-import { cursors } from "../../lib/view/cursors.svelte";
-import type { Binding } from "../../lib/view/shortcuts.svelte";
-import { display } from "../../lib/view/source.svelte";
+import { comparison } from "../../../lib/recording/comparison.svelte";
+import { cursors } from "../../../lib/view/cursors.svelte";
+import type { Binding } from "../../../lib/view/shortcuts.svelte";
+import { display } from "../../../lib/view/source.svelte";
 import { nextGap } from "./data/flags";
 import { everyGap, moment } from "./data/sources";
 import { view } from "./view.svelte";
