@@ -96,12 +96,22 @@ def _present(*limits: tuple[Level, float | None]) -> tuple[tuple[Level, float], 
     return tuple((level, limit) for level, limit in limits if limit is not None)
 
 
+_LEAST_STEPS = 10  # on an axis, so that the noise of the last digit does not fill it
+_LEAST_SHARE = 0.05  # of the range
+
+
+def _least_span(step: float, scale: tuple[float, float] | None) -> float:
+    """Return the least span of a value axis, for a channel without `span_least`."""
+    low, high = scale or (0, 0)
+    return max(_LEAST_STEPS * step, _LEAST_SHARE * (high - low))
+
+
 @dataclass(frozen=True, slots=True)
 class Derived:
     """A channel computed by a valid formula from parameters (corrected) or derived channels.
 
     `inputs`: the channels in the formula, in capitals. `accumulates`: the formula's value is added
-    every second. `constants`: the formula's own, by name.
+    every second. `constants`: the formula's own, by name. `gauge`, `span_least`: as of a parameter.
     """
 
     name: str
@@ -113,6 +123,8 @@ class Derived:
     unit: str = ""
     unit_text: Text = NO_TEXT
     decimals: int = 2
+    gauge: tuple[float, float] | None = None
+    span_least: float | None = None
     alarm_limits: AlarmLimits | None = None
     source: str = ""
     confidence: Confidence = Confidence.UNKNOWN
@@ -121,6 +133,16 @@ class Derived:
     def is_flag(self) -> bool:
         """False: a derived value is a number."""
         return False
+
+    @property
+    def gauge_scale(self) -> tuple[float, float] | None:
+        """The scale of its gauge; None: unknown, to be fitted to the values."""
+        return self.gauge
+
+    @property
+    def least_span(self) -> float:
+        """The least span of an axis of its values."""
+        return self.span_least or _least_span(10**-self.decimals, self.gauge)
 
     def calculation(self) -> Calculation:
         """Return the formula ready to compute, for one caller."""
@@ -182,8 +204,8 @@ class Parameter:
     """One parameter of §4 or of a user's file, or a bare code (`0x1A`).
 
     `conversion` is the corrected interpretation; `literal` and `alternative` are None if equal to
-    it. `plausible`, `reference` (warm idle) and `alarm_limits` are in its unit. `lamp` is a flag's;
-    `meaning` explains values off the reference.
+    it. `plausible`, `reference` (warm idle), `gauge`, `span_least` and `alarm_limits` are in its
+    unit. `lamp` is a flag's; `meaning` explains values off the reference.
     """
 
     name: str
@@ -196,6 +218,8 @@ class Parameter:
     plausible: tuple[float, float] | None = None
     reference: tuple[float, float] | None = None
     reference_confidence: Confidence = Confidence.UNKNOWN
+    gauge: tuple[float, float] | None = None
+    span_least: float | None = None
     source: str = ""
     confidence: Confidence = Confidence.UNKNOWN
     errata: tuple[str, ...] = ()
@@ -274,6 +298,20 @@ class Parameter:
         if self.plausible:
             return "plausible"
         return "" if self.is_flag else "representable"
+
+    @property
+    def gauge_scale(self) -> tuple[float, float] | None:
+        """The scale of its gauge: as the catalog says, else `range`; None for a flag."""
+        low, high = self.range or (0, 0)
+        return self.gauge or ((low, high) if low < high else self.limits())
+
+    @property
+    def least_span(self) -> float | None:
+        """The least span of an axis of its values; None for a flag."""
+        if self.is_flag:
+            return None
+        step = max(abs(float(self.conversion.scale)), 10**-self.decimals)
+        return self.span_least or _least_span(step, self.plausible or self.gauge)
 
 
 @dataclass(frozen=True, slots=True)

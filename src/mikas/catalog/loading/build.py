@@ -153,6 +153,7 @@ def _check_cycles(entries: Mapping[str, Entry], built: Mapping[str, Derived]) ->
         raise latest.wrong(("formula",), problem) from None
 
 
+_FOR_DISPLAY = ("range", "reference", "gauge", "span_least")
 _NUMERIC = ("signed", "scale", "bias", "offset", "unit")
 
 
@@ -219,8 +220,8 @@ def _parameter(
         for reading in ("literal", "alternative")
     )
     if conversion.is_flag:
-        _refuse_for_flag(entry, (), ("range", "reference", "decimals"))
-        values = {key: value for key, value in values.items() if key not in ("range", "reference")}
+        _refuse_for_flag(entry, (), (*_FOR_DISPLAY, "decimals"))
+        values = {key: value for key, value in values.items() if key not in _FOR_DISPLAY}
     return _built(
         Parameter,
         entry,
@@ -233,6 +234,8 @@ def _parameter(
         plausible=values.get("range"),
         reference=values.get("reference"),
         reference_confidence=_confidence_of(values, "reference"),
+        gauge=values.get("gauge"),
+        span_least=values.get("span_least"),
         errata=_names(entry, "errata", entries["erratum"]),
         alarm_limits=alarm_limits(entry, is_flag=conversion.is_flag),
         lamp=lamp(entry, is_flag=conversion.is_flag),

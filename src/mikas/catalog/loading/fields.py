@@ -140,6 +140,21 @@ def span(value: object) -> tuple[float, float]:
     return low, high
 
 
+def scale_ends(value: object) -> tuple[float, float]:
+    """Read `[low, high]`, two different numbers."""
+    low, high = span(value)
+    if low == high:
+        raise usage_error("must have two different ends", "концы должны различаться")
+    return low, high
+
+
+def positive(value: object) -> float:
+    """Read a number above 0."""
+    if (read := number(value)) > 0:
+        return read
+    raise usage_error("must be above 0", "должно быть больше 0")
+
+
 def _number(value: object) -> Fraction | None:
     """Return a number exactly; None if it is none, or outside 1e-30 to 1e15."""
     if isinstance(value, Decimal) and (
@@ -210,6 +225,7 @@ _ALARMS: Schema = {
     "source": string,
     "confidence": CONFIDENCE,
 }
+_SCALES: Schema = {"gauge": scale_ends, "span_least": positive}
 FAMILIES: Mapping[str, Family] = {
     "parameter": Family(
         mnemonic,
@@ -224,6 +240,7 @@ FAMILIES: Mapping[str, Family] = {
             "range": span,
             "reference": span,
             "reference_confidence": CONFIDENCE,
+            **_SCALES,
             "source": string,
             "confidence": CONFIDENCE,
             "errata": strings,
@@ -241,6 +258,7 @@ FAMILIES: Mapping[str, Family] = {
             "accumulates": boolean,
             "unit": string,
             "decimals": integer(0, 6),
+            **_SCALES,
             "limits": _ALARMS,
             "source": string,
             "confidence": CONFIDENCE,

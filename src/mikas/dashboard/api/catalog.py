@@ -93,6 +93,12 @@ class ChannelInfo(BaseModel):
     formula: str
     range: tuple[float, float] | None
     reference: tuple[float, float] | None = Field(description="warm idle of a sound engine")
+    gauge: tuple[float, float] | None = Field(
+        description="the scale of its gauge; null: a flag, or a derived channel without one"
+    )
+    span_least: float | None = Field(
+        description="the least span of an axis of its values; null: a flag"
+    )
     limits: ChannelLimits | None
     lamp: LampTexts | None
     alarm_when_true: Level
@@ -243,6 +249,8 @@ def _channel(known: Catalog, channel: Parameter | Derived) -> ChannelInfo:
         formula=channel.formula() if isinstance(channel, Parameter) else channel.formula,
         range=parameter.range if parameter else None,
         reference=parameter.reference if parameter else None,
+        gauge=channel.gauge_scale,
+        span_least=channel.least_span,
         limits=limits if limits and limits.for_number else None,
         lamp=lamp,
         alarm_when_true=limits.when_true if limits else Level.NONE,

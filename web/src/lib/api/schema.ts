@@ -121,6 +121,13 @@ export interface components {
                 number,
                 number
             ] | null;
+            /** @description the scale of its gauge; null: a flag, or a derived channel without one */
+            gauge: [
+                number,
+                number
+            ] | null;
+            /** @description the least span of an axis of its values; null: a flag */
+            span_least: number | null;
             limits: components["schemas"]["ChannelLimits"] | null;
             lamp: components["schemas"]["LampTexts"] | null;
             alarm_when_true: components["schemas"]["Level"];

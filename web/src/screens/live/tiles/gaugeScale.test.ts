@@ -14,6 +14,8 @@ const channel = (about: Partial<Channel>): Channel => ({
   formula: "",
   range: null,
   reference: null,
+  gauge: null,
+  span_least: null,
   limits: null,
   lamp: null,
   alarm_when_true: "none",
