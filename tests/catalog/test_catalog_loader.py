@@ -42,6 +42,16 @@ def test_five_lines_add_a_parameter(write: Write) -> None:
     assert catalog.fault(55).check == shipped().fault(55).check
 
 
+def test_a_text_of_ones_own_replaces_the_shipped_short_one(write: Write) -> None:
+    shipped_one = shipped().parameter("FSM")
+    assert shipped_one.short == Text("Idle valve, position", "РДВ (РХХ), положение")
+    assert shipped().parameter("DET").short == shipped().parameter("DET").text
+    renamed = load(write('[parameter.FSM]\ntext.en = "Air valve"\n')).parameter("FSM")
+    assert renamed.short == renamed.text == Text("Air valve", shipped_one.text.ru)
+    both = load(write('[parameter.FSM]\nshort = "V"\ntext.en = "Air valve"\n')).parameter("FSM")
+    assert both.short == Text("V", "V")
+
+
 def test_the_docstring_shows_the_same_five_lines() -> None:
     from mikas.catalog.loading import loader
 

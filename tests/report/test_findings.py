@@ -127,7 +127,7 @@ def test_nothing_is_judged_that_was_not_at_warm_idle() -> None:
         "No faults are stored; there was no warm idle, so no value is rated."
     )
     assert "coolant temperature was 45 °C" in idle_sentence(findings).en
-    assert "температура охлаждающей жидкости — 45 °C" in idle_sentence(findings).ru
+    assert "температура охлаждающей жидкости (ДТОЖ) — 45 °C" in idle_sentence(findings).ru
     all_texts(findings)
 
 

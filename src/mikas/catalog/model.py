@@ -111,13 +111,15 @@ class Derived:
     """A channel computed by a valid formula from parameters (corrected) or derived channels.
 
     `inputs`: the channels in the formula, in capitals. `accumulates`: the formula's value is added
-    every second. `constants`: the formula's own, by name. `gauge`, `span_least`: as of a parameter.
+    every second. `constants`: the formula's own, by name. `short`: the text of a small tile.
+    `gauge`, `span_least`: as of a parameter.
     """
 
     name: str
     text: Text
     formula: str
     inputs: tuple[str, ...]
+    short: Text = NO_TEXT
     constants: tuple[tuple[str, float], ...] = ()
     accumulates: bool = False
     unit: str = ""
@@ -205,13 +207,15 @@ class Parameter:
 
     `conversion` is the corrected interpretation; `literal` and `alternative` are None if equal to
     it. `plausible`, `reference` (warm idle), `gauge`, `span_least` and `alarm_limits` are in its
-    unit. `lamp` is a flag's; `meaning` explains values off the reference.
+    unit. `lamp` is a flag's; `meaning` explains values off the reference; `short` is the text of a
+    small tile.
     """
 
     name: str
     code: int
     text: Text
     conversion: Conversion
+    short: Text = NO_TEXT
     literal: Conversion | None = None
     alternative: Conversion | None = None
     decimals: int = 0

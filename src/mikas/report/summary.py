@@ -95,7 +95,7 @@ def _of_values(found: Findings) -> Text:
         )
     marked = Text("{name} ({mark})", "{name} ({mark})")
     listed = joined(
-        ", ", (marked.filled(name=within(v.channel.text), mark=MARKS[v.mark]) for v in off)
+        ", ", (marked.filled(name=within(v.channel.short), mark=MARKS[v.mark]) for v in off)
     )
     out = counted(len(off), ("is", "are"), ("значение", "значения", "значений"))
     return Text(

@@ -64,6 +64,12 @@ def optional(entry: Entry, *path: str) -> Text:
     return entry.text(*path) if path in entry.places else NO_TEXT
 
 
+def _short(entry: Entry) -> Text:
+    """Return the short text; the whole one if that is missing, or older than `text`."""
+    is_current = entry.order(("short",)) >= entry.order(("text",))
+    return entry.text("short" if is_current else "text")
+
+
 def lamp(entry: Entry, *, is_flag: bool) -> Lamp | None:
     """Build the texts of a flag's lamp; None if it has none."""
     if not _fits(entry, "lamp", ONLY_FOR_FLAGS, fits=is_flag):
@@ -119,6 +125,7 @@ def _derived(
         entry,
         name=name,
         text=entry.text("text"),
+        short=_short(entry),
         inputs=inputs,
         constants=tuple(constants.items()),
         unit_text=unit_texts.get(unit, Text(unit, unit)),
@@ -227,6 +234,7 @@ def _parameter(
         entry,
         name=name,
         text=entry.text("text"),
+        short=_short(entry),
         conversion=conversion,
         literal=literal,
         alternative=alternative,

@@ -233,6 +233,7 @@ FAMILIES: Mapping[str, Family] = {
             "code": integer(0, 0xFF),
             "size": integer(1, 2),
             "text": TEXT,
+            "short": TEXT,
             **CONVERSION,
             "literal": CONVERSION,
             "alternative": CONVERSION,
@@ -253,6 +254,7 @@ FAMILIES: Mapping[str, Family] = {
         mnemonic,
         {
             "text": TEXT,
+            "short": TEXT,
             "formula": string,
             "constants": {ANY: number},
             "accumulates": boolean,

@@ -89,6 +89,7 @@ class ChannelInfo(BaseModel):
     size: int | None
     unit: TwoTexts
     text: TwoTexts
+    short: TwoTexts = Field(description="the text of a small tile")
     decimals: int
     formula: str
     range: tuple[float, float] | None

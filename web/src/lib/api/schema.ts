@@ -110,6 +110,8 @@ export interface components {
             size: number | null;
             unit: components["schemas"]["TwoTexts"];
             text: components["schemas"]["TwoTexts"];
+            /** @description the text of a small tile */
+            short: components["schemas"]["TwoTexts"];
             decimals: number;
             formula: string;
             range: [

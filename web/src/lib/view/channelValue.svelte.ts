@@ -23,6 +23,8 @@ export class ChannelValue {
   readonly age = $derived(this.now.kind === "stale" ? number(this.now.age, this.now.age < 10 ? 1 : 0) : "");
   readonly text = $derived(number(this.value, this.channel?.decimals ?? 0));
   readonly title = $derived.by(() => (this.channel ? localized(this.channel.text) : this.name()));
+  /** The title where there is little room: tiles and legends. */
+  readonly short = $derived.by(() => (this.channel ? localized(this.channel.short) : this.name()));
   readonly unit = $derived(localized(this.channel?.unit));
   readonly extremes = $derived.by<Extremes | undefined>(() => {
     void frameClock.slow;

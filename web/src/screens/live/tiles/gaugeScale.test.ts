@@ -10,6 +10,7 @@ const channel = (about: Partial<Channel>): Channel => ({
   size: 1,
   unit: { en: "", ru: "" },
   text: { en: "", ru: "" },
+  short: { en: "", ru: "" },
   decimals: 0,
   formula: "",
   range: null,
