@@ -11,6 +11,8 @@ function first(): Tone {
 
 class Theme {
   tone = $state<Tone>(first());
+  /** Tokens read before: reading one forces the browser to compute styles. */
+  private readonly tokens = new Map<string, string>();
 
   choose(tone: Tone): void {
     this.tone = tone;
@@ -28,7 +30,13 @@ class Theme {
 
   /** The value of a token of styles/tokens.css, for drawing on a canvas. Read it inside an effect that depends on `tone`. */
   token(name: string): string {
-    return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+    const key = `${this.tone} ${name}`;
+    let value = this.tokens.get(key);
+    if (value === undefined) {
+      value = getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+      this.tokens.set(key, value);
+    }
+    return value;
   }
 }
 

@@ -1,4 +1,4 @@
-// Draws lines on a canvas: sparklines and strips. At most two points a pixel, minimum and maximum, so that spikes stay visible.
+// The path of a line on a canvas: sparklines and strips. Minimum and maximum of each pixel, so that spikes stay visible.
 import { gapThreshold } from "./gapThreshold";
 import type { Columns } from "./columns";
 
@@ -7,25 +7,6 @@ export interface Frame {
   to: number;
   low: number;
   high: number;
-}
-
-/** Clear the canvas and return its context in CSS pixels; null while it has no size. */
-export function prepareCanvas(canvas: HTMLCanvasElement): { context: CanvasRenderingContext2D; width: number; height: number } | null {
-  const width = canvas.clientWidth;
-  const height = canvas.clientHeight;
-  if (width === 0 || height === 0) return null;
-  const scale = window.devicePixelRatio || 1;
-  const across = Math.round(width * scale);
-  const down = Math.round(height * scale);
-  if (canvas.width !== across || canvas.height !== down) {
-    canvas.width = across;
-    canvas.height = down;
-  }
-  const context = canvas.getContext("2d");
-  if (!context) return null;
-  context.setTransform(scale, 0, 0, scale, 0, 0);
-  context.clearRect(0, 0, width, height);
-  return { context, width, height };
 }
 
 /** Minimum and maximum between two times; undefined without values. */
@@ -43,21 +24,22 @@ export function extremesBetween(columns: Columns, name: string, from: number, to
   return min <= max ? { min, max } : undefined;
 }
 
-/** Add the line of `name` to the context's path; the caller strokes it. */
+/** Add the line of `name` to the context's path, in pixels; the caller strokes it. `after`: the line is drawn already up to this time. */
 export function drawTrace(
-  context: CanvasRenderingContext2D,
+  context: Pick<CanvasRenderingContext2D, "moveTo" | "lineTo">,
   columns: Columns,
   name: string,
   frame: Frame,
   width: number,
   height: number,
   pad = 2,
+  after = -Infinity,
 ): void {
   const first = columns.rowAt(frame.from) + 1;
   const last = columns.rowAt(frame.to) + 1;
-  const times = columns.times(first, last);
   const values = columns.column(name, first, last);
   if (!values) return;
+  const times = columns.times(first, last);
   const longest = gapThreshold(columns, name, first, last);
   const perSecond = width / (frame.to - frame.from);
   const perUnit = (height - 2 * pad) / (frame.high - frame.low || 1);
@@ -73,11 +55,14 @@ export function drawTrace(
     context.lineTo(pixel, y(high));
     context.lineTo(pixel, y(end));
   };
-  for (let row = 0; row < values.length; row += 1) {
+  // Begin at the last value that is drawn already.
+  let row = after === -Infinity ? 0 : Math.max(0, columns.rowAt(after) - first);
+  while (row > 0 && Number.isNaN(values[row]!)) row -= 1;
+  for (; row < values.length; row += 1) {
     const value = values[row]!;
     if (Number.isNaN(value)) continue;
     const time = times[row]!;
-    const x = Math.round((time - frame.from) * perSecond * 2) / 2;
+    const x = Math.round((time - frame.from) * perSecond);
     if (x === pixel && time - before <= longest) {
       if (value < low) low = value;
       if (value > high) high = value;

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Channel } from "../../../lib/api/types";
-import { arc, bandsOf, framesOf, rangeOf, share } from "./gaugeScale";
+import { arc, bandsOf, rangeOf, share } from "./gaugeScale";
 
 const channel = (about: Partial<Channel>): Channel => ({
   name: "X",
@@ -86,17 +86,5 @@ describe("its bands", () => {
     expect(share(-3, range)).toBe(0);
     expect(arc(0, 1, 80)).toContain("A80 80 0 1 1");
     expect(arc(0, 0.5, 80)).toContain("A80 80 0 0 1");
-  });
-});
-
-describe("a strip", () => {
-  it("has one scale for each unit", () => {
-    const rpm = channel({ unit: { en: "rpm", ru: "об/мин" } });
-    const seen: Record<string, { min: number; max: number }> = { A: { min: 800, max: 900 }, B: { min: 700, max: 800 }, C: { min: 1, max: 1 } };
-    const frames = framesOf(["A", "B", "C", "D"], (name) => (name === "C" ? channel({}) : rpm), (name) => seen[name]);
-    expect(frames.get("A")).toEqual(frames.get("B"));
-    expect(frames.get("A")).toEqual({ low: 680, high: 920 });
-    expect(frames.get("C")!.high).toBeGreaterThan(frames.get("C")!.low);
-    expect(frames.has("D")).toBe(false);
   });
 });

@@ -81,32 +81,3 @@ export function arc(from: number, to: number, radius: number, x = 100, y = 92): 
 /** A mark across the arc. */
 export const tick = (at: number, inner: number, outer: number, x = 100, y = 92): string =>
   `M${point(at, inner, x, y)}L${point(at, outer, x, y)}`;
-
-/** Scales of a strip's lines: one for each unit, never so narrow that noise in the last digit fills it. */
-export function framesOf(
-  names: readonly string[],
-  channelOf: (name: string) => Channel | undefined,
-  seenOf: (name: string) => { min: number; max: number } | undefined,
-): Map<string, Range> {
-  const groups = new Map<string, { min: number; max: number; least: number; names: string[] }>();
-  for (const name of names) {
-    const seen = seenOf(name);
-    if (!seen) continue;
-    const channel = channelOf(name);
-    const key = channel?.unit.en ? channel.unit.en : `own ${name}`;
-    const least = 8 * 10 ** -(channel?.decimals ?? 0);
-    const group = groups.get(key) ?? { ...seen, least, names: [] };
-    group.min = Math.min(group.min, seen.min);
-    group.max = Math.max(group.max, seen.max);
-    group.least = Math.max(group.least, least);
-    group.names.push(name);
-    groups.set(key, group);
-  }
-  const frames = new Map<string, Range>();
-  for (const group of groups.values()) {
-    const extent = Math.max((group.max - group.min) * 1.2, group.least);
-    const middle = (group.max + group.min) / 2;
-    for (const name of group.names) frames.set(name, { low: middle - extent / 2, high: middle + extent / 2 });
-  }
-  return frames;
-}
