@@ -1,20 +1,24 @@
 """Markers while recording: Enter sets one; the text typed before it is its name.
 
-A thread waits for lines until the end or Ctrl-C: later input is the shell's, also while the
+A thread waits for input until the end or Ctrl-C: later input is the shell's, also while the
 recording is being closed. It reads the descriptor, because a thread blocked in `sys.stdin` would
 keep the process from ending.
+
+Where the typed text can be drawn (`on_typing`), the terminal's own echo is off meanwhile: it would
+write behind the status line, which is redrawn every second and takes the text with it.
 """
 
 from __future__ import annotations
 
+import codecs
 import os
 import select
 import signal
 import sys
 import threading
-from collections.abc import Callable
-from contextlib import suppress
-from typing import Self
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from typing import Any, Final, Self
 
 from mikas.cleaning import clean_line
 from mikas.cli.language import tr
@@ -22,19 +26,70 @@ from mikas.recording.annotations.fields import LONGEST_LINE
 from mikas.recording.recorder import Recorder
 
 _END = b"\0"  # no signal has this number
+_ENTER: Final = "\r\n"
+_BACKSPACE, _KILL_WORD, _KILL_LINE, _ESCAPE = "\b\x7f", "\x17", "\x15", "\x1b"
+
+
+class TypedLine:
+    """A line as it is typed at a terminal without a line editor: backspace, Ctrl-W, Ctrl-U.
+
+    Sequences of the arrow and function keys are left out, and so are other control characters.
+    """
+
+    def __init__(self, encoding: str = "utf-8") -> None:
+        self.text = ""
+        self._decoder = codecs.getincrementaldecoder(encoding)("replace")
+        self._escape = ""
+
+    def feed(self, data: bytes) -> Iterator[str]:
+        """Take typed bytes, and yield the lines that they complete."""
+        for character in self._decoder.decode(data):
+            if self._escape:
+                self._skip(character)
+            elif character in _ENTER:
+                line, self.text = self.text, ""
+                yield clean_line(line.strip(), LONGEST_LINE)
+            elif character in _BACKSPACE:
+                self.text = self.text[:-1]
+            elif character == _KILL_WORD:
+                self.text = "".join(self.text.rstrip().rpartition(" ")[:2])
+            elif character == _KILL_LINE:
+                self.text = ""
+            elif character == _ESCAPE:
+                self._escape = character
+            elif character.isprintable() and len(self.text) < LONGEST_LINE:
+                self.text += character
+
+    def _skip(self, character: str) -> None:
+        """Skip ESC, `[` or `O`, parameters and the final character; Alt with another key."""
+        self._escape += character
+        is_whole = len(self._escape) > 2 and "@" <= character <= "~"
+        if is_whole or self._escape[1] not in "[O" or not character.isprintable():
+            self._escape = ""
 
 
 class Marking:
-    """Listens while in the `with`, if stdin is a terminal of this process group."""
+    """Listens while in the `with`, if stdin is a terminal of this process group.
 
-    def __init__(self, recorder: Recorder, note: Callable[[str], None]) -> None:
+    `on_typing` is called, in another thread, with the text typed so far whenever it changes; None:
+    the terminal shows it. (Windows: the terminal always does.)
+    """
+
+    def __init__(
+        self,
+        recorder: Recorder,
+        note: Callable[[str], None],
+        on_typing: Callable[[str], None] | None = None,
+    ) -> None:
         self._recorder = recorder
         self._note = note
+        self._on_typing = on_typing
         self._count = 0
         self._ended = False
         self._thread: threading.Thread | None = None
         self._waking: tuple[int, int] | None = None  # a pipe: signals, and the end
         self._woken_before = -1
+        self._continued_before: Any = None
 
     def __enter__(self) -> Self:
         if _owns_terminal():
@@ -49,6 +104,7 @@ class Marking:
             os.write(self._waking[1], _END)
         self._thread.join()
         signal.set_wakeup_fd(self._woken_before)
+        signal.signal(signal.SIGCONT, self._continued_before)
         for end in self._waking:
             os.close(end)
 
@@ -59,6 +115,8 @@ class Marking:
             for end in self._waking:
                 os.set_blocking(end, False)
             self._woken_before = signal.set_wakeup_fd(self._waking[1], warn_on_full_buffer=False)
+            # A signal without a handler wakes no descriptor.
+            self._continued_before = signal.signal(signal.SIGCONT, lambda *_: None)
         self._thread = threading.Thread(
             target=self._listen, args=(descriptor, encoding), daemon=True
         )
@@ -73,17 +131,23 @@ class Marking:
             self._note(tr(f"Marker {self._count}{name}.", f"Метка {self._count}{named}."))
 
     def _listen(self, descriptor: int, encoding: str) -> None:
-        while self._wait_for_line(descriptor):
-            try:
-                line = os.read(descriptor, 4096)
-            except OSError:  # put into the background, or the terminal is gone
-                return
-            if not line or (self._ended and self._waking is None):
-                return
-            self.mark(clean_line(line.decode(encoding, "replace").strip(), LONGEST_LINE))
+        on_typing = self._on_typing
+        typed = TypedLine(encoding)
+        with _no_echo(descriptor, off=on_typing is not None) as switch_off:
+            while self._wait_for_input(descriptor, switch_off):
+                try:
+                    data = os.read(descriptor, 4096)
+                except OSError:  # put into the background, or the terminal is gone
+                    return
+                if not data or (self._ended and self._waking is None):
+                    return
+                for label in typed.feed(data):
+                    self.mark(label)
+                if on_typing is not None:
+                    on_typing(typed.text)
 
-    def _wait_for_line(self, descriptor: int) -> bool:
-        """Wait for a line; False at the end or after Ctrl-C."""
+    def _wait_for_input(self, descriptor: int, on_continue: Callable[[], None]) -> bool:
+        """Wait for input; False at the end or after Ctrl-C. `on_continue`: after Ctrl-Z and fg."""
         if self._waking is None:
             return True
         while True:
@@ -93,6 +157,37 @@ class Marking:
             woken = os.read(self._waking[0], 4096)
             if signal.SIGINT in woken or _END in woken:
                 return False
+            if signal.SIGCONT in woken:
+                on_continue()
+
+
+@contextmanager
+def _no_echo(descriptor: int, *, off: bool) -> Iterator[Callable[[], None]]:
+    """Switch echo and line editing of the terminal off meanwhile; Ctrl-C and Ctrl-Z stay.
+
+    Yields a function that does so again: a shell switches them on when the program is stopped.
+    """
+    if not off or os.name != "posix":
+        yield lambda: None
+        return
+    import termios
+
+    def switch_off() -> None:
+        with suppress(termios.error):  # the terminal is gone
+            during = termios.tcgetattr(descriptor)
+            during[3] &= ~(termios.ECHO | termios.ICANON)
+            termios.tcsetattr(descriptor, termios.TCSANOW, during)
+
+    before = None
+    with suppress(termios.error):
+        before = termios.tcgetattr(descriptor)
+    switch_off()
+    try:
+        yield switch_off
+    finally:
+        if before is not None:
+            with suppress(termios.error):
+                termios.tcsetattr(descriptor, termios.TCSANOW, before)
 
 
 def _owns_terminal() -> bool:

@@ -6,12 +6,15 @@ import os
 import pty
 import select
 import signal
+import termios
 import threading
 from contextlib import contextmanager
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from mikas.cli.markers import Marking
+from mikas.cli.markers import Marking, TypedLine
 from mikas.link.base import Direction
 from mikas.recording import CaptureReader
 from mikas.recording.recorder import Recorder
@@ -59,9 +62,9 @@ def waits_in(front: int) -> bytes:
 
 
 @contextmanager
-def marking(recorder: Recorder, front: int):
+def marking(recorder: Recorder, front: int, on_typing=None):
     reported = Told()
-    with Marking(recorder, reported) as listening:
+    with Marking(recorder, reported, on_typing) as listening:
         listening.listen(front)
         yield reported
 
@@ -119,3 +122,57 @@ def test_markers_are_in_the_recording(tmp_path, recorder):
     labels = [n.data["label"] for n in CaptureReader(tmp_path / "a.pcapng").notes()
               if n.kind == "marker"]  # fmt: skip
     assert "hill" in labels
+
+
+def echoes(front: int) -> bool:
+    return bool(termios.tcgetattr(front)[3] & termios.ECHO)
+
+
+def test_what_is_typed_stands_in_the_status_line_and_not_behind_it(recorder):
+    typed: list[str] = []
+    shown = threading.Event()
+
+    def on_typing(text: str) -> None:
+        typed.append(text)
+        shown.set()
+
+    with terminal() as (behind, front):
+        with marking(recorder, front, on_typing) as reported:
+            while echoes(front):  # until the thread listens
+                assert not reported.sentences
+            os.write(behind, b"hil")
+            assert shown.wait(PATIENCE)
+            assert typed[-1]
+            assert "hil".startswith(typed[-1])
+            modes = termios.tcgetattr(front)
+            modes[3] |= termios.ECHO | termios.ICANON
+            termios.tcsetattr(front, termios.TCSANOW, modes)  # a shell, after Ctrl-Z
+            signal.raise_signal(signal.SIGCONT)
+            while echoes(front):
+                assert not reported.sentences
+            os.write(behind, b"k\x7fl\n")
+            assert reported.news.wait(PATIENCE)
+        assert echoes(front), "the shell's terminal is as it was"
+        assert not select.select([behind], [], [], 0)[0], "the terminal has written nothing itself"
+    assert typed[-1] == ""
+    assert "“hill”" in reported.sentences[0] or "«hill»" in reported.sentences[0]
+
+
+def lines(data: bytes, *, bits: int) -> tuple[list[str], str]:
+    line = TypedLine()
+    parts = (data[at : at + bits] for at in range(0, len(data), bits))
+    return [label for part in parts for label in line.feed(part)], line.text
+
+
+def test_keys_that_edit_the_line():
+    assert lines("горка\x7f\x7fб\r".encode(), bits=1) == (["горб"], "")
+    assert lines(b"long hill\x17way\n", bits=3) == (["long way"], "")
+    assert lines(b"wrong\x15right", bits=100) == ([], "right")
+    assert lines(b"a\x1b[Db\x1bOP\x1b[1;5Cc\x1bx\x04\n", bits=2) == (["abc"], "")
+
+
+@given(st.binary(max_size=60), st.integers(1, 60))
+def test_any_bytes_in_any_parts_are_the_same_clean_lines(data: bytes, bits: int):
+    whole = lines(data, bits=1000)
+    assert lines(data, bits=bits) == whole
+    assert all(text.isprintable() for text in (*whole[0], whole[1]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,8 @@ from mikas.cli.render.output import StatusLine
 from mikas.cli.sampling_options import SamplingOptions, sampling_options
 from mikas.errors import usage_error
 from mikas.i18n import Text
+
+_SHOWN = 40  # characters of a name that is being typed
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -105,7 +108,8 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
     progress = StatusLine(output, lambda: _progress(current))
     rotation = _FileRotation(current, rotate)
     try:
-        with Marking(current.recorder, progress.note):
+        show = partial(_show_typed, progress) if progress.live else None
+        with Marking(current.recorder, progress.note, show):
             for event in Notices(current, progress.note, verbose=output.verbose).watch():
                 if output.json:
                     json_line(current, output, event)
@@ -121,6 +125,11 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
     if output.json:
         raise status.failure
     return USAGE  # the notice of the failure stands above
+
+
+def _show_typed(progress: StatusLine, typed: str) -> None:
+    """Show the name of a marker while it is typed."""
+    progress.begin_with(f"{tr('Marker', 'Метка')}: {typed[-_SHOWN:]}▏ " if typed else "")
 
 
 class _FileRotation:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import logging
 import sys
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -69,36 +70,52 @@ class Output:
 
 
 class StatusLine:
-    """A line at the end of stderr, redrawn in place; on a terminal only."""
+    """A line at the end of stderr, redrawn in place; on a terminal only. Any thread may call.
+
+    `live`: whether stderr is a terminal. `before`: stands in front of the text.
+    """
 
     def __init__(self, output: Output, text: Callable[[], str]) -> None:
         self._output = output
         self._text = text
-        self._live = sys.stderr.isatty()
+        self.live = sys.stderr.isatty()
         self._drawn: float | None = None
+        self._before = ""
+        self._writing = threading.RLock()
+
+    def begin_with(self, before: str) -> None:
+        """Draw the line at once with `before` in front of its text, from now on."""
+        with self._writing:
+            self._before = before
+            self._write_text()
 
     def draw(self, time: float) -> None:
         """Draw the line, once a second of the link's clock, which may jump back."""
-        if self._live and (self._drawn is None or not 0 <= time - self._drawn < 1):
+        if self.live and (self._drawn is None or not 0 <= time - self._drawn < 1):
             self._drawn = time
-            self._write(self._text())
+            self._write_text()
 
     def note(self, sentence: str) -> None:
         """Print a notice above the line."""
-        self.clear()
-        self._output.note(sentence)
-        if self._live:
-            self._write(self._text())
+        with self._writing:
+            self.clear()
+            self._output.note(sentence)
+            if self.live:
+                self._write_text()
 
     def clear(self) -> None:
         """Leave an empty line."""
         self._write("")
 
+    def _write_text(self) -> None:
+        self._write(self._before + self._text())
+
     def _write(self, text: str) -> None:
         from shutil import get_terminal_size
 
-        if self._live:
-            terminal.redraw(terminal.cell_text(text)[: get_terminal_size().columns - 1])
+        if self.live:
+            with self._writing:
+                terminal.redraw(terminal.cell_text(text)[: get_terminal_size().columns - 1])
 
 
 def make_table(headers: Sequence[str], rows: Sequence[Sequence[str]], right: str = "") -> Table:
