@@ -128,7 +128,7 @@ class Marking:
             self._count += 1
             name = f" “{label}”" if label else ""
             named = f" «{label}»" if label else ""
-            self._note(tr(f"Marker {self._count}{name}.", f"Метка {self._count}{named}."))
+            self._note(tr(f"Marker {self._count}{name}.", f"Отметка {self._count}{named}."))
 
     def _listen(self, descriptor: int, encoding: str) -> None:
         on_typing = self._on_typing

@@ -37,7 +37,7 @@ class ReadFaults(OnlyCode[tuple[int, ...]]):
 
     CODES: ClassVar[tuple[int, ...]] = (0x02,)
     SOURCE_NAME: ClassVar[str] = "read faults"
-    TITLE: ClassVar[Text] = Text("stored faults", "запомненные неисправности")
+    TITLE: ClassVar[Text] = Text("stored faults", "запомненные ошибки")
 
     def response_lengths(self) -> Sequence[int]:
         return range(1, 2 * _MOST + 2, 2)

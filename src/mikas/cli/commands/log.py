@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         "Записывает весь обмен на линии в FILE (.pcapng), читая параметры NAME до Ctrl-C. Файл "
         "цел в любой момент, даже если компьютер выключится. Если отключён адаптер или выключено "
         "зажигание, ждёт и продолжает в том же файле; для другой машины начинает FILE-2. В "
-        "терминале Enter ставит метку; текст, набранный перед ним, — её имя.",
+        "терминале Enter ставит отметку; текст, набранный перед ним, — её имя.",
     ),
     examples=(
         "mikas log -o drive.pcapng",
@@ -129,7 +129,7 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
 
 def _show_typed(progress: StatusLine, typed: str) -> None:
     """Show the name of a marker while it is typed."""
-    progress.begin_with(f"{tr('Marker', 'Метка')}: {typed[-_SHOWN:]}▏ " if typed else "")
+    progress.begin_with(f"{tr('Marker', 'Отметка')}: {typed[-_SHOWN:]}▏ " if typed else "")
 
 
 class _FileRotation:

@@ -76,7 +76,7 @@ def numbers(value: object) -> frozenset[int]:
             return frozenset(int(fault(n)) for n in value)
     raise usage_error(
         "must be a list of fault numbers from 0 to 255, as [13, 53]",
-        "нужен список номеров неисправностей от 0 до 255, например [13, 53]",
+        "нужен список номеров ошибок от 0 до 255, например [13, 53]",
     )
 
 
