@@ -17,6 +17,10 @@ function first(): Code {
 class Language {
   code = $state<Code>(first());
 
+  get other(): Code {
+    return this.code === "ru" ? "en" : "ru";
+  }
+
   choose(code: Code): void {
     this.code = code;
     saveSetting("language", code);

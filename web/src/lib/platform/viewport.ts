@@ -1,5 +1,7 @@
-// Width classes of the window: `narrow` is too narrow for wide tables (phone, tablet), `phone` is a phone.
+// Width classes of the window: `narrow` is too narrow for wide tables (phone, tablet), `phone` is a phone. `compact` is a phone in either
+// position, where the band has one row and the navigation five screens; styles have the same condition.
 import { MediaQuery } from "svelte/reactivity";
 
 export const narrow = new MediaQuery("max-width: 1000px");
 export const phone = new MediaQuery("max-width: 700px");
+export const compact = new MediaQuery("(max-width: 700px) or (max-height: 500px)");

@@ -1,0 +1,65 @@
+// Where each screen is scrolled to. A screen that is opened starts at its top; Back and Forward return to the position that was left. Each
+// entry of the browser's history has a number, so that the two can be told apart; positions of entries are kept until the page is reloaded.
+import { tick, untrack } from "svelte";
+import { route } from "./router.svelte";
+
+/** What a person does to scroll; it ends the return to a position. */
+const OWN = ["wheel", "touchstart", "pointerdown", "keydown"] as const;
+
+const positions = new Map<number, number>();
+
+/** The number of the present entry; `isNew`: it was not visited before. */
+function entry(): { number: number; isNew: boolean } {
+  const number: unknown = (history.state as { entry?: unknown } | null)?.entry;
+  if (typeof number === "number" && positions.has(number)) return { number, isNew: false };
+  const next = Math.max(0, ...positions.keys()) + 1;
+  positions.set(next, 0);
+  history.replaceState({ entry: next }, "");
+  return { number: next, isNew: true };
+}
+
+/** An attachment for the element that scrolls the screens. */
+export function keepsPositions(box: HTMLElement): () => void {
+  let present = entry().number;
+  // Not tracked: the attachment must not be made again for each screen.
+  let screen = untrack(() => route.screen);
+  let stop = () => {};
+
+  async function moved() {
+    stop();
+    const { number, isNew } = entry();
+    present = number;
+    if (route.screen === screen) return; // the same screen shows something else
+    screen = route.screen;
+    const wanted = isNew ? 0 : (positions.get(number) ?? 0);
+    await tick();
+    if (present === number) stop = returnTo(wanted);
+  }
+
+  const kept = () => positions.set(present, box.scrollTop);
+
+  /** Scroll there, again and again while the screen grows by what it loads. */
+  function returnTo(wanted: number): () => void {
+    const scroll = () => {
+      box.scrollTop = wanted;
+      if (box.scrollTop >= wanted - 1) end();
+    };
+    const growth = new MutationObserver(scroll);
+    const end = () => {
+      growth.disconnect();
+      for (const kind of OWN) removeEventListener(kind, end, true);
+    };
+    growth.observe(box, { childList: true, subtree: true, characterData: true });
+    for (const kind of OWN) addEventListener(kind, end, true);
+    scroll();
+    return end;
+  }
+
+  addEventListener("hashchange", moved);
+  box.addEventListener("scroll", kept, { passive: true });
+  return () => {
+    stop();
+    removeEventListener("hashchange", moved);
+    box.removeEventListener("scroll", kept);
+  };
+}
