@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -35,3 +37,19 @@ def test_many_gaps_are_as_many_bars_as_can_be_seen():
     assert drawn(100, [20, 90], pauses).count('class="pause"') <= 300
     apart = [(1, 2), (50, 60), (98, 99)]
     assert drawn(100, [20, 90], apart).count('class="pause"') == 3
+
+
+def labels(name, values):
+    curve = Envelope(0.0)
+    curve.add(np.linspace(0.0, 60, len(values)), np.array(values, float))
+    drawing = chart(shipped().channel(name), curve, 60, "en").replace("−", "-")
+    return [float(found) for found in re.findall(r'class="value"[^>]*>([^<]*)<', drawing)]
+
+
+def test_noise_does_not_fill_a_chart_and_a_standing_engine_has_no_negative_speed():
+    speed = labels("FREQ", [0, 0])
+    assert speed[0] == 0
+    assert speed[-1] > 800  # to the reference's upper end
+    voltage = labels("UACC", [14.1, 14.2])
+    assert voltage[-1] - voltage[0] >= 1.5
+    assert labels("TAIR", [-3, 5])[0] < 0

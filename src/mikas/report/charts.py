@@ -47,7 +47,7 @@ def chart(
 ) -> Markup:
     """Return the drawing. `seconds`: length of the time axis; spans are in seconds on it."""
     reference = getattr(channel, "reference", None)
-    ends = _ends(curve, reference, 10.0**-channel.decimals)
+    ends = _ends(curve, reference, channel)
     plot = _Frame(max(seconds, curve.width), *ends)
     parts = [
         _svg("title", label),
@@ -128,14 +128,21 @@ def _runs(there: NDArray[np.bool_]) -> Iterator[range]:
         yield piece.tolist()
 
 
-def _ends(curve: Envelope, reference: Span | None, step: float) -> Span:
-    """Return the ends of the value axis: all values and the reference are between them."""
+def _ends(curve: Envelope, reference: Span | None, channel: Channel) -> Span:
+    """Return the ends of the value axis: all values and the reference are between them.
+
+    It has the catalog's least span, and no negative part for a channel without negative values.
+    """
     low, high = float(np.nanmin(curve.least)), float(np.nanmax(curve.most))
     if reference is not None:
         low, high = min(low, reference[0]), max(high, reference[1])
     low, high = max(low, -_HUGE), min(high, _HUGE)
-    room = max((high - low) * 0.06, 2 * step, 1e-9 * max(abs(low), abs(high)))
-    return (0.0 if 0 <= low < room else low - room), high + room
+    lacking = ((channel.least_span or 0) - (high - low)) / 2
+    room = max((high - low) * 0.06, lacking, 1e-9 * max(abs(low), abs(high)))
+    possible = getattr(channel, "range", None) or channel.gauge_scale or (0, 0)
+    if 0 <= low < room and possible[0] >= 0:
+        return 0.0, high + 2 * room - low
+    return low - room, high + room
 
 
 def _value_axis(plot: _Frame, channel: Channel, language: Language) -> Iterator[Markup]:

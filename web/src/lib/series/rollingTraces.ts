@@ -24,7 +24,7 @@ export interface Look {
 
 export class RollingTraces {
   private width = 0;
-  private height = 0;
+  height = 0;
   private readonly observer: ResizeObserver;
   /** What the canvas shows: all that must be equal for a shift. */
   private key = "";

@@ -1,39 +1,20 @@
-// Scales of a strip's lines: one for each unit. They change seldom, and noise in the last digit does not fill them.
-import type { Channel } from "../../../lib/api/types";
-import { steadyScale } from "../../../lib/series/rollingTraces";
-import type { Range } from "./gaugeScale";
+// The axes of a strip's lines. They change seldom, since the whole strip is drawn again then: when a value leaves its axis, when the
+// values need less than a third of it, or when lines would cover each other.
+import { anyCovered, axesOf, leastSpan, type Axis, type Line } from "../../../lib/series/valueAxis";
 
-interface Group {
-  min: number;
-  max: number;
-  least: number;
-  names: string[];
+/** The axis of each line; `before`: the last answer, for the same lines. */
+export function steadyAxes(lines: readonly Line[], before: readonly Axis[], height: number): readonly Axis[] {
+  const fit = before.length === lines.length && fits(lines, before) && !anyCovered(lines, before, height);
+  return fit ? before : axesOf(lines, height);
 }
 
-/** The scale of each line with values; `before`: the last answer. */
-export function scalesOf(
-  names: readonly string[],
-  before: ReadonlyMap<string, Range>,
-  channelOf: (name: string) => Channel | undefined,
-  seenOf: (name: string) => { min: number; max: number } | undefined,
-): Map<string, Range> {
-  const groups = new Map<string, Group>();
-  for (const name of names) {
-    const seen = seenOf(name);
-    if (!seen) continue;
-    const channel = channelOf(name);
-    const unit = channel?.unit.en || `own ${name}`;
-    const group = groups.get(unit) ?? { ...seen, least: 0, names: [] };
-    group.min = Math.min(group.min, seen.min);
-    group.max = Math.max(group.max, seen.max);
-    group.least = Math.max(group.least, channel?.span_least ?? 1);
-    group.names.push(name);
-    groups.set(unit, group);
+function fits(lines: readonly Line[], axes: readonly Axis[]): boolean {
+  const needed = new Map<Axis, number>();
+  for (const [index, { channel, seen }] of lines.entries()) {
+    const axis = axes[index]!;
+    if (!seen || channel?.flag) continue;
+    if (seen.min < axis.low || seen.max > axis.high) return false;
+    needed.set(axis, Math.max(needed.get(axis) ?? 0, seen.max - seen.min, leastSpan(channel)));
   }
-  const scales = new Map<string, Range>();
-  for (const group of groups.values()) {
-    const scale = steadyScale(before.get(group.names[0]!), group, group.least);
-    for (const name of group.names) scales.set(name, scale);
-  }
-  return scales;
+  return [...needed].every(([{ low, high }, least]) => high - low <= 3 * least);
 }

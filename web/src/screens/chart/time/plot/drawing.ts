@@ -26,6 +26,20 @@ export function drawing(columns: Columns, second: Later | null, names: readonly 
   return { ...mergeTimelines(own, other, lag), holes: [...broken, ...later] };
 }
 
+/** The extremes of the points in the window; if it has none, of those beside it, between which the line passes. */
+export function seenIn(times: readonly number[], cells: Cells, from: number, to: number): { min: number; max: number } | null {
+  let min = Infinity;
+  let max = -Infinity;
+  for (let row = 0; row < cells.length; row += 1) {
+    const value = cells[row];
+    if (value === null || value === undefined || times[row]! < from || times[row]! > to) continue;
+    if (value < min) min = value;
+    if (value > max) max = value;
+  }
+  if (min <= max) return { min, max };
+  return from === -Infinity ? null : seenIn(times, cells, -Infinity, Infinity);
+}
+
 /** Where each line is interrupted. Afterwards null is replaced by undefined: both draw nothing, and a single kind is faster. */
 function brokenIn(gathered: Decimated, columns: Columns, names: readonly string[], from: number, to: number): [number, number][][] {
   const first = Math.max(0, columns.rowAt(from));

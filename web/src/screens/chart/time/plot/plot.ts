@@ -1,11 +1,12 @@
-// One pane as a uPlot: series, scales and axes from its traces, gaps hatched behind the lines. Cursor, wheel and gestures are implemented
-// here, not by uPlot.
+// One pane as a uPlot: series and axes from its traces, gaps hatched behind the lines. Each line has a scale of its own, whose range is
+// computed when it is drawn (`paneAxes`). Cursor, wheel and gestures are implemented by the chart, not by uPlot.
 import uPlot from "uplot";
 import { number } from "../../../../lib/i18n";
 import type { Channel } from "../../../../lib/api/types";
+import { axisKey, type Axis } from "../../../../lib/series/valueAxis";
 import { counted, timesOfDay } from "./timeAxis";
 import { wrapText, type GapBand } from "../data/flags";
-import { fitting, lane, stretched } from "./scales";
+import { stretched } from "./scales";
 import type { Stretch, Trace } from "../view.svelte";
 
 export const LEFT = 58;
@@ -36,52 +37,40 @@ export interface PlotPlan {
   zero: number | null;
   look: Look;
   stretch: () => Stretch | undefined;
+  /** The axis of that series (from 0), computed before each drawing; undefined: not drawn yet. */
+  axisOf: (series: number) => Axis | undefined;
   gaps: () => GapBand[];
   /** Gaps of that series (from 0) as [from, to]. */
   gapsOf: (series: number) => readonly [number, number][];
   reason: (gap: GapBand) => string;
 }
 
-/** Traces with the same unit share a scale; a flag has its own, at the foot of the pane. */
-export function scaleOf(trace: Trace, channel: Channel | undefined, stacked: boolean): string {
-  if (stacked || channel?.flag || !channel?.unit.en) return `own ${trace.name}`;
-  return channel.unit.en;
+/** The keys of the axes in the order of the traces; at most two of them are drawn. Flags have no axis. */
+export function axesDrawn(traces: readonly Trace[], channel: PlotPlan["channel"], stacked: boolean): string[] {
+  if (stacked) return [];
+  const shown = traces.filter(({ name, hidden }) => !hidden && !channel(name)?.flag);
+  return [...new Set(shown.map(({ name }) => axisKey(name, channel(name))))].slice(0, 2);
 }
 
-/** Scales in the order of their axes; at most two axes are drawn. */
-export function scalesOf(traces: readonly Trace[], channel: PlotPlan["channel"], stacked: boolean): string[] {
-  return [...new Set(traces.filter(({ hidden }) => !hidden).map((trace) => scaleOf(trace, channel(trace.name), stacked)))];
-}
-
-/** The smallest extent of a scale: several steps of the last digit, and a little of the plausible range. */
-function minExtent(channel: Channel | undefined): number {
-  const steps = 8 * 10 ** -(channel?.decimals ?? 0);
-  const range = channel?.range ? channel.range[1] - channel.range[0] : 0;
-  return Math.max(steps, range * 0.02);
-}
+const scaleOf = (series: number) => `line ${series}`;
 
 export function makePlot(plan: PlotPlan, width: number, height: number, target: HTMLElement): uPlot {
   const visible = plan.traces.filter(({ hidden }) => !hidden);
-  const keys = scalesOf(plan.traces, plan.channel, plan.stacked);
   const { look, zero } = plan;
+  const lines = zero === null ? visible.length : 2 * visible.length;
   const scales: uPlot.Scales = { x: { time: zero === null, auto: false } };
-  keys.forEach((key, index) => {
-    const channels = visible.filter((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key).map(({ name }) => plan.channel(name));
-    const flag = channels.every((channel) => channel?.flag);
-    const floor = Math.max(...channels.map(minExtent));
-    scales[key] = {
-      range: (_, min, max) => {
-        const fits: [number, number] = flag ? [-0.15, plan.stacked ? 1.15 : 4] : fitting(min, max, floor);
-        const own = plan.stacked ? lane(fits, index, keys.length) : fits;
-        return stretched(own, plan.stretch());
+  for (let series = 0; series < lines; series += 1) {
+    scales[scaleOf(series)] = {
+      range: () => {
+        const { low, high } = plan.axisOf(series) ?? { low: 0, high: 1 };
+        return stretched([low, high], plan.stretch());
       },
     };
+  }
+  const drawn = axesDrawn(visible, plan.channel, plan.stacked).map((key) => {
+    const own = visible.filter(({ name }) => !plan.channel(name)?.flag && axisKey(name, plan.channel(name)) === key);
+    return { series: visible.indexOf(own[0]!), colour: own.length === 1 ? look.traces[own[0]!.colour - 1]! : look.muted };
   });
-  const colourOf = (key: string) => {
-    const own = visible.filter((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key);
-    return own.length === 1 ? look.traces[own[0]!.colour - 1]! : look.muted;
-  };
-  const drawn = plan.stacked ? [] : keys.filter((key) => !isFlag(plan, key)).slice(0, 2);
   const axis = { font: look.font, grid: { stroke: look.grid, width: 1 }, ticks: { stroke: look.grid, width: 1, size: 4 } };
   const times = zero === null ? { values: (_: uPlot, splits: number[], __: number, ___: number, step: number) => timesOfDay(splits, step) } : counted(zero);
   const axes: uPlot.Axis[] = [
@@ -95,16 +84,22 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
       space: 90,
       ticks: { ...axis.ticks, show: plan.foot },
     },
-    ...drawn.map((key, index) => ({
-      ...axis,
-      scale: key,
-      side: (index === 0 ? 3 : 1) as 3 | 1,
-      size: index === 0 ? LEFT : LEFT,
-      space: 34,
-      stroke: colourOf(key),
-      grid: index === 0 ? axis.grid : { show: false },
-      values: (_: uPlot, splits: number[]) => splits.map((value) => number(value)),
-    })),
+    ...drawn.map(({ series, colour }, index) => {
+      // Below 0 there may be room, but there are no values: nothing is labelled there.
+      const filter = (_: uPlot, splits: number[]) => splits.map((value) => (plan.axisOf(series)?.floor && value < 0 ? null : value));
+      return {
+        ...axis,
+        scale: scaleOf(series),
+        side: (index === 0 ? 3 : 1) as 3 | 1,
+        size: LEFT,
+        space: 34,
+        stroke: colour,
+        filter,
+        ticks: { ...axis.ticks, filter },
+        grid: index === 0 ? { ...axis.grid, filter } : { show: false },
+        values: (_: uPlot, splits: (number | null)[]) => splits.map((value) => (value === null ? null : number(value))),
+      };
+    }),
   ];
   const left = drawn.length > 0 ? 0 : LEFT;
   const right = plan.second ? (drawn.length > 1 ? 0 : LEFT) : RIGHT;
@@ -112,7 +107,7 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
     const channel = plan.channel(trace.name);
     return {
       label: trace.name,
-      scale: scaleOf(trace, channel, plan.stacked),
+      scale: scaleOf(index + (second ? visible.length : 0)),
       stroke: look.traces[trace.colour - 1]!,
       width: second ? 1.25 : 1.75,
       ...(second ? { dash: DASH.map((length) => length * devicePixelRatio) } : {}),
@@ -138,9 +133,6 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
     target,
   );
 }
-
-const isFlag = (plan: PlotPlan, key: string) =>
-  plan.traces.some((trace) => scaleOf(trace, plan.channel(trace.name), plan.stacked) === key && plan.channel(trace.name)?.flag);
 
 /** Interruptions of a line in canvas pixels: gaps of the connection, and times in which this channel has no value. */
 function interruptions(plot: uPlot, plan: PlotPlan, series: number, second: boolean): uPlot.Series.Gaps {

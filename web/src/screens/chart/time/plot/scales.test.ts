@@ -1,21 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { fitting, lane, stretched } from "./scales";
-
-describe("fitting", () => {
-  it("adds room", () => {
-    const [low, high] = fitting(0, 100, 1);
-    expect(low).toBeLessThan(0);
-    expect(high).toBeGreaterThan(100);
-  });
-
-  it("does not enlarge noise", () => {
-    const [low, high] = fitting(14.1, 14.2, 0.8);
-    expect(low).toBeCloseTo(13.75);
-    expect(high).toBeCloseTo(14.55);
-    expect(fitting(5, 5, 2)).toEqual([4, 6]);
-    expect(fitting(null, null, 1)).toEqual([0, 1]);
-  });
-});
+import { lane, paneAxes, stretched } from "./scales";
 
 describe("stretched", () => {
   it("scales around the centre and shifts by shares", () => {
@@ -34,5 +18,20 @@ describe("lane", () => {
       expect(at(40, range)).toBeCloseTo(index * 100);
       expect(at(20, range)).toBeCloseTo((index + 1) * 100);
     }
+  });
+});
+
+describe("the axes of a stacked pane", () => {
+  it("keep each trace, and the second recording's, in a lane of its own", () => {
+    const line = (name: string, min: number, max: number) => ({ name, channel: undefined, seen: { min, max } });
+    const axes = paneAxes([line("A", 0, 100), line("B", 5, 5), line("A", 20, 200), line("B", 5, 5)], 2, true, 400);
+    const height = (index: number, value: number) => (value - axes[index]!.low) / (axes[index]!.high - axes[index]!.low);
+    for (const [index, value] of [[0, 0], [0, 100], [2, 20], [2, 200]] as const) {
+      expect(height(index, value)).toBeGreaterThan(0.5);
+      expect(height(index, value)).toBeLessThan(1);
+    }
+    expect(height(1, 5)).toBeGreaterThan(0);
+    expect(height(1, 5)).toBeLessThan(0.5);
+    expect(height(3, 5)).toBeGreaterThan(height(1, 5));
   });
 });
