@@ -132,7 +132,7 @@ class Engine:
         self.time = 0.0
         self._applied = frozenset(self.faults)
         lost = Lost.by(self._applied)
-        self._plant = plant_at_start(scenario.start, scenario.timeline, seed, lost)
+        self._plant = plant_at_start(scenario, seed, lost)
         self._state: EngineState | None = None  # at `time`, once computed
         self._future: Plant | None = None  # a copy of the plant, advanced further
         self._ahead: deque[tuple[float, float]] = deque()  # (cycles, rpm) of each step from now

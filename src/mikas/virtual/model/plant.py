@@ -15,7 +15,7 @@ from mikas.virtual.model.physics import STEP, TO_RADIANS
 from mikas.virtual.model.program import Program
 from mikas.virtual.model.sensors import NOTHING, Lost, Signals
 from mikas.virtual.model.vehicle import Board, Heat, Vehicle
-from mikas.virtual.scenarios.scenario import Start
+from mikas.virtual.scenarios.scenario import Condition, Scenario, Start
 from mikas.virtual.scenarios.timeline import Inputs, ScenarioTimeline
 
 NOISE = 16381  # entries, 8.5 minutes; a prime, so that every stride visits all of them
@@ -32,21 +32,24 @@ def noise_table(seed: int) -> tuple[float, ...]:
     return tuple(max(-3.0, min(3.0, source.gauss(0.0, 1.0))) for _ in range(NOISE))
 
 
-def plant_at_start(start: Start, timeline: ScenarioTimeline, seed: int, lost: Lost) -> Plant:
+def plant_at_start(scenario: Scenario, seed: int, lost: Lost) -> Plant:
     """Return a new plant at second 0: a copy, since a running engine takes 0.1 s to settle."""
-    return _settled_plant(start, timeline, seed, lost).fork()
+    car = scenario.start, scenario.condition, scenario.timeline
+    return _settled_plant(*car, seed, lost).fork()
 
 
 @lru_cache(maxsize=32)
-def _settled_plant(start: Start, timeline: ScenarioTimeline, seed: int, lost: Lost) -> Plant:
-    plant = _warm_plant(start, timeline, seed).fork()
+def _settled_plant(
+    start: Start, condition: Condition, timeline: ScenarioTimeline, seed: int, lost: Lost
+) -> Plant:
+    plant = _warm_plant(start, condition, timeline, seed).fork()
     plant.begin(lost)
     return plant
 
 
 @lru_cache(maxsize=8)
-def _warm_plant(start: Start, timeline: ScenarioTimeline, seed: int) -> Plant:
-    return Plant(start, timeline, seed)
+def _warm_plant(start: Start, condition: Condition, timeline: ScenarioTimeline, seed: int) -> Plant:
+    return Plant(start, condition, timeline, seed)
 
 
 class Plant:
@@ -56,20 +59,24 @@ class Plant:
     """
 
     __slots__ = (
-        "_burning", "_burnt", "_fuel", "_noise", "_signals", "_start", "_timeline", "_viscosity",
-        "board", "crank", "cycles", "fuel_used", "heat", "key", "manifold", "program",
+        "_burning", "_burnt", "_condition", "_fuel", "_noise", "_signals", "_start", "_timeline",
+        "_viscosity", "board", "crank", "cycles", "fuel_used", "heat", "key", "manifold", "program",
         "step_number", "vehicle",
     )  # fmt: skip
 
-    def __init__(self, start: Start, timeline: ScenarioTimeline, seed: int) -> None:
+    def __init__(
+        self, start: Start, condition: Condition, timeline: ScenarioTimeline, seed: int
+    ) -> None:
         self._start = start
+        self._condition = condition
         self._timeline = timeline
         self._noise = noise_table(seed)
-        self.heat = Heat(start)
-        self.board = Board(start)
+        self.heat = Heat(start, condition.thermostat)
+        self.board = Board(start, condition)
         self.vehicle = Vehicle(timeline.at(0.0), running=start.running)
-        self.program = Program(NOTHING, start.coolant, self.heat.intake_air)
-        self._signals = Signals(start.coolant, self.heat.intake_air)
+        shown = start.coolant + condition.coolant_sensor
+        self.program = Program(NOTHING, shown, self.heat.intake_air, condition.idle_valve)
+        self._signals = Signals(shown, self.heat.intake_air)
         self._viscosity = ph.VISCOSITY(start.coolant)
         self._burning = self.key = start.running
         self._fuel = 0.0  # mg a stroke, really injected
@@ -136,9 +143,11 @@ class Plant:
         charge, flow = self._breathe(rpm, signals.demand)
         if inputs.key:
             signals.rpm = rpm
-            signals.throttle = self.vehicle.throttle
-            signals.air = max(0.0, flow * (1 + 0.006 * table[(number * 3 + 991) % NOISE]))
-            signals.coolant, signals.intake_air = self.heat.coolant, self.heat.intake_air
+            signals.throttle = self._shown_throttle()
+            heard = flow * (1 + 0.006 * table[(number * 3 + 991) % NOISE])
+            signals.air = max(0.0, heard * self._condition.air_meter)
+            signals.coolant = self._shown_coolant
+            signals.intake_air = self.heat.intake_air
             ripple = 0.02 if rpm > 500 else 0.12 if self.vehicle.starter else 0.005
             signals.voltage = self.board.voltage + ripple * table[(number * 5 + 2003) % NOISE]
             program.step(signals, self._burnt, self._knock_limit(rpm, charge, number))
@@ -152,7 +161,7 @@ class Plant:
 
     def _turn_key(self, key: bool) -> None:
         if key and not self.key:
-            self.program.power_on(self.heat.coolant, self.heat.intake_air)
+            self.program.power_on(self._shown_coolant, self.heat.intake_air)
         elif self.key and not key:
             self.program.power_off()
         self.key = key
@@ -165,21 +174,34 @@ class Plant:
         chance = 1.1 * self._noise[(number * 11 + 7001) % NOISE]
         heat = self.heat
         limit = ph.knock_limit(rpm, charge / ph.STROKE_AIR, heat.intake_air, heat.coolant)
-        return limit - chance
+        return limit - chance - self._condition.knock
+
+    @property
+    def _shown_coolant(self) -> float:
+        return self.heat.coolant + self._condition.coolant_sensor
+
+    def _shown_throttle(self) -> float:
+        """Return what the throttle's sensor shows: 0 where its track is worn through."""
+        opening, dead = self.vehicle.throttle, self._condition.throttle_dead
+        return 0.0 if dead is not None and dead[0] <= opening <= dead[1] else opening
 
     def _breathe(self, rpm: float, demand: float) -> tuple[float, float]:
-        """Set the manifold's pressure; return mg into a cylinder, kg/h through the throttle."""
+        """Set the manifold's pressure; return mg into a cylinder, kg/h through the air meter.
+
+        A leak joins behind the throttle: the engine gets that air, the meter does not see it.
+        """
         before = self.manifold
         if demand <= 0.05:
             self.manifold += (1.0 - before) * 0.2
             return 0.0, 0.0
-        inlet = ph.throttle_air(self.vehicle.throttle) + self.program.idle.valve * ph.VALVE_FLOW
+        metered = ph.throttle_air(self.vehicle.throttle) + self.program.idle.valve * ph.VALVE_FLOW
+        inlet = metered + self._condition.leak
         delay = EMPTYING * 120 / (rpm * ph.FILLING(rpm))
         self.manifold += (ph.manifold(inlet, demand) - before) * STEP / (delay + STEP)
         thick = demand * ph.density(self.heat.intake_air)
         taken = self.manifold * thick
         filled = (self.manifold - before) / STEP * delay * thick
-        return ph.air_per_stroke(taken, rpm), taken + filled
+        return ph.air_per_stroke(taken, rpm), (taken + filled) * (metered / inlet)
 
     def _catches(self) -> bool:
         """Return whether the engine fires: a cold one only after some turns."""
@@ -200,7 +222,8 @@ class Plant:
         if rpm < 330 and not car.starter:
             torque -= 40.0  # too slow for the flywheel to overcome the compression
         if car.starter:
-            torque += max(0.0, 75.0 * (self.board.voltage / 9.5) - 0.22 * rpm)
+            pull = 75.0 * (self.board.voltage / 9.5) * self._condition.starter
+            torque += max(0.0, pull - 0.22 * rpm)
         torque -= self.board.step(
             rpm, key=self.key, starter=car.starter, burning=burning, fan=program.fan
         )

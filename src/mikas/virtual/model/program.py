@@ -93,9 +93,10 @@ class IdleControl:
     `valve_set` and `valve` in steps.
     """
 
-    __slots__ = ("_air_trim", "_speed_trim", "air_set", "idle", "valve", "valve_set")
+    __slots__ = ("_air_trim", "_speed_trim", "_sticks", "air_set", "idle", "valve", "valve_set")
 
-    def __init__(self, phase: Phase, valve: float) -> None:
+    def __init__(self, phase: Phase, valve: float, sticks: float = 0.0) -> None:
+        self._sticks = sticks  # steps; the valve moves only when it is further off
         self.idle = False
         self.air_set = phase.start_air
         self.valve_set = self.valve = valve
@@ -120,7 +121,9 @@ class IdleControl:
         self.air_set += (goal - self.air_set) * STEP / (0.15 + STEP)
         flow = self.air_set / ph.density(sensors.intake_air) - ph.THROTTLE_LEAK
         self.valve_set = max(0.0, min(255.0, flow / ph.VALVE_FLOW + self._air_trim))
-        self.valve += max(-FASTEST, min(FASTEST, (self.valve_set - self.valve) * 0.3))
+        off = self.valve_set - self.valve
+        if abs(off) > self._sticks:
+            self.valve += max(-FASTEST, min(FASTEST, off * 0.3))
 
     def _learn(self, error: float, air: float) -> None:
         limited = min(120.0, error) if error > -250 else -20.0  # above: it may be coasting
@@ -279,16 +282,17 @@ PARKED = 40.0  # position of the idle valve before it is first driven
 class Program:
     """One control unit."""
 
-    __slots__ = ("fan", "idle", "mixture", "phase", "sensors", "spark")
+    __slots__ = ("_sticks", "fan", "idle", "mixture", "phase", "sensors", "spark")
 
-    def __init__(self, lost: Lost, coolant: float, intake_air: float) -> None:
+    def __init__(self, lost: Lost, coolant: float, intake_air: float, sticks: float = 0.0) -> None:
+        self._sticks = sticks  # of the idle valve
         self._begin(lost, coolant, intake_air, PARKED)
 
     def _begin(self, lost: Lost, coolant: float, intake_air: float, valve: float) -> None:
         self.fan = False
         self.sensors = Sensors(lost, coolant, intake_air)
         self.phase = Phase(coolant, intake_air)
-        self.idle = IdleControl(self.phase, valve)
+        self.idle = IdleControl(self.phase, valve, self._sticks)
         self.mixture = MixtureControl(self.phase)
         self.spark = SparkControl()
 

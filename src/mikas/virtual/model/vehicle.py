@@ -13,22 +13,24 @@ from __future__ import annotations
 
 from mikas.virtual.model import physics as ph
 from mikas.virtual.model.physics import STEP, TO_RADIANS
-from mikas.virtual.scenarios.scenario import Start
+from mikas.virtual.scenarios.scenario import Condition, Start
 from mikas.virtual.scenarios.timeline import Inputs
 
 HEAT_CAPACITY = 60e3  # J/K
 TO_COOLANT = 0.29  # share of the petrol's heat
 BOILING = 112.0  # °C under the cap's pressure; steam then takes the heat away
 FLAT = 5.5  # V: below this the starter only clicks
+EMPTYING = 0.02  # V that a battery loses with each Ah
 THERMOSTAT = (80.0, 92.0)  # °C: begins to open, fully open
 
 
 class Heat:
     """Temperatures: `coolant`, and `intake_air` at its sensor."""
 
-    __slots__ = ("ambient", "coolant", "intake_air")
+    __slots__ = ("_least_open", "ambient", "coolant", "intake_air")
 
-    def __init__(self, start: Start) -> None:
+    def __init__(self, start: Start, least_open: float = 0.0) -> None:
+        self._least_open = least_open  # the thermostat's share that never closes
         self.ambient = start.ambient
         self.coolant = start.coolant
         self.intake_air = self._steady_air(14.0, 0.0) if start.running else start.ambient
@@ -37,7 +39,9 @@ class Heat:
         """Advance by `seconds` with `fuel` in l/h, `air` in kg/h, `speed` in m/s."""
         burnt = fuel * ph.PETROL / 3600 * ph.PETROL_HEAT * 1e6  # W
         open_share = (self.coolant - THERMOSTAT[0]) / (THERMOSTAT[1] - THERMOSTAT[0])
-        radiator = max(0.0, min(1.0, open_share)) * (12 + (110 if fan else 0) + 28 * speed)
+        radiator = max(self._least_open, min(1.0, open_share)) * (
+            12 + (110 if fan else 0) + 28 * speed
+        )
         lost = (self.coolant - self.ambient) * (16 + 1.2 * speed + radiator)
         lost += max(0.0, self.coolant - BOILING) * 4000
         self.coolant += (burnt * TO_COOLANT - lost) / HEAT_CAPACITY * seconds
@@ -53,9 +57,10 @@ class Heat:
 class Board:
     """Battery and alternator: the board's voltage."""
 
-    __slots__ = ("_deficit", "_resistance", "_rest", "voltage")
+    __slots__ = ("_condition", "_deficit", "_resistance", "_rest", "voltage")
 
-    def __init__(self, start: Start) -> None:
+    def __init__(self, start: Start, condition: Condition) -> None:
+        self._condition = condition
         cold = max(0.0, 20.0 - start.ambient)
         self._resistance = 0.0125 * (1 + 0.006 * cold) / start.battery  # Ohm
         self._rest = 12.75 - 0.006 * cold - 0.8 * (1 - start.battery)
@@ -68,9 +73,13 @@ class Board:
         torque = 0.0
         if rpm > 500 and key and not starter:
             supply = min(65.0, 34.0 + (rpm - 850) * 0.018)
+            supply *= self._condition.alternator
             charge = min(20.0, 2.0 + 12.0 * self._deficit)
             lack = max(0.0, used + charge - supply)
-            goal = 14.15 - 0.04 * lack - 0.004 * (used - 20)
+            goal = self._condition.regulator - 0.04 * lack - 0.004 * (used - 20)
+            if supply < used and self._condition.alternator < 1:  # the battery gives the rest
+                charge = supply - used
+                goal = self._rest + self._resistance * charge - EMPTYING * self._deficit
             self._deficit = max(0.0, self._deficit - charge * STEP / 3600)
             torque = min(supply, used + charge) * goal / 0.55 / (rpm * ph.TO_RADIANS)
         else:

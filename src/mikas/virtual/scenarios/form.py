@@ -20,6 +20,7 @@ from mikas.catalog.loading.fields import (
     boolean,
     choice,
     read_table,
+    span,
     string,
 )
 from mikas.catalog.loading.source import CatalogFile
@@ -143,6 +144,18 @@ TIMELINE: Schema = {
     "gear": track(0, 5, smooth=False),
     "speed": track(0, 200),
 }
+CONDITION: Schema = {
+    "alternator": number(0, 1),
+    "regulator": number(12, 18),
+    "starter": number(0.2, 1),
+    "thermostat": number(0, 1),
+    "leak": number(0, 30),
+    "idle_valve": number(0, 60),
+    "air_meter": number(0.3, 2),
+    "coolant_sensor": number(-40, 40),
+    "throttle_dead": span,
+    "knock": number(0, 20),
+}
 FORM: Schema = {
     "name": string,
     "duration": number(1, 1e6),
@@ -151,6 +164,7 @@ FORM: Schema = {
     "text": TEXT,
     "start": START,
     "timeline": TIMELINE,
+    "condition": CONDITION,
     "values": {ANY: pinned},
     "raw": {ANY: hex_bytes},
     "faults": numbers,

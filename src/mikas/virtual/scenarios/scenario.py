@@ -34,6 +34,28 @@ class Start:
 
 
 @dataclass(frozen=True, slots=True)
+class Condition:
+    """Wear and defects of the car that raise no fault number by themselves.
+
+    The default is a sound car. The amounts are the model's, not a measurement.
+    """
+
+    alternator: float = 1.0  # share of its current; 0: it gives nothing
+    regulator: float = 14.15  # V that it aims at
+    starter: float = 1.0  # share of its torque
+    thermostat: float = 0.0  # share that it stays open, cold or not
+    leak: float = 0.0  # kg/h of air behind the throttle, past the meter, at full suction
+    idle_valve: float = 0.0  # steps by which its set position must differ before it moves
+    air_meter: float = 1.0  # what it shows, against the true flow
+    coolant_sensor: float = 0.0  # °C that it shows too much
+    throttle_dead: tuple[float, float] | None = None  # % between which its sensor shows 0
+    knock: float = 0.0  # ° by which the engine knocks earlier: bad petrol, deposits
+
+
+SOUND = Condition()
+
+
+@dataclass(frozen=True, slots=True)
 class Scenario:
     """One scenario. `values`, `raw`, `faults`, `passports` and `memory` are pinned."""
 
@@ -41,6 +63,7 @@ class Scenario:
     text: Text
     start: Start
     timeline: ScenarioTimeline
+    condition: Condition = SOUND
     values: Mapping[str, float | bool] = field(default_factory=dict)  # physical, by parameter
     raw: Mapping[str, bytes] = field(default_factory=dict)  # by parameter
     faults: frozenset[int] = frozenset()
@@ -66,7 +89,8 @@ def from_source(source: CatalogFile) -> Scenario:
     start = form.get("start", {})
     ambient = start.get("ambient", ROOM)
     start = {"ambient": ambient, "coolant": ambient, "coolant_at_start": ambient} | start
-    return Scenario(name, Text(**text), Start(**start), _timeline(form), **pins)
+    condition = Condition(**form.get("condition", {}))
+    return Scenario(name, Text(**text), Start(**start), _timeline(form), condition, **pins)
 
 
 def find(name: str) -> Scenario:

@@ -1,0 +1,170 @@
+"""A guided test as data: steps, measures and rules, as `loading` makes them from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from mikas.catalog import Catalog, Derived
+from mikas.catalog.formula_syntax import Parsed
+from mikas.catalog.model import in_order
+from mikas.i18n import Text
+
+SECONDS = "SECONDS"
+"""In the formulas of a step: seconds since it began."""
+
+
+class Outcome(StrEnum):
+    """A verdict. In this order, the later one outweighs the earlier."""
+
+    GOOD = "good"
+    UNKNOWN = "unknown"
+    ATTENTION = "attention"
+    BAD = "bad"
+
+
+class Confidence(StrEnum):
+    """How sure a finding is, from least to most."""
+
+    LOW = "low"
+    MEDIUM = "medium"
+    HIGH = "high"
+
+    @property
+    def less(self) -> Confidence:
+        """The next lower one."""
+        return Confidence.MEDIUM if self is Confidence.HIGH else Confidence.LOW
+
+
+class Statistic(StrEnum):
+    """What a measure computes from the values of its formula.
+
+    `slope` is per minute. `jump`: the largest change from one reading to the next. `fall`: the
+    largest drop below an earlier value, in time or in the order of `by`. `seconds`: how long the
+    formula was true; `share`: in which percentage of the readings.
+    """
+
+    MIN = "min"
+    MAX = "max"
+    MEAN = "mean"
+    MEDIAN = "median"
+    FIRST = "first"
+    LAST = "last"
+    SLOPE = "slope"
+    SPREAD = "spread"
+    PERCENTILE = "percentile"
+    JUMP = "jump"
+    FALL = "fall"
+    SECONDS = "seconds"
+    SHARE = "share"
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One instruction, and when it is done.
+
+    After `prepare` seconds the step is done once `until` has held for `hold` seconds without a gap.
+    Its measures take the readings of that time, or with `whole` all since `prepare`. After
+    `timeout` seconds `advice` is shown; the step goes on. `by_hand`: no data show that the driver
+    did it. `targets`: by channel, where its value belongs. In the data no input may be missing for
+    longer than `longest_gap` seconds, and each comes at least `rate` times a second.
+    """
+
+    name: str
+    text: Text
+    until: Parsed | None
+    hold: float
+    prepare: float
+    whole: bool
+    by_hand: bool
+    timeout: float
+    advice: Text
+    watch: tuple[str, ...]
+    targets: Mapping[str, tuple[float, float]]
+    longest_gap: float
+    rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """One number: `statistic` of the formula `of` over the readings of a step where `when` is true.
+
+    `last`: only those of the last seconds. `fewest`: readings that it needs. `resolution`: the
+    step of the raw value, if `of` is a parameter alone; 0: unknown.
+    """
+
+    name: str
+    text: Text
+    step: str
+    of: Parsed
+    when: Parsed | None
+    by: Parsed | None
+    statistic: Statistic
+    percentile: float
+    last: float | None
+    fewest: int
+    unit: Text
+    decimals: int
+    resolution: float
+
+    @property
+    def formulas(self) -> Iterator[Parsed]:
+        """Its formulas."""
+        return (each for each in (self.of, self.when, self.by) if each is not None)
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """`when` over measures gives `outcome`; `text` has the measures in braces."""
+
+    name: str
+    when: Parsed
+    formula: str
+    outcome: Outcome
+    text: Text
+    check: Text
+    doubt: Text
+    confidence: Confidence
+
+
+@dataclass(frozen=True, slots=True)
+class GuidedTest:
+    """One test. `start`: must be true before the first step; `needs` is that in words.
+
+    `own`: from a file of the user. `channels`: the parameters to sample, those of the formulas and
+    the watched ones. `chart`: channels drawn with the verdict.
+    """
+
+    name: str
+    title: Text
+    finds: Text
+    minutes: float
+    needs: Text
+    start: Parsed | None
+    chart: tuple[str, ...]
+    steps: tuple[Step, ...]
+    measures: Mapping[str, Measure]
+    rules: tuple[Rule, ...]
+    channels: tuple[str, ...]
+    own: bool = False
+
+    @property
+    def by_hand(self) -> bool:
+        """Whether a step can't be found in a recording."""
+        return any(step.by_hand for step in self.steps)
+
+
+def parameters_of(catalog: Catalog, names: Iterator[str] | tuple[str, ...]) -> tuple[str, ...]:
+    """Return the parameters that channels need, derived ones by their inputs, each once."""
+    found: dict[str, None] = {}
+    for name in names:
+        if name == SECONDS:
+            continue
+        channel = catalog.channel(name)
+        if not isinstance(channel, Derived):
+            found[channel.name] = None
+            continue
+        for each in in_order(catalog.derived, [channel.name]):
+            found |= dict.fromkeys(it for it in each.inputs if it not in catalog.derived)
+    return tuple(found)

@@ -1,0 +1,298 @@
+"""A test in progress: rows with times in, the present step and at the end the result out.
+
+No clock and no line: the time is that of the rows, so a running session, a simulated one and a
+recording are the same. The order is fixed: the start condition, then each step until it is done or
+skipped. A step never fails by itself: after its timeout its advice is shown and it goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from math import isfinite
+from typing import Final
+
+from mikas.catalog import Catalog
+from mikas.catalog.formulas import Calculation
+from mikas.guided.definition import GuidedTest, Measure, Step, parameters_of
+from mikas.guided.measuring import Measured, StepRows, Values, formulas_inputs, holds
+from mikas.guided.result import MOST_POINTS, Curve, StepDone, TestResult
+from mikas.guided.verdict import judge, number_of
+from mikas.i18n import Text
+
+_BACK: Final = 0.5  # s by which rows may come late; more, and the clock has run back
+_START_GAP: Final = 2.0  # s that values of the start condition may be old
+_START_HOLD: Final = 0.5
+
+
+class Phase(StrEnum):
+    """What the test waits for."""
+
+    START = "start"  # the start condition
+    PREPARE = "prepare"  # the driver's hands
+    UNTIL = "until"  # the condition of the step
+    HOLD = "hold"  # the condition holds; its time runs
+    DONE = "done"
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """The state of a test, `now`. `step`: its number from 0; None before the first.
+
+    `seconds`: since the step began; `held` of `hold`: how long its condition has held; `late`:
+    longer than its timeout. `values`: of the watched channels; `lacking`: parameters of the test
+    without a value just now.
+    """
+
+    phase: Phase
+    step: int | None
+    seconds: float
+    held: float
+    hold: float
+    late: bool
+    values: Mapping[str, float]
+    lacking: tuple[str, ...]
+
+
+class TestEngine:
+    """Runs `test` once. `result` is None until its last step is done."""
+
+    __test__ = False  # for pytest
+
+    def __init__(self, test: GuidedTest, catalog: Catalog) -> None:
+        self.test = test
+        self.result: TestResult | None = None
+        self._catalog = catalog
+        self._values = Values(catalog)
+        self._measured: dict[str, Measured] = {}
+        self._done: list[StepDone] = []
+        self._curves = {name: _CurveBuilder() for name in test.chart}
+        self._time: float | None = None
+        self._begun: float | None = None  # the first step
+        self._ready_since: float | None = None
+        self._start = Calculation(test.start) if test.start else None
+        self._step: _StepRun | None = None
+
+    def take(self, time: float, values: Mapping[str, float]) -> None:
+        """Take a row: the values that were read at `time`, by the parameter's name."""
+        if self.result is not None:
+            return
+        if self._time is not None and time < self._time - _BACK:
+            self._restart_clock(time)
+        self._time = time if self._time is None else max(self._time, time)
+        self._values.take(time, values)
+        if self._step is None:
+            if not self._ready(time):
+                return
+            self._begun = time
+            self._enter(time)
+        self._draw(time, values)
+        assert self._step is not None
+        if self._step.take(time, values):
+            self._leave(time, skipped=False)
+
+    def skip(self) -> None:
+        """End the present step without its measures; before the first step nothing happens."""
+        if self._step is not None and self._time is not None and self.result is None:
+            self._leave(self._time, skipped=True)
+
+    def progress(self, now: float | None = None) -> Progress:
+        """Return the state; `now`: the link's time, by default that of the last row."""
+        last = self._time or 0.0
+        now = last if now is None else max(now, last)
+        run = self._step
+        if self.result is not None or run is None:
+            phase = Phase.START if self.result is None else Phase.DONE
+            names = formulas_inputs([self.test.start]) or self.test.steps[0].watch
+            needed = parameters_of(self._catalog, names)
+            gap, seconds = _START_GAP, 0.0
+        else:
+            phase, names, needed = run.phase(now), run.step.watch, run.needed
+            gap, seconds = max(_START_GAP, run.step.longest_gap), now - run.began
+        values = self._values.at(now, names, gap)
+        lacking = () if phase is Phase.DONE else self._lacking(now, needed, gap)
+        return Progress(
+            phase=phase,
+            step=None if run is None else len(self._done),
+            seconds=seconds,
+            held=run.held(now) if run else 0.0,
+            hold=run.step.hold if run else 0.0,
+            late=run is not None and seconds > run.step.timeout,
+            values=values,
+            lacking=lacking,
+        )
+
+    def _lacking(self, now: float, needed: tuple[str, ...], gap: float) -> tuple[str, ...]:
+        ages = ((name, self._values.age(now, name)) for name in needed)
+        return tuple(name for name, age in ages if age is None or age > gap)
+
+    def _ready(self, time: float) -> bool:
+        if self._start is None:
+            return True
+        values = self._values.at(time, self._start.inputs, _START_GAP)
+        if not holds(self._start, values):
+            self._ready_since = None
+        elif self._ready_since is None:
+            self._ready_since = time
+        return self._ready_since is not None and time - self._ready_since >= _START_HOLD
+
+    def _enter(self, time: float) -> None:
+        step = self.test.steps[len(self._done)]
+        measures = [each for each in self.test.measures.values() if each.step == step.name]
+        self._step = _StepRun(step, measures, self._catalog, self._values, time)
+
+    def _leave(self, time: float, *, skipped: bool) -> None:
+        run = self._step
+        assert run is not None
+        self._measured |= run.measured(time, skipped=skipped)
+        step = run.step
+        self._done.append(StepDone(step.name, step.text, run.began, time, skipped))
+        if len(self._done) < len(self.test.steps):
+            self._enter(time)
+            return
+        self._step = None
+        self._finish(time)
+
+    def _finish(self, time: float) -> None:
+        verdict = judge(self.test, self._measured)
+        channels = ((self._catalog.channel(name), it) for name, it in self._curves.items())
+        self.result = TestResult(
+            test=self.test.name,
+            title=self.test.title,
+            began=time if self._begun is None else self._begun,
+            ended=time,
+            outcome=verdict.outcome,
+            findings=verdict.findings,
+            missing=verdict.missing,
+            numbers=tuple(number_of(self._measured[name]) for name in self.test.measures),
+            steps=tuple(self._done),
+            curves=tuple(
+                it.curve(channel.name, channel.text, channel.unit_text) for channel, it in channels
+            ),
+        )
+
+    def _draw(self, time: float, values: Mapping[str, float]) -> None:
+        latest = self._values.at(time, tuple(self._curves), _START_GAP)
+        for name, curve in self._curves.items():
+            if name in latest and (name in values or name in self._catalog.derived):
+                curve.add(time, latest[name])
+
+    def _restart_clock(self, time: float) -> None:
+        """Begin the present step anew: no time passes between a clock's two lives."""
+        self._time = time
+        self._values.clear()
+        self._ready_since = None
+        if self._step is not None:
+            self._enter(time)
+
+
+class _StepRun:
+    """One step in progress, begun at `began`."""
+
+    def __init__(
+        self,
+        step: Step,
+        measures: list[Measure],
+        catalog: Catalog,
+        values: Values,
+        began: float,
+    ) -> None:
+        self.step, self.began = step, began
+        self._measures, self._catalog, self._values = measures, catalog, values
+        self._until = Calculation(step.until) if step.until else None
+        inputs = formulas_inputs([step.until, *(f for each in measures for f in each.formulas)])
+        self.needed = parameters_of(catalog, inputs)
+        self._rows = StepRows(self.needed, began)
+        self._held_since: float | None = None
+        self._last = began  # the row before
+
+    @property
+    def _ready_at(self) -> float:
+        return self.began + self.step.prepare
+
+    def take(self, time: float, fresh: Mapping[str, float]) -> bool:
+        """Take a row; return whether the step is done."""
+        if time < self._ready_at:
+            return False
+        step = self.step
+        if self.needed and not any(name in fresh for name in self.needed):
+            return False
+        if time - self._last > step.longest_gap:
+            self._held_since = None
+            if not step.whole:
+                self._rows.clear()
+        self._last = time
+        latest = self._values.at(time, self.needed, step.longest_gap)
+        if step.whole:
+            self._rows.add(time, latest, fresh)
+        if not self._holds(time):
+            self._held_since = None
+            if not step.whole:
+                self._rows.clear()
+            return False
+        if self._held_since is None:
+            self._held_since = time
+        if not step.whole:
+            self._rows.add(time, latest, fresh)
+        return time - self._held_since >= step.hold
+
+    def _holds(self, time: float) -> bool:
+        """Return whether the condition holds, without a gap since the row before."""
+        if self._until is None:
+            return True
+        values = self._values.at(time, self._until.inputs, self.step.longest_gap)
+        return holds(self._until, {**values, "SECONDS": time - self.began})
+
+    def measured(self, time: float, *, skipped: bool) -> dict[str, Measured]:
+        """Return the measures at the end of the step."""
+        if skipped:
+            return {each.name: Measured(each, None, why=_SKIPPED) for each in self._measures}
+        return {
+            each.name: self._rows.measured(each, self.step, time, self._catalog)
+            for each in self._measures
+        }
+
+    def phase(self, now: float) -> Phase:
+        """Return what the step waits for."""
+        if now < self._ready_at:
+            return Phase.PREPARE
+        return Phase.UNTIL if self._held_since is None else Phase.HOLD
+
+    def held(self, now: float) -> float:
+        """Return how long the condition has held; while it waits, the seconds of preparation."""
+        if now < self._ready_at or self._held_since is None:
+            return 0.0
+        return min(self.step.hold, now - self._held_since)
+
+
+class _CurveBuilder:
+    """A channel's lowest and highest values in spans that grow with the test."""
+
+    def __init__(self) -> None:
+        self._points: list[tuple[float, float, float]] = []
+        self._width = 0.0
+
+    def add(self, time: float, value: float) -> None:
+        if not isfinite(value):
+            return
+        points = self._points
+        if points and 0 <= time - points[-1][0] < self._width:
+            began, low, high = points[-1]
+            points[-1] = began, min(low, value), max(high, value)
+            return
+        points.append((time, value, value))
+        if len(points) > MOST_POINTS:
+            pairs = zip(points[::2], points[1::2], strict=False)
+            rest = points[len(points) // 2 * 2 :]
+            joined = [(a[0], min(a[1], b[1]), max(a[2], b[2])) for a, b in pairs]
+            self._points = joined + rest
+            self._width = max(2 * self._width, (time - self._points[0][0]) / len(self._points))
+
+    def curve(self, name: str, text: Text, unit: Text) -> Curve:
+        columns = zip(*self._points, strict=True) if self._points else ((), (), ())
+        times, lows, highs = (tuple(round(it, 4) for it in column) for column in columns)
+        return Curve(name, text, unit, times, lows, highs)
+
+
+_SKIPPED: Final = Text("the step was skipped", "шаг пропущен")

@@ -1,0 +1,311 @@
+"""The result of a test: its verdict with rules, numbers and doubt. Also as JSON, and as text.
+
+The JSON is a note of a recording and a file of the state folder, so anything may be in it: `read`
+bounds every part, and returns None for what is no result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import Any, Final
+
+from mikas.cleaning import clean_line, clean_text, is_in_calendar
+from mikas.guided.definition import Confidence, Outcome
+from mikas.i18n import Text
+
+_LONGEST: Final = 4000  # characters of a text
+_MOST: Final = 60  # steps, numbers, findings
+_MOST_CURVES: Final = 12
+MOST_POINTS: Final = 400  # of a curve
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A measure. `value` None: not measured, for the reason `why`."""
+
+    name: str
+    text: Text
+    value: float | None
+    unit: Text
+    decimals: int
+    count: int
+    rate: float
+    why: Text
+
+    @property
+    def shown(self) -> Text:
+        """The value with its unit; a dash without one."""
+        if self.value is None:
+            return Text("—", "—")
+        number = f"{self.value:.{self.decimals}f}".replace("-", "−")
+        units = (f" {unit}" if unit else "" for unit in self.unit)
+        return Text(*(f"{it}{unit}" for it, unit in zip(_local(number), units, strict=True)))
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A rule that holds: its formula, and its texts with the values filled in."""
+
+    rule: str
+    formula: str
+    outcome: Outcome
+    text: Text
+    check: Text
+    doubt: Text
+    confidence: Confidence
+
+
+@dataclass(frozen=True, slots=True)
+class StepDone:
+    """A step and its time. `skipped`: by the user, so its numbers are missing."""
+
+    name: str
+    text: Text
+    began: float
+    ended: float
+    skipped: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A channel over the test: lowest and highest value from each of `times` to the next."""
+
+    name: str
+    text: Text
+    unit: Text
+    times: tuple[float, ...]
+    lows: tuple[float, ...]
+    highs: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TestResult:
+    """A finished test. `missing`: why rules could not be decided."""
+
+    __test__ = False  # for pytest
+
+    test: str
+    title: Text
+    began: float
+    ended: float
+    outcome: Outcome
+    findings: tuple[Finding, ...]
+    missing: tuple[Text, ...]
+    numbers: tuple[Number, ...]
+    steps: tuple[StepDone, ...]
+    curves: tuple[Curve, ...]
+
+    @property
+    def verdict(self) -> Text:
+        """The verdict in a sentence."""
+        leading = [each.text for each in self.findings if each.outcome is self.outcome]
+        if leading:
+            return leading[0]
+        return Text(
+            "Can't tell: the data do not decide it.", "Нельзя сказать: по этим данным не решить."
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the result as JSON values."""
+        return {
+            "test": self.test,
+            "title": self.title._asdict(),
+            "began": self.began,
+            "ended": self.ended,
+            "outcome": self.outcome.value,
+            "findings": [
+                {
+                    "rule": it.rule,
+                    "formula": it.formula,
+                    "outcome": it.outcome.value,
+                    "text": it.text._asdict(),
+                    "check": it.check._asdict(),
+                    "doubt": it.doubt._asdict(),
+                    "confidence": it.confidence.value,
+                }
+                for it in self.findings
+            ],
+            "missing": [text._asdict() for text in self.missing],
+            "numbers": [
+                {
+                    "name": it.name,
+                    "text": it.text._asdict(),
+                    "value": it.value,
+                    "unit": it.unit._asdict(),
+                    "decimals": it.decimals,
+                    "count": it.count,
+                    "rate": it.rate,
+                    "why": it.why._asdict(),
+                }
+                for it in self.numbers
+            ],
+            "steps": [
+                {
+                    "name": it.name,
+                    "text": it.text._asdict(),
+                    "began": it.began,
+                    "ended": it.ended,
+                    "skipped": it.skipped,
+                }
+                for it in self.steps
+            ],
+            "curves": [
+                {
+                    "name": it.name,
+                    "text": it.text._asdict(),
+                    "unit": it.unit._asdict(),
+                    "times": list(it.times),
+                    "lows": list(it.lows),
+                    "highs": list(it.highs),
+                }
+                for it in self.curves
+            ],
+        }
+
+    def as_text(self) -> Text:
+        """Return the result as lines of text, for a message or a terminal."""
+        return Text("\n".join(self._lines("en")), "\n".join(self._lines("ru")))
+
+    def _lines(self, language: Any) -> list[str]:  # noqa: ANN401  (a Language, as `Text.to` takes)
+        def words(text: Text) -> str:
+            return text.to(language)
+
+        lines = [f"{words(self.title)}: {words(OUTCOMES[self.outcome])}", words(self.verdict)]
+        lines += [
+            words(each.text)
+            for each in self.findings
+            if each.text != self.verdict and each.outcome is not Outcome.GOOD
+        ]
+        for each in self.findings:
+            if each.check.en:
+                lines.append(f"{words(_CHECK)} {words(each.check)}")
+        lines += [f"{words(_MISSING)} {words(each)}" for each in self.missing]
+        lines += [
+            f"{words(each.text)}: {words(each.shown)}"
+            + (f" ({words(each.why)})" if each.value is None else "")
+            for each in self.numbers
+        ]
+        for each in self.findings:
+            sure = f"{words(_RULE)} {each.formula}; {words(SURE[each.confidence])}"
+            lines.append(f"{sure}. {words(each.doubt)}".rstrip())
+        return lines
+
+
+OUTCOMES: Final[Mapping[Outcome, Text]] = {
+    Outcome.GOOD: Text("good", "в порядке"),
+    Outcome.ATTENTION: Text("attention", "обратите внимание"),
+    Outcome.BAD: Text("bad", "неисправно"),
+    Outcome.UNKNOWN: Text("can't tell", "нельзя сказать"),
+}
+SURE: Final[Mapping[Confidence, Text]] = {
+    Confidence.HIGH: Text("confidence: high", "уверенность: высокая"),
+    Confidence.MEDIUM: Text("confidence: medium", "уверенность: средняя"),
+    Confidence.LOW: Text("confidence: low", "уверенность: низкая"),
+}
+_CHECK: Final = Text("Check next:", "Проверьте дальше:")
+_MISSING: Final = Text("Not decided:", "Не решено:")
+_RULE: Final = Text("Rule:", "Правило:")
+
+
+def read(data: object, *, shift: float = 0.0) -> TestResult | None:
+    """Return the result in JSON values from a file; None for anything else.
+
+    `shift` is added to its times.
+    """
+    try:
+        found = _read(data)
+    except (KeyError, TypeError, ValueError):
+        return None
+    return replace(found, began=found.began + shift, ended=found.ended + shift)
+
+
+def _read(data: Any) -> TestResult:  # noqa: ANN401  (any JSON)
+    return TestResult(
+        test=_line(data["test"]),
+        title=_both(data["title"]),
+        began=_time(data["began"]),
+        ended=_time(data["ended"]),
+        outcome=Outcome(data["outcome"]),
+        findings=tuple(
+            Finding(
+                _line(it["rule"]),
+                _line(it["formula"]),
+                Outcome(it["outcome"]),
+                _both(it["text"]),
+                _both(it["check"]),
+                _both(it["doubt"]),
+                Confidence(it["confidence"]),
+            )
+            for it in _list(data["findings"])
+        ),
+        missing=tuple(map(_both, _list(data["missing"]))),
+        numbers=tuple(
+            Number(
+                _line(it["name"]),
+                _both(it["text"]),
+                None if it["value"] is None else _number(it["value"]),
+                _both(it["unit"]),
+                min(4, max(0, int(it["decimals"]))),
+                int(_number(it["count"])),
+                _number(it["rate"]),
+                _both(it["why"]),
+            )
+            for it in _list(data["numbers"])
+        ),
+        steps=tuple(
+            StepDone(
+                _line(it["name"]),
+                _both(it["text"]),
+                _time(it["began"]),
+                _time(it["ended"]),
+                it["skipped"] is True,
+            )
+            for it in _list(data["steps"])
+        ),
+        curves=tuple(map(_curve, _list(data["curves"])[:_MOST_CURVES])),
+    )
+
+
+def _curve(data: Any) -> Curve:  # noqa: ANN401  (any JSON)
+    columns = [tuple(map(_number, data[key][:MOST_POINTS])) for key in ("times", "lows", "highs")]
+    if len({len(column) for column in columns}) != 1:
+        raise ValueError("columns of different lengths")
+    return Curve(_line(data["name"]), _both(data["text"]), _both(data["unit"]), *columns)
+
+
+def _list(value: object) -> list[Any]:
+    if not isinstance(value, list):
+        raise TypeError("no list")
+    return value[:_MOST]
+
+
+def _line(value: object) -> str:
+    if not isinstance(value, str):
+        raise TypeError("no text")
+    return clean_line(value, _LONGEST)
+
+
+def _both(value: Any) -> Text:  # noqa: ANN401  (any JSON)
+    en, ru = value["en"], value["ru"]
+    if not isinstance(en, str) or not isinstance(ru, str):
+        raise TypeError("no text")
+    return Text(clean_text(en, _LONGEST), clean_text(ru, _LONGEST))
+
+
+def _number(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise TypeError("no number")
+    return float(value)
+
+
+def _time(value: object) -> float:
+    time = _number(value)
+    if not is_in_calendar(abs(time)):
+        raise ValueError("no time of the calendar")
+    return time
+
+
+def _local(number: str) -> Text:
+    return Text(number, number.replace(".", ","))

@@ -1,0 +1,140 @@
+"""From measures to a verdict: the rules in their order, and how sure each is.
+
+Every rule that holds is a finding, and the worst decides. A rule whose measures are missing can't
+be decided, and where a rule of verdict `unknown` holds nothing can: then nothing is called good. A
+value within one step of its channel from a limit lowers the confidence of what it decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import nan
+from typing import Final, NamedTuple
+
+from mikas.catalog.formulas import Calculation
+from mikas.guided.definition import GuidedTest, Outcome, Rule
+from mikas.guided.measuring import Measured, holds
+from mikas.guided.result import Finding, Number
+from mikas.i18n import Text, joined
+
+_ORDER: Final = tuple(Outcome)
+
+
+class Verdict(NamedTuple):
+    """The outcome, the rules that hold, and why others could not be decided."""
+
+    outcome: Outcome
+    findings: tuple[Finding, ...]
+    missing: tuple[Text, ...]
+
+
+def judge(test: GuidedTest, measured: Mapping[str, Measured]) -> Verdict:
+    """Apply the rules of `test` to its measures."""
+    values = {name: nan if it.value is None else it.value for name, it in measured.items()}
+    found: list[Finding] = []
+    good: list[Finding] = []
+    missing: dict[Text, None] = {}
+    near_limit: dict[Text, None] = {}
+    for rule in test.rules:
+        calculation = Calculation(rule.when)
+        lacking = [name for name in calculation.inputs if measured[name].value is None]
+        if lacking:
+            missing |= {_why(measured[name]): None for name in lacking}
+            continue
+        near = list(_near(rule, values, measured))
+        if rule.outcome is not Outcome.GOOD:
+            near_limit |= dict.fromkeys(near)
+        if not holds(calculation, values):
+            continue
+        if rule.outcome is Outcome.UNKNOWN:
+            missing |= {_finding(rule, measured, []).text: None}
+        else:
+            kept = good if rule.outcome is Outcome.GOOD else found
+            kept.append(_finding(rule, measured, near))
+    if found:
+        worst = max((it.outcome for it in found), key=_ORDER.index)
+        return Verdict(worst, tuple(found), tuple(missing))
+    if missing:
+        return Verdict(Outcome.UNKNOWN, (), tuple(missing))
+    if good:
+        return Verdict(Outcome.GOOD, (_doubted(good[0], near_limit),), ())
+    return Verdict(Outcome.UNKNOWN, (), (_NO_RULE,))
+
+
+def number_of(measured: Measured) -> Number:
+    """Return a measure for the result."""
+    measure = measured.measure
+    return Number(
+        name=measure.name,
+        text=measure.text,
+        value=measured.value,
+        unit=measure.unit,
+        decimals=measure.decimals,
+        count=measured.count,
+        rate=round(measured.rate, 2),
+        why=measured.why,
+    )
+
+
+def _finding(rule: Rule, measured: Mapping[str, Measured], near: list[Text]) -> Finding:
+    shown = {name: number_of(it).shown for name, it in measured.items()}
+    made = Finding(
+        rule=rule.name,
+        formula=rule.formula,
+        outcome=rule.outcome,
+        text=rule.text.filled(**shown),
+        check=rule.check.filled(**shown),
+        doubt=rule.doubt.filled(**shown),
+        confidence=rule.confidence,
+    )
+    return _doubted(made, dict.fromkeys(near))
+
+
+def _doubted(finding: Finding, near: Mapping[Text, None]) -> Finding:
+    """Return the finding with less confidence if values are `near` a limit."""
+    more = [text for text in near if text.en not in finding.doubt.en]
+    if not more:
+        return finding
+    doubt = joined(" ", [text for text in (finding.doubt, *more) if text.en])
+    return Finding(
+        finding.rule,
+        finding.formula,
+        finding.outcome,
+        finding.text,
+        finding.check,
+        doubt,
+        finding.confidence.less,
+    )
+
+
+def _near(
+    rule: Rule, values: Mapping[str, float], measured: Mapping[str, Measured]
+) -> Iterator[Text]:
+    """Yield the measures by which the rule would turn over, one step of the channel away."""
+    calculation = Calculation(rule.when)
+    now = holds(calculation, values)
+    for name in calculation.inputs:
+        step = measured[name].measure.resolution
+        moved = ({**values, name: values[name] + sign * step} for sign in (-0.5, 0.5))
+        if step and any(holds(calculation, each) is not now for each in moved):
+            measure = measured[name].measure
+            size = f"{step:.{measure.decimals}f}"
+            units = [f" {unit}" if unit else "" for unit in measure.unit]
+            steps = Text(size + units[0], size.replace(".", ",") + units[1])
+            yield _NEAR.filled(text=measure.text, step=steps)
+
+
+def _why(measured: Measured) -> Text:
+    return Text(
+        f"{measured.measure.text.en}: {measured.why.en}",
+        f"{measured.measure.text.ru}: {measured.why.ru}",
+    )
+
+
+_NEAR: Final = Text(
+    "“{text}” is within one step of its channel ({step}) from a limit of the rules.",
+    "«{text}» отличается от границы правила меньше чем на один шаг канала ({step}).",
+)
+_NO_RULE: Final = Text(
+    "no rule of the test fits these numbers", "к этим числам не подходит ни одно правило"
+)
