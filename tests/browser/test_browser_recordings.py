@@ -118,6 +118,18 @@ def test_the_report_is_shown_and_opens_by_itself(recorded, visitor):
     expect(opened.value.locator("body")).to_contain_text("M71 PROG")
 
 
+def test_with_a_recording_open_the_report_is_of_that_and_says_so(recorded, visitor):
+    tab = visitor(recorded.url).show("recordings")
+    tab.find("tbody").get_by_role("button", name="Open drive.pcapng").click()
+    tab.page.get_by_role("navigation").get_by_role("link", name="Report").click()
+    heading, frame = tab.page.locator("h1"), tab.page.frame_locator("iframe")
+    expect(heading).to_have_text("Report: recording drive")
+    expect(frame.locator("header")).to_contain_text("From the recording drive.pcapng")
+    tab.page.get_by_label("Source").select_option("live")
+    expect(heading).to_have_text("Report: live car")
+    expect(frame.locator("header")).not_to_contain_text("drive.pcapng")
+
+
 def test_deleting_asks(recorded, visitor):
     tab = visitor(recorded.url).show("recordings")
     tab.press("Delete drive.pcapng")

@@ -34,15 +34,15 @@ def rows(seconds=60.0, rate=10.0, *, start=START, **changed) -> Rows:
     return Rows(start + times, values)
 
 
-def measured(*stretches: Rows, catalog=None):
+def measured(*stretches: Rows, catalog=None, events=()):
     names = dict.fromkeys(name for stretch in stretches for name in stretch.values)
-    measuring = MeasurementCollector(catalog or shipped(), names)
+    measuring = MeasurementCollector(catalog or shipped(), names, events)
     for stretch in stretches:
         measuring.add(stretch)
     return measuring.measured
 
 
-def found(*stretches: Rows, faults: tuple[int, ...] | None = (), **how) -> Findings:
+def found(*stretches: Rows, faults: tuple[int, ...] | None = (), events=(), **how) -> Findings:
     catalog = shipped()
     subject = ReportSubject(
         catalog,
@@ -52,4 +52,4 @@ def found(*stretches: Rows, faults: tuple[int, ...] | None = (), **how) -> Findi
             **{"file": "drive.pcapng", "date": datetime(2026, 5, 9, 12, 30, tzinfo=UTC)} | how
         ),
     )
-    return find(subject, measured(*stretches or (rows(),)))
+    return find(subject, measured(*stretches or (rows(),), events=events))

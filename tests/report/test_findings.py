@@ -80,14 +80,14 @@ def test_values_without_a_reference_are_never_judged() -> None:
 
 
 def test_what_is_off_is_in_the_sentence() -> None:
-    findings = found(rows(JAIR=11.2, UACC=12.9), faults=(13,))
+    findings = found(rows(JAIR=11.2, UACC=12.9), faults=(41,))
     assert findings.outcome is Outcome.ATTENTION
     assert summary_sentence(findings).en == (
-        "1 fault is stored: 13; at warm idle 2 of the 8 values that can be rated are outside the "
+        "1 fault is stored: 41; at warm idle 2 of the 8 values that can be rated are outside the "
         "normal range: battery voltage (low), air flow (low)."
     )
     assert summary_sentence(findings).ru == (
-        "В памяти блока 1 ошибка: 13; на прогретом холостом ходу вне нормы 2 значения из 8: "
+        "В памяти блока 1 ошибка: 41; на прогретом холостом ходу вне нормы 2 значения из 8: "
         "напряжение бортсети (ниже нормы), расход воздуха (ниже нормы)."
     )
     all_texts(findings)
@@ -119,7 +119,7 @@ def test_a_median_inside_is_inside_however_it_trembles() -> None:
 
 
 def test_nothing_is_judged_that_was_not_at_warm_idle() -> None:
-    findings = found(rows(TWAT=45, UACC=9.0, JAIR=200.0))
+    findings = found(rows(TWAT=45, UACC=11.0, JAIR=200.0))
     assert findings.rated == ()
     assert not findings.at_idle
     assert findings.outcome is Outcome.OPEN
@@ -204,9 +204,13 @@ def test_a_fault_and_its_values_know_of_each_other() -> None:
     assert [[v.channel.name for v in each.values] for each in findings.faults] == [
         ["JAIR"], ["JAIR"], ["TWAT"],
     ]  # fmt: skip
-    bearing = {value.channel.name: value.faults for value in findings.rated if value.faults}
+    bearing = {value.channel.name: value.sensor for value in findings.suspended}
     assert bearing == {"JAIR": (13, 14), "TWAT": (21,)}
-    assert "Whether the engine was warm: fault 21" in all_texts(findings)
+    assert {"JAIR", "TWAT"}.isdisjoint(marks(findings))
+    texts = all_texts(findings)
+    assert "Whether the engine was at warm idle: the coolant temperature shows it" in texts
+    assert "the sensor's fault 21" in texts
+    assert "whether that was warm idle is not certain" in texts
 
 
 def test_what_the_file_could_not_tell() -> None:

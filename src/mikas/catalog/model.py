@@ -322,7 +322,9 @@ class Parameter:
 class Fault:
     """A fault number of command 02. `check`: the first thing to check. `parameters`: related ones.
 
-    `informational`: the number is a message, not a fault (12). An unknown number has no text.
+    `sensor`: those that come from the sensor whose circuit is faulty; the unit may use a substitute
+    value for them. `informational`: the number is a message, not a fault (12). An unknown number
+    has no text.
     """
 
     code: int
@@ -330,6 +332,7 @@ class Fault:
     check: Text = NO_TEXT
     check_confidence: Confidence = Confidence.UNKNOWN
     parameters: tuple[str, ...] = ()
+    sensor: tuple[str, ...] = ()
     confidence: Confidence = Confidence.UNKNOWN
     sources: tuple[str, ...] = ()
     informational: bool = False

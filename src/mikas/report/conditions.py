@@ -46,7 +46,9 @@ def rows(found: Findings, language: Language) -> Iterator[tuple[str, str]]:
     )
     yield label("idle"), idle_sentence(found).to(language)
     if how.method:
-        yield label("method"), _method(how.method).to(language)
+        method = _method(how.method).to(language)
+        others = label("other_methods") if how.other_methods else ""
+        yield label("method"), "; ".join(filter(None, (method, others)))
     adapter = described(how.adapter).to(language)
     where = " · ".join(filter(None, (adapter, _port(how.port).to(language))))
     if where:
@@ -55,7 +57,7 @@ def rows(found: Findings, language: Language) -> Iterator[tuple[str, str]]:
         yield label("echo"), label("yes" if how.echo else "no")
     yield label("gaps"), _gaps(how.interruptions, measured.began or 0.0, label, language)
     if how.errors is not None:
-        yield label("errors"), str(how.errors)
+        yield label("errors"), label("since_connecting", count=how.errors)
     yield label("catalog"), found.subject.catalog.version
 
 
@@ -77,7 +79,9 @@ def _method(name: str) -> Text:
     return _METHODS.get(name, Text(name, name))
 
 
-def _gaps(pauses: tuple[Gap, ...], began: float, label: Labels, language: Language) -> str:
+def _gaps(pauses: tuple[Gap, ...] | None, began: float, label: Labels, language: Language) -> str:
+    if pauses is None:
+        return label("gaps_unknown")
     if not pauses:
         return label("gaps_none")
     texts = []

@@ -1,24 +1,27 @@
 """The findings of the measurements. Pure; the only place where a value is rated.
 
-A value is rated by its median at warm idle against the catalog's reference. Without a reference,
-without enough warm idle, or with too few values it is shown without a rating.
+A value is rated by its median at warm idle against the catalog's reference. It is not rated without
+a reference, without enough warm idle, with too few values, or if a fault of its sensor's circuit
+was stored then: the unit may have used a substitute value. `Unrated` has the reason.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Final
 
-from mikas.catalog import Derived, Fault, Parameter
+from mikas.catalog import Catalog, Derived, Fault, Parameter
 from mikas.catalog.conversion import NO_TEXT
+from mikas.catalog.model import in_order
 from mikas.i18n import Text
+from mikas.report.alarms import Alarm
 from mikas.report.measurements import Channel, Measurements
 from mikas.report.statistics import ChannelStatistics, is_inside
 from mikas.report.subject import ClearedFaults, ReportSubject
 
-_FEWEST: Final = 5  # values at warm idle needed for a rating
+FEWEST: Final = 5  # values at warm idle needed for a rating
 _LONG_ENOUGH: Final = 600.0  # s after which an erased fault should have come back
 
 
@@ -31,6 +34,15 @@ class BandPosition(StrEnum):
     NONE = "none"  # not rated
 
 
+class Unrated(StrEnum):
+    """The reason why a value has no rating, the first that holds."""
+
+    NO_REFERENCE = "no-reference"
+    NO_IDLE = "no-idle"  # not enough warm idle
+    SENSOR = "sensor"  # a fault of its sensor's circuit
+    TOO_FEW = "too-few"  # values at warm idle
+
+
 class Outcome(StrEnum):
     """The overall result."""
 
@@ -41,20 +53,23 @@ class Outcome(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ChannelFinding:
-    """One channel's row. `meaning`: the possible cause of a value outside its reference.
-    `faults`: stored faults that concern the channel.
+    """One channel's row. `unrated` None: it has a rating. `meaning`: the possible cause of a value
+    outside its reference. `sensor`: faults of the sensor that it comes from, also through a
+    formula; `related`: other stored faults to look at with it.
     """
 
     channel: Channel
     stats: ChannelStatistics
     mark: BandPosition = BandPosition.NONE
+    unrated: Unrated | None = Unrated.NO_REFERENCE
     meaning: Text = NO_TEXT
-    faults: tuple[int, ...] = ()
+    sensor: tuple[int, ...] = ()
+    related: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class FaultFinding:
-    """A stored fault, with the measured values that it concerns."""
+    """A stored fault, with the measured values related to it."""
 
     fault: Fault
     values: tuple[ChannelFinding, ...]
@@ -63,22 +78,43 @@ class FaultFinding:
 @dataclass(frozen=True, slots=True)
 class Findings:
     """The content of the report. `faults` None: not read. `at_idle`: the statistics are those of
-    warm idle, else of the whole time. `gone`: real faults that were stored before.
+    warm idle, else of the whole time. `cleared`: real faults that were stored before. `sensor`: the
+    faults of each channel's sensor, also for channels that were not measured.
     """
 
     subject: ReportSubject
     measured: Measurements
     outcome: Outcome
     faults: tuple[FaultFinding, ...] | None
-    rated: tuple[ChannelFinding, ...]
-    unrated: tuple[ChannelFinding, ...]
+    values: tuple[ChannelFinding, ...]
     at_idle: bool
     cleared: tuple[ClearedFaults, ...] = ()
+    sensor: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+
+    @property
+    def rated(self) -> tuple[ChannelFinding, ...]:
+        """The values with a rating."""
+        return tuple(value for value in self.values if value.unrated is None)
+
+    @property
+    def unrated(self) -> tuple[ChannelFinding, ...]:
+        """The values without a rating."""
+        return tuple(value for value in self.values if value.unrated is not None)
 
     @property
     def abnormal(self) -> tuple[ChannelFinding, ...]:
         """The values outside their references."""
         return tuple(value for value in self.rated if value.mark is not BandPosition.INSIDE)
+
+    @property
+    def suspended(self) -> tuple[ChannelFinding, ...]:
+        """The values that a fault of their sensor keeps from being rated."""
+        return tuple(value for value in self.values if value.unrated is Unrated.SENSOR)
+
+    @property
+    def alarms(self) -> tuple[Alarm, ...]:
+        """The alarms of the time, the worst first."""
+        return self.measured.alarms
 
     @property
     def real_faults(self) -> tuple[FaultFinding, ...]:
@@ -90,41 +126,54 @@ def find(subject: ReportSubject, measured: Measurements) -> Findings:
     """Rate the measurements and return all findings."""
     at_idle = measured.idle.enough
     stats = measured.at_idle if at_idle else measured.whole
-    bearing = _faults_by_parameter(subject.faults or ())
+    faults, gone = subject.faults, _real(subject.cleared)
+    stored = [fault for fault in faults or () if not fault.informational]
+    sensor = _sensor_faults([*stored, *_stored_meanwhile(gone, measured)], subject.catalog)
+    related = _by_channel(stored, lambda fault: fault.parameters)
     values = {
-        channel.name: _value(channel, stats[channel.name], bearing, judge=at_idle)
+        channel.name: _value(
+            channel,
+            stats[channel.name],
+            at_idle=at_idle,
+            sensor=sensor.get(channel.name, ()),
+            related=related.get(channel.name, ()),
+        )
         for channel in measured.channels
         if channel.name in stats
     }
-    judged = tuple(value for value in values.values() if value.mark is not BandPosition.NONE)
-    faults = subject.faults
-    stored = None if faults is None else tuple(_stored(fault, values) for fault in faults)
-    gone = tuple(each for each in map(_without_messages, subject.cleared) if each.faults)
-    return Findings(
+    found = Findings(
         subject=subject,
         measured=measured,
-        outcome=_outcome(faults, judged, is_open=any(is_open(subject, each) for each in gone)),
+        outcome=Outcome.OPEN,
         cleared=gone,
-        faults=stored,
-        rated=judged,
-        unrated=tuple(value for value in values.values() if value.mark is BandPosition.NONE),
+        faults=None if faults is None else tuple(_stored(fault, values) for fault in faults),
+        values=tuple(values.values()),
         at_idle=at_idle,
+        sensor=sensor,
     )
+    return replace(found, outcome=_outcome(found))
 
 
 def _value(
     channel: Channel,
     stats: ChannelStatistics,
-    bearing: Mapping[str, tuple[int, ...]],
     *,
-    judge: bool,
+    at_idle: bool,
+    sensor: tuple[int, ...],
+    related: tuple[int, ...],
 ) -> ChannelFinding:
-    faults = bearing.get(channel.name, ())
-    enough = judge and stats.count >= _FEWEST
-    if isinstance(channel, Derived) or channel.reference is None or not enough:
-        return ChannelFinding(channel, stats, faults=faults)
+    beside = tuple(code for code in related if code not in sensor)
+    found = ChannelFinding(channel, stats, sensor=sensor, related=beside)
+    if isinstance(channel, Derived) or channel.reference is None:
+        return found
+    if not at_idle:
+        return replace(found, unrated=Unrated.NO_IDLE)
+    if sensor:
+        return replace(found, unrated=Unrated.SENSOR)
+    if stats.count < FEWEST:
+        return replace(found, unrated=Unrated.TOO_FEW)
     mark = _mark(stats.median, channel.reference)
-    return ChannelFinding(channel, stats, mark, _meaning(channel, mark), faults)
+    return replace(found, mark=mark, unrated=None, meaning=_meaning(channel, mark))
 
 
 def _mark(median: float, reference: tuple[float, float]) -> BandPosition:
@@ -139,13 +188,36 @@ def _meaning(parameter: Parameter, mark: BandPosition) -> Text:
     return parameter.meaning.low if mark is BandPosition.LOW else parameter.meaning.high
 
 
-def _faults_by_parameter(faults: tuple[Fault, ...]) -> dict[str, tuple[int, ...]]:
-    """Return the stored faults that concern each parameter."""
+def _by_channel(
+    faults: Iterable[Fault], names: Callable[[Fault], Iterable[str]]
+) -> dict[str, tuple[int, ...]]:
+    """Return the faults' numbers by the channels that `names` gives."""
     found: dict[str, tuple[int, ...]] = {}
     for fault in faults:
-        for name in fault.parameters:
-            found[name] = (*found.get(name, ()), fault.code)
+        for name in names(fault):
+            before = found.get(name, ())
+            found[name] = before if fault.code in before else (*before, fault.code)
     return found
+
+
+def _sensor_faults(faults: Iterable[Fault], catalog: Catalog) -> dict[str, tuple[int, ...]]:
+    """Return the sensor faults by channel; a derived channel has those of its inputs."""
+    found = _by_channel(faults, lambda fault: fault.sensor)
+    if found:
+        for channel in in_order(catalog.derived, catalog.derived):
+            codes = dict.fromkeys(code for name in channel.inputs for code in found.get(name, ()))
+            if codes:
+                found[channel.name] = tuple(codes)
+    return found
+
+
+def _stored_meanwhile(gone: Iterable[ClearedFaults], measured: Measurements) -> Iterator[Fault]:
+    """Yield the faults that were still stored in a part of the time that the values are of."""
+    stretches = measured.idle.stretches if measured.idle.enough else ()
+    began = stretches[0][0] if stretches else measured.began
+    for each in gone:
+        if began is not None and each.time > began:
+            yield from each.faults
 
 
 def _stored(fault: Fault, values: Mapping[str, ChannelFinding]) -> FaultFinding:
@@ -157,15 +229,21 @@ def is_open(subject: ReportSubject, gone: ClearedFaults) -> bool:
     return (subject.faults_read or gone.time) - gone.time < _LONG_ENOUGH
 
 
-def _without_messages(gone: ClearedFaults) -> ClearedFaults:
-    return replace(gone, faults=tuple(it for it in gone.faults if not it.informational))
+def _real(cleared: Iterable[ClearedFaults]) -> tuple[ClearedFaults, ...]:
+    """Return the cleared faults without mere messages."""
+    real = (
+        replace(gone, faults=tuple(it for it in gone.faults if not it.informational))
+        for gone in cleared
+    )
+    return tuple(gone for gone in real if gone.faults)
 
 
-def _outcome(
-    faults: tuple[Fault, ...] | None, judged: tuple[ChannelFinding, ...], *, is_open: bool
-) -> Outcome:
-    if any(not fault.informational for fault in faults or ()):
+def _outcome(found: Findings) -> Outcome:
+    """Attention: a fault, a value outside its reference, or an alarm. Good: none of these, the
+    faults were read, none is open, and some value was rated.
+    """
+    if found.real_faults or found.abnormal or found.alarms:
         return Outcome.ATTENTION
-    if any(value.mark is not BandPosition.INSIDE for value in judged):
-        return Outcome.ATTENTION
-    return Outcome.GOOD if judged and faults is not None and not is_open else Outcome.OPEN
+    open_ones = any(is_open(found.subject, each) for each in found.cleared)
+    known = found.rated and found.faults is not None and not open_ones
+    return Outcome.GOOD if known else Outcome.OPEN

@@ -34,11 +34,12 @@ def band(channel: Parameter | Derived, language: Language) -> str:
     reference = None if isinstance(channel, Derived) else channel.reference
     if reference is None:
         return ""
-    low, high = (_short(end, language) for end in reference)
+    low, high = (short(end, language) for end in reference)
     return low if low == high else f"{low} … {high}"
 
 
-def _short(value: float, language: Language) -> str:
+def short(value: float, language: Language) -> str:
+    """Return the number with as many digits as it has, at most six."""
     digits = f"{value:g}".replace("-", "−")
     return digits.replace(".", ",") if language == "ru" else digits
 
@@ -73,9 +74,13 @@ def date_of(time: float | None) -> datetime | None:
 
 
 def moment(time: float, began: float | None) -> Text:
-    """Return `at 12:05`; for a simulated clock `at 0:45 of the measurement`."""
-    date = date_of(time)
+    """Return `at 12:05`; on another day than `began` `on 08.05 at 12:05`; for a simulated clock
+    `at 0:45 of the measurement`.
+    """
+    date, first = date_of(time), date_of(began)
     if date is not None:
+        if first is not None and first.date() != date.date():
+            return Text(f"on {date:%d.%m at %H:%M}", f"{date:%d.%m в %H:%M}")
         return Text(f"at {date:%H:%M}", f"в {date:%H:%M}")
     since = clock(time - (began or 0.0))
     return Text(f"at {since} of the measurement", f"на {since} измерения")

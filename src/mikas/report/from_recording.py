@@ -39,7 +39,7 @@ from mikas.report.subject import (
     cleared_faults,
 )
 from mikas.sampling.derived import DerivedChannels
-from mikas.sampling.events import FaultReading, Gap, MethodChosen, TextNote
+from mikas.sampling.events import Event, FaultReading, Gap, MethodChosen, TextNote
 
 
 def find_in_recording(
@@ -56,8 +56,8 @@ def find_in_recording(
     """
     capture = CaptureReader(path)
     table = TableReader(path, catalog)
-    sessions = _sessions(table, catalog)
     notes = list(capture.notes())
+    sessions = _sessions(table, catalog, events_of(notes, catalog))
     noted = max((note.recording for note in notes), default=0)
     last = max((source.recording for source in sessions), default=noted)
     mine = [note for note in notes if note.recording == last]
@@ -65,6 +65,7 @@ def find_in_recording(
     heard = [*recorded_faults(mine), *fault_readings(capture.path).get(source, ())]
     recorded, events = unit_of(mine, catalog), events_of(mine, catalog)
     methods = [event.method for event in events if isinstance(event, MethodChosen)]
+    gaps = tuple(event for event in events if isinstance(event, Gap))
     words = [event.text for event in events if isinstance(event, TextNote)]
     subject = ReportSubject(
         catalog=catalog,
@@ -79,9 +80,11 @@ def find_in_recording(
             adapter=recorded.adapter if recorded else source.description,
             echo=recorded.echo if recorded else None,
             method=methods[-1] if methods else (recorded.method or "") if recorded else "",
-            interruptions=tuple(event for event in events if isinstance(event, Gap)),
+            other_methods=len(set(methods)) > 1,
+            interruptions=gaps if gaps or recorded else None,
             errors=errors,
             sessions=1 + last,
+            ports=max(1, sum(each.recording == last for each in sessions)),
             damaged=table.problem_count,
         ),
         notes=tuple(filter(None, (comment_of(mine), *words))),
@@ -100,8 +103,13 @@ class _Session:
     deriver: Deriver
 
 
-def _sessions(table: TableReader, catalog: Catalog) -> dict[Source, _Session]:
+def _sessions(
+    table: TableReader, catalog: Catalog, events: Iterable[Event]
+) -> dict[Source, _Session]:
     """Return the ports of the last recording that has rows."""
+    by_recording: dict[int, list[Event]] = defaultdict(list)
+    for event in events:
+        by_recording[event.recording].append(event)
     recorded = [channel.name for channel in table.channels]
     derived = [name for name in catalog.derived if _follows(name, recorded, catalog)]
     sessions: dict[Source, _Session] = {}
@@ -109,7 +117,8 @@ def _sessions(table: TableReader, catalog: Catalog) -> dict[Source, _Session]:
         if any(other.recording != source.recording for other in sessions):
             sessions.clear()
         if source not in sessions:
-            measuring = MeasurementCollector(catalog, [*recorded, *derived])
+            mine = by_recording[source.recording]
+            measuring = MeasurementCollector(catalog, [*recorded, *derived], mine)
             sessions[source] = _Session(measuring, Deriver(catalog, derived))
         made = sessions[source].deriver.columns(rows) if derived else {}
         sessions[source].measuring.add(Rows(rows.times, {**rows.values, **made}))

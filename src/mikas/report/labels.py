@@ -15,7 +15,9 @@ _LABELS: Final = {
     "not_reported": Text("not reported by the unit", "блок не сообщает"),
     "not_asked": Text("not read", "не считывалось"),
     "of_recording": Text("From the recording", "По записи"),
-    "live": Text("measured live", "измерено на подключённой машине"),
+    "live": Text("measured on the connected car", "измерено на подключённой машине"),
+    "virtual": Text("a virtual car", "виртуальный автомобиль"),
+    "alarms": Text("Alarms", "Тревоги"),
     "faults": Text("Stored faults", "Ошибки в памяти блока"),
     "faults_none": Text("No faults are stored.", "Ошибок нет."),
     "faults_unread": Text("Not read in this session.", "В этом сеансе не считывались."),
@@ -39,26 +41,34 @@ _LABELS: Final = {
     "spread": Text("90 % within", "90 % в пределах"),
     "band": Text("Normal", "Норма"),
     "mark": Text("Rating", "Оценка"),
-    "within_band": Text("{share} of the time", "{share} времени"),
-    "fault_bears": Text(
-        "Stored fault {codes} concerns this value: the unit may use a substitute value.",
-        "К этому параметру относится ошибка {codes}: блок может подставлять расчётное значение.",
+    "within_band": Text("{share} of the readings", "{share} отсчётов"),
+    "sensor_fault": Text(
+        "Not rated: the sensor's circuit is faulty (fault {codes}), the unit may use a substitute "
+        "value.",
+        "Без оценки: неисправна цепь датчика (ошибка {codes}), блок может подставлять расчётное "
+        "значение.",
     ),
+    "too_few": Text(
+        "Not rated: too few readings at warm idle ({count}).",
+        "Без оценки: слишком мало отсчётов на прогретом холостом ходу ({count}).",
+    ),
+    "related": Text("See also stored fault {codes}.", "См. также ошибку {codes}."),
+    "substitute": Text("perhaps a substitute value", "возможно, подставленное значение"),
     "others_idle": Text(
         "Also measured at warm idle; not rated, as no normal range is known",
         "Также измерено на прогретом холостом ходу; без оценки: нормы неизвестны",
     ),
     "others_whole": Text(
-        "Over the whole time; not rated, as there was no warm idle",
-        "За всё время; без оценки: прогретого холостого хода не было",
+        "Over the whole time; not rated without warm idle",
+        "За всё время; без прогретого холостого хода не оценивается",
     ),
-    "set_share": Text("on for {share} of the time", "вкл. {share} времени"),
+    "set_share": Text("on in {share} of the readings", "вкл. в {share} отсчётов"),
     "charts": Text("Charts", "Графики"),
-    "legend": Text(
-        "Shaded: normal range at warm idle. Bar at the bottom: warm idle. Grey: no data.",
-        "Полоса: норма на прогретом холостом ходу. Черта внизу: прогретый холостой ход. Серое "
-        "поле: нет данных.",
+    "legend_band": Text(
+        "Shaded: normal range at warm idle.", "Полоса: норма на прогретом холостом ходу."
     ),
+    "legend_idle": Text("Bar at the bottom: warm idle.", "Черта внизу: прогретый холостой ход."),
+    "legend_gaps": Text("Grey: no data.", "Серое поле: нет данных."),
     "how": Text("How it was measured", "Как измерено"),
     "length": Text("Length", "Длительность"),
     "samples": Text("Samples", "Отсчёты"),
@@ -70,7 +80,10 @@ _LABELS: Final = {
     "no": Text("no", "нет"),
     "gaps": Text("Gaps", "Пропуски"),
     "gaps_none": Text("none", "нет"),
+    "gaps_unknown": Text("not noted in this file", "в этом файле не отмечены"),
     "errors": Text("Line errors", "Ошибки линии"),
+    "since_connecting": Text("{count} since connecting", "{count} с начала соединения"),
+    "other_methods": Text("others before", "до этого другие"),
     "catalog": Text("Catalog", "Каталог параметров"),
     "idle": Text("Warm idle", "Прогретый холостой ход"),
     "unknown": Text("What remains unknown", "Чего узнать не удалось"),

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mikas.catalog import Confidence, Parameter
+from mikas.catalog import Confidence, Parameter, shipped
 from mikas.i18n import Text, counted, joined
 from mikas.report.findings import Findings
 from mikas.report.formatting import within
-from mikas.report.warm_idle import COOLANT
+from mikas.report.summary import doubtful_idle
 
 
 def unknowns(found: Findings) -> tuple[Text, ...]:
@@ -26,6 +26,8 @@ def _of_the_unit(found: Findings) -> Iterator[Text]:
         yield Text(
             "The model of the unit: it was not identified.", "Модель блока: она не запрашивалась."
         )
+    elif not (unit.program or unit.data):
+        yield Text("The unit's passports: they were not read.", "Паспорта блока: не считывались.")
     elif not any((*unit.program, *unit.data)):
         yield Text(
             "The unit's passports: it does not report them.", "Паспорта блока: он их не сообщает."
@@ -50,7 +52,8 @@ def _of_the_unit(found: Findings) -> Iterator[Text]:
 
 def _of_the_rating(found: Findings) -> Iterator[Text]:
     judged = [value.channel for value in found.rated if isinstance(value.channel, Parameter)]
-    if any(each.reference_confidence is Confidence.UNCONFIRMED for each in judged):
+    doubted = [p for p in judged if p.reference_confidence is Confidence.UNCONFIRMED]
+    if any(_is_shipped(each) for each in doubted):
         yield Text(
             "How exact the normal ranges are: they are commonly printed ones for a good ZMZ-406 at "
             "warm idle, without a known source. A value outside is a reason to check, not a "
@@ -59,25 +62,34 @@ def _of_the_rating(found: Findings) -> Iterator[Text]:
             "прогретом холостом ходу, первоисточник неизвестен. Значение вне нормы — повод "
             "проверить, а не доказательство.",
         )
-    if found.abnormal or found.real_faults:
+    if own := [each for each in doubted if not _is_shipped(each)]:
+        names = joined(", ", (within(each.text) for each in own))
+        yield Text(
+            f"How exact these normal ranges are: {names.en}. They come from the user's catalog.",
+            f"Насколько точны эти нормы: {names.ru}. Они из каталога пользователя.",
+        )
+    meanings = any(value.meaning.en for value in found.abnormal)
+    if meanings or any(each.fault.check.en for each in found.real_faults):
         yield Text(
             "The cause: the checks are general knowledge of such engines, the easiest first.",
             "Причина: рекомендации по проверке — общие для таких двигателей, начиная с самых "
             "простых.",
         )
-    doubtful = [
-        value
-        for value in (*found.rated, *found.unrated)
-        if found.at_idle and value.faults and value.channel.name in COOLANT.names
-    ]
-    if doubtful:
-        codes = ", ".join(map(str, doubtful[0].faults))
+    for name, faults in doubtful_idle(found).items():
+        codes = ", ".join(map(str, faults))
+        what = within(found.subject.catalog.channel(name).text)
         yield Text(
-            f"Whether the engine was warm: fault {codes} concerns the coolant temperature, and "
-            "the unit may use a substitute value for it.",
-            f"Был ли двигатель прогрет: ошибка {codes} касается температуры охлаждающей жидкости, "
-            "и блок может подставлять вместо неё расчётное значение.",
+            f"Whether the engine was at warm idle: the {what.en} shows it, and because of the "
+            f"sensor's fault {codes} the unit may use a substitute value for it.",
+            f"Был ли это прогретый холостой ход: об этом говорит {what.ru}, а из-за ошибки датчика "
+            f"{codes} блок может подставлять вместо неё расчётное значение.",
         )
+
+
+def _is_shipped(parameter: Parameter) -> bool:
+    """Whether the reference is the shipped catalog's, not one of a user's file."""
+    own = next((each for each in shipped().parameters if each.name == parameter.name), None)
+    return own is not None and own.reference == parameter.reference
 
 
 def _of_the_data(found: Findings) -> Iterator[Text]:
@@ -90,6 +102,11 @@ def _of_the_data(found: Findings) -> Iterator[Text]:
             yield Text(f"Not measured: {names.en}.", f"Не измерено: {names.ru}.")
     else:
         yield Text("All values: the data contain none.", "Значения: в данных нет ни одного.")
+    if there and not measured.watched:
+        yield Text(
+            "Whether a limit was crossed: no value with limits was measured.",
+            "Был ли нарушен предел: ни одно значение с пределами не измерялось.",
+        )
     if doubted := [c.name for c in measured.channels if getattr(c, "errata", ())]:
         listed = ", ".join(doubted)
         yield Text(
@@ -101,6 +118,11 @@ def _of_the_data(found: Findings) -> Iterator[Text]:
         yield Text(
             f"The file holds {how.sessions} sessions; this report covers the last one.",
             f"В файле несколько сеансов ({how.sessions}); отчёт — о последнем.",
+        )
+    if how.ports > 1:
+        yield Text(
+            f"The session used {how.ports} ports; this report covers the one with most values.",
+            f"В сеансе несколько портов ({how.ports}); отчёт — о том, где больше всего значений.",
         )
     if how.damaged:
         places = counted(

@@ -6,16 +6,18 @@ a few hundred columns a channel are kept.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
 from mikas.catalog import Catalog, Derived, Parameter
+from mikas.report.alarms import Alarm, AlarmCollector, limits_of
 from mikas.report.statistics import ChannelStatistics, Envelope, ValueCounts
 from mikas.report.warm_idle import WarmIdle, WarmIdleFinder
 from mikas.sampling.derived import SampleRows
+from mikas.sampling.events import Event
 
 Channel: TypeAlias = Parameter | Derived
 
@@ -26,7 +28,7 @@ _FINER = 2  # decimals beyond those shown, for computed channels
 class Measurements:
     """By channel name: `whole` over all the time, `at_idle` at warm idle.
 
-    `began`, `ended` None: there were no rows.
+    `began`, `ended` None: there were no rows. `watched`: the channels with limits that had a value.
     """
 
     channels: tuple[Channel, ...]
@@ -37,6 +39,8 @@ class Measurements:
     whole: Mapping[str, ChannelStatistics]
     at_idle: Mapping[str, ChannelStatistics]
     curves: Mapping[str, Envelope]
+    alarms: tuple[Alarm, ...] = ()
+    watched: frozenset[str] = frozenset()
 
     @property
     def seconds(self) -> float:
@@ -47,12 +51,17 @@ class Measurements:
 
 
 class MeasurementCollector:
-    """Collects the rows of one unit. `names`: the channels that they may have, in order.
+    """Collects the rows of one unit. `names`: the channels that they may have, in order. `events`:
+    of the same time, for the alarms.
 
     A derived channel that accumulates has an envelope, but no useful statistics.
     """
 
-    def __init__(self, catalog: Catalog, names: Iterable[str]) -> None:
+    def __init__(
+        self, catalog: Catalog, names: Iterable[str], events: Sequence[Event] = ()
+    ) -> None:
+        self._events = events
+        self._alarms = AlarmCollector(catalog, limits_of(catalog, events))
         self._channels = tuple(catalog.channel(name) for name in names)
         self._finder = WarmIdleFinder(channel.name for channel in self._channels)
         counted = [each for each in self._channels if not getattr(each, "accumulates", False)]
@@ -71,6 +80,7 @@ class MeasurementCollector:
             self._began = float(rows.times[0])
             self._curves = {each.name: Envelope(self._began) for each in self._channels}
         idle = self._finder.find(rows)
+        self._alarms.add(rows)
         for channel in self._channels:
             column = rows.values.get(channel.name)
             if column is None:
@@ -96,6 +106,8 @@ class MeasurementCollector:
             whole=whole,
             at_idle=self._stats(self._at_idle),
             curves={name: curve for name, curve in self._curves.items() if name in present},
+            alarms=self._alarms.alarms(self._events, self._began, self._ended),
+            watched=self._alarms.watched,
         )
 
     def _stats(self, spreads: Mapping[str, ValueCounts]) -> dict[str, ChannelStatistics]:

@@ -7,7 +7,7 @@ style: a recording may contain any text.
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
@@ -20,12 +20,21 @@ from mikas.cancellation import check_cancelled
 from mikas.errors import ExportError
 from mikas.i18n import Language, Text
 from mikas.recording.export.exporting import check_free, write_whole
+from mikas.report.alarm_texts import alarm_section
 from mikas.report.charts import chart
 from mikas.report.conditions import rows as how_rows
-from mikas.report.findings import BandPosition, ChannelFinding, FaultFinding, Findings
+from mikas.report.findings import (
+    BandPosition,
+    ChannelFinding,
+    FaultFinding,
+    Findings,
+    Unrated,
+    is_open,
+)
 from mikas.report.formatting import CONFIDENCE, band, date_of, moment, number, percent, with_unit
 from mikas.report.labels import Labels
 from mikas.report.limitations import unknowns
+from mikas.report.sections import Section
 from mikas.report.subject import ClearedFaults
 from mikas.report.summary import HEADLINES, MARKS, summary_sentence
 
@@ -36,6 +45,8 @@ CHARTS: Final = 3
 SUFFIXES: Final = (".html", ".htm")
 _FIRST: Final = ("FREQ", "JAIR", "TWAT", "INJ", "UACC", "UOZ", "FREQX", "THR")
 """The charts if all values are normal."""
+SECTIONS: Final[tuple[Callable[[Findings, Language], Section | None], ...]] = (alarm_section,)
+"""The sections with modules of their own, between the faults and the values, in order."""
 
 
 def policy() -> str:
@@ -62,7 +73,9 @@ class _Page:
         date = found.subject.conditions.date
         model = found.subject.unit.model.text.to(language) if found.subject.unit else ""
         file = found.subject.conditions.file
-        about = f"{label('of_recording')} {file}" if file else label("live")
+        virtual = label("virtual") if found.subject.conditions.port.startswith("sim:") else ""
+        about = f"{label('of_recording')} {file}" if file else virtual or label("live")
+        about = f"{about} ({virtual})" if file and virtual else about
         return {
             "language": language,
             "label": label,
@@ -78,10 +91,13 @@ class _Page:
             "faults": [self._fault(each) for each in found.faults or ()],
             "faults_read": self._faults_read(),
             "gone": [self._gone(each) for each in found.subject.cleared],
-            "values": [self._judged(value) for value in found.rated],
-            "others": [self._other(value) for value in found.unrated],
+            "sections": [it for make in SECTIONS if (it := make(found, language)) is not None],
+            "drive_again": any(is_open(found.subject, each) for each in found.cleared),
+            "values": [self._judged(value) for value in found.values if _has_row(value)],
+            "others": [self._other(value) for value in found.values if not _has_row(value)],
             "others_title": label("others_idle" if found.at_idle else "others_whole"),
             "charts": list(self._charts()),
+            "legend": list(self._legend()),
             "how": list(how_rows(found, language)),
             "unknowns": [text.to(language) for text in unknowns(found)],
             "made_by": label("made_by", program=f"mikas {version('mikas')}"),
@@ -93,9 +109,10 @@ class _Page:
             yield label("model"), label("not_asked")
             return
         yield label("model"), unit.model.text.to(self._language)
+        asked = bool(unit.program or unit.data)
         for name, pieces in (("program", unit.program), ("data", unit.data)):
             passport = " · ".join(piece.strip() for piece in pieces if piece and piece.strip())
-            yield label(name), passport or label("not_reported")
+            yield label(name), passport or label("not_reported" if asked else "not_asked")
 
     def _faults_read(self) -> str:
         found = self._found
@@ -117,9 +134,7 @@ class _Page:
 
     def _fault(self, stored: FaultFinding) -> dict[str, str | int]:
         fault, language = stored.fault, self._language
-        values = ", ".join(
-            f"{each.channel.text.to(language)} {self._number(each)}" for each in stored.values
-        )
+        values = ", ".join(map(self._measured, stored.values))
         message = self._label("message") if fault.informational else ""
         sure = CONFIDENCE[fault.confidence].to(language)
         return {
@@ -130,13 +145,20 @@ class _Page:
             "related": f"{self._label('measured')}: {values}" if values else "",
         }
 
+    def _measured(self, value: ChannelFinding) -> str:
+        """Return name and value of a channel in a fault's line."""
+        text = f"{value.channel.text.to(self._language)} {self._number(value)}"
+        return f"{text} ({self._label('substitute')})" if value.sensor else text
+
     def _judged(self, value: ChannelFinding) -> dict[str, str | bool]:
         channel, stats, language = value.channel, value.stats, self._language
         ends = [number(end, channel.decimals, language) for end in (stats.low, stats.high)]
-        codes = ", ".join(map(str, value.faults))
-        fault = self._label("fault_bears", codes=codes) if codes else ""
+        share = (
+            "" if value.unrated else self._label("within_band", share=percent(stats.inside or 0.0))
+        )
+        why = [self._unrated(value), value.meaning.to(language), self._related(value)]
         return {
-            "off": value.mark is not BandPosition.INSIDE,
+            "off": value.mark in (BandPosition.LOW, BandPosition.HIGH),
             "text": channel.text.to(language),
             "name": channel.name,
             "median": with_unit(stats.median, channel, language),
@@ -144,9 +166,20 @@ class _Page:
             "band": band(channel, language),
             "kind": value.mark.value,
             "mark": MARKS[value.mark].to(language),
-            "share": self._label("within_band", share=percent(stats.inside or 0.0)),
-            "why": " ".join(filter(None, (value.meaning.to(language), fault))),
+            "share": share,
+            "why": " ".join(filter(None, why)),
         }
+
+    def _unrated(self, value: ChannelFinding) -> str:
+        if value.unrated is Unrated.SENSOR:
+            return self._label("sensor_fault", codes=", ".join(map(str, value.sensor)))
+        if value.unrated is Unrated.TOO_FEW:
+            return self._label("too_few", count=value.stats.count)
+        return ""
+
+    def _related(self, value: ChannelFinding) -> str:
+        codes = ", ".join(map(str, value.related))
+        return self._label("related", codes=codes) if codes else ""
 
     def _other(self, value: ChannelFinding) -> dict[str, str]:
         channel, stats, language = value.channel, value.stats, self._language
@@ -154,6 +187,8 @@ class _Page:
         if not channel.is_flag and stats.low != stats.high:
             low, high = (number(e, channel.decimals, language) for e in (stats.low, stats.high))
             text += f" ({low} … {high})"
+        if value.sensor:
+            text += f"; {self._label('substitute')}"
         return {"text": channel.text.to(language), "name": channel.name, "number": text}
 
     def _number(self, value: ChannelFinding) -> str:
@@ -177,17 +212,35 @@ class _Page:
                     idle=[(a - began, b - began) for a, b in measured.idle.stretches],
                     pauses=[
                         (pause.began - began, (pause.ended or measured.ended or began) - began)
-                        for pause in self._found.subject.conditions.interruptions
+                        for pause in self._found.subject.conditions.interruptions or ()
                     ],
                     label=title.rstrip(", "),
                 ),
             }
 
+    def _legend(self) -> Iterator[str]:
+        """Yield the explanations of those marks that the charts have."""
+        measured = self._found.measured
+        if any(getattr(each, "reference", None) for each in _chart_channels(self._found)):
+            yield self._label("legend_band")
+        if measured.idle.stretches:
+            yield self._label("legend_idle")
+        if self._found.subject.conditions.interruptions:
+            yield self._label("legend_gaps")
+
+
+def _has_row(value: ChannelFinding) -> bool:
+    """Whether the value stands in the table of ratings: it has one, or could have one at idle."""
+    return value.unrated in (None, Unrated.SENSOR, Unrated.TOO_FEW)
+
 
 def _chart_channels(found: Findings) -> list[Any]:
-    """Return the channels to draw: abnormal ones first, then `_FIRST`, then others; one speed."""
+    """Return the channels to draw: abnormal ones first, those with an alarm, `_FIRST`, then others;
+    one speed.
+    """
     channels = {each.name: each for each in found.measured.channels if not each.is_flag}
     order = [value.channel.name for value in found.abnormal]
+    order += [alarm.limit.name for alarm in found.alarms]
     order += [*_FIRST, *channels]
     chosen = [name for name in dict.fromkeys(order) if name in channels]
     speeds = [name for name in chosen if name in ("FREQ", "FREQX")]

@@ -20,7 +20,9 @@ _MOST_CLEARED: Final = 20
 
 @dataclass(frozen=True, slots=True)
 class UnitIdentity:
-    """The unit. Its passport: three pieces of the program, five of the data; None: unknown."""
+    """The unit. Its passport: three pieces of the program, five of the data; None: a piece that the
+    unit did not report; no pieces at all: the passport was not read.
+    """
 
     model: Model
     program: tuple[str | None, ...] = ()
@@ -30,9 +32,12 @@ class UnitIdentity:
 @dataclass(frozen=True, slots=True)
 class Conditions:
     """Conditions of the measurement. `file`: the recording's name; empty: a running session.
+    `interruptions` None: not noted.
 
-    `date` None: the clock was a simulated one. `errors`: exchanges that failed. `sessions`: how
-    many the file holds; the report is of the last. `damaged`: places that could not be read.
+    `date` None: the clock was a simulated one. `method`: the last one; `other_methods`: there were
+    others before. `errors`: exchanges that failed since connecting. `sessions`: how many the file
+    holds; the report is of the last. `ports`: of that session; the report is of the one with most
+    values. `damaged`: places that could not be read.
     """
 
     file: str = ""
@@ -41,9 +46,11 @@ class Conditions:
     adapter: str = ""
     echo: bool | None = None
     method: str = ""
-    interruptions: tuple[Gap, ...] = ()
+    interruptions: tuple[Gap, ...] | None = ()
+    other_methods: bool = False
     errors: int | None = None
     sessions: int = 1
+    ports: int = 1
     damaged: int = 0
 
 

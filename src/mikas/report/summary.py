@@ -7,7 +7,8 @@ from math import isfinite
 
 from mikas.catalog import Catalog
 from mikas.i18n import Language, Text, counted, joined
-from mikas.report.findings import BandPosition, Findings, Outcome, is_open
+from mikas.report.alarm_texts import alarm_summary
+from mikas.report.findings import BandPosition, Findings, Outcome, Unrated, is_open
 from mikas.report.formatting import duration, moment, number, within
 from mikas.report.subject import ClearedFaults
 from mikas.report.warm_idle import ENOUGH, SETTLING, RuleResult, WarmIdle
@@ -26,9 +27,10 @@ MARKS = {
 
 
 def summary_sentence(found: Findings) -> Text:
-    """Return the summary: faults first, then values."""
-    faults, values = _of_faults(found), _of_values(found)
-    return Text(f"{faults.en}; {values.en}.", f"{faults.ru}; {values.ru}.")
+    """Return the summary: faults first, then alarms, then values."""
+    alarms = [alarm_summary(found)] if found.alarms else []
+    said = joined("; ", (_of_faults(found), *alarms, *_of_values(found)))
+    return Text(f"{said.en}.", f"{said.ru}.")
 
 
 def _of_faults(found: Findings) -> Text:
@@ -71,13 +73,68 @@ def _cleared_sentence(found: Findings, gone: ClearedFaults) -> Text:
     return Text(f"{how.en}, and not back {read.en}", f"{how.ru}, и {read.ru} {there} всё ещё нет")
 
 
-def _of_values(found: Findings) -> Text:
-    if not found.at_idle:
-        return Text(
-            "there was no warm idle, so no value is rated",
-            "прогретого холостого хода в данных нет, поэтому значения без оценки",
+def _of_values(found: Findings) -> Iterator[Text]:
+    """Yield the ratings, then what they can't say: values of a faulty sensor, a doubtful idle."""
+    yield _of_ratings(found) if found.at_idle else no_idle_sentence(found.measured.idle)
+    if found.suspended:
+        named = Text("{name} ({codes})", "{name} ({codes})")
+        listed = joined(
+            ", ",
+            (
+                named.filled(name=within(v.channel.text), codes=", ".join(map(str, v.sensor)))
+                for v in found.suspended
+            ),
         )
+        yield Text(
+            f"not rated because of a fault of the sensor: {listed.en}",
+            f"без оценки из-за ошибки датчика: {listed.ru}",
+        )
+    if doubtful_idle(found):
+        yield Text(
+            "whether that was warm idle is not certain",
+            "был ли это прогретый холостой ход, точно не известно",
+        )
+
+
+def no_idle_sentence(idle: WarmIdle) -> Text:
+    """Return why no value is rated: the data can't show warm idle, or have too little, or none."""
+    if idle.unknown:
+        return Text(
+            "the data can't show whether there was warm idle, so no value is rated",
+            "по этим данным не видно, был ли прогретый холостой ход, поэтому значения без оценки",
+        )
+    if idle.stretches:
+        lasted = duration(idle.seconds)
+        return Text(
+            f"warm idle lasted only {lasted.en}, so no value is rated",
+            f"прогретый холостой ход длился всего {lasted.ru}, поэтому значения без оценки",
+        )
+    if any(seen.missing >= ENOUGH for seen in idle.rules):
+        return Text(
+            "no warm idle was found, so no value is rated",
+            "прогретый холостой ход не найден, поэтому значения без оценки",
+        )
+    return Text(
+        "there was no warm idle, so no value is rated",
+        "прогретого холостого хода в данных нет, поэтому значения без оценки",
+    )
+
+
+def doubtful_idle(found: Findings) -> dict[str, tuple[int, ...]]:
+    """Return the faults of the sensors by which warm idle was found, by channel; empty: none."""
+    if not found.at_idle:
+        return {}
+    names = (seen.name for seen in found.measured.idle.rules if seen.name is not None)
+    return {name: found.sensor[name] for name in names if name in found.sensor}
+
+
+def _of_ratings(found: Findings) -> Text:
     if not found.rated:
+        if any(value.unrated is not Unrated.NO_REFERENCE for value in found.values):
+            return Text(
+                "no value could be rated at warm idle",
+                "на прогретом холостом ходу ни одно значение оценить не удалось",
+            )
         return Text(
             "none of the values has a reference to judge it by",
             "ни для одного из значений нет нормы, чтобы его оценить",

@@ -26,7 +26,7 @@ Value: TypeAlias = Reading | DerivedValue | float | None
 """A bare number is in the corrected interpretation and of the sample's time."""
 
 _LEVELS = tuple(Level)
-_LEVEL_TEXTS = {
+LEVEL_TEXTS = {
     Level.NONE: Text("no alarm", "тревоги нет"),
     Level.WARNING: Text("warning", "предупреждение"),
     Level.DANGER: Text("danger", "опасность"),
@@ -164,7 +164,7 @@ def _event(before: AlarmState, after: AlarmState, value: float, time: float) -> 
 
 def _sentence(before: Level, now: AlarmState, *, better: bool) -> Text:
     """Return the change as one sentence; `now` has the crossed limit and its side."""
-    level, previous = _LEVEL_TEXTS[now.level], _LEVEL_TEXTS[before]
+    level, previous = LEVEL_TEXTS[now.level], LEVEL_TEXTS[before]
     name, unit = now.channel.text, now.channel.unit_text
     if now.channel.is_flag:
         if now.level is Level.NONE:

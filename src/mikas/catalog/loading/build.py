@@ -188,10 +188,17 @@ def faults(entries: Entries) -> dict[int, Fault]:
             text=entry.text("text"),
             check=optional(entry, "check"),
             check_confidence=_confidence_of(entry.values, "check"),
-            parameters=_names(entry, "parameters", entries["parameter"]),
+            parameters=_related(entry, entries["parameter"]),
+            sensor=_names(entry, "sensor", entries["parameter"]),
         )
         for code, entry in entries["fault"].items()
     }
+
+
+def _related(entry: Entry, known: Mapping[str, Entry]) -> tuple[str, ...]:
+    """Return the channels to look at with a fault: those of its sensor are among them."""
+    names = (*_names(entry, "parameters", known), *_names(entry, "sensor", known))
+    return tuple(dict.fromkeys(names))
 
 
 def models(entries: Entries) -> dict[int, Model]:

@@ -273,6 +273,7 @@ FAMILIES: Mapping[str, Family] = {
             "check": TEXT,
             "check_confidence": CONFIDENCE,
             "parameters": strings,
+            "sensor": strings,
             "confidence": CONFIDENCE,
             "sources": strings,
             "informational": boolean,

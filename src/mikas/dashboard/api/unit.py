@@ -38,6 +38,9 @@ class StoredFault(BaseModel):
     informational: bool = Field(description="a message, not a fault")
     check: TwoTexts | None
     related: list[str] = Field(description="related channels")
+    sensor: list[str] = Field(
+        description="those from the sensor whose circuit is faulty: perhaps substitute values"
+    )
     first_seen: float
 
 
@@ -148,6 +151,7 @@ def _faults_response(stored: StoredFaults) -> FaultsResponse:
             certain=fault.confidence is Confidence.CONFIRMED,
             check=two_or_none(fault.check),
             related=fault.parameters,
+            sensor=fault.sensor,
             first_seen=stored.first_seen[fault.code],
         )
         for fault in stored.faults

@@ -751,6 +751,8 @@ export interface components {
             check: components["schemas"]["TwoTexts"] | null;
             /** @description related channels */
             related: string[];
+            /** @description those from the sensor whose circuit is faulty: perhaps substitute values */
+            sensor: string[];
             first_seen: number;
         };
         /** @description `force`: also from another client. */

@@ -10,6 +10,7 @@ const fault = (code: number, text: string): Fault => ({
   informational: false,
   check: text ? { en: "the plug", ru: "" } : null,
   related: ["JAIR"],
+  sensor: [],
   first_seen: 0,
 });
 const labels: Labels = {

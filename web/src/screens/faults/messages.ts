@@ -39,6 +39,10 @@ export const t = dictionary({
   since: { en: "First seen in this session at {time}", ru: "В этом сеансе впервые: {time}" },
   check: { en: "Check first", ru: "Проверить сначала" },
   related: { en: "Now", ru: "Сейчас" },
+  substitute: {
+    en: "The sensor's circuit is faulty, so the unit may use a substitute value: {names}.",
+    ru: "Неисправна цепь датчика, поэтому блок может подставлять расчётное значение: {names}.",
+  },
   needs_line: { en: "The faults are read from the ECU itself.", ru: "Ошибки читаются из самого блока." },
   watch: { en: "Add to live values", ru: "Добавить в опрос" },
   not_sampled: { en: "not sampled", ru: "не опрашивается" },

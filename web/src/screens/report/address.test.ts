@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { mayFrame, reportAddress, reportFile } from "./address";
+import { LIVE, mayFrame, reportAddress, reportFile, reportSource } from "./address";
 
 it("the address contains recording and language", () => {
   expect(reportAddress(null, "ru", true)).toBe("/api/report?lang=ru&inline=1");
@@ -7,6 +7,13 @@ it("the address contains recording and language", () => {
     "/api/recordings/a%20b.pcapng/report?lang=en",
   );
   expect(reportFile("a b.pcapng", "en")).toBe("a b-report-en.html");
+});
+
+it("the source is the one in the address, or else the open recording", () => {
+  expect(reportSource(undefined, null)).toBe(null);
+  expect(reportSource(undefined, "a.pcapng")).toBe("a.pcapng");
+  expect(reportSource(LIVE, "a.pcapng")).toBe(null);
+  expect(reportSource("b.pcapng", "a.pcapng")).toBe("b.pcapng");
 });
 
 it("a report is framed only where the server allows it", () => {

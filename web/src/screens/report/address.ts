@@ -1,6 +1,21 @@
 // The address of a report, of the session or of a recording.
 import { api } from "../../lib/api/api";
 
+/** In the screen's address: the connected car. No recording has this name. */
+export const LIVE = "live";
+
+/**
+ * The recording that a report is of, null for the connected car: the one in the screen's address, or else the open one, so that the report
+ * is on what the other screens show.
+ */
+export function reportSource(asked: string | undefined, open: string | null): string | null {
+  if (asked === undefined) return open;
+  return asked === LIVE ? null : asked;
+}
+
+/** A recording's name without the suffix of its file. */
+export const recordingName = (id: string): string => id.replace(/\.pcapng$/, "");
+
 export function reportAddress(recording: string | null, lang: string, inline: boolean): string {
   return recording === null
     ? api.report(lang, inline)
@@ -8,7 +23,7 @@ export function reportAddress(recording: string | null, lang: string, inline: bo
 }
 
 export function reportFile(recording: string | null, lang: string): string {
-  const name = recording === null ? "mikas" : recording.replace(/\.pcapng$/, "");
+  const name = recording === null ? "mikas" : recordingName(recording);
   return `${name}-report-${lang}.html`;
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -22,6 +23,7 @@ from mikas.i18n import Text
 from mikas.sampling.events import UnitFound
 
 if TYPE_CHECKING:
+    from mikas.report.alarms import Alarm
     from mikas.report.findings import ChannelFinding, Findings
 
 _SECONDS = 30.0
@@ -144,10 +146,23 @@ def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
             "outcome": found.outcome.value,
             "verdict": verdict._asdict(),
             "faults": faults,
+            "alarms": [_alarm_as_json(alarm) for alarm in found.alarms],
             "warm_idle_seconds": round(found.measured.idle.seconds, 3),
             "values": {value.channel.name: _as_json(value) for value in found.rated},
         }
     )
+
+
+def _alarm_as_json(alarm: Alarm) -> dict[str, object]:
+    return {
+        "name": alarm.limit.name,
+        "level": alarm.limit.level.value,
+        "side": alarm.limit.side.value,
+        "limit": alarm.limit.value,
+        "times": alarm.times,
+        "seconds": round(alarm.seconds, 3),
+        "peak": alarm.peak if isfinite(alarm.peak) else None,
+    }
 
 
 def _as_json(value: ChannelFinding) -> dict[str, object]:

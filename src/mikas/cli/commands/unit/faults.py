@@ -108,4 +108,5 @@ def _as_json(fault: Fault) -> dict[str, Any]:
         "confidence": fault.confidence,
         "check": fault.check._asdict(),
         "parameters": fault.parameters,
+        "sensor": fault.sensor,
     }

@@ -134,7 +134,7 @@ def _of_connection(dashboard: Dashboard) -> Findings:
     )
     if unit is None and not len(rows.times):
         raise NotConnected
-    measuring = MeasurementCollector(catalog, rows.values)
+    measuring = MeasurementCollector(catalog, rows.values, _of_this_unit(events))
     measuring.add(rows)
     stored, measured = dashboard.fault_history.latest, measuring.measured
     subject = ReportSubject(
@@ -167,12 +167,12 @@ def _judged(rows: Rows, catalog: Catalog, interpretation: str) -> Rows:
 
 
 def _unit(found: UnitFound | None, catalog: Catalog) -> UnitIdentity | None:
-    if found is None or found.version_code is None or found.passport is None:
+    if found is None or found.version_code is None:
         return None
     from mikas.report.subject import UnitIdentity
 
-    passport = found.passport
-    return UnitIdentity(catalog.model(found.version_code), passport.program, passport.data)
+    model, passport = catalog.model(found.version_code), found.passport
+    return UnitIdentity(model, passport.program, passport.data) if passport else UnitIdentity(model)
 
 
 def _since(rows: Rows, events: list[Event]) -> Rows:
@@ -180,6 +180,12 @@ def _since(rows: Rows, events: list[Event]) -> Rows:
     found = (each.time for each in events if isinstance(each, UnitFound) and each.another)
     first = bisect_left(rows.times, max(found, default=float("-inf")))
     return Rows(rows.times[first:], {name: column[first:] for name, column in rows.values.items()})
+
+
+def _of_this_unit(events: list[Event]) -> list[Event]:
+    """Return the events since the present unit was first found."""
+    others = (n for n, each in enumerate(events) if isinstance(each, UnitFound) and each.another)
+    return events[max(others, default=0) :]
 
 
 def _pauses(events: list[Event], began: float | None) -> Iterator[Gap]:
