@@ -119,8 +119,9 @@ def test_the_report_is_shown_and_opens_by_itself(recorded, visitor):
 
 
 def test_with_a_recording_open_the_report_is_of_that_and_says_so(recorded, visitor):
-    tab = visitor(recorded.url).show("recordings")
-    tab.find("tbody").get_by_role("button", name="Open drive.pcapng").click()
+    tab = visitor(recorded.url)
+    tab.show("recordings").press("Open")
+    expect(tab.page.get_by_role("slider")).to_be_visible()
     tab.page.get_by_role("navigation").get_by_role("link", name="Report").click()
     heading, frame = tab.page.locator("h1"), tab.page.frame_locator("iframe")
     expect(heading).to_have_text("Report: recording drive")
