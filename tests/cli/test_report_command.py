@@ -44,7 +44,7 @@ def test_measured_now(mikas, tmp_path) -> None:
     ran = mikas("report", "-o", "car.html", sim="&faults=13,53,55&scenario=key-off")
     assert ran.status == 0, ran.err
     assert "3 faults are stored: 13, 53, 55;" in ran.err
-    assert "measured live" in page(tmp_path)
+    assert "measured on a virtual car" in page(tmp_path)
     assert "a stream from the unit (71)" in page(tmp_path)
     assert [path.name for path in tmp_path.iterdir() if path.is_file()] == ["car.html"]
 

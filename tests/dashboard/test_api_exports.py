@@ -255,10 +255,10 @@ def test_the_live_report(idle) -> None:
     began = idle.dashboard.connection.now()
     idle.until(lambda it: it["now"] > began + 20 and it["state"]["fault_count"] == 1)
     text = idle.get("/report", lang="ru").text
-    assert "измерено на подключённой машине" in text
+    assert "измерено на виртуальном автомобиле" in text
     assert "В памяти блока 1 ошибка: 13;" in text
     assert "МИКАС 7.1" in text
-    assert "все значения, которые можно оценить (6)" in text
+    assert "все значения, которые можно оценить (5)" in text
     assert "несколько параметров одним запросом" in text
     answer = idle.get("/report", inline=1)
     assert "content-disposition" not in answer.headers

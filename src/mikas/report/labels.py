@@ -16,6 +16,7 @@ _LABELS: Final = {
     "not_asked": Text("not read", "не считывалось"),
     "of_recording": Text("From the recording", "По записи"),
     "live": Text("measured on the connected car", "измерено на подключённой машине"),
+    "live_virtual": Text("measured on a virtual car", "измерено на виртуальном автомобиле"),
     "virtual": Text("a virtual car", "виртуальный автомобиль"),
     "alarms": Text("Alarms", "Тревоги"),
     "faults": Text("Stored faults", "Ошибки в памяти блока"),

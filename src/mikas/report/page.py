@@ -73,9 +73,11 @@ class _Page:
         date = found.subject.conditions.date
         model = found.subject.unit.model.text.to(language) if found.subject.unit else ""
         file = found.subject.conditions.file
-        virtual = label("virtual") if found.subject.conditions.port.startswith("sim:") else ""
-        about = f"{label('of_recording')} {file}" if file else virtual or label("live")
-        about = f"{about} ({virtual})" if file and virtual else about
+        is_virtual = found.subject.conditions.port.startswith("sim:")
+        about = label("live_virtual" if is_virtual else "live")
+        if file:
+            virtual = f" ({label('virtual')})" if is_virtual else ""
+            about = f"{label('of_recording')} {file}{virtual}"
         return {
             "language": language,
             "label": label,
