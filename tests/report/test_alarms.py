@@ -101,8 +101,9 @@ def test_an_alarm_is_in_the_verdict_the_outcome_and_a_section_of_its_own() -> No
     assert "; an alarm was on: coolant temperature above 100\N{NO-BREAK SPACE}°C (highest 117" in (
         summary_sentence(it).en
     )
-    assert "; была тревога: температура охлаждающей жидкости выше 100\N{NO-BREAK SPACE}°C" in (
-        summary_sentence(it).ru
+    assert (
+        "; была тревога: температура охлаждающей жидкости (ДТОЖ) выше 100\N{NO-BREAK SPACE}°C"
+        in (summary_sentence(it).ru)
     )
     text = page.render(it, "en")
     assert "<h2>Alarms</h2>" in text

@@ -134,6 +134,7 @@ def test_its_policy_lets_in_the_style_it_carries_and_nothing_else() -> None:
 
 def test_russian_is_russian() -> None:
     printed = Parsed(page.render(every_kind(), "ru")).printed
+    printed = printed.replace(shipped().version, "")  # a checksum
     for name in (*(p.name for p in shipped().parameters), *shipped().derived):
         printed = re.sub(rf"\b{name}\b", "", printed)
     left = set(re.findall(r"[A-Za-z]{3,}", printed)) - {"drive", "pcapng", "dev", "ttyUSB", "mikas"}
