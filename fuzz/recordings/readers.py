@@ -24,12 +24,13 @@ from mikas.catalog import shipped
 from mikas.cleaning import terminal_text
 from mikas.cli.failures import BUG
 from mikas.cli.main import run
-from mikas.errors import MikasError
+from mikas.errors import MikasError, UsageError
 from mikas.recording.annotations.events import comment_note
 from mikas.recording.capture.reader import CaptureReader, Problem
 from mikas.recording.capture.writer import append_note
 from mikas.recording.export import DIALECTS, export
 from mikas.recording.inspect import Describer, decode, to_json
+from mikas.recording.search import Condition, search
 from mikas.recording.summary import summarise
 from mikas.replay.port import playing
 from mikas.report.from_recording import find_in_recording
@@ -181,6 +182,13 @@ def _problems(path: Path) -> list[Problem]:
 _USUAL: Final = Allowance(calls=(400_000, 150), reads=(1 << 20, 100))
 _SEVERAL: Final = Allowance(calls=(400_000, 500), reads=(1 << 20, 400))
 
+
+def _searched(path: Path) -> None:
+    for text in ("FREQ > 1000 and not RXX", "FUEL_FLOW < 3"):
+        with suppress(UsageError):  # a channel that is not in the file
+            search(path, Condition(shipped(), text))
+
+
 READERS: Final = (
     Reader("list", _listed, _USUAL),
     Reader("decode", _decoded, _USUAL),
@@ -191,6 +199,7 @@ READERS: Final = (
     Reader("csv", _exported(".csv"), _USUAL, each=2),
     Reader("msl", _exported(".msl"), _USUAL, each=3),
     Reader("mlg", _exported(".mlg"), _USUAL, each=3),
+    Reader("search", _searched, _USUAL, each=5),
     Reader("comment", _commented, _USUAL, each=4),
     Reader("dashboard", dashboard.read, _SEVERAL, each=6),
     Reader("terminal", _on_terminal, _USUAL, each=5),

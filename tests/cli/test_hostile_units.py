@@ -68,7 +68,7 @@ CASES = {
     "raw": Case("raw 0129"),
     "report": Case("report -o report.html --duration 1"),
 }
-WITHOUT_A_UNIT = {"ports", "params", "decode", "export", "sim", "demo", "mem diff"}
+WITHOUT_A_UNIT = {"ports", "params", "decode", "export", "find", "sim", "demo", "mem diff"}
 APART = {"dash"}  # below
 
 

@@ -55,6 +55,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "export a recording for other programs (needs no port)",
         "экспорт записи для других программ (порт не нужен)",
     ),
+    "find": _command(
+        "recordings.find",
+        "find the moments of a recording at which a condition holds (needs no port)",
+        "найти в записи моменты, когда выполняется условие (порт не нужен)",
+    ),
     "report": _command(
         "recordings.report",
         "a report on the car, from a recording or measured now",

@@ -1,0 +1,109 @@
+"""`mikas find`: the moments of a recording at which a condition holds. It needs no port."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mikas.cli.click_extensions import command
+from mikas.cli.context import CommandContext
+from mikas.cli.language import decimal, tr
+from mikas.cli.parameter_types import existing_file
+from mikas.i18n import Text, counted
+
+if TYPE_CHECKING:
+    from mikas.recording.search import Condition, Hit
+
+
+@command(
+    "find",
+    Text(
+        "Finds the moments of a recording (.pcapng) at which EXPRESSION holds: a formula of "
+        "parameters and derived channels, as in a catalog file. A moment ends where the formula "
+        "is false or has no value for two seconds. PEAK is the extreme of what the first "
+        "comparison compares: the lowest value of a <, else the highest.",
+        "Находит в записи (.pcapng) моменты, когда выполняется EXPRESSION: формула из параметров и "
+        "производных каналов, как в файле каталога. Момент кончается там, где формула неверна или "
+        "две секунды не имеет значения. PEAK — крайнее значение того, что сравнивается первым: при "
+        "< наименьшее, иначе наибольшее.",
+    ),
+    examples=(
+        "mikas find drive.pcapng 'FREQ > 3000 and DET'",
+        "mikas find drive.pcapng 'TWAT > 100' --json",
+    ),
+)
+@click.argument("file", metavar="FILE", type=existing_file)
+@click.argument("expression", metavar="EXPRESSION")
+def find(context: CommandContext, file: Path, expression: str) -> None:
+    from mikas.recording.search import Condition, search
+
+    options = context.options
+    condition = Condition(options.catalog, expression)
+    found = search(file, condition, options.interpretation)
+    if found.damaged:
+        context.say(
+            f"{file}: {found.damaged} damaged place(s); the readable rest is searched.",
+            f"{file}: повреждённых мест: {found.damaged}; поиск идёт по всему остальному.",
+        )
+    if context.output.json:
+        context.output.data(
+            {
+                "hits": [_json(hit) for hit in found.hits],
+                "peak_of": condition.peak_of or None,
+                "from": found.begin,
+                "to": found.end,
+            }
+        )
+        return
+    if found.begin is not None and found.hits:
+        _print_table(context, found.hits, condition, found.begin)
+    context.output.note(_summary(found.hits, condition))
+
+
+def _json(hit: Hit) -> dict[str, float | int | None]:
+    return {
+        "from": hit.begin,
+        "to": hit.end,
+        "peak": hit.peak,
+        "peak_time": hit.peak_time,
+        "rows": hit.rows,
+    }
+
+
+def _print_table(
+    context: CommandContext, hits: list[Hit], condition: Condition, start: float
+) -> None:
+    """Print a row a hit: seconds from the start, time of day if it is known, length, peak."""
+    from mikas.recording.table.channels import calendar
+
+    columns = {
+        tr("from, s", "начало, с"): [decimal(f"{hit.begin - start:.1f}") for hit in hits],
+        tr("length, s", "длится, с"): [decimal(f"{hit.end - hit.begin:.1f}") for hit in hits],
+    }
+    if condition.peak_of:
+        columns[condition.peak_of] = [
+            "—" if hit.peak is None else decimal(f"{hit.peak:.6g}") for hit in hits
+        ]
+    if calendar(start) is not None:
+        moments = [calendar(hit.begin) for hit in hits]
+        columns[tr("time of day", "время")] = [
+            f"{at.astimezone():%d.%m.%Y %H:%M:%S}" if at else "" for at in moments
+        ]
+    rows = [list(cells) for cells in zip(*columns.values(), strict=True)]
+    context.output.table(list(columns), rows, right="012" if condition.peak_of else "01")
+
+
+def _summary(hits: list[Hit], condition: Condition) -> str:
+    if not hits:
+        return tr(
+            f"{condition.expression}: at no moment of this recording.",
+            f"{condition.expression}: ни в один момент этой записи.",
+        )
+    seconds = decimal(f"{sum(hit.end - hit.begin for hit in hits):.1f}")
+    moments = counted(len(hits), ("moment", "moments"), ("момент", "момента", "моментов"))
+    return tr(
+        f"{condition.expression}: {moments.en}, {seconds} s in all.",
+        f"{condition.expression}: {moments.ru}, всего {seconds} с.",
+    )

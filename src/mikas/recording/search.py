@@ -1,0 +1,199 @@
+"""Search in a recording: the moments at which a condition holds (`FREQ > 3000 and DET`).
+
+The condition is a formula of the catalog (`catalog/formula_syntax.py`) in the corrected
+interpretation. It is computed as a derived channel is: an input that is not in a row holds for a
+second, or for a cycle if that is longer, so no condition holds by values from both sides of a gap.
+
+    rows       . T T . F T      T  T         . no value; T it holds; F it does not
+    hits         1─1     2      3──3         a pause without rows ends a hit
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final, Literal
+
+import numpy as np
+
+from mikas.catalog import Catalog, Derived
+from mikas.catalog.conversion import NO_TEXT
+from mikas.catalog.formula_syntax import parse
+from mikas.errors import UsageError, usage_error
+from mikas.recording.exchanges.arrays import Floats, Index
+from mikas.recording.recording import Recording
+from mikas.recording.table.channels import Rows
+
+PAUSE: Final = 2.0  # s, as of a gap; more where such steps are usual
+_ALIKE: Final = 2.5  # times the usual step
+_CONDITION, _PEAK = "?", "?PEAK"  # no channel has such a name
+_HIGH, _LOW = (ast.Gt, ast.GtE), (ast.Lt, ast.LtE)
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """The condition holds in `rows` rows in a row: of the times `begin` to `end`, link's clock.
+
+    `peak`: the extreme of what the condition compares first, and its time; None: it has none.
+    """
+
+    begin: float
+    end: float
+    rows: int
+    peak: float | None = None
+    peak_time: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """The hits, and the times of the first and the last row; None: there are no rows.
+
+    `damaged`: the number of places in the file that could not be read.
+    """
+
+    hits: list[Hit]
+    begin: float | None
+    end: float | None
+    damaged: int = 0
+
+
+class Condition:
+    """A condition on the channels of `catalog`. `inputs`: the channels that it names.
+
+    `peak_of`: the formula that its first comparison compares with something, of which a hit has the
+    extreme: the lowest value of a `<`, else the highest; empty without a comparison.
+
+    Raises `UsageError` for a formula that is none, `UnknownParameter` with the nearest names.
+    """
+
+    def __init__(self, catalog: Catalog, expression: str) -> None:
+        self.expression = " ".join(expression.split())
+        try:
+            names = parse(self.expression, {}).inputs
+        except UsageError as error:
+            raise usage_error(
+                f"The condition {error.reason.en}", f"Условие {error.reason.ru}"
+            ) from error
+        self.inputs = tuple(catalog.channel(name).name for name in names)
+        self.peak_of, self._way = _first_comparison(self.expression)
+        formulas = {_CONDITION: self.expression}
+        if self.peak_of:
+            formulas[_PEAK] = self.peak_of
+        derived = {name: _channel(name, formula) for name, formula in formulas.items()}
+        self.catalog = replace(catalog, derived={**catalog.derived, **derived})
+        self.names = tuple(derived)
+
+    def find(self, stretches: Iterable[Rows]) -> Found:
+        """Return the hits in rows with the columns `names`, in their order."""
+        columns = _Columns(stretches)
+        times = columns.times.tolist()
+        begins, ends = columns.runs
+        peaks = columns.peaks(begins, ends, self._way)
+        hits = [
+            Hit(times[begin], times[end], end - begin + 1, *peak)
+            for begin, end, peak in zip(begins.tolist(), ends.tolist(), peaks, strict=True)
+        ]
+        return Found(hits, *columns.span)
+
+
+def search(
+    path: str | os.PathLike[str], condition: Condition, interpretation: str = "corrected"
+) -> Found:
+    """Return the hits in a recording, in the order of the file.
+
+    Raises `CaptureError`; `UsageError` if a channel of the condition is not recorded.
+    """
+    recording = Recording(path, condition.catalog, interpretation, condition.names)
+    if _CONDITION in recording.absent:
+        absent = [
+            name
+            for name in condition.inputs
+            if name in Recording(path, condition.catalog, interpretation, [name]).absent
+        ]
+        names = ", ".join(absent)
+        raise usage_error(
+            f"{names}: not in this recording, so the condition has no value anywhere",
+            f"{names}: в этой записи нет, поэтому у условия нигде нет значения",
+        )
+    found = condition.find(recording.rows())
+    return replace(found, damaged=recording.problem_count)
+
+
+class _Columns:
+    """The rows in which the condition has a value: it holds or it does not."""
+
+    def __init__(self, stretches: Iterable[Rows]) -> None:
+        times, holds, peaks = [np.empty(0)], [np.empty(0)], [np.empty(0)]
+        ends: list[float] = []
+        for rows in stretches:
+            if len(rows.times):
+                ends += [float(rows.times.min()), float(rows.times.max())]
+            column = rows.values[_CONDITION]
+            known = np.isfinite(column)
+            times.append(rows.times[known])
+            holds.append(column[known])
+            peaks.append(rows.values.get(_PEAK, np.full(len(column), np.nan))[known])
+        self.span = min(ends, default=None), max(ends, default=None)
+        self.times: Floats = np.concatenate(times)
+        self._holds = np.concatenate(holds) != 0
+        self._peaks: Floats = np.concatenate(peaks)
+
+    @cached_property
+    def runs(self) -> tuple[Index, Index]:
+        """The first and the last row of each hit."""
+        steps = np.diff(self.times)
+        usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+        joined = (steps >= 0) & (steps <= max(PAUSE, _ALIKE * usual))
+        joined &= self._holds[1:] & self._holds[:-1]
+        begins = self._holds & ~np.concatenate(([False], joined))[: len(self._holds)]
+        ends = self._holds & ~np.concatenate((joined, [False]))[: len(self._holds)]
+        return begins.nonzero()[0], ends.nonzero()[0]
+
+    def peaks(
+        self, begins: Index, ends: Index, way: Literal[1, -1]
+    ) -> list[tuple[float, float] | tuple[()]]:
+        """Return the extreme and its time of each run; nothing where there is no number."""
+        found: list[tuple[float, float] | tuple[()]] = []
+        for begin, end in zip(begins, ends, strict=True):
+            part = self._peaks[begin : end + 1]
+            if np.isnan(part).all():
+                found.append(())
+                continue
+            at = int(np.nanargmax(way * part))
+            found.append((float(part[at]), float(self.times[begin + at])))
+        return found
+
+
+def _channel(name: str, formula: str) -> Derived:
+    return Derived(name, NO_TEXT, formula, parse(formula, {}).inputs)
+
+
+def _first_comparison(expression: str) -> tuple[str, Literal[1, -1]]:
+    """Return what the first comparison compares, and 1 if its highest value is the extreme."""
+    for node in _in_order(ast.parse(expression, mode="eval").body):
+        if not isinstance(node, ast.Compare):
+            continue
+        operator, (right,) = node.ops[0], node.comparators
+        for side, low in ((node.left, _LOW), (right, _HIGH)):
+            if names := _channel_names(side):
+                for name in names:
+                    name.id = name.id.upper()
+                return ast.unparse(side), -1 if isinstance(operator, low) else 1
+    return "", 1
+
+
+def _in_order(node: ast.AST) -> Iterable[ast.AST]:
+    """Yield `node` and all nodes in it, as they are written."""
+    yield node
+    for child in ast.iter_child_nodes(node):
+        yield from _in_order(child)
+
+
+def _channel_names(side: ast.expr) -> list[ast.Name]:
+    """Return the names in a formula that are not those of functions."""
+    functions = {id(node.func) for node in ast.walk(side) if isinstance(node, ast.Call)}
+    names = (node for node in ast.walk(side) if isinstance(node, ast.Name))
+    return [name for name in names if id(name) not in functions]
