@@ -39,8 +39,11 @@ class Number:
         """The value with its unit; a dash without one."""
         if self.value is None:
             return Text("—", "—")
-        number = f"{self.value:.{self.decimals}f}".replace("-", "−")
-        units = (f" {unit}" if unit else "" for unit in self.unit)
+        number = f"{self.value:.{self.decimals}f}"
+        if not float(number):
+            number = number.removeprefix("-")
+        number = number.replace("-", "−")
+        units = (f" {unit}" if unit not in ("", "°") else unit for unit in self.unit)
         return Text(*(f"{it}{unit}" for it, unit in zip(_local(number), units, strict=True)))
 
 
