@@ -203,7 +203,8 @@ def test_slow_sampling_decides_nothing(test: str, every: int) -> None:
 def test_a_missing_channel_never_makes_a_verdict(test: str) -> None:
     known = TESTS[test]
     formulas = [step.until for step in known.steps]
-    formulas += [each for measure in known.measures.values() for each in measure.formulas]
+    judging = {name for rule in known.rules for name in rule.when.inputs}
+    formulas += [each for name in judging for each in known.measures[name].formulas]
     for name in parameters_of(shipped(), formulas_inputs(formulas)):
         result = run(known, lacking(rows_of(test, "", ""), name))
         assert result is None or result.outcome is Outcome.UNKNOWN, name
