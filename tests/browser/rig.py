@@ -149,6 +149,9 @@ class Dash:
     def post(self, path: str, body: dict | None = None) -> dict:
         return self.api.post(f"/api{path}", json=body or {}).raise_for_status().json()
 
+    def put(self, path: str, body: dict) -> dict:
+        return self.api.put(f"/api{path}", json=body).raise_for_status().json()
+
     def until(self, accepted: Callable[[], bool]) -> None:
         """Until `accepted()`, looked at with every message of the live line."""
         url = f"{self.url.replace('http', 'ws')}/api/live?client=waiting-0001"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from io import StringIO
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -141,3 +142,26 @@ def test_deleting_asks(recorded, visitor):
     sheet.get_by_role("button", name="Delete", exact=True).click()
     tab.says("No recordings yet")
     assert recorded.get("/recordings")["recordings"] == []
+
+
+def test_other_presets_during_a_recording_leave_no_gap_in_the_file(own, visitor):
+    """At full speed, by requests, where the values on the screen come first."""
+    own.put("/plan", {"wanted": own.state()["plan"]["wanted"], "method": "batch"})
+    own.nobody_controls()
+    tab = visitor(own.url).show("live")
+    tab.press("Record")
+    tab.says("Recording all values")
+    for preset, name in (("Fuel", "UGB"), ("Ignition", "UOZ"), ("Idle", "TWAT"), ("All", "TAIR")):
+        tab.page.get_by_role("tab", name=preset, exact=True).click()
+        own.until(lambda shown=name: shown in own.state()["plan"]["first"])
+        _more(own)
+    tab.press("Stop recording")
+    (made,) = own.get("/recordings")["recordings"]
+    assert made["gaps"] == 0
+    detail = own.get(f"/recordings/{made['id']}")
+    assert set(detail["channels"]) == {it["name"] for it in own.state()["plan"]["wanted"]}
+    assert not [event for event in detail["events"] if event["kind"] in ("gap", "state")][1:]
+    rows = own.get(f"/recordings/{made['id']}/rows?points=20000")
+    for name, column in zip(rows["names"], rows["values"], strict=True):
+        read = [time for time, v in zip(rows["times"], column, strict=True) if v is not None]
+        assert max(b - a for a, b in pairwise(read)) < 1, name

@@ -146,9 +146,9 @@ def test_the_plan_changes_while_it_runs(idle):
     state = idle.put(
         "/plan", {"wanted": [{"name": "TWAT"}, {"name": "fuel_used", "every": 5}], "method": "list"}
     )
-    assert state["plan"]["wanted"] == [
-        {"name": "TWAT", "every": 1},
-        {"name": "FUEL_USED", "every": 5},
+    assert [(it["name"], it["every"]) for it in state["plan"]["wanted"]] == [
+        ("TWAT", 1),
+        ("FUEL_USED", 5),
     ]
     message = idle.until(lambda it: "FUEL_USED" in it.get("data", {}).get("names", ()))
     assert message["data"]["names"] == ["TWAT", "FUEL_USED"]
@@ -175,6 +175,28 @@ def test_the_cost_of_a_channel_is_known_before_it_is_added(shared_idle):
     assert price["more"]["TWAT"]["seconds"] > 0
     assert "FREQ" not in price["more"]
     assert price["more"]["INJ"]["seconds"] > price["more"]["TWAT"]["seconds"]  # two bytes
+
+
+def test_where_each_channel_costs_time_some_come_first(off):
+    """An adapter without a rate limit: by 61 the others are read in every fifth cycle."""
+    everything = [{"name": it["name"]} for it in off.get("/state")["plan"]["wanted"]]
+    off.put("/plan", {"wanted": everything, "method": "batch"})
+    off.put("/plan/first", {"names": ["FREQ", "fuel_flow"]})
+    assert off.put("/plan/first", {"names": ["TWTA"]}, 400)["code"] == "UnknownParameter"
+    off.post("/connect", {"port": "sim:?scenario=warm-idle", "method": "batch"})
+    state = off.until(lambda it: it["state"]["samples"] > 20)["state"]
+    assert state["plan"]["first"] == ["FREQ", "FUEL_FLOW"]
+    cycles = {it["name"]: it["cycles"] for it in state["plan"]["wanted"]}
+    assert {it["every"] for it in state["plan"]["wanted"]} == {1}
+    assert (cycles["FREQ"], cycles["INJ"], cycles["FUEL_FLOW"]) == (1, 1, 1)
+    assert cycles["TWAT"] == 5
+    prices = {
+        method: off.post("/plan/price", {"wanted": everything, "method": method, "first": ["FREQ"]})
+        for method in ("batch", "stream")
+    }
+    assert "FREQ" not in prices["batch"]["more"]
+    assert prices["batch"]["more"]["TWAT"]["seconds"] > 0.0005
+    assert prices["stream"]["more"]["TWAT"]["seconds"] == 0
 
 
 def test_the_doctor_borrows_the_port_and_gives_it_back(idle):

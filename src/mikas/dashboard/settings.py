@@ -125,11 +125,15 @@ class PortSettings:
 
 @dataclass(frozen=True, slots=True)
 class PlanSettings:
-    """The channels to sample. `every`: a divisor for each name; 10 means every tenth cycle."""
+    """The channels to sample. `every`: a divisor for each name; 10 means every tenth cycle.
+
+    `first`: those that come first where each channel costs time (`Sampler.prefer`).
+    """
 
     every: dict[str, int]
     method: FixedMethod | None = None
     rate: float | None = None
+    first: tuple[str, ...] = ()
 
     @property
     def names(self) -> list[str]:

@@ -46,6 +46,8 @@ class SamplingContext:
         """The latest request, by any thread."""
         self.request = request
         """The request that is being served."""
+        self.first: frozenset[str] = frozenset()
+        """The parameters that come first (`Plan.preferring`); set by any thread."""
         self.jobs = jobs
         self.strict = strict
         self.identify_first = identify_first

@@ -109,17 +109,19 @@ class MethodKnowledge:
         rates = rates_of(plan, self._known, baud)
         return rates | {m: 0.0 for m, count in self._failures.items() if count >= _OFTEN}
 
-    def price(self, plan: Plan, method: FixedMethod | None) -> Price:
+    def price(
+        self, plan: Plan, method: FixedMethod | None, first: frozenset[str] = frozenset()
+    ) -> Price:
         """Return the price of a cycle with the measured delay, or with that of §5.
 
-        `method` None: the fastest known one, else batch.
+        `method` None: the fastest known one, else batch. `first`: as for `Plan.preferring`.
         """
         known = self._timings.get(self._kind, {})
         plan = replace(plan, max_list=self.max_list)
         if method is None:
             method = best_method(rates_of(plan, known, _BAUD)) or "batch"
         timing = known.get(method)
-        by = plan.with_method(method)
+        by = plan.with_method(method).preferring(first)
         if timing is None or timing.delay is None:
             return by.price()
         return by.price(turn_round=timing.delay, pause=timing.delay)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import suppress
 
 from mikas.catalog import Parameter
@@ -105,8 +105,14 @@ class PlanRunner:
         self._worked = False
         self._over = False
 
-    def events(self) -> Iterator[Event]:
-        """Yield events until the plan ends.
+    def events(
+        self,
+        first: frozenset[str] = frozenset(),
+        preferring: Callable[[frozenset[str]], Plan] | None = None,
+    ) -> Generator[Event, None, bool]:
+        """Yield events until the plan ends; return whether others come first, by another plan.
+
+        `first`: those that came first when the plan was made by `preferring`.
 
         Raises `NoConnection` and `SyncLost`; with `strict` also the requested method's refusal.
         """
@@ -114,6 +120,10 @@ class PlanRunner:
         self._context.unended = None
         try:
             while not self._is_over():
+                if preferring is not None and self._context.first is not first:
+                    first = self._context.first
+                    if preferring(first) != self._plan:
+                        return True
                 cycles = self._cycles
                 if self._context.jobs:
                     yield from self._pause()
@@ -126,6 +136,7 @@ class PlanRunner:
         finally:
             with suppress(LineError):  # the next exchange finds the line's fault
                 self._close()
+        return False
 
     def _is_over(self) -> bool:
         return (

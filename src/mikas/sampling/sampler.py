@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future
+from functools import partial
 from typing import TypeVar
 
 from mikas.catalog import Catalog, Derived, Parameter
@@ -125,13 +126,29 @@ class Sampler:
         """
         self._context.latest = self._request(names, method, rate)
 
-    def price(self, names: Iterable[str], method: str = "auto") -> Price:
+    def prefer(self, names: Iterable[str]) -> None:
+        """Let these channels come first where each channel costs time; none: all are equal.
+
+        The same channels are sampled as before. A stream or a list goes on as it is; in a plan of
+        requests the divisors change between two cycles. Raises `UnknownParameter`, `UsageError`.
+        """
+        self._context.first = self._parameters_of(names)
+
+    def price(self, names: Iterable[str], method: str = "auto", first: Iterable[str] = ()) -> Price:
         """Return the price of a cycle of `names`; auto: by the fastest known method.
 
-        Raises `UnknownParameter` and `UsageError`.
+        `first`: those that come first, as for `prefer`. Raises `UnknownParameter`, `UsageError`.
         """
         plan = Plan(select(self._catalog, names).parameters)
-        return self._context.knowledge.price(plan, fixed_method(method))
+        preferred = self._parameters_of(first)
+        return self._context.knowledge.price(plan, fixed_method(method), preferred)
+
+    def _parameters_of(self, names: Iterable[str]) -> frozenset[str]:
+        """Return the parameters of `names`: themselves, and the inputs of derived channels."""
+        wanted = tuple(names)
+        if not wanted:
+            return frozenset()
+        return frozenset(it.parameter.name for it in select(self._catalog, wanted).parameters)
 
     def relearn(self) -> None:
         """Forget the unit's methods and limits, saved ones included; measure them again."""
@@ -215,9 +232,27 @@ class Sampler:
             if method is None:
                 yield from self._idle(ecu, _SHORT)
                 continue
-            plan = plan.with_method(method)
+            yield from self._run(ecu, plan.with_method(method))
+
+    def _run(self, ecu: Ecu, whole: Plan) -> Iterator[Event]:
+        """Run `whole`, and once more when others come first, without a request in between."""
+        context, replaced = self._context, True
+        preferring = partial(self._preferring, ecu, whole)
+        while replaced:
+            first = context.first
+            plan = preferring(first)
             yield from context.report_plan(plan, ecu.tester.link.now())
-            yield from PlanRunner(ecu, plan, context, self._unsupported).events()
+            runner = PlanRunner(ecu, plan, context, self._unsupported)
+            replaced = yield from runner.events(first, preferring)
+
+    def _preferring(self, ecu: Ecu, plan: Plan, first: frozenset[str]) -> Plan:
+        """Return `plan` with `first` preferred, unless all reach the requested rate anyway."""
+        rate, baud = self._context.request.rate, ecu.tester.link.baud
+        if rate is not None:
+            known = self._context.knowledge.rates(plan, baud)
+            if known.get(plan.method, plan.price(baud=baud).rate) >= rate:
+                return plan
+        return plan.preferring(first)
 
     def _method(self, ecu: Ecu, plan: Plan) -> Generator[Event, None, FixedMethod | None]:
         """Return the requested method, or the fastest, measured if necessary; None: none works."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Literal
+from typing import Annotated, Literal
 
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
@@ -52,16 +52,25 @@ class ConnectRequest(BaseModel):
 
 
 class PriceRequest(BaseModel):
-    """The channels of the cost; `method` auto: the method in use."""
+    """The channels of the cost; `first`: those that come first; `method` auto: that in use."""
 
+    first: list[Annotated[str, Field(max_length=40)]] = Field([], max_length=200)
     wanted: list[PlannedChannel] = Field(min_length=1, max_length=200)
     method: Method = "auto"
 
 
-class PlanRequest(PriceRequest):
-    """The channels to sample, also derived ones."""
+class PlanRequest(BaseModel):
+    """The channels to sample, also derived ones; `method` auto: the fastest."""
 
+    wanted: list[PlannedChannel] = Field(min_length=1, max_length=200)
+    method: Method = "auto"
     rate: float | None = Field(None, gt=0, le=1000)
+
+
+class PriorityRequest(BaseModel):
+    """The channels that come first; none: all are equal."""
+
+    names: list[Annotated[str, Field(max_length=40)]] = Field(max_length=200)
 
 
 class ChannelPrice(BaseModel):
@@ -72,7 +81,9 @@ class ChannelPrice(BaseModel):
 
 
 class PriceResponse(BaseModel):
-    """The average cost of a cycle; `more`: of every other channel."""
+    """The average cost of a cycle; `more`: of every other channel, or with `first`, of every
+    channel that does not come first, if it did.
+    """
 
     bytes: float
     requests: float
@@ -125,15 +136,26 @@ async def plan(dashboard: TheDashboard, client: Controller, body: PlanRequest) -
     return state_of(dashboard, client)
 
 
+@router.put("/plan/first", responses=errors(409))
+def first(dashboard: TheDashboard, client: Controller, body: PriorityRequest) -> State:
+    """Let these channels come first where each one costs time; the others are read in every fifth
+    cycle there. A stream or a list reads all in one response, and goes on unchanged.
+    """
+    dashboard.plan.prefer(body.names)
+    return state_of(dashboard, client)
+
+
 @router.post("/plan/price", responses=errors())
 def price(dashboard: TheDashboard, body: PriceRequest) -> PriceResponse:
     """Return the cost of a cycle of these channels, and of each further channel."""
-    names = _settings(dashboard.catalog, body)
-    base = dashboard.plan.price(names.names, body.method)
+    names, first = _settings(dashboard.catalog, body).names, body.first
+    base = dashboard.plan.price(names, body.method, first)
+    known = first or [wanted.name for wanted in body.wanted]
     more = {}
     for channel in dashboard.plan.channels:
-        if channel not in names.every:
-            with_it = dashboard.plan.price([*names.names, channel], body.method)
+        if channel not in known:
+            longer = ([*names, channel], first) if not first else (names, [*first, channel])
+            with_it = dashboard.plan.price(longer[0], body.method, longer[1])
             more[channel] = made_of(ChannelPrice, with_it, seconds=with_it.seconds - base.seconds)
     return made_of(PriceResponse, base, more=more)
 
@@ -159,7 +181,9 @@ def release(dashboard: TheDashboard, client: KnownClient) -> State:
     return state_of(dashboard, client)
 
 
-def _settings(catalog: Catalog, body: PriceRequest, rate: float | None = None) -> PlanSettings:
+def _settings(
+    catalog: Catalog, body: PriceRequest | PlanRequest, rate: float | None = None
+) -> PlanSettings:
     every: dict[str, int] = {}
     for channel in body.wanted:
         every.setdefault(catalog.channel(channel.name).name, channel.every)

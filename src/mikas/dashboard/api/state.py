@@ -26,10 +26,19 @@ class PlannedChannel(BaseModel):
     every: int = Field(1, ge=1, le=1000)
 
 
-class PlanInfo(BaseModel):
-    """The plan of sampling."""
+class SampledChannel(PlannedChannel):
+    """A channel of the plan, and in how many cycles it is read once."""
 
-    wanted: list[PlannedChannel]
+    cycles: int = Field(
+        description="more than `every` where each channel costs time and others come first"
+    )
+
+
+class PlanInfo(BaseModel):
+    """The plan of sampling. `first`: channels that come first where each costs time."""
+
+    wanted: list[SampledChannel]
+    first: list[str]
     method: Method
     rate: float | None = Field(description="readings a second at most; null: as fast as possible")
 
@@ -134,6 +143,7 @@ def shared_state(dashboard: Dashboard) -> State:
     # Read each of these once: another thread may set it to None.
     thread, now, port = connection.thread, connection.now(), connection.port
     stored, unlocked = dashboard.fault_history.latest, dashboard.write_lock.left
+    cycles = dashboard.plan.cycles(thread.acquisition.plan if thread is not None else None)
     recording = _recording(dashboard)  # not under the monitor's lock: the recorder logs files there
     with monitor.lock:
         text, line = _OFF, _NO_LINE
@@ -166,7 +176,11 @@ def shared_state(dashboard: Dashboard) -> State:
             errors=monitor.meters.errors,
             samples=monitor.meters.samples,
             plan=PlanInfo(
-                wanted=[PlannedChannel(name=n, every=every) for n, every in request.every.items()],
+                wanted=[
+                    SampledChannel(name=name, every=every, cycles=cycles.get(name, every))
+                    for name, every in request.every.items()
+                ],
+                first=list(request.first),
                 method=request.method or "auto",
                 rate=request.rate,
             ),

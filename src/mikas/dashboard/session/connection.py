@@ -14,6 +14,7 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from functools import cached_property
+from math import lcm
 from typing import TypeVar
 
 from mikas.client import Ecu
@@ -35,8 +36,9 @@ from mikas.link.ports import only_likely
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.urls import parse, with_address
 from mikas.sampling.acquisition import Acquisition
+from mikas.sampling.derived import DerivedChannels
 from mikas.sampling.events import LineState
-from mikas.sampling.plan import Price
+from mikas.sampling.plan import Plan, Price, datum_of
 
 T = TypeVar("T")
 
@@ -234,7 +236,8 @@ class Connection:
 class SamplingPlanner:
     """The channels to sample and their cost, with and without a connection. Any thread may call.
 
-    `request`: all channels at first.
+    `request`: all channels at first. Another selection of tiles or traces changes only which of
+    them come first (`prefer`), so it leaves no hole in the values.
     """
 
     def __init__(
@@ -261,8 +264,39 @@ class SamplingPlanner:
             else:
                 for name in request.every:
                     self._catalog.channel(name)
-            self.request = request
+            self.request = replace(request, first=self.request.first)
             self._monitor.set_names(request.every)
+
+    def prefer(self, names: Sequence[str]) -> None:
+        """Let these channels come first, as `Sampler.prefer`. Raises `UnknownParameter`."""
+        with self._lock:
+            first = tuple(dict.fromkeys(self._catalog.channel(name).name for name in names))
+            if (thread := self._connection.thread) is not None:
+                thread.acquisition.prefer(first)
+            self.request = replace(self.request, first=first)
+
+    def cycles(self, plan: Plan | None) -> dict[str, int]:
+        """Return in how many cycles of `plan` each channel is read once; None: as requested.
+
+        A derived channel has a value where all its inputs are read.
+        """
+        every = self.request.every
+        if plan is None:
+            return every
+        divisors = plan.divisors
+        read = {p.parameter.name: divisors[datum_of(p.parameter)] for p in plan.parameters}
+
+        def of(name: str, requested: int) -> int:
+            inputs = self._inputs.get(name, (name,))
+            return lcm(*(read.get(it, requested) for it in inputs))
+
+        return {name: of(name, requested) for name, requested in every.items()}
+
+    @cached_property
+    def _inputs(self) -> dict[str, tuple[str, ...]]:
+        """The parameters of each derived channel."""
+        catalog = self._catalog
+        return {it: tuple(DerivedChannels(catalog, [it]).requires) for it in catalog.derived}
 
     def relearn(self) -> None:
         """Drop the measured speeds and limits of this unit. Raises `NotConnected`."""
@@ -270,11 +304,11 @@ class SamplingPlanner:
             raise NotConnected
         thread.acquisition.relearn()
 
-    def price(self, names: Sequence[str], method: str) -> Price:
+    def price(self, names: Sequence[str], method: str, first: Sequence[str] = ()) -> Price:
         """Return the cost of one cycle of `names`, by the limits known of the unit, if any."""
         thread = self._connection.thread
         acquisition = thread.acquisition if thread else self._unconnected
-        return acquisition.price(names, method)
+        return acquisition.price(names, method, first)
 
     @cached_property
     def _unconnected(self) -> Acquisition:

@@ -118,6 +118,7 @@ class SamplingThread(threading.Thread):
             rate=request.rate,
             identify_first=identify_first,
         )
+        self.acquisition.prefer(request.first)
 
     def stop(self) -> None:
         """Stop sampling and close the port; may take seconds. A second call does nothing."""

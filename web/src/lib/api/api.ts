@@ -30,8 +30,9 @@ export const api = {
   stopDoctor: () => post<Api.State>("/doctor/stop"),
   plan: (wanted: Api.Wanted[], method: Api.Method, rate: number | null) =>
     put<Api.State>("/plan", { wanted, method, rate }),
-  price: (wanted: Api.Wanted[], method: Api.Method = "auto") =>
-    post<Api.Price>("/plan/price", { wanted, method }),
+  first: (names: readonly string[]) => put<Api.State>("/plan/first", { names }),
+  price: (wanted: Api.Wanted[], method: Api.Method, first: readonly string[]) =>
+    post<Api.Price>("/plan/price", { wanted, method, first }),
   relearn: () => post<Api.State>("/relearn"),
 
   faults: () => get<Api.Faults>("/faults"),

@@ -477,15 +477,16 @@ export interface components {
         PingMessage: {
             ping: number | string;
         };
-        /** @description The plan of sampling. */
+        /** @description The plan of sampling. `first`: channels that come first where each costs time. */
         PlanInfo: {
-            wanted: components["schemas"]["PlannedChannel"][];
+            wanted: components["schemas"]["SampledChannel"][];
+            first: string[];
             /** @enum {string} */
             method: "auto" | "single" | "batch" | "list" | "stream" | "stroke0" | "stroke1" | "stroke2" | "stroke3" | "stroke4";
             /** @description readings a second at most; null: as fast as possible */
             rate: number | null;
         };
-        /** @description The channels to sample, also derived ones. */
+        /** @description The channels to sample, also derived ones; `method` auto: the fastest. */
         PlanRequest: {
             wanted: components["schemas"]["PlannedChannel"][];
             /**
@@ -526,8 +527,10 @@ export interface components {
         PresetList: {
             presets: components["schemas"]["Preset"][];
         };
-        /** @description The channels of the cost; `method` auto: the method in use. */
+        /** @description The channels of the cost; `first`: those that come first; `method` auto: that in use. */
         PriceRequest: {
+            /** @default [] */
+            first: string[];
             wanted: components["schemas"]["PlannedChannel"][];
             /**
              * @default auto
@@ -535,7 +538,10 @@ export interface components {
              */
             method: "auto" | "single" | "batch" | "list" | "stream" | "stroke0" | "stroke1" | "stroke2" | "stroke3" | "stroke4";
         };
-        /** @description The average cost of a cycle; `more`: of every other channel. */
+        /**
+         * @description The average cost of a cycle; `more`: of every other channel, or with `first`, of every
+         *     channel that does not come first, if it did.
+         */
         PriceResponse: {
             bytes: number;
             requests: number;
@@ -544,6 +550,10 @@ export interface components {
             more: {
                 [key: string]: components["schemas"]["ChannelPrice"];
             };
+        };
+        /** @description The channels that come first; none: all are equal. */
+        PriorityRequest: {
+            names: string[];
         };
         /** @description One recording with its channels and events. `first`, `last`: the times of its rows. */
         RecordingDetail: {
@@ -662,6 +672,15 @@ export interface components {
             gaps: number;
             /** @description why it broke off; null: it did not */
             failure: components["schemas"]["TwoTexts"] | null;
+        };
+        /** @description A channel of the plan, and in how many cycles it is read once. */
+        SampledChannel: {
+            /** @example TWAT */
+            name: string;
+            /** @default 1 */
+            every: number;
+            /** @description more than `every` where each channel costs time and others come first */
+            cycles: number;
         };
         /**
          * @description The side on which the value is beyond its limit; a set flag is HIGH.

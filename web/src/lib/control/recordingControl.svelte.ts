@@ -9,12 +9,12 @@ import type { State } from "../api/types";
 
 const t = dictionary({
   started: {
-    en: "Recording {sampled} of {all} values: those that are sampled now",
-    ru: "Записываются {sampled} из {all} величин: те, что сейчас опрашиваются",
+    en: "Recording {sampled} of {all} values: a script has reduced the sampling plan",
+    ru: "Записываются {sampled} из {all} величин: план опроса сократила другая программа",
   },
   startedAll: { en: "Recording all values to {file}", ru: "Идёт запись всех величин в {file}" },
   allValues: { en: "Record all values", ru: "Записывать всё" },
-  everythingNow: { en: "All values are recorded now, each less often", ru: "Записываются все величины, каждая реже" },
+  everythingNow: { en: "All values are recorded now", ru: "Теперь записываются все величины" },
   stopped: { en: "Recording saved: {file}", ru: "Запись сохранена: {file}" },
   marked: { en: "Marker set", ru: "Отметка поставлена" },
   unrecorded: { en: "Marker set on the chart; no recording is running", ru: "Отметка поставлена на графике; запись не идёт" },
@@ -45,11 +45,11 @@ class RecordingControl {
     }
   }
 
-  /** Only subscribed channels are recorded: say so, and offer to record all. */
+  /** Everything is recorded, unless a script has reduced the plan: say so then, and offer to record all. */
   private announceStarted(state: State, file: string): void {
     const supported = supportedNames(catalog.channels, state);
-    const sampled = state.plan.wanted.length;
-    const all = Math.max(sampled, supported.length);
+    const wanted = new Set(state.plan.wanted.map(({ name }) => name));
+    const [sampled, all] = [supported.filter((name) => wanted.has(name)).length, supported.length];
     if (sampled === all) return toasts.success(() => t("startedAll", { file }));
     toasts.success(() => t("started", { file, sampled, all }), {
       duration: 12_000,

@@ -31,8 +31,8 @@ export function displayValueOf(latest: Latest | undefined, now: number, period: 
 function period(name: string): number {
   const state = live.state;
   if (!state || state.rate <= 0) return 0;
-  const every = state.plan.wanted.find((wanted) => wanted.name === name)?.every ?? 1;
-  return every / state.rate;
+  const cycles = state.plan.wanted.find((wanted) => wanted.name === name)?.cycles ?? 1;
+  return cycles / state.rate;
 }
 
 /** Depends on time: read `frameClock.fast` as well. */
