@@ -22,6 +22,7 @@ TREE = {
     "ValueDoesNotFit": ("UsageError", ValueError),
     "BadPortUrl": ("UsageError", ValueError),
     "CatalogError": ("UsageError", ValueError),
+    "FormulaError": ("UsageError", ValueError),
     "CaptureError": ("UsageError", ValueError),
     "ExportError": ("UsageError", ValueError),
     "JournalError": ("UsageError", ValueError),
@@ -63,7 +64,9 @@ TREE = {
     "NotConfirmed": ("MikasError", Exception),
 }
 # These stand for a whole branch, or carry what to try in their own words.
-WITHOUT_ADVICE = {"MikasError", "UsageError", "CaptureError", "NoConnection", "EcuRefused"}
+WITHOUT_ADVICE = {
+    "MikasError", "UsageError", "CaptureError", "FormulaError", "NoConnection", "EcuRefused",
+}  # fmt: skip
 
 HEAVY = {"numpy", "pandas", "rich", "click", "serial", "asyncio", "sqlite3", "pyarrow", "starlette",
          "hypothesis", "platformdirs", "concurrent.futures", "tomllib", "logging"}  # fmt: skip

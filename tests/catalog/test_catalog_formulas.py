@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from mikas.catalog.formula_syntax import DEEPEST, FUNCTIONS, LONGEST, parse
 from mikas.catalog.formulas import Calculation
-from mikas.errors import UsageError
+from mikas.errors import FormulaError, UsageError
 
 NAN = math.nan
 
@@ -110,6 +110,31 @@ def test_constants_are_put_in() -> None:
 
 def test_inputs_in_order_of_appearance() -> None:
     assert parse("b + a - B * max(c, a)", {}).inputs == ("B", "A", "C")
+
+
+@pytest.mark.parametrize(
+    ("formula", "part"),
+    [
+        ("  x +\n  y % 2", "y % 2"),
+        ("\tx + foo(1)", "foo"),
+        ("x + min(1)", "min(1)"),
+        ("x < y <\n 3", "x < y <\n 3"),
+        ("x y", "y"),
+        ("x + 'ы' + y[0]", "'ы'"),
+        ("ы + y[0]", "y[0]"),
+    ],
+)
+def test_a_mistake_has_its_place(formula: str, part: str) -> None:
+    with pytest.raises(FormulaError) as caught:
+        parse(formula, {})
+    assert caught.value.span is not None
+    assert formula[slice(*caught.value.span)] == part
+
+
+def test_a_channel_has_its_first_place() -> None:
+    formula = " ы1 +\n freq * FREQ"
+    parsed = parse(formula, {})
+    assert [formula[slice(*place)] for place in parsed.places] == ["ы1", "freq"]
 
 
 TOO_DEEP = (

@@ -296,3 +296,21 @@ def config(mikas, text: str):
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text, "utf-8")
     return file
+
+
+def test_the_own_catalog_beside_the_config_file(mikas, monkeypatch, tmp_path):
+    monkeypatch.setenv("MIKAS_CONFIG", str(tmp_path / "config.toml"))
+    own = tmp_path / "catalog.toml"
+    own.write_text('[derived.DOUBLE]\nformula = "FREQ * 2"\ntext = "Double"\n', "utf-8")
+    derived = mikas("params", "--json").object["derived"]
+    assert (derived[-1]["name"], derived[-1]["source"]) == ("DOUBLE", "catalog.toml")
+    over = tmp_path / "over.toml"
+    over.write_text('[derived.DOUBLE]\nformula = "FREQ * 3"\n', "utf-8")
+    derived = mikas("params", "--json", "--catalog", str(over)).object["derived"]
+    assert derived[-1]["formula"] == "FREQ * 3"
+    # A wrong one is left out with a note, and no command is useless.
+    own.write_text('[derived.DOUBLE]\nformula = "FREQ %"\ntext = "Double"\n', "utf-8")
+    shown = mikas("params", "--json")
+    assert shown.status == 0
+    assert f"{own}:2" in shown.err
+    assert shown.object["derived"][-1]["name"] != "DOUBLE"

@@ -17,7 +17,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
 
-from mikas.errors import UsageError, usage_error
+from mikas.errors import FormulaError
+from mikas.i18n import Text
 from mikas.options import nearest
 
 LONGEST = 1000  # characters
@@ -41,49 +42,67 @@ _SIGNS = {ast.Mod: "%", ast.FloorDiv: "//", ast.BitAnd: "&", ast.BitOr: "|", ast
 
 @dataclass(frozen=True, slots=True)
 class Parsed:
-    """The plain form, and its channels (in capitals, in order of appearance)."""
+    """The plain form, and its channels (in capitals, in order of appearance).
+
+    `places`: the first and the next character of each channel's first appearance.
+    """
 
     tree: ast.expr
     inputs: tuple[str, ...]
+    places: tuple[tuple[int, int], ...]
 
 
 def parse(text: str, constants: Mapping[str, float]) -> Parsed:
     """Check a formula and insert its constants; any other name is a channel's, in any case.
 
-    UsageError: not a formula, or one without a channel; the loader adds file and line.
+    FormulaError: not a formula, or one without a channel; the loader adds file and line.
     """
     if len(text) > LONGEST:
-        raise usage_error(
+        raise _wrong(
             f"is longer than {LONGEST} signs; split it into several channels",
             f"длиннее {LONGEST} знаков; разделите на несколько каналов",
         )
-    line = " ".join(text.split())
-    syntax = _syntax(line)
-    plain = _PlainForm(line, constants)
-    tree = plain.expression(syntax, 0)
+    # One line, in which each sign keeps its place behind those that are left out at the begin.
+    line = "".join(" " if sign.isspace() else sign for sign in text).strip()
+    begin = len(text) - len(text.lstrip())
+    try:
+        syntax = _syntax(line)
+        plain = _PlainForm(line, constants)
+        tree = plain.expression(syntax, 0)
+    except FormulaError as error:
+        if error.span is not None:
+            error.span = (begin + error.span[0], begin + error.span[1])
+        raise
     if not plain.inputs:
-        raise usage_error(
+        raise _wrong(
             "names no parameter, so it has no time and no value",
             "не называет ни одного параметра, значит, нет ни времени, ни значения",
         )
-    return Parsed(tree, tuple(plain.inputs))
+    places = ((begin + first, begin + after) for first, after in plain.inputs.values())
+    return Parsed(tree, tuple(plain.inputs), tuple(places))
+
+
+def _wrong(en: str, ru: str, span: tuple[int, int] | None = None) -> FormulaError:
+    return FormulaError(Text(en, ru), span)
 
 
 def _syntax(line: str) -> ast.expr:
     if "#" in line:  # a comment would hide the rest of the joined lines
-        raise usage_error("has a `#` in it", "содержит `#`")
+        at = line.index("#")
+        raise _wrong("has a `#` in it", "содержит `#`", (at, at + 1))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return ast.parse(line, mode="eval").body
     except SyntaxError as error:
         place = error.offset or len(line) + 1  # no place: the end is missing
-        raise usage_error(
+        raise _wrong(
             f"is no formula: {error.msg} (sign {place})",
-            f"не формула: ошибка в записи (знак {place})",
+            f"ошибка в записи (знак {place})",
+            (place - 1, place),
         ) from None
     except (ValueError, RecursionError, MemoryError) as error:
-        raise usage_error(f"is no formula: {error}", "не формула: ошибка в записи") from None
+        raise _wrong(f"is no formula: {error}", "ошибка в записи") from None
 
 
 class _PlainForm:
@@ -92,11 +111,12 @@ class _PlainForm:
     def __init__(self, line: str, constants: Mapping[str, float]) -> None:
         self._line = line.encode()
         self._constants = constants
-        self.inputs: dict[str, None] = {}
+        self.inputs: dict[str, tuple[int, int]] = {}
+        """The channels, each with its first place."""
 
     def expression(self, node: ast.expr, depth: int) -> ast.expr:
         if depth > DEEPEST:
-            raise usage_error(
+            raise _wrong(
                 f"is nested more than {DEEPEST} levels deep; split it into several channels",
                 f"вложенность больше {DEEPEST} уровней; разделите на несколько каналов",
             )
@@ -116,9 +136,10 @@ class _PlainForm:
                 left, right = self._all([node.left, *node.comparators], depth)
                 return ast.Compare(left, [operator], [right])
             case ast.Compare(ops=[_, _, *_]):
-                raise usage_error(
+                raise _wrong(
                     "has a chain of comparisons; write `a < b and b < c`",
                     "содержит цепочку сравнений; пишите `a < b and b < c`",
+                    self._span(node),
                 )
             case ast.BoolOp():
                 return self._bool_op(node, depth)
@@ -126,7 +147,7 @@ class _PlainForm:
                 condition, then, other = self._all([node.test, node.body, node.orelse], depth)
                 return _where(condition, then, other)
             case ast.Call(func=ast.Name(id=name), keywords=[]):
-                return self._call(name, node.args, depth)
+                return self._call(name, node, depth)
         raise self._not_allowed(node)
 
     def _all(self, nodes: list[ast.expr], depth: int) -> list[ast.expr]:
@@ -136,7 +157,7 @@ class _PlainForm:
         if (constant := self._constants.get(node.id)) is not None:
             return _value(constant)
         name = node.id.upper()
-        self.inputs[name] = None
+        self.inputs.setdefault(name, self._span(node))
         return ast.Name(name, ast.Load())
 
     def _bool_op(self, node: ast.BoolOp, depth: int) -> ast.expr:
@@ -150,33 +171,43 @@ class _PlainForm:
                 last = _where(value, _value(1), last)
         return last
 
-    def _call(self, name: str, arguments: list[ast.expr], depth: int) -> ast.expr:
+    def _call(self, name: str, node: ast.Call, depth: int) -> ast.expr:
+        arguments = node.args
         if name not in FUNCTIONS:
             close = nearest(name, FUNCTIONS)
             known = f"`{close[0]}`" if close else ", ".join(FUNCTIONS)
-            raise usage_error(
+            raise _wrong(
                 f"calls `{name}`, which there is not; there is {known}",
                 f"вызывает `{name}`, чего нет; есть {known}",
+                self._span(node.func),
             )
         fewest, most = FUNCTIONS[name]
         if not fewest <= len(arguments) <= most:
             count = f"{fewest}" if fewest == most else f"{fewest}+"
-            raise usage_error(
+            raise _wrong(
                 f"gives `{name}` {len(arguments)} argument(s); it takes {count}",
                 f"даёт `{name}` аргументов: {len(arguments)}, а нужно {count}",
+                self._span(node),
             )
         return ast.Call(ast.Name(name, ast.Load()), self._all(arguments, depth), [])
 
-    def _not_allowed(self, node: ast.expr) -> UsageError:
+    def _span(self, node: ast.expr) -> tuple[int, int]:
+        """Return the first and the next character of `node`, whose offsets count bytes."""
+        ends = (node.col_offset, node.end_col_offset or len(self._line))
+        first, after = (len(self._line[:end].decode()) for end in ends)
+        return first, after
+
+    def _not_allowed(self, node: ast.expr) -> FormulaError:
         part = self._line[node.col_offset : node.end_col_offset].decode()
         part = part if len(part) <= 40 else f"{part[:40]}…"
         if isinstance(node, ast.BinOp):
             part = _SIGNS.get(type(node.op), part)
-        return usage_error(
+        return _wrong(
             f"has `{part}` in it; there are numbers, names, + - * / **, comparisons, and, or, not, "
             f"if … else, {', '.join(FUNCTIONS)}",
             f"содержит `{part}`; есть числа, имена, + - * / **, сравнения, and, or, not, "
             f"if … else, {', '.join(FUNCTIONS)}",
+            self._span(node),
         )
 
 
@@ -187,7 +218,7 @@ def _number(node: ast.Constant) -> ast.expr:
         number = float("inf")
     if isfinite(number):
         return _value(number)
-    raise usage_error("has a number that is too large", "содержит слишком большое число")
+    raise _wrong("has a number that is too large", "содержит слишком большое число")
 
 
 def _value(number: float) -> ast.expr:

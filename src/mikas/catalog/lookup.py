@@ -72,6 +72,9 @@ class Catalog:
         channels: dict[str, Parameter | Derived] = {**self._by_name, **self.derived}
         return channels.get(name.upper()) or self._by_code(name, channels)
 
+    def _defined(self, name: str) -> Parameter | Derived | None:
+        return self._by_name.get(name) or self.derived.get(name)
+
     def _by_code(self, name: str, known: Iterable[str]) -> Parameter:
         if match := _RAW_CODE.fullmatch(name):
             return self._raw(name, int(match[1], 16), match[2])
@@ -89,6 +92,20 @@ class Catalog:
             text=Text(f"raw number of code 0x{code:02X}", f"исходное число кода 0x{code:02X}"),
             conversion=Conversion(size),
         )
+
+    def gives_same_values(self, name: str, other: Catalog) -> bool:
+        """Return whether both catalogs make the same values of the channel `name` from the same
+        bytes; false if one of them lacks it. Texts, limits and decimals may differ.
+        """
+        one, two = self._defined(name), other._defined(name)
+        match one, two:
+            case Parameter(), Parameter():
+                return (one.code, one.interpretations) == (two.code, two.interpretations)
+            case Derived(), Derived():
+                return (one.formula, one.constants, one.accumulates) == (
+                    two.formula, two.constants, two.accumulates,
+                ) and all(self.gives_same_values(each, other) for each in one.inputs)  # fmt: skip
+        return False
 
     def fault(self, code: int) -> Fault:
         """Return the fault of that number; an unknown one has no text."""

@@ -49,6 +49,11 @@ def path() -> Path:
     return user_config_path("mikas", appauthor=False) / "config.toml"
 
 
+def own_catalog() -> Path:
+    """Return the path of the user's own catalog, whether or not it exists."""
+    return path().with_name("catalog.toml")
+
+
 def language() -> str:
     """Return the file's `lang`; empty without one, and for a wrong file, which `load` reports."""
     try:

@@ -24,6 +24,7 @@ from mikas.errors import MikasError, NotConfirmed, NotSupported
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
+    from mikas.catalog.own.file import OwnCatalog
     from mikas.client import Change, Confirm, Ecu
     from mikas.client.connecting import ConnectionOptions
     from mikas.link import Link, Sink
@@ -89,12 +90,25 @@ class CommandContext:
         )
 
     @cached_property
+    def own_catalog(self) -> OwnCatalog:
+        """The user's own catalog, below the files of `--catalog`."""
+        from mikas.catalog.own.file import OwnCatalog
+
+        return OwnCatalog(config.own_catalog(), self.catalogs)
+
+    @cached_property
     def options(self) -> ConnectionOptions:
-        """The options of the connection, with the shipped catalog overlaid by the user's."""
-        from mikas.catalog import load
+        """The options of the connection, with the shipped catalog overlaid by the user's files."""
         from mikas.client.connecting import ConnectionOptions
 
-        return ConnectionOptions(catalog=load(*self.catalogs), **self.connection)
+        loaded = self.own_catalog.load()
+        if (problem := loaded.problem) is not None:
+            reason = problem.reason
+            self.say(
+                f"Your own catalog was left out: {reason.en}",
+                f"Ваш каталог не подключён: {reason.ru}",
+            )
+        return ConnectionOptions(catalog=loaded.catalog, **self.connection)
 
     def say(self, en: str, ru: str) -> None:
         """Print a sentence on stderr, in the current language."""

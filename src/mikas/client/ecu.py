@@ -78,6 +78,11 @@ class Ecu:
         )
         self.memory = Memory(tester, self._gate, self._limits)
 
+    def use_catalog(self, catalog: Catalog) -> None:
+        """Name and decode by another catalog from here on."""
+        self.catalog = catalog
+        self._parameters.catalog = catalog
+
     @property
     def version_code(self) -> int:
         """The unit's answer to 01 when it was connected."""

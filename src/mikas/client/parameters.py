@@ -102,7 +102,7 @@ class Parameters:
         interpretation: str,
     ) -> None:
         self.tester = tester
-        self._catalog = catalog
+        self.catalog = catalog
         self._gate = gate
         self._data = data
         self._interpretation = interpretation
@@ -116,7 +116,7 @@ class Parameters:
                     f"names are given one by one, as in read('TWAT', 'FREQ'), not {name!r}",
                     f"имена даются по одному: read('TWAT', 'FREQ'), а не {name!r}",
                 )
-        return tuple(map(self._catalog.parameter, names)) or self._catalog.parameters
+        return tuple(map(self.catalog.parameter, names)) or self.catalog.parameters
 
     def read(self, names: Sequence[str]) -> dict[str, Reading]:
         """Read each named parameter once; without names, all that the unit knows.
@@ -229,7 +229,7 @@ class Parameters:
 
         Raises `ValueDoesNotFit`, `NotConfirmed`, `WriteRefused`, `ReadBackDiffers`.
         """
-        parameter = self._catalog.parameter(name)
+        parameter = self.catalog.parameter(name)
         data = datum_to_write(parameter, value, raw, self._interpretation)
         before = self._one(parameter)
         change = Change(

@@ -17,6 +17,7 @@ from fastapi import FastAPI
 
 from mikas.dashboard import page
 from mikas.dashboard.api import catalog, changes, connection, diagnosis, errors, live, memory, unit
+from mikas.dashboard.api.channels import editing, values
 from mikas.dashboard.api.library import dumps, exports, recordings, report
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
@@ -33,8 +34,8 @@ the control lease, which the first client gets. Times are UNIX seconds, bytes up
 Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 """
 
-_PARTS = (catalog, connection, diagnosis, live, unit, memory, dumps, changes, recordings, exports,
-          report)  # fmt: skip
+_PARTS = (catalog, editing, values, connection, diagnosis, live, unit, memory, dumps, changes,
+          recordings, exports, report)  # fmt: skip
 
 
 class _Application(FastAPI):

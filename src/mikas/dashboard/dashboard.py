@@ -15,12 +15,18 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import replace
 
+from mikas.catalog import Catalog
 from mikas.client import Info, Support
 from mikas.client.polling import FixedMethod
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.security.confirmations import ConfirmationStore, WriteApproval, WriteLock
 from mikas.dashboard.security.control import ControlLease
+from mikas.dashboard.session.catalog_in_use import (
+    CatalogInUse,
+    changed_channels,
+    computing,
+)
 from mikas.dashboard.session.changes import UnitChanges
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.session.dump_jobs import DumpJobs
@@ -48,7 +54,8 @@ class Dashboard:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         options = settings.connection
-        self.settings, self.catalog, self.lan, self.clock = settings, options.catalog, lan, clock
+        self.settings, self.lan, self.clock = settings, lan, clock
+        self.catalogs = CatalogInUse(settings.own_catalog, options.catalog, self._use_catalog)
         self.write_lock = WriteLock(clock)
         self.control = ControlLease(clock, changed=self.write_lock.close)
         self.confirmations = ConfirmationStore(clock)
@@ -115,6 +122,23 @@ class Dashboard:
         """End the recording and close the port."""
         await self.connection.disconnect()
         self.recorder.stop()
+
+    @property
+    def catalog(self) -> Catalog:
+        """The catalog in use."""
+        return self.catalogs.catalog
+
+    def _use_catalog(self, catalog: Catalog, before: Catalog) -> None:
+        """Use another catalog on the running connection, for recordings and for what follows."""
+        options = replace(self.settings.connection, catalog=catalog)
+        self.settings = replace(self.settings, connection=options)
+        self.library.use_catalog(catalog)
+        self.changes.catalog = catalog
+        changed = changed_channels(catalog, before)
+        self.monitor.await_catalog(catalog.version, changed)
+        self.plan.use_catalog(catalog)
+        self.history.recompute(changed, computing(catalog, changed, options.interpretation))
+        self.monitor.wake()
 
     def refresh(self) -> None:
         """Update the state that no event reports; called while there are viewers."""

@@ -149,6 +149,20 @@ class ConfirmationOutdated(ApiRefusal):
         super().__init__(found=found)
 
 
+class CatalogOutdated(ApiRefusal):
+    """The catalog was changed since the client has loaded it."""
+
+    status = 409
+    what = Text(
+        "The catalog was changed meanwhile, on another page or in its file",
+        "Каталог тем временем изменили на другой странице или в его файле",
+    )
+    advice = Text(
+        "Nothing was saved. Look at the present values, then change them again.",
+        "Ничего не сохранено. Посмотрите на нынешние значения и измените их снова.",
+    )
+
+
 class Busy(ApiRefusal):
     """Another request is in the way."""
 

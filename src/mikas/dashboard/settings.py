@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mikas.catalog.own.file import NAME, OwnCatalog
 from mikas.client.connecting import ConnectionOptions, state_folder
 from mikas.client.polling import FixedMethod
 from mikas.errors import UsageError, reason_of
@@ -73,7 +74,8 @@ def check_folder(folder: Path) -> None:
 class Settings:
     """`recordings`: the folder of recordings, with `dumps` in it. `state`: presets, learnt limits,
     the journal; None: `state_folder()`. `find`, `open_port`, `link_clock`: the system's ports and
-    the links' clock, which tests replace.
+    the links' clock, which tests replace. `own`: the user's own catalog, which the dashboard may
+    change; None: one in the folder of the state, which other commands do not read.
     """
 
     recordings: Path
@@ -84,10 +86,16 @@ class Settings:
     link_clock: Callable[[], float] | None = None
     language: Language | None = None
     """The page's language until the user chooses one there; None: the browser's."""
+    own: OwnCatalog | None = None
 
     @property
     def _state(self) -> Path:
         return self.state or state_folder()
+
+    @property
+    def own_catalog(self) -> OwnCatalog:
+        """The user's own catalog."""
+        return self.own or OwnCatalog(self._state / NAME)
 
     @property
     def journal(self) -> Path:

@@ -8,6 +8,7 @@
     │   ├── ValueDoesNotFit            not representable in the parameter's raw bytes
     │   ├── BadPortUrl                 invalid port URL, or an invalid option in it
     │   ├── CatalogError               a catalog file is wrong: file, line, what was expected
+    │   ├── FormulaError               a formula is wrong: which part of it
     │   ├── CaptureError               a capture file can't be read, or can't be written
     │   ├── ExportError                an export can't be made
     │   ├── JournalError               the journal of changes can't be written
@@ -100,6 +101,7 @@ from mikas.errors.usage import BadPortUrl as BadPortUrl
 from mikas.errors.usage import CaptureError as CaptureError
 from mikas.errors.usage import CatalogError as CatalogError
 from mikas.errors.usage import ExportError as ExportError
+from mikas.errors.usage import FormulaError as FormulaError
 from mikas.errors.usage import JournalError as JournalError
 from mikas.errors.usage import MissingExtra as MissingExtra
 from mikas.errors.usage import NoList as NoList

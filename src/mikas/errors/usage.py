@@ -94,6 +94,16 @@ class CatalogError(UsageError):
         super().__init__(place=f"{file}:{line}" if line else file, problem=problem)
 
 
+class FormulaError(UsageError):
+    """A formula is wrong. `span`: the first and the next character of the wrong part; None: all."""
+
+    what = Text("{problem}", "{problem}")
+
+    def __init__(self, problem: Text, span: tuple[int, int] | None = None) -> None:
+        self.problem, self.span = problem, span
+        super().__init__(problem=problem)
+
+
 class CaptureError(UsageError):
     """A capture can't be read or written. `offset`: where in the file, if known."""
 

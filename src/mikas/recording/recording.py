@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from mikas.catalog import Catalog, load
 from mikas.cleaning import clean_line
 from mikas.errors import usage_error
-from mikas.recording.annotations.events import RecordedUnit, events_of, unit_of
+from mikas.recording.annotations.events import RecordedUnit, catalogs_of, events_of, unit_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.table.channels import Rows, all_channels, calendar, is_recorded, named
@@ -102,7 +102,7 @@ class Recording:
             "unit": unit.model.en if unit.model else "",
             "passport": " · ".join(filter(None, unit.passport or ())),
             "method": (self.unit and ", ".join(dict.fromkeys(chosen))) or unit.method,
-            "recorded with catalog": unit.catalog,
+            "recorded with catalog": ", ".join(catalogs_of(self._notes)),
             "catalog": self.catalog.version,
             "reading": self.interpretation,
         }

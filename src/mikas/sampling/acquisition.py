@@ -85,10 +85,13 @@ class Acquisition(Sampler):
                 case CycleFailed():  # accumulation continues unless the next value is late
                     self._alarms.update({}, event.time)
                 case PlanChanged():
-                    self._adopt_selection()
+                    changed = self._adopt_selection(event.time)
+                    yield event
+                    yield from changed
+                    continue
                 case UnitFound(another=True):  # the totals are the previous car's
-                    self._derived = DerivedChannels(self._catalog, self._adopted.derived)
-                    self._alarms = Alarms(self._catalog, self._limits)
+                    self._derived = DerivedChannels(self._adopted.catalog, self._adopted.derived)
+                    self._alarms = Alarms(self._adopted.catalog, self._limits)
                 case _:
                     pass
             yield event
@@ -103,11 +106,17 @@ class Acquisition(Sampler):
         while self._pending_alarms:
             yield self._pending_alarms.popleft()
 
-    def _adopt_selection(self) -> None:
-        selection = self._context.request.selection
-        if self._adopted is not selection:
-            self._adopted = selection
-            before = self._derived
-            self._derived = DerivedChannels(self._catalog, selection.derived)
-            requested = [planned.parameter.name for planned in selection.parameters]
-            self._derived.continue_from(before, requested)
+    def _adopt_selection(self, time: float) -> list[AlarmChanged]:
+        """Compute the channels of the request; return the alarms that another catalog ends."""
+        selection, before = self._context.request.selection, self._adopted
+        if before is selection:
+            return []
+        self._adopted = selection
+        derived = self._derived
+        self._derived = DerivedChannels(selection.catalog, selection.derived)
+        requested = [planned.parameter.name for planned in selection.parameters]
+        self._derived.continue_from(derived, requested)
+        if before.catalog is selection.catalog:
+            return []
+        alarms, self._alarms = self._alarms, Alarms(selection.catalog, self._limits)
+        return self._alarms.continue_from(alarms, time)

@@ -121,6 +121,18 @@ class Alarms:
                 events.append(_event(state, self._states[name], value, time))
         return events
 
+    def continue_from(self, before: Alarms, time: float) -> list[AlarmChanged]:
+        """Take over the states of channels whose limits are the same; return the ends of the other
+        alarms: these begin again at the next value that is beyond the present limits.
+        """
+        ended = []
+        for name, state in before.current().items():
+            if self._limits.get(name) == before._limits[name]:
+                self._states[name] = replace(state, channel=self._states[name].channel)
+            elif state.level is not Level.NONE:
+                ended.append(_other_limits(state, time))
+        return ended
+
     def _number(self, value: Value, time: float) -> float:
         if isinstance(value, Reading | DerivedValue):
             return number_of(value) if abs(time - value.time) <= self._fresh else nan
@@ -160,6 +172,19 @@ def _event(before: AlarmState, after: AlarmState, value: float, time: float) -> 
         _sentence(before.level, replace(crossed, level=after.level, value=value), better=better),
         better,
     )
+
+
+def _other_limits(state: AlarmState, time: float) -> AlarmChanged:
+    """Return the end of an alarm whose limits are no longer the same."""
+    assert state.side is not None
+    assert state.limit is not None
+    assert state.value is not None
+    name = state.channel.text
+    text = Text(f"{name.en}: the limits were changed", f"{name.ru}: пределы изменены")
+    return AlarmChanged(
+        time, state.channel.name, Level.NONE, state.level, state.side, state.value, state.limit,
+        text, True,
+    )  # fmt: skip
 
 
 def _sentence(before: Level, now: AlarmState, *, better: bool) -> Text:

@@ -105,7 +105,7 @@ class SamplingContext:
         if not self.is_reported or self.plan != plan:
             self.is_reported, self.plan = True, plan
             self._forget_values_outside(plan)
-            yield PlanChanged(time, plan)
+            yield PlanChanged(time, plan, self.request.selection.catalog.version)
 
     def sampled(self, fresh: dict[str, Reading]) -> Iterator[Sampled]:
         """Yield the sample of `fresh` readings, the latest of the others as stale.

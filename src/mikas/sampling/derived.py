@@ -108,10 +108,17 @@ class DerivedChannels:
         """Take over the totals of `before`, also those of channels that are not requested now.
 
         They continue if the `requested` parameters suffice; otherwise the time counts as a gap.
+        A channel that another catalog computes otherwise starts again.
         """
         requested = set(requested)
-        self._integrals |= before._integrals
-        for name, integral in before._integrals.items():
+        kept = {
+            name: integral
+            for name, integral in before._integrals.items()
+            if self._catalog is before._catalog
+            or self._catalog.gives_same_values(name, before._catalog)
+        }
+        self._integrals |= kept
+        for name, integral in kept.items():
             if not requested.issuperset(_required(self._catalog, [name])):
                 integral.interrupt()
         names = [channel.name for channel in self.channels]

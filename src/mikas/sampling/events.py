@@ -195,10 +195,14 @@ class UnitFound(Event):
 
 @dataclass(frozen=True, slots=True)
 class PlanChanged(Event):
-    """The requests change to `plan`."""
+    """The requests change to `plan`; from here on the catalog of this version decodes.
+
+    `catalog` empty: the version of the unit's event.
+    """
 
     kind = "plan"
     plan: Plan
+    catalog: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -214,8 +214,12 @@ def _response(data: Sequence[Datum]) -> float:
 
 @dataclass(frozen=True)
 class Selection:
-    """The named `channels`, each once, and their `parameters`. `explicit`: names were given."""
+    """The named `channels`, each once, and their `parameters`. `explicit`: names were given.
 
+    `catalog`: which defines them.
+    """
+
+    catalog: Catalog
     channels: tuple[Parameter | Derived, ...]
     parameters: tuple[PlannedParameter, ...]
     derived: tuple[str, ...]
@@ -251,6 +255,7 @@ def select(catalog: Catalog, names: Iterable[str]) -> Selection:
         divisors[required] = gcd(common, divisors[required])
     distinct(list(parameters.values()))  # one code with two sizes is ambiguous
     return Selection(
+        catalog,
         tuple(channels.values()),
         tuple(
             PlannedParameter(parameter, divisors[name], name in inputs)

@@ -18,7 +18,15 @@ from typing import TypeVar
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client import Ecu
 from mikas.client.polling import FixedMethod, fixed_method
-from mikas.errors import LineNotQuiet, LinkLost, MikasError, NoConnection, RecordingOver, SyncLost
+from mikas.errors import (
+    LineNotQuiet,
+    LinkLost,
+    MikasError,
+    NoConnection,
+    RecordingOver,
+    SyncLost,
+    UsageError,
+)
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling import method_trial
@@ -69,9 +77,15 @@ class Sampler:
         self._context = SamplingContext(
             request, self._jobs, strict=strict, identify_first=identify_first
         )
-        self._supervisor = ConnectionSupervisor(port, make_ecu, self._context)
+        self._make_ecu = make_ecu
+        self._supervisor = ConnectionSupervisor(port, self._create_ecu, self._context)
         self._unsupported = UnsupportedParameters(self._context)
         self._unit: UnitIdentity | None = None
+
+    def _create_ecu(self, link: Link) -> Ecu:
+        ecu = self._make_ecu(link)
+        ecu.use_catalog(self._catalog)
+        return ecu
 
     def _request(self, names: Iterable[str], method: str, rate: float | None) -> SamplingRequest:
         return SamplingRequest(select(self._catalog, names), fixed_method(method), rate)
@@ -118,13 +132,25 @@ class Sampler:
         return self._jobs.submit(job)
 
     def reconfigure(
-        self, names: Iterable[str], method: str = "auto", rate: float | None = None
+        self,
+        names: Iterable[str],
+        method: str = "auto",
+        rate: float | None = None,
+        *,
+        catalog: Catalog | None = None,
     ) -> None:
-        """Sample other channels from the next cycle on; `PlanChanged` follows.
+        """Sample other channels from the next cycle on, or by another catalog; `PlanChanged`
+        follows.
 
         Raises `UnknownParameter` and `UsageError`, and then nothing changes.
         """
-        self._context.latest = self._request(names, method, rate)
+        before = self._catalog
+        self._catalog = catalog or before
+        try:
+            self._context.latest = self._request(names, method, rate)
+        except UsageError:
+            self._catalog = before
+            raise
 
     def prefer(self, names: Iterable[str]) -> None:
         """Let these channels come first where each channel costs time; none: all are equal.
@@ -218,6 +244,7 @@ class Sampler:
                 ecu.forget_limits()
             if not context.is_reported or context.request is not context.latest:
                 context.start_request()
+                ecu.use_catalog(context.request.selection.catalog)
             plan = yield from self._unsupported.supported_plan(ecu)
             if not context.is_current:
                 continue

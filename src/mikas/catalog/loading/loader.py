@@ -46,6 +46,12 @@ def load(*user_files: Path) -> Catalog:
     return combined([*_shipped_sources(), *own])
 
 
+def load_text(name: str, text: str, *more: Path) -> Catalog:
+    """As `load`, of a file `name` that has not been written yet, and of `more` files over it."""
+    own = [read_source(path, order) for order, path in enumerate(more, 2)]
+    return combined([*_shipped_sources(), parse_source(name, text.encode(), 1), *own])
+
+
 @cache
 def shipped() -> Catalog:
     """Return the catalog of this version, always the same object."""

@@ -41,13 +41,22 @@ def lines_of(text: str) -> dict[KeyPath, int]:
     `text` is valid TOML with bare newlines. Tables implied by a dotted key are listed too; keys of
     tables in an array have the array's path.
     """
+    return _scanned(text).lines
+
+
+def headers_of(text: str) -> list[tuple[KeyPath, int]]:
+    """Return the table and the 1-based line of each header, in the order of `text`."""
+    return _scanned(text).headers
+
+
+def _scanned(text: str) -> _Scanner:
     scanner = _Scanner()
     for token, is_name, line in _tokens(text):
         if scanner.in_key:
             scanner.key_token(token, is_name, line)
         else:
             scanner.value_token(token)
-    return scanner.lines
+    return scanner
 
 
 class _Scanner:
@@ -55,6 +64,7 @@ class _Scanner:
 
     def __init__(self) -> None:
         self.lines: dict[KeyPath, int] = {}
+        self.headers: list[tuple[KeyPath, int]] = []
         self.in_key = True
         self._key: list[str] = []
         self._table: KeyPath = ()  # the header above
@@ -67,6 +77,7 @@ class _Scanner:
             self._key.append(_unquoted(token))
         elif token == "]" and self._key:  # the end of a header; the second of ]] adds nothing
             self._table = self._record((), line)
+            self.headers.append((self._table, line))
         elif token == "=":
             self._value = self._record(self._open[-1][1] if self._open else self._table, line)
             self.in_key = False

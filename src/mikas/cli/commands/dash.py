@@ -221,6 +221,7 @@ def _serve(context: CommandContext, options: DashboardOptions, ahead: PortAhead 
         connection=context.options,
         open_port=(VirtualCars(ahead.open) if ahead else VirtualCars()).open,
         language=requested_language(),
+        own=context.own_catalog,
     )
     hosts = own_addresses() if options.lan else ()
     certificate = _certificate(options, settings, hosts)

@@ -15,12 +15,14 @@ from typing import Annotated, Final, Literal
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 
-from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter
+from mikas.catalog import Confidence
+from mikas.dashboard.api.channels.definitions import ChannelInfo, channel_info
 from mikas.dashboard.api.dependencies import KnownClient, Names, TheDashboard, Viewer, split_names
-from mikas.dashboard.api.errors import TwoTexts, content, errors, made_of, two
+from mikas.dashboard.api.errors import TwoTexts, content, errors, two, two_or_none
 from mikas.dashboard.api.messages import LiveEvent, LiveRows
+from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.session.event_log import page_json
@@ -53,62 +55,6 @@ class AboutResponse(BaseModel):
     recordings_folder: str
 
 
-class ChannelLimits(BaseModel):
-    """The limits of a channel; a value beyond one is an alarm."""
-
-    model_config = ConfigDict(from_attributes=True)
-
-    danger_low: float | None
-    warning_low: float | None
-    warning_high: float | None
-    danger_high: float | None
-
-
-class LampTexts(BaseModel):
-    """The texts of a flag's lamp."""
-
-    model_config = ConfigDict(from_attributes=True)
-    on: TwoTexts
-    off: TwoTexts
-
-
-class ChannelErratum(BaseModel):
-    """An erratum of the source that concerns this channel."""
-
-    id: str
-    text: TwoTexts
-
-
-class ChannelInfo(BaseModel):
-    """A parameter, or a derived channel (`inputs`; no code and no size)."""
-
-    name: str
-    derived: bool
-    flag: bool
-    code: int | None
-    size: int | None
-    unit: TwoTexts
-    text: TwoTexts
-    short: TwoTexts = Field(description="the text of a small tile")
-    decimals: int
-    formula: str
-    range: tuple[float, float] | None
-    reference: tuple[float, float] | None = Field(description="warm idle of a sound engine")
-    gauge: tuple[float, float] | None = Field(
-        description="the scale of its gauge; null: a flag, or a derived channel without one"
-    )
-    span_least: float | None = Field(
-        description="the least span of an axis of its values; null: a flag"
-    )
-    limits: ChannelLimits | None
-    lamp: LampTexts | None
-    alarm_when_true: Level
-    inputs: list[str] | None
-    errata: list[ChannelErratum]
-    confidence: Confidence
-    writable: bool
-
-
 class Tile(BaseModel):
     """One tile. `names`: its channels; none: a table of all channels."""
 
@@ -130,13 +76,28 @@ _MOST_BYTES: Final = 1 << 24  # of the file; a request's body has 1 MiB
 _Presets: Final = TypeAdapter(list[Preset])
 
 
+class KnownFault(BaseModel):
+    """A fault number and the channels that it concerns."""
+
+    code: int
+    text: TwoTexts
+    check: TwoTexts | None
+    confidence: Confidence
+    related: list[str]
+
+
 class CatalogResponse(BaseModel):
-    """All channels, and the presets that come with the program."""
+    """All channels, the faults that concern a channel, the presets that come with the program."""
 
     version: str
     parameters: list[ChannelInfo]
     derived: list[ChannelInfo]
+    units: dict[str, TwoTexts]
+    faults: list[KnownFault]
     presets: list[Preset]
+    problem: TwoTexts | None = Field(
+        description="why the user's own catalog is left out; null: it is in use, or there is none"
+    )
 
 
 class PresetList(BaseModel):
@@ -183,11 +144,30 @@ def qr(request: Request, client: Viewer) -> Response:
 @router.get("/catalog", responses=errors())
 def catalog(dashboard: TheDashboard) -> CatalogResponse:
     """Return every channel."""
-    known = dashboard.catalog
+    return catalog_of(dashboard)
+
+
+def catalog_of(dashboard: Dashboard) -> CatalogResponse:
+    """Return the catalog in use."""
+    known, own = dashboard.catalog, dashboard.catalogs.own.entries()
+    problem = dashboard.catalogs.problem
     return CatalogResponse(
         version=known.version,
-        parameters=[_channel(known, parameter) for parameter in known.parameters],
-        derived=[_channel(known, derived) for derived in known.derived.values()],
+        parameters=[channel_info(known, parameter, own) for parameter in known.parameters],
+        derived=[channel_info(known, derived, own) for derived in known.derived.values()],
+        units={key: two(text) for key, text in known.units.items()},
+        faults=[
+            KnownFault(
+                code=fault.code,
+                text=two(fault.text),
+                check=two_or_none(fault.check),
+                confidence=fault.confidence,
+                related=list(fault.parameters),
+            )
+            for fault in known.faults.values()
+            if fault.parameters
+        ],
+        problem=two(problem.reason) if problem else None,
         presets=list(_shipped_presets()),
     )
 
@@ -234,31 +214,3 @@ def _shipped_presets() -> tuple[Preset, ...]:
     """Return the presets that come with the program."""
     stored = tomllib.loads(_SHIPPED.read_text("utf-8"))["preset"]
     return tuple(Preset(**{**preset, "shipped": True}) for preset in stored)
-
-
-def _channel(known: Catalog, channel: Parameter | Derived) -> ChannelInfo:
-    parameter = channel if isinstance(channel, Parameter) else None
-    limits, lamp = channel.alarm_limits, parameter.lamp if parameter else None
-    return made_of(
-        ChannelInfo,
-        channel,
-        derived=parameter is None,
-        flag=channel.is_flag,
-        code=parameter.code if parameter else None,
-        size=parameter.size if parameter else None,
-        unit=channel.unit_text,
-        formula=channel.formula() if isinstance(channel, Parameter) else channel.formula,
-        range=parameter.range if parameter else None,
-        reference=parameter.reference if parameter else None,
-        gauge=channel.gauge_scale,
-        span_least=channel.least_span,
-        limits=limits if limits and limits.for_number else None,
-        lamp=lamp,
-        alarm_when_true=limits.when_true if limits else Level.NONE,
-        inputs=None if isinstance(channel, Parameter) else channel.inputs,
-        errata=[
-            ChannelErratum(id=name, text=two(known.errata[name].reason))
-            for name in (parameter.errata if parameter else ())
-        ],
-        writable=parameter is not None and not parameter.is_flag,
-    )

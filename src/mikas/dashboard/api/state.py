@@ -107,6 +107,7 @@ class State(OwnState):
     recording: RunningRecording | None
     alarms: list[ActiveAlarm]
     alarm_count: int = Field(description="alarms that began since the connection was made")
+    catalog: str = Field(description="the version of the catalog in use")
     fault_count: int | None = Field(description="as last read; null: not read yet")
     unlocked_until: float | None
     demo: bool
@@ -188,6 +189,7 @@ def shared_state(dashboard: Dashboard) -> State:
             recording=recording,
             alarms=[_alarm(dashboard, it) for it in monitor.shown_alarms],
             alarm_count=monitor.alarm_count,
+            catalog=dashboard.catalog.version,
             fault_count=len(stored.faults) if stored else None,
             unlocked_until=None if unlocked is None else now + unlocked,
             demo=connection.is_demo,

@@ -93,6 +93,12 @@ class RecordingService:
         self._open: dict[str, _Open] = {}  # the latest used last
         self._changing = threading.Lock()  # of `_open`
 
+    def use_catalog(self, catalog: Catalog) -> None:
+        """Decode by another catalog from here on; what is being read now keeps its own."""
+        before, self.catalog = self.catalog, catalog
+        if (before.codes, before.models) != (catalog.codes, catalog.models):
+            self._summaries.clear()  # they count samples by sizes, and name the unit
+
     def is_growing(self, file: RecordingFile) -> bool:
         """Whether the recording is in progress."""
         return self._in_progress() == file.id
@@ -171,6 +177,8 @@ class RecordingService:
         return slow
 
     def _is_current(self, kept: _Open, file: RecordingFile) -> bool:
+        if kept.recording.catalog is not self.catalog:
+            return False
         if kept.stamp == file.stamp:
             return True
         same_file = kept.stamp[2] == file.stamp[2]

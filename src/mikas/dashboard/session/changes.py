@@ -45,7 +45,7 @@ class UnitChanges:
         options: ConnectionOptions,
     ) -> None:
         self._connection, self._fault_history = connection, fault_history
-        self._approval, self._catalog = approval, options.catalog
+        self._approval, self.catalog = approval, options.catalog
         self._interpretation = options.interpretation
 
     async def erase_faults(self) -> PendingChange:
@@ -77,7 +77,7 @@ class UnitChanges:
 
         Raises for an unknown parameter, and for a value that does not fit it.
         """
-        parameter = self._catalog.parameter(name)
+        parameter = self.catalog.parameter(name)
         datum = self._datum(parameter, value, raw)
         before = await self._connection.ask(lambda ecu: _read(ecu, parameter))
 

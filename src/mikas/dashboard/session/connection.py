@@ -17,6 +17,7 @@ from functools import cached_property
 from math import lcm
 from typing import TypeVar
 
+from mikas.catalog import Catalog
 from mikas.client import Ecu
 from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import Busy, NotConnected
@@ -29,7 +30,7 @@ from mikas.dashboard.session.monitor import (
 )
 from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
-from mikas.errors import UsageError
+from mikas.errors import UnknownParameter, UsageError
 from mikas.i18n import Text
 from mikas.link.identity import KnownAdapter
 from mikas.link.ports import only_likely
@@ -233,6 +234,14 @@ class Connection:
             raise thread.failure
 
 
+def _is_known(catalog: Catalog, name: str) -> bool:
+    try:
+        catalog.channel(name)
+    except UnknownParameter:
+        return False
+    return True
+
+
 class SamplingPlanner:
     """The channels to sample and their cost, with and without a connection. Any thread may call.
 
@@ -297,6 +306,26 @@ class SamplingPlanner:
         """The parameters of each derived channel."""
         catalog = self._catalog
         return {it: tuple(DerivedChannels(catalog, [it]).requires) for it in catalog.derived}
+
+    def use_catalog(self, catalog: Catalog) -> None:
+        """Sample by another catalog, on the same connection: its new derived channels too."""
+        with self._lock:
+            before, self._catalog = self._catalog, catalog
+            self._options = replace(self._options, catalog=catalog)
+            for made in ("_unconnected", "_inputs"):  # with the other catalog
+                self.__dict__.pop(made, None)
+            every = {name: n for name, n in self.request.every.items() if _is_known(catalog, name)}
+            every |= {name: 1 for name in catalog.derived if name not in before.derived}
+            first = tuple(name for name in self.request.first if _is_known(catalog, name))
+            every = every or dict.fromkeys(self.channels, 1)
+            request = replace(self.request, every=every, first=first)
+            if (thread := self._connection.thread) is not None:
+                thread.acquisition.reconfigure(
+                    request.names, request.method or "auto", request.rate, catalog=catalog
+                )
+                thread.acquisition.prefer(first)
+            self.request = request
+            self._monitor.set_names(request.every)
 
     def relearn(self) -> None:
         """Drop the measured speeds and limits of this unit. Raises `NotConnected`."""

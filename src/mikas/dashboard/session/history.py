@@ -12,17 +12,20 @@ import threading
 from array import array
 from bisect import bisect_left
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import repeat
 from math import isnan, nan
-from typing import Any, Final, cast
+from typing import Any, Final, TypeAlias, cast
 
 from mikas.catalog import Fault
 from mikas.client import Ecu
 from mikas.recording.table.channels import Rows
 from mikas.sampling.events import FaultReading
 
+Compute: TypeAlias = (
+    "Callable[[Sequence[float], Mapping[str, Sequence[float]]], Mapping[str, Sequence[float]]]"
+)
 _ROWS: Final = 2048
 LONGEST: Final = 2 * 3600.0
 _MAX_READINGS: Final = 100  # of stored faults, that differ
@@ -38,6 +41,18 @@ class _Block:
     @property
     def size(self) -> int:
         return len(self.times) * len(self.names)
+
+    def recomputed(self, names: Sequence[str], compute: Compute | None) -> _Block:
+        """Return another block, as this one may be read at the moment."""
+        own = dict(zip(self.names, self.columns, strict=True))
+        made = compute(self.times, own) if compute else {}
+        for name in names:
+            own.pop(name, None)
+            if name in made:
+                own[name] = array("d", made[name])
+        block = _Block(tuple(own))
+        block.times, block.columns = self.times, list(own.values())
+        return block
 
 
 class History:
@@ -88,6 +103,16 @@ class History:
                 else:
                     column.extend(repeat(nan, part.stop - part.start))
         return _rows(times, columns)
+
+    def recompute(self, names: Sequence[str], compute: Compute | None = None) -> None:
+        """Replace the columns `names`, which mean something else now, block after block in time.
+
+        `compute` returns the new columns that it can make of a block's times and columns; without
+        it, and for the other names, the values are gone.
+        """
+        with self._lock:
+            self._blocks = deque(block.recomputed(names, compute) for block in self._blocks)
+            self._held = sum(block.size for block in list(self._blocks)[:-1])
 
     def _drop_old(self, now: float) -> None:
         blocks = self._blocks

@@ -14,6 +14,7 @@ from math import isfinite, nan
 from typing import Final
 
 from mikas.catalog import Level
+from mikas.client import Reading
 from mikas.dashboard.errors import ADVICE
 from mikas.dashboard.session.event_log import EventLog, ExchangeFailed
 from mikas.dashboard.session.history import History
@@ -59,6 +60,7 @@ _BITS_PER_BYTE: Final = 10  # §1
 _ERRORS: Final = 1000  # remembered, so that each is logged once; more than a tester remembers
 _ROWS: Final = 20_000  # gathered at most; more come only from a simulated clock
 
+_NOTHING: Final[tuple[str, frozenset[str]]] = ("", frozenset())
 Row = tuple[float, Mapping[str, float]]
 
 
@@ -154,7 +156,9 @@ class ConnectionMonitor:
             self.alarms: dict[str, AlarmChanged] = {}
             self.alarm_count = 0
             self.latest: dict[str, float] = {}
+            self.readings: dict[str, Reading] = {}
             self.meters = Meters()
+            self._awaited = _NOTHING
             self._searched = False  # for a port or a unit, since the last values
             self._errors: deque[tuple[str, float | None, bytes | None]] = deque(maxlen=_ERRORS)
             self._newest: Failure | None = None
@@ -164,6 +168,14 @@ class ConnectionMonitor:
         """Take the wanted channels, in their order: the columns from here on."""
         with self.lock:
             self._names = tuple(names)
+
+    def await_catalog(self, version: str, changed: Iterable[str]) -> None:
+        """Drop the values of the `changed` channels until the sampler uses that catalog."""
+        with self.lock:
+            self._awaited = version, frozenset(changed)
+            for name in self._awaited[1]:
+                self.latest.pop(name, None)
+                self.readings.pop(name, None)
 
     @property
     def shown_alarms(self) -> list[AlarmChanged]:
@@ -240,6 +252,8 @@ class ConnectionMonitor:
                 case UnitFound():
                     self._found(event)
                 case PlanChanged():
+                    if event.catalog == self._awaited[0]:
+                        self._awaited = _NOTHING
                     self.method = event.plan.method
                     self._gaps.pause(OTHER_PLAN)
 
@@ -272,8 +286,11 @@ class ConnectionMonitor:
         for name, derived in event.derived.items():
             if isfinite(derived.value):
                 values[name] = derived.value
+        _, outdated = self._awaited
+        values = {name: value for name, value in values.items() if name not in outdated}
         self.meters.sample(event.time)
         self.latest.update(values)
+        self.readings.update(event.fresh)
         row = [values.get(name, nan) for name in self._names]
         self.history.add(event.time, self._names, row)
         self._searched = False

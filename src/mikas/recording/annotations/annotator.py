@@ -65,6 +65,7 @@ class SessionAnnotator:
             case UnitFound():
                 yield from self._found(event)
             case PlanChanged():
+                yield from self._decoded_by(event)
                 self._plan = note_of(event, self._interpretation)
                 yield self._plan
             case StateChanged():
@@ -83,6 +84,13 @@ class SessionAnnotator:
                 self.gaps += 1
             else:
                 yield note_of(gap)
+
+    def _decoded_by(self, event: PlanChanged) -> Iterator[Note]:
+        """Yield the note of another catalog: the user changed it in mid-session."""
+        note = catalog_note(event.time, event.catalog)
+        if self._unit and event.catalog and note.data != self._unit[-1].data:
+            self._unit = [*self._unit[:-1], note]
+            yield note
 
     def _found(self, event: UnitFound) -> Iterator[Note]:
         self.echoes = event.echo is not False

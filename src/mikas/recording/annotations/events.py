@@ -137,6 +137,12 @@ class RecordedUnit:
     names: tuple[str, ...] = ()
 
 
+def catalogs_of(notes: Iterable[Note]) -> list[str]:
+    """Return the versions of the catalogs that were in use, one after the other, ten at most."""
+    named = (line_of(note.data.get("version")) for note in notes if note.kind == Kind.CATALOG)
+    return list(dict.fromkeys(filter(None, named)))[:10]
+
+
 def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
     """Return the unit of one recording's notes; None without a note of one."""
     first: dict[str, Mapping[str, Any]] = {}

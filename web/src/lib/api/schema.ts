@@ -68,12 +68,18 @@ export interface components {
             a: string | null;
             b: string | null;
         };
-        /** @description All channels, and the presets that come with the program. */
+        /** @description All channels, the faults that concern a channel, the presets that come with the program. */
         CatalogResponse: {
             version: string;
             parameters: components["schemas"]["ChannelInfo"][];
             derived: components["schemas"]["ChannelInfo"][];
+            units: {
+                [key: string]: components["schemas"]["TwoTexts"];
+            };
+            faults: components["schemas"]["KnownFault"][];
             presets: components["schemas"]["Preset"][];
+            /** @description why the user's own catalog is left out; null: it is in use, or there is none */
+            problem: components["schemas"]["TwoTexts"] | null;
         };
         /** @description The effect of a change, to be shown to a person, who then confirms it by the nonce. */
         ChangeProposal: {
@@ -101,7 +107,11 @@ export interface components {
             id: string;
             text: components["schemas"]["TwoTexts"];
         };
-        /** @description A parameter, or a derived channel (`inputs`; no code and no size). */
+        /**
+         * @description A parameter, or a derived channel (`inputs`; no code and no size).
+         *
+         *     `own`: the keys that the user's own catalog sets; `mine`: the whole channel is defined there.
+         */
         ChannelInfo: {
             name: string;
             derived: boolean;
@@ -109,6 +119,8 @@ export interface components {
             code: number | null;
             size: number | null;
             unit: components["schemas"]["TwoTexts"];
+            /** @description as in the catalog's `units`; else the text itself */
+            unit_key: string;
             text: components["schemas"]["TwoTexts"];
             /** @description the text of a small tile */
             short: components["schemas"]["TwoTexts"];
@@ -136,6 +148,17 @@ export interface components {
             inputs: string[] | null;
             errata: components["schemas"]["ChannelErratum"][];
             confidence: components["schemas"]["Confidence"];
+            source: string;
+            reference_confidence: components["schemas"]["Confidence"];
+            /** @enum {string} */
+            range_kind: "plausible" | "representable" | "";
+            meaning: components["schemas"]["ChannelMeaning"] | null;
+            constants: {
+                [key: string]: number;
+            };
+            accumulates: boolean;
+            own: string[];
+            mine: boolean;
             writable: boolean;
         };
         /** @description The limits of a channel; a value beyond one is an alarm. */
@@ -144,11 +167,58 @@ export interface components {
             warning_low: number | null;
             warning_high: number | null;
             danger_high: number | null;
+            /**
+             * @description how far inside a limit its alarm ends
+             * @default 0
+             */
+            hysteresis: number;
+        };
+        /** @description Causes of a value below or above the reference, and what to check; null: unknown. */
+        ChannelMeaning: {
+            low: components["schemas"]["TwoTexts"] | null;
+            high: components["schemas"]["TwoTexts"] | null;
+            confidence: components["schemas"]["Confidence"];
         };
         /** @description The time that a channel adds to each cycle, and the rate with it. */
         ChannelPrice: {
             seconds: number;
             rate: number;
+        };
+        /** @description A derived channel. `new`: the name must not be in use. */
+        ChannelRequest: {
+            /** @example 100 * JAIR / full */
+            formula: string;
+            /**
+             * @default {}
+             * @example {
+             *       "full": 385
+             *     }
+             */
+            constants: {
+                [key: string]: number;
+            };
+            /** @description of the catalog that was shown; null: any */
+            version?: string | null;
+            /** @default false */
+            new: boolean;
+            text: components["schemas"]["NewText"];
+            /** @default  */
+            unit: string;
+            /** @default 2 */
+            decimals: number;
+            /** @default false */
+            accumulates: boolean;
+            limits?: components["schemas"]["NewLimits"] | null;
+        };
+        /** @description A channel at a moment. All null: it has no value then. */
+        ChannelValue: {
+            name: string;
+            value?: number | null;
+            time?: number | null;
+            /** @description hex, low byte first; null: unknown, or computed */
+            raw?: string | null;
+            /** @description that decoded it */
+            interpretation?: string | null;
         };
         /**
          * @description How well a statement is known.
@@ -356,6 +426,29 @@ export interface components {
         JournalResponse: {
             entries: components["schemas"]["JournalEntry"][];
         };
+        /** @description The keys to change; a key that is not named stays, null resets it to the shipped one. */
+        KeysRequest: {
+            /** @description of the catalog that was shown; null: any */
+            version?: string | null;
+            limits?: components["schemas"]["NewLimits"] | null;
+            gauge?: [
+                number,
+                number
+            ] | null;
+            reference?: [
+                number,
+                number
+            ] | null;
+            span_least?: number | null;
+        };
+        /** @description A fault number and the channels that it concerns. */
+        KnownFault: {
+            code: number;
+            text: components["schemas"]["TwoTexts"];
+            check: components["schemas"]["TwoTexts"] | null;
+            confidence: components["schemas"]["Confidence"];
+            related: string[];
+        };
         /** @description The texts of a flag's lamp. */
         LampTexts: {
             on: components["schemas"]["TwoTexts"];
@@ -433,6 +526,22 @@ export interface components {
             rates: {
                 [key: string]: number;
             };
+        };
+        /** @description Limits of alarms; null: no such limit, also where the shipped catalog has one. */
+        NewLimits: {
+            danger_low?: number | null;
+            warning_low?: number | null;
+            warning_high?: number | null;
+            danger_high?: number | null;
+            /** @default 0 */
+            hysteresis: number;
+            /** @default none */
+            when_true: components["schemas"]["Level"];
+        };
+        /** @description A text in both languages. */
+        NewText: {
+            en: string;
+            ru: string;
         };
         /** @description The user's text at a moment. */
         NoteEvent: {
@@ -735,6 +844,8 @@ export interface components {
             alarms: components["schemas"]["ActiveAlarm"][];
             /** @description alarms that began since the connection was made */
             alarm_count: number;
+            /** @description the version of the catalog in use */
+            catalog: string;
             /** @description as last read; null: not read yet */
             fault_count: number | null;
             unlocked_until: number | null;
@@ -786,6 +897,45 @@ export interface components {
             names: string[];
             /** @default 1 */
             span: number;
+        };
+        /** @description A channel of the formula at that moment. */
+        TrialInput: {
+            name: string;
+            value: number | null;
+        };
+        /** @description A formula to compute; `recording` null: live. `name`: of the channel that it will be. */
+        TrialRequest: {
+            /** @example 100 * JAIR / full */
+            formula: string;
+            /**
+             * @default {}
+             * @example {
+             *       "full": 385
+             *     }
+             */
+            constants: {
+                [key: string]: number;
+            };
+            /** @default  */
+            name: string;
+            recording?: string | null;
+            /** @description UNIX seconds; null: now, a recording's end */
+            at?: number | null;
+        };
+        /**
+         * @description The formula's value, or its problem. Both null: a channel has no value, or the formula none.
+         *
+         *     `span`: the first and the next character of the wrong part; null: the whole formula.
+         */
+        TrialResponse: {
+            value?: number | null;
+            problem?: components["schemas"]["TwoTexts"] | null;
+            span?: [
+                number,
+                number
+            ] | null;
+            /** @default [] */
+            inputs: components["schemas"]["TrialInput"][];
         };
         /** @description The same sentence in both languages. */
         TwoTexts: {

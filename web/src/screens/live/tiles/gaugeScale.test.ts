@@ -33,7 +33,7 @@ describe("a gauge's range", () => {
   });
 
   it("keeps limits in place, and is narrower without limits", () => {
-    const limits = { danger_low: null, warning_low: null, warning_high: 6000, danger_high: null };
+    const limits = { danger_low: null, warning_low: null, warning_high: 6000, danger_high: null, hysteresis: 0 };
     expect(rangeOf(channel({ range: [0, 6500], reference: [800, 900], limits })).high).toBe(6500);
     expect(rangeOf(channel({ range: [0, 450], reference: [13, 16] }), { min: 14, max: 15 }).high).toBe(20);
     expect(rangeOf(channel({ range: [0, 450], reference: [13, 16] }), { min: 14, max: 440 }).high).toBe(450);
@@ -63,7 +63,7 @@ describe("its bands", () => {
   const range = { low: 0, high: 20 };
 
   it("follow the four limits", () => {
-    const limits = { danger_low: 5, warning_low: 10, warning_high: 15, danger_high: 18 };
+    const limits = { danger_low: 5, warning_low: 10, warning_high: 15, danger_high: 18, hysteresis: 0 };
     expect(bandsOf(channel({ limits }), range)).toEqual([
       { from: 0, to: 0.25, level: "danger" },
       { from: 0.25, to: 0.5, level: "warning" },
@@ -73,7 +73,7 @@ describe("its bands", () => {
   });
 
   it("extend to the end without a danger limit, and omit missing limits", () => {
-    const limits = { danger_low: null, warning_low: 10, warning_high: null, danger_high: 18 };
+    const limits = { danger_low: null, warning_low: 10, warning_high: null, danger_high: 18, hysteresis: 0 };
     expect(bandsOf(channel({ limits }), range)).toEqual([
       { from: 0, to: 0.5, level: "warning" },
       { from: 0.9, to: 1, level: "danger" },

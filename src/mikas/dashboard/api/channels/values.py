@@ -1,0 +1,236 @@
+"""Routes of single values: a channel's with its bytes, and that of a formula that is being typed.
+
+Live they come from the last minutes, of a recording from its file, at any moment of either. Bytes
+are those of the reading itself, or computed back from the value, which is exact: the loader refuses
+conversions that do not give every raw value back. A flag, which shares its byte, has none then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+from pydantic import BaseModel, Field
+
+from mikas.catalog import Catalog, Derived, Parameter
+from mikas.catalog.formula_syntax import Parsed, parse
+from mikas.catalog.formulas import Calculation
+from mikas.catalog.loading.build import does_not_exist
+from mikas.catalog.model import in_order
+from mikas.dashboard.api.channels.editing import Finite, FormulaRequest
+from mikas.dashboard.api.dependencies import (
+    KnownClient,
+    Requester,
+    TheDashboard,
+    TheRequester,
+)
+from mikas.dashboard.api.errors import TwoTexts, errors, two
+from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.library.folder import RecordingFile
+from mikas.dashboard.session.catalog_in_use import is_corrected
+from mikas.errors import FormulaError, UnknownParameter, ValueDoesNotFit
+from mikas.i18n import Text
+from mikas.recording.table.channels import Rows
+from mikas.sampling.events import LineState
+
+router = APIRouter(tags=["channels"])
+
+_REACH = 15.0
+"""Seconds: an older value is not one of this moment."""
+
+_ROUNDED = 1e-6
+"""Seconds by which the time of a row may have become earlier in JSON."""
+
+At = Annotated[float | None, Query(description="UNIX seconds; null: now, a recording's end")]
+Moments = Mapping[str, tuple[float, float]]
+"""By channel: the time and value of its last one."""
+
+
+class ChannelValue(BaseModel):
+    """A channel at a moment. All null: it has no value then."""
+
+    name: str
+    value: float | None = None
+    time: float | None = None
+    raw: Annotated[
+        str | None, Field(description="hex, low byte first; null: unknown, or computed")
+    ] = None
+    interpretation: Annotated[str | None, Field(description="that decoded it")] = None
+
+
+class TrialRequest(FormulaRequest):
+    """A formula to compute; `recording` null: live. `name`: of the channel that it will be."""
+
+    name: Annotated[str, Field(max_length=40)] = ""
+    recording: Annotated[str | None, Field(max_length=300)] = None
+    at: Annotated[
+        Finite | None, Field(description="UNIX seconds; null: now, a recording's end")
+    ] = None
+
+
+class TrialInput(BaseModel):
+    """A channel of the formula at that moment."""
+
+    name: str
+    value: float | None
+
+
+class TrialResponse(BaseModel):
+    """The formula's value, or its problem. Both null: a channel has no value, or the formula none.
+
+    `span`: the first and the next character of the wrong part; null: the whole formula.
+    """
+
+    value: float | None = None
+    problem: TwoTexts | None = None
+    span: tuple[int, int] | None = None
+    inputs: list[TrialInput] = []
+
+
+@router.get("/channels/{name}/value", responses=errors(404, 409, 504))
+async def value(
+    dashboard: TheDashboard,
+    requester: TheRequester,
+    name: str,
+    recording: Annotated[str | None, Query(max_length=300)] = None,
+    at: At = None,
+) -> ChannelValue:
+    """Return a channel's value at a moment with its bytes, live or in a recording."""
+    channel = dashboard.catalog.channel(name)
+    if recording is None and at is None:
+        return _now(dashboard, channel)
+    moments = await _moments(dashboard, requester, [channel.name], recording, at)
+    if (found := moments.get(channel.name)) is None:
+        return ChannelValue(name=channel.name)
+    time, number = found
+    interpretation = dashboard.library.interpretation
+    return ChannelValue(
+        name=channel.name,
+        value=number,
+        time=time,
+        raw=_raw(channel, number, interpretation),
+        interpretation=interpretation if isinstance(channel, Parameter) else None,
+    )
+
+
+@router.post("/channels/try", responses=errors(404, 409, 504))
+async def try_formula(
+    dashboard: TheDashboard, requester: TheRequester, _: KnownClient, body: TrialRequest
+) -> TrialResponse:
+    """Compute a formula at a moment, live or in a recording, without keeping it."""
+    known = dashboard.catalog
+    try:
+        parsed = _parsed(known, body)
+    except FormulaError as error:
+        return TrialResponse(problem=two(error.problem), span=error.span)
+    corrected = [
+        name
+        for name in parsed.inputs
+        if is_corrected(known.channel(name), dashboard.library.interpretation)
+    ]
+    moments = await _moments(dashboard, requester, corrected, body.recording, body.at)
+    inputs = {name: moments[name][1] for name in parsed.inputs if name in moments}
+    number = Calculation(parsed).number(inputs) if len(inputs) == len(parsed.inputs) else None
+    return TrialResponse(
+        value=number if number is not None and isfinite(number) else None,
+        inputs=[TrialInput(name=name, value=inputs.get(name)) for name in parsed.inputs],
+    )
+
+
+def _parsed(known: Catalog, body: TrialRequest) -> Parsed:
+    """Return the formula. Raises `FormulaError`, also for a channel that does not exist."""
+    parsed = parse(body.formula, body.constants)
+    names = [*(parameter.name for parameter in known.parameters), *known.derived]
+    for name, span in zip(parsed.inputs, parsed.places, strict=True):
+        if name not in names:
+            raise FormulaError(does_not_exist(name, (*names, *body.constants)), span)
+        needed = in_order(known.derived, [name]) if name in known.derived else ()
+        if body.name.upper() in {each.name for each in needed}:
+            raise FormulaError(
+                Text(f"needs {name}, which needs this channel", f"замкнут в круг: {name}"), span
+            )
+    return parsed
+
+
+def _now(dashboard: Dashboard, channel: Parameter | Derived) -> ChannelValue:
+    monitor = dashboard.monitor
+    with monitor.lock:
+        if monitor.line is not LineState.SAMPLING:
+            return ChannelValue(name=channel.name)
+        reading = monitor.readings.get(channel.name)
+    if isinstance(channel, Derived):
+        time, number = _live(dashboard, [channel.name], None).get(channel.name, (None, None))
+        return ChannelValue(name=channel.name, time=time, value=number)
+    if reading is None or dashboard.connection.now() - reading.time > _REACH:
+        return ChannelValue(name=channel.name)
+    return ChannelValue(
+        name=channel.name,
+        value=float(reading.value),
+        time=reading.time,
+        raw=reading.raw.hex().upper(),
+        interpretation=reading.interpretation,
+    )
+
+
+async def _moments(
+    dashboard: Dashboard,
+    requester: Requester,
+    names: Sequence[str],
+    recording: str | None,
+    at: float | None,
+) -> Moments:
+    if recording is None:
+        return _live(dashboard, names, at)
+    library = dashboard.library
+
+    def look(file: RecordingFile) -> Moments:
+        opened = library.opened(file)
+        known = {each.name for each in opened.channels}
+        wanted = [name for name in names if name in known]
+        if not wanted:
+            return {}
+        end = at
+        if end is None:
+            if opened.span is None:
+                return {}
+            end = opened.span[1]
+        rows, _ = opened.window(end - _REACH, end + _ROUNDED, 20_000, wanted)
+        return _last_values(rows, end)
+
+    return await requester.awaits(library.view(recording, look, requester.address))
+
+
+def _live(dashboard: Dashboard, names: Sequence[str], at: float | None) -> Moments:
+    """Return the values that are shown now, or were at `at`; none without a connection now."""
+    now = dashboard.connection.now()
+    if at is None and dashboard.monitor.line is not LineState.SAMPLING:
+        return {}
+    rows = dashboard.history.rows(_REACH if at is None else max(0.0, now - at) + _REACH, names)
+    return _last_values(rows, now if at is None else at)
+
+
+def _last_values(rows: Rows, end: float) -> Moments:
+    """Return the last value of each column in the seconds up to `end`."""
+    import numpy as np
+
+    times = np.asarray(rows.times)
+    end += _ROUNDED
+    chosen = (times <= end) & (times >= end - _REACH)
+    found = {}
+    for name, column in rows.values.items():
+        at = np.flatnonzero(chosen & np.isfinite(np.asarray(column)))
+        if len(at):
+            found[name] = float(times[at[-1]]), float(column[at[-1]])
+    return found
+
+
+def _raw(channel: Parameter | Derived, number: float, interpretation: str) -> str | None:
+    if not isinstance(channel, Parameter) or channel.is_flag:
+        return None
+    try:
+        raw = channel.encode(number, interpretation)
+    except (ValueDoesNotFit, UnknownParameter):
+        return None
+    return raw.hex().upper() if channel.decode(raw, interpretation) == number else None
