@@ -175,6 +175,7 @@ BODIES = {
     "/api/dumps": {"space": "ram", "last": 1},
     "/api/changes": {"kind": "erase_faults"},
     "/api/presets": {"presets": []},
+    "/api/searches": {"searches": []},
     "/api/recording/note": {"text": "x"},
 }
 LOOKING = {("POST", "/api/plan/price"), ("POST", "/api/dumps/{id}/compare")}

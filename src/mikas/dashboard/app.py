@@ -16,7 +16,17 @@ from typing import Any
 from fastapi import FastAPI
 
 from mikas.dashboard import page
-from mikas.dashboard.api import catalog, changes, connection, diagnosis, errors, live, memory, unit
+from mikas.dashboard.api import (
+    catalog,
+    changes,
+    connection,
+    diagnosis,
+    errors,
+    live,
+    memory,
+    search,
+    unit,
+)
 from mikas.dashboard.api.channels import editing, values
 from mikas.dashboard.api.library import dumps, exports, recordings, report
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
@@ -35,7 +45,7 @@ Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 """
 
 _PARTS = (catalog, editing, values, connection, diagnosis, live, unit, memory, dumps, changes,
-          recordings, exports, report)  # fmt: skip
+          recordings, exports, report, search)  # fmt: skip
 
 
 class _Application(FastAPI):

@@ -113,6 +113,11 @@ class Settings:
         return self._state / "presets.json"
 
     @property
+    def searches(self) -> Path:
+        """The file of the conditions that the user searches for."""
+        return self._state / "searches.json"
+
+    @property
     def certificate(self) -> Path:
         """The file of the certificate, with its key, for the network."""
         return self._state / "dashboard.pem"

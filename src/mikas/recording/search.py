@@ -15,7 +15,7 @@ import os
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -26,6 +26,8 @@ from mikas.errors import UsageError, usage_error
 from mikas.recording.exchanges.arrays import Floats, Index
 from mikas.recording.recording import Recording
 from mikas.recording.table.channels import Rows
+from mikas.recording.table.derived import Deriver
+from mikas.sampling.derived import DerivedChannels
 
 PAUSE: Final = 2.0  # s, as of a gap; more where such steps are usual
 _ALIKE: Final = 2.5  # times the usual step
@@ -63,8 +65,9 @@ class Found:
 class Condition:
     """A condition on the channels of `catalog`. `inputs`: the channels that it names.
 
-    `peak_of`: the formula that its first comparison compares with something, of which a hit has the
-    extreme: the lowest value of a `<`, else the highest; empty without a comparison.
+    `requires`: the parameters that these need. `peak_of`: the formula that its first comparison
+    compares with something, of which a hit has the extreme: the lowest value of a `<`
+    (`is_lowest`), else the highest; empty without a comparison.
 
     Raises `UsageError` for a formula that is none, `UnknownParameter` with the nearest names.
     """
@@ -78,20 +81,21 @@ class Condition:
                 f"The condition {error.reason.en}", f"Условие {error.reason.ru}"
             ) from error
         self.inputs = tuple(catalog.channel(name).name for name in names)
-        self.peak_of, self._way = _first_comparison(self.expression)
+        self.peak_of, self.is_lowest = _first_comparison(self.expression)
         formulas = {_CONDITION: self.expression}
         if self.peak_of:
             formulas[_PEAK] = self.peak_of
         derived = {name: _channel(name, formula) for name, formula in formulas.items()}
         self.catalog = replace(catalog, derived={**catalog.derived, **derived})
         self.names = tuple(derived)
+        self.requires = DerivedChannels(self.catalog, self.names).requires
 
     def find(self, stretches: Iterable[Rows]) -> Found:
         """Return the hits in rows with the columns `names`, in their order."""
         columns = _Columns(stretches)
         times = columns.times.tolist()
         begins, ends = columns.runs
-        peaks = columns.peaks(begins, ends, self._way)
+        peaks = columns.peaks(begins, ends, lowest=self.is_lowest)
         hits = [
             Hit(times[begin], times[end], end - begin + 1, *peak)
             for begin, end, peak in zip(begins.tolist(), ends.tolist(), peaks, strict=True)
@@ -120,6 +124,12 @@ def search(
         )
     found = condition.find(recording.rows())
     return replace(found, damaged=recording.problem_count)
+
+
+def search_rows(rows: Rows, condition: Condition) -> Found:
+    """Return the hits in rows of the parameters that the condition `requires`, corrected."""
+    columns = Deriver(condition.catalog, condition.names).columns(rows)
+    return condition.find([Rows(rows.times, columns)])
 
 
 class _Columns:
@@ -153,7 +163,7 @@ class _Columns:
         return begins.nonzero()[0], ends.nonzero()[0]
 
     def peaks(
-        self, begins: Index, ends: Index, way: Literal[1, -1]
+        self, begins: Index, ends: Index, *, lowest: bool
     ) -> list[tuple[float, float] | tuple[()]]:
         """Return the extreme and its time of each run; nothing where there is no number."""
         found: list[tuple[float, float] | tuple[()]] = []
@@ -162,7 +172,7 @@ class _Columns:
             if np.isnan(part).all():
                 found.append(())
                 continue
-            at = int(np.nanargmax(way * part))
+            at = int((np.nanargmin if lowest else np.nanargmax)(part))
             found.append((float(part[at]), float(self.times[begin + at])))
         return found
 
@@ -171,8 +181,8 @@ def _channel(name: str, formula: str) -> Derived:
     return Derived(name, NO_TEXT, formula, parse(formula, {}).inputs)
 
 
-def _first_comparison(expression: str) -> tuple[str, Literal[1, -1]]:
-    """Return what the first comparison compares, and 1 if its highest value is the extreme."""
+def _first_comparison(expression: str) -> tuple[str, bool]:
+    """Return what the first comparison compares, and whether its lowest value is the extreme."""
     for node in _in_order(ast.parse(expression, mode="eval").body):
         if not isinstance(node, ast.Compare):
             continue
@@ -181,8 +191,8 @@ def _first_comparison(expression: str) -> tuple[str, Literal[1, -1]]:
             if names := _channel_names(side):
                 for name in names:
                     name.id = name.id.upper()
-                return ast.unparse(side), -1 if isinstance(operator, low) else 1
-    return "", 1
+                return ast.unparse(side), isinstance(operator, low)
+    return "", False
 
 
 def _in_order(node: ast.AST) -> Iterable[ast.AST]:

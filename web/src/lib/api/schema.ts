@@ -390,6 +390,19 @@ export interface components {
         FieldsMessage: {
             fields: string[] | null;
         };
+        /**
+         * @description The first hits, and the `count` of all. `begin`, `end`: the times of what was searched.
+         *
+         *     `peak_of`: the formula of the peak, of which `lowest` tells the kind; null: nothing is compared.
+         */
+        FoundResponse: {
+            hits: components["schemas"]["HitInfo"][];
+            count: number;
+            peak_of: string | null;
+            lowest: boolean;
+            begin: number | null;
+            end: number | null;
+        };
         /** @description No values from `began` to `ended`; None: the gap continues, or the recording ended in it. */
         GapEvent: {
             /**
@@ -409,6 +422,14 @@ export interface components {
             values: (number | null)[][];
             events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
         };
+        /** @description A moment: the times of its first and last row; `peak` null: nothing is compared. */
+        HitInfo: {
+            begin: number;
+            end: number;
+            rows: number;
+            peak: number | null;
+            peak_time: number | null;
+        };
         /** @description A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure. */
         JournalEntry: {
             time: number;
@@ -425,6 +446,12 @@ export interface components {
         /** @description Changes, the newest first; each has two entries: `started`, and one with its outcome. */
         JournalResponse: {
             entries: components["schemas"]["JournalEntry"][];
+        };
+        /** @description A condition that was kept. */
+        KeptSearch: {
+            /** @default  */
+            name: string;
+            expression: string;
         };
         /** @description The keys to change; a key that is not named stays, null resets it to the shipped one. */
         KeysRequest: {
@@ -790,6 +817,10 @@ export interface components {
             every: number;
             /** @description more than `every` where each channel costs time and others come first */
             cycles: number;
+        };
+        /** @description The user's conditions. */
+        SearchList: {
+            searches: components["schemas"]["KeptSearch"][];
         };
         /**
          * @description The side on which the value is beyond its limit; a set flag is HIGH.

@@ -1,0 +1,158 @@
+"""Routes of the search: the moments at which a condition holds, and the conditions to keep.
+
+Live it searches the last hours that the program holds, of a recording all of it.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Final
+
+from fastapi import APIRouter, Query
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from mikas.catalog import Parameter
+from mikas.catalog.formula_syntax import LONGEST
+from mikas.dashboard.api.dependencies import (
+    KnownClient,
+    Line,
+    TheDashboard,
+    TheLibrary,
+    TheRequester,
+)
+from mikas.dashboard.api.errors import errors
+from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.library.folder import RecordingFile
+from mikas.errors import UsageError, reason_at, usage_error
+from mikas.files import read_regular
+from mikas.recording.search import Condition, Found, search, search_rows
+from mikas.saving import save
+
+router = APIRouter(tags=["search"])
+
+_MOST_HITS: Final = 2000
+_MOST_KEPT: Final = 50
+_MOST_BYTES: Final = 1 << 20
+
+Expression = Annotated[str, Query(max_length=LONGEST, description="FREQ > 3000 and DET")]
+
+
+class HitInfo(BaseModel):
+    """A moment: the times of its first and last row; `peak` null: nothing is compared."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+    begin: float
+    end: float
+    rows: int
+    peak: float | None
+    peak_time: float | None
+
+
+class FoundResponse(BaseModel):
+    """The first hits, and the `count` of all. `begin`, `end`: the times of what was searched.
+
+    `peak_of`: the formula of the peak, of which `lowest` tells the kind; null: nothing is compared.
+    """
+
+    hits: list[HitInfo]
+    count: int
+    peak_of: str | None
+    lowest: bool
+    begin: float | None
+    end: float | None
+
+
+class KeptSearch(BaseModel):
+    """A condition that was kept."""
+
+    name: Annotated[Line, Field(max_length=80)] = ""
+    expression: Annotated[Line, Field(min_length=1, max_length=LONGEST)]
+
+
+_Searches: Final = TypeAdapter(list[KeptSearch])
+
+
+class SearchList(BaseModel):
+    """The user's conditions."""
+
+    searches: list[KeptSearch] = Field(max_length=_MOST_KEPT)
+
+
+@router.get("/history/find", responses=errors())
+def find_live(
+    dashboard: TheDashboard,
+    expression: Expression,
+    seconds: Annotated[float, Query(gt=0, le=86400)] = 86400,
+) -> FoundResponse:
+    """Return the moments of the last `seconds` at which `expression` holds."""
+    condition = Condition(dashboard.catalog, expression)
+    _check_interpretation(dashboard, condition)
+    rows = dashboard.history.rows(seconds, condition.requires)
+    return _found(condition, search_rows(rows, condition))
+
+
+@router.get("/recordings/{identity}/find", responses=errors(404, 409, 504))
+async def find_recorded(
+    library: TheLibrary, requester: TheRequester, identity: str, expression: Expression
+) -> FoundResponse:
+    """Return the moments of a recording at which `expression` holds."""
+    condition = Condition(library.catalog, expression)
+
+    def look(file: RecordingFile) -> FoundResponse:
+        return _found(condition, search(file.path, condition, library.interpretation))
+
+    return await requester.awaits(library.view(identity, look, requester.address))
+
+
+@router.get("/searches", responses=errors())
+def searches(dashboard: TheDashboard) -> SearchList:
+    """Return the user's conditions; none if their file can't be read."""
+    try:
+        stored = read_regular(dashboard.settings.searches, _MOST_BYTES)
+        return SearchList(searches=_Searches.validate_json(stored))
+    except (OSError, ValidationError):
+        return SearchList(searches=[])
+
+
+@router.put("/searches", responses=errors())
+def write_searches(dashboard: TheDashboard, _: KnownClient, body: SearchList) -> SearchList:
+    """Replace the user's conditions, all or none; each must be a formula of the catalog."""
+    for kept in body.searches:
+        Condition(dashboard.catalog, kept.expression)
+    file = dashboard.settings.searches
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        content = [kept.model_dump() for kept in body.searches]
+        save(file, json.dumps(content, ensure_ascii=False, indent=1))
+    except OSError as error:
+        raise UsageError(problem=reason_at(file, error)) from error
+    return searches(dashboard)
+
+
+def _found(condition: Condition, found: Found) -> FoundResponse:
+    return FoundResponse(
+        hits=[HitInfo.model_validate(hit) for hit in found.hits[:_MOST_HITS]],
+        count=len(found.hits),
+        peak_of=condition.peak_of or None,
+        lowest=condition.is_lowest,
+        begin=found.begin,
+        end=found.end,
+    )
+
+
+def _check_interpretation(dashboard: Dashboard, condition: Condition) -> None:
+    """Raise `UsageError` for a parameter whose live values are not those that formulas use."""
+    chosen = dashboard.library.interpretation
+    for name in condition.requires:
+        parameter = dashboard.catalog.channel(name)
+        is_other = isinstance(parameter, Parameter) and (
+            parameter.interpretation(chosen) != parameter.conversion
+        )
+        if is_other:
+            raise usage_error(
+                f"{name} is sampled in the interpretation {chosen}; formulas need corrected. "
+                "Search in a recording, or start the program without --interpretation",
+                f"{name} опрашивается в толковании {chosen}, а формулам нужно corrected. Ищите в "
+                "записи или запустите программу без --interpretation",
+            )
