@@ -46,3 +46,31 @@ def test_a_phone_reaches_every_screen_by_the_thumb(dash, visitor, held):
     tab.press("More")
     sheet.get_by_role("button", name="Русский").tap()
     expect(tab.find("h1")).to_have_text("Память")
+
+
+def test_an_adapter_pulled_out_leaves_the_last_faults_one_error_and_reasons_in_words(own, visitor):
+    tab = visitor(own.url).show("live")
+    badge = tab.find("nav a[data-screen=faults] .count")
+    expect(badge).to_have_text("2")
+    begin = tab.button("Record", exact=True)
+    expect(begin).to_be_enabled()
+    own.garage.pull()
+    tab.is_line("no-port")
+    expect(begin).to_be_disabled()
+    tab.page.keyboard.press("r")
+    tab.says("Nothing to record: the port is not open")
+    tab.show("faults")  # for the first time: nothing was read by this page
+    tab.says("As last read at")
+    expect(tab.find("ol.cards article")).to_have_count(2)
+    expect(badge).to_have_text("2")
+    tab.find("header button.named").click()
+    expect(tab.page.get_by_role("dialog").locator("li")).to_have_count(1)
+    expect(tab.page.get_by_role("dialog")).to_contain_text("1 error")
+    assert own.state()["errors"] == 1
+    tab.page.keyboard.press("Escape")
+    own.garage.car.faults.remove(41)
+    own.garage.put_back()
+    tab.is_line("sampling")
+    expect(tab.find("ol.cards article")).to_have_count(1)
+    expect(badge).to_have_text("1")
+    expect(begin).to_be_enabled()

@@ -36,6 +36,18 @@ def test_faults_are_read_with_words_and_what_to_check(faulty):
     assert faulty.get("/state")["fault_count"] == 2
 
 
+def test_the_last_reading_of_the_faults_outlives_the_adapter(faulty):
+    read = faulty.get("/faults")
+    faulty.cars.pull()
+    with faulty.live() as live:
+        state = live.until(lambda m: m["state"]["line"] == "no-port")["state"]
+    assert faulty.get("/faults", 503)["code"] == "NotConnected"
+    assert faulty.get("/faults", last=True) == read
+    assert (state["fault_count"], state["fault_time"]) == (2, read["time"])
+    faulty.post("/disconnect")
+    assert faulty.get("/faults", 503, last=True)["code"] == "NotConnected"
+
+
 def test_faults_are_erased_in_two_steps_and_stand_in_the_journal(faulty):
     asked = change(faulty, kind="erase_faults")
     assert (asked["before"], asked["after"], asked["danger"]) == ([13, 14], [], False)

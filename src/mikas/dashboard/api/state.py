@@ -109,6 +109,7 @@ class State(OwnState):
     alarm_count: int = Field(description="alarms that began since the connection was made")
     catalog: str = Field(description="the version of the catalog in use")
     fault_count: int | None = Field(description="as last read; null: not read yet")
+    fault_time: float | None = Field(description="of that reading")
     unlocked_until: float | None
     demo: bool
     lan: bool
@@ -191,6 +192,7 @@ def shared_state(dashboard: Dashboard) -> State:
             alarm_count=monitor.alarm_count,
             catalog=dashboard.catalog.version,
             fault_count=len(stored.faults) if stored else None,
+            fault_time=stored.time if stored else None,
             unlocked_until=None if unlocked is None else now + unlocked,
             demo=connection.is_demo,
             lan=dashboard.lan,

@@ -92,8 +92,12 @@ class PassportResponse(BaseModel):
 
 
 @router.get("/faults", responses=errors(409, 502, 503))
-async def faults(dashboard: TheDashboard, client: Viewer) -> FaultsResponse:
-    """Read the stored faults. Without control: as they were last read."""
+async def faults(dashboard: TheDashboard, client: Viewer, *, last: bool = False) -> FaultsResponse:
+    """Read the stored faults. Without control, or with `last`: as they were last read."""
+    if last:
+        if (known := dashboard.fault_history.latest) is None:
+            raise dashboard.connection.not_connected()
+        return _faults_response(known)
     return _faults_response(
         await _latest(
             dashboard, client, dashboard.fault_history.latest, dashboard.fault_history.read

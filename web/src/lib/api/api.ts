@@ -36,6 +36,7 @@ export const api = {
   relearn: () => post<Api.State>("/relearn"),
 
   faults: () => get<Api.Faults>("/faults"),
+  lastFaults: () => get<Api.Faults>("/faults", { last: true }),
   passport: () => get<Api.Passport>("/passport"),
   probe: () => post<Api.Passport>("/passport/probe"),
   memory: (space: Api.Space, first: number, count: number) =>

@@ -879,6 +879,8 @@ export interface components {
             catalog: string;
             /** @description as last read; null: not read yet */
             fault_count: number | null;
+            /** @description of that reading */
+            fault_time: number | null;
             unlocked_until: number | null;
             demo: boolean;
             lan: boolean;

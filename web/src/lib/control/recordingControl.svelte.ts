@@ -17,11 +17,20 @@ const t = dictionary({
   everythingNow: { en: "All values are recorded now", ru: "Теперь записываются все величины" },
   stopped: { en: "Recording saved: {file}", ru: "Запись сохранена: {file}" },
   marked: { en: "Marker set", ru: "Отметка поставлена" },
+  lost: { en: "Nothing can be recorded: the program does not answer", ru: "Записать нельзя: программа не отвечает" },
+  view: { en: "This page may only view; recordings are started at the computer with the cable", ru: "Здесь доступен только просмотр; запись включают на компьютере с кабелем" },
+  off: { en: "Connect first: there is nothing to record yet", ru: "Сначала подключитесь: записывать пока нечего" },
+  "no-port": { en: "Nothing to record: the port is not open", ru: "Записывать нечего: порт не открыт" },
+  "no-echo": { en: "Nothing to record: no response, not even an echo", ru: "Записывать нечего: нет ответа, даже эха" },
+  "echo-only": { en: "Nothing to record: the ECU does not answer", ru: "Записывать нечего: блок не отвечает" },
   unrecorded: { en: "Marker set on the chart; no recording is running", ru: "Отметка поставлена на графике; запись не идёт" },
 });
 
 /** Code of the toast that a recording has started; the toast is dismissed when the recording ends. */
 const STARTED = "RecordingStarted";
+
+/** Code of the toast that says why none can be started. */
+const REFUSED = "RecordingRefused";
 
 /** Announce that a recording has ended and is stored. */
 export function announceSaved(file: string): void {
@@ -32,10 +41,20 @@ export function announceSaved(file: string): void {
 class RecordingControl {
   busy = $state(false);
 
+  /** Why no recording can be started now, in words; null: it can. */
+  get refusal(): string | null {
+    const state = live.state;
+    if (live.link === "lost" || !state) return t("lost");
+    if (state.rights === "view") return t("view");
+    return state.line === "sampling" || state.line === "ecu-alive" ? null : t(state.line);
+  }
+
   async toggle(): Promise<void> {
     if (this.busy) return;
-    this.busy = true;
     const file = live.state?.recording?.file;
+    const refusal = this.refusal;
+    if (!file && refusal !== null) return toasts.refuse(() => this.refusal ?? refusal, { code: REFUSED });
+    this.busy = true;
     const state = await attempt(() => (file ? api.stopRecording() : api.startRecording()));
     this.busy = false;
     if (!state) return;

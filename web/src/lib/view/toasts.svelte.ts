@@ -48,6 +48,11 @@ class Toasts {
     this.show({ kind: "error", text, duration: ERROR_MS, ...more });
   }
 
+  /** Say why something can't be done now; that is no error, and stays in no list. */
+  refuse(text: () => string, more: Partial<Toast> = {}): void {
+    this.show({ kind: "error", text, duration: 6000, ...more });
+  }
+
   /** Remove the messages of errors that no longer apply. */
   dismiss(codes: ReadonlySet<string>): void {
     this.shown = this.shown.filter(({ code }) => code === undefined || !codes.has(code));

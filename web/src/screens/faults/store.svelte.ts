@@ -1,6 +1,7 @@
 // The faults as last read, and the journal; kept while another screen is shown.
 import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
+import { live } from "../../lib/live/live.svelte";
 import { ecuKey } from "../../lib/live/capabilities.svelte";
 import type { Faults } from "../../lib/api/types";
 import { mergeEntries, type Entry, type RawEntry } from "./journal";
@@ -10,14 +11,28 @@ class FaultStore {
   readonly journal = new ApiRequest<Entry[]>();
   private unit = "";
 
+  /** The number of faults that the screen shows, or will as soon as it has the last reading. */
+  get count(): number {
+    return live.state?.fault_count ?? this.read.value?.count ?? 0;
+  }
+
   /** Read the faults; those of a previous ECU are dropped. */
   async refresh(): Promise<void> {
-    const unit = ecuKey();
-    if (unit !== this.unit) {
-      this.unit = unit;
-      this.read.reset();
-    }
+    this.dropPrevious();
     await this.read.run(() => api.faults());
+  }
+
+  /** Get the program's last reading: another client or a recording had them read, or the ECU does not answer. */
+  async takeLast(): Promise<void> {
+    this.dropPrevious();
+    await this.read.run(() => api.lastFaults());
+  }
+
+  private dropPrevious(): void {
+    const unit = ecuKey();
+    if (unit === this.unit) return;
+    this.unit = unit;
+    this.read.reset();
   }
 
   async refreshJournal(): Promise<void> {
