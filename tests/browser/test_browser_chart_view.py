@@ -2,7 +2,19 @@
 
 from __future__ import annotations
 
+import pytest
 from playwright.sync_api import expect
+
+import mikas
+from browser.rig import CAR, dashboard
+from mikas.catalog import shipped
+from mikas.i18n import Text
+from mikas.recording import CaptureWriter
+from mikas.recording.annotations.events import note_of
+from mikas.sampling.events import Gap, Marker
+from session_header_harness import write_session_header
+
+REASON = Text("The unit is silent. Is the ignition on?", "Блок молчит. Включено ли зажигание?")
 
 HEIGHT_OF = """name => {
   const row = document.querySelector(`[data-trace="${name}"]`)?.closest("button");
@@ -48,3 +60,126 @@ def test_two_constant_traces_are_both_seen(own, visitor):
         (above, height), (below, _) = height_of(tab, one), height_of(tab, other)
         assert abs(above - below) > 0.04 * height
         assert 0 < min(above, below) < max(above, below) < height - 2
+
+
+def _trip(folder):
+    """A recording of 60 s: 87 °C, from its middle on 100 °C, where a marker and a gap are."""
+    scenario = folder / "still.toml"
+    scenario.write_text(CAR, "utf-8")
+    folder = folder / "recordings"
+    folder.mkdir()
+    url = f"sim:?clock=simulated&scenario={scenario}"
+    with (
+        CaptureWriter(folder / "trip.pcapng", url=url) as sink,
+        mikas.connect(url, sink=sink) as ecu,
+    ):
+        link = ecu.tester.link
+        write_session_header(
+            sink,
+            link.now(),
+            version_code=ecu.version_code,
+            passports=ecu.passport().pieces,
+            catalog_version=ecu.catalog.version,
+        )
+        for raw in (0x7F, 0x8C):
+            link.link.bus.ecu.responder.car.write(shipped().parameter("TWAT").code, bytes([raw]))
+            until = link.now() + 30
+            for _ in ecu.watch("FREQ", "THR", "TWAT", "UACC", method="batch"):
+                if link.now() >= until:
+                    break
+            if raw == 0x7F:
+                sink.note(note_of(Marker(link.now(), "")))
+                began = link.now()
+                link.gather(began + 3)
+                sink.note(note_of(Gap(began, began, link.now(), REASON)))
+
+
+@pytest.fixture(scope="module")
+def stored(chromium, tmp_path_factory):
+    """The program with that recording, and no line."""
+    folder = tmp_path_factory.mktemp("trip")
+    _trip(folder)
+    with dashboard(folder, begin=False) as dash:
+        yield dash
+
+
+def opened(stored, visitor, **wishes):
+    """The chart of that recording."""
+    stored.nobody_controls()
+    tab = visitor(stored.url, **wishes).show("recordings")
+    tab.find("#screen").get_by_role("button", name="Open").first.click()
+    expect(tab.page.get_by_role("region", name="Player")).to_be_visible()
+    tab.show("chart")
+    expect(tab.traced("TWAT")).to_have_text("87")
+    expect(tab.find(".panes canvas").first).to_be_visible()
+    return tab
+
+
+def span(tab, name):
+    return tab.find(".spans").get_by_role("button", name=name, exact=True)
+
+
+def position(tab):
+    """Seconds from the beginning, of the player."""
+    slider = tab.page.get_by_role("slider", name="Position in the recording")
+    return float(slider.get_attribute("aria-valuenow"))
+
+
+def at(tab, share):
+    """A point of the first plot, that share of its width from its left axis."""
+    box = tab.find(".panes .plot").first.bounding_box()
+    return box["x"] + 58 + share * (box["width"] - 116), box["y"] + box["height"] / 2
+
+
+def test_the_window_of_a_recording_stays_in_it_and_keeps_the_position(stored, visitor):
+    tab = opened(stored, visitor)
+    mouse = tab.page.mouse
+    expect(span(tab, "all")).to_have_attribute("aria-pressed", "true")
+    expect(span(tab, "5 min")).to_have_count(0)  # longer than the recording
+    mouse.click(*at(tab, 0.25))
+    tab.until("() => document.querySelector('[role=slider]').ariaValueNow > 10")
+    assert 12 <= position(tab) <= 19
+    span(tab, "10 s").click()
+    expect(span(tab, "10 s")).to_have_attribute("aria-pressed", "true")
+    expect(span(tab, "all")).to_have_attribute("aria-pressed", "false")
+    expect(tab.find(".panes .head")).to_have_count(4)  # the position is in view
+    before = position(tab)
+    mouse.click(*at(tab, 0.0))
+    tab.until("before => document.querySelector('[role=slider]').ariaValueNow < before", before)
+    assert position(tab) > before - 10
+    mouse.move(*at(tab, 0.9))
+    for _ in range(12):
+        mouse.wheel(0, 200)
+    expect(span(tab, "all")).to_have_attribute("aria-pressed", "true")
+    mouse.click(*at(tab, 0.999))
+    tab.until("() => document.querySelector('[role=slider]').ariaValueNow > 60")
+    mouse.click(*at(tab, 0.001))
+    tab.until("() => document.querySelector('[role=slider]').ariaValueNow < 1")
+
+
+def test_what_is_said_at_the_cursor_covers_no_trace(stored, visitor):
+    tab = opened(stored, visitor)
+    tab.page.keyboard.press("g")
+    line = tab.find(".top .at")
+    expect(line).to_contain_text("Gap from")
+    expect(line).to_contain_text("s from the start")
+    box = line.bounding_box()
+    first = tab.find(".panes").bounding_box()
+    assert box["y"] + box["height"] <= first["y"] + 1
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (844, 390)])
+def test_on_a_phone_the_chart_has_the_room(stored, visitor, width, height):
+    tab = opened(stored, visitor, viewport={"width": width, "height": height}, has_touch=True)
+    player = tab.page.get_by_role("region", name="Player")
+    assert player.bounding_box()["height"] <= 60
+    screen, plot = tab.find("main").bounding_box(), tab.find(".panes .plot").first.bounding_box()
+    assert plot["y"] - screen["y"] <= 200
+    last = tab.find(".panes .plot").last
+    last.scroll_into_view_if_needed()
+    box = last.bounding_box()
+    assert screen["y"] <= box["y"]
+    assert box["y"] + box["height"] <= screen["y"] + screen["height"] + 1
+    assert tab.page.evaluate("document.documentElement.scrollWidth") <= width
+    player.get_by_role("button", name="More player controls").click()
+    expect(player.get_by_role("button", name="Close the recording")).to_be_visible()

@@ -92,6 +92,7 @@ export const t = dictionary({
   loop_off: { en: "End the loop", ru: "Убрать повтор" },
   loop_range: { en: "loops from {from} to {to}", ru: "повтор {from} – {to}" },
   loop_started: { en: "loop from {from}: move to its end and mark it", ru: "повтор с {from}: перейдите к концу и отметьте его" },
+  player_more: { en: "More player controls", ru: "Другие кнопки плеера" },
   close_player: { en: "Close the recording", ru: "Закрыть запись" },
   place_text: { en: "{at} of {length}", ru: "{at} из {length}" },
   key_faster: { en: "Faster", ru: "Быстрее" },

@@ -12,6 +12,7 @@ export const t = dictionary({
   goOn: { en: "Resume", ru: "Продолжить" },
   stack: { en: "Stack", ru: "Дорожки" },
   stackLong: { en: "Each trace in its own lane", ru: "Каждая линия на своей дорожке" },
+  more: { en: "More tools", ru: "Ещё инструменты" },
   second: { en: "Second cursor", ru: "Второй курсор" },
   traces: { en: "Traces…", ru: "Линии…" },
   fit: { en: "Show everything", ru: "Показать всё" },

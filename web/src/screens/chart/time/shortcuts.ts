@@ -2,6 +2,7 @@
 import { comparison } from "../../../lib/recording/comparison.svelte";
 import { cursors } from "../../../lib/view/cursors.svelte";
 import type { Binding } from "../../../lib/view/shortcuts.svelte";
+import { player } from "../../../lib/recording/player.svelte";
 import { display } from "../../../lib/view/source.svelte";
 import { nextGap } from "./data/flags";
 import { everyGap, moment } from "./data/sources";
@@ -13,10 +14,13 @@ export function fit(): void {
   view.showAll();
 }
 
-/** Move the cursor; while aligning, use the moment for the comparison. */
+/** Move the cursor, and in a recording the player; while aligning, use the moment for the comparison. */
 export function choose(time: number): void {
   cursors.a = time;
-  if (!comparison.aligning) return;
+  if (!comparison.aligning) {
+    if (display.source.kind === "recording") player.seek(time);
+    return;
+  }
   comparison.alignAt(time);
   // The moment on the dashed line stays marked until the alignment is done.
   cursors.b = comparison.aligning ? time : null;

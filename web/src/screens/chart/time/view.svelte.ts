@@ -3,6 +3,7 @@ import { comparison } from "../../../lib/recording/comparison.svelte";
 import { cursors } from "../../../lib/view/cursors.svelte";
 import { loadSetting, saveSetting } from "../../../lib/platform/storage";
 import { display } from "../../../lib/view/source.svelte";
+import { around, SHORTEST, within, zoomed, type Window } from "./window";
 
 export interface Trace {
   name: string;
@@ -18,8 +19,6 @@ export interface Pane {
 
 export const MOST_PANES = 5;
 export const SPANS = [10, 30, 60, 300, 900, 3600];
-const SHORTEST = 0.2;
-const LONGEST = 12 * 3600;
 
 const FIRST: string[][] = [["FREQ", "THR"], ["INJ", "JAIR"], ["UOZ"], ["TWAT", "UACC"]];
 
@@ -56,6 +55,8 @@ class View {
   end = $state<number | null>(null);
   stacked = $state(false);
   stretches = $state.raw<Record<number, Stretch>>({});
+  /** Live data: everything that the page holds, growing. */
+  private growing = $state(false);
   private of: string | null = null;
   private beside: string | null = null;
 
@@ -77,8 +78,42 @@ class View {
   }
 
   show(from: number, to: number): void {
-    this.span = Math.min(LONGEST, Math.max(SHORTEST, to - from));
+    this.set(within(to, to - from, this.bounds()));
+  }
+
+  private set({ from, to }: Window): void {
+    this.span = to - from;
     this.end = to;
+    this.growing = false;
+  }
+
+  /** The times that a window may contain: of a recording, with some room, and of the one beside it. Null: live data, no limits. */
+  private bounds(): Window | null {
+    const { columns, kind } = display.source;
+    if (kind === "live" || columns.length < 2) return null;
+    let { first, last } = columns;
+    if (comparison.active && comparison.columns.length > 1) {
+      first = Math.min(first, comparison.columns.first + comparison.lag);
+      last = Math.max(last, comparison.columns.last + comparison.lag);
+    }
+    const room = (last - first) * 0.01;
+    return { from: first - room, to: last + room };
+  }
+
+  /** Seconds that there are to show; infinite for live data. */
+  get longest(): number {
+    const bounds = this.bounds();
+    return bounds ? bounds.to - bounds.from : Infinity;
+  }
+
+  /** Whether everything is shown. */
+  get whole(): boolean {
+    return display.source.kind === "live" ? this.growing && this.end === null : this.span >= this.longest * 0.999;
+  }
+
+  /** New live data came: extend the window that shows everything. */
+  grow(): void {
+    if (this.growing && this.end === null) this.span = Math.max(SHORTEST, display.source.now() - display.source.columns.first);
   }
 
   /** Reset the window if another source is shown. */
@@ -91,6 +126,7 @@ class View {
     if (of !== "live") this.showAll();
     else if (!first) {
       this.span = 60;
+      this.growing = false;
       this.follow();
     }
   }
@@ -106,40 +142,45 @@ class View {
   showAll(): void {
     const { columns } = display.source;
     if (columns.length < 2) return;
-    if (display.source.kind === "live") {
-      this.span = Math.max(SHORTEST, display.source.now() - columns.first);
-      return this.follow();
-    }
-    let { first, last } = columns;
-    if (comparison.active && comparison.columns.length > 1) {
-      first = Math.min(first, comparison.columns.first + comparison.lag);
-      last = Math.max(last, comparison.columns.last + comparison.lag);
-    }
-    const room = (last - first) * 0.01;
-    this.show(first - room, last + room);
+    const bounds = this.bounds();
+    if (bounds) return this.set(bounds);
+    this.follow();
+    this.growing = true;
+    this.grow();
   }
 
   /** Move the window so that it contains this time, centred if it was outside. */
   bring(time: number): void {
     const [from, to] = this.window();
-    if (time < from || time > to) this.end = time + this.span / 2;
+    if (time < from || time > to) this.set(within(time + this.span / 2, this.span, this.bounds()));
   }
 
   /** Zoom around a time that keeps its place; while following, around the right edge. */
   zoom(factor: number, around: number): void {
-    const span = Math.min(LONGEST, Math.max(SHORTEST, this.span * factor));
-    if (this.end !== null) {
-      const share = (this.end - around) / this.span;
-      this.end = around + share * span;
-    }
-    this.span = span;
+    const [from, to] = this.window();
+    this.put(zoomed({ from, to }, this.span * factor, this.end === null ? to : around, this.bounds()));
+  }
+
+  /** Show that many seconds. In a recording the player's position and the cursor stay in view, in live data the cursor or the end. */
+  choose(seconds: number): void {
+    const [from, to] = this.window();
+    const cursor = cursors.a !== null && cursors.a >= from && cursors.a <= to ? cursors.a : null;
+    const anchor = display.source.kind === "recording" ? display.source.now() : (cursor ?? to);
+    this.put(around({ from, to }, seconds, this.end === null ? to : anchor, cursor, this.bounds()));
   }
 
   pan(seconds: number): void {
-    const now = display.source.now();
-    const end = (this.end ?? now) + seconds;
-    const live = display.source.kind === "live" && !display.source.paused;
-    this.end = live && end >= now ? null : end;
+    const { source } = display;
+    const end = (this.end ?? source.now()) + seconds;
+    if (source.kind === "live" && !source.paused && end >= source.now()) this.end = null;
+    else this.set(within(source.kind === "live" ? Math.max(end, source.columns.first) : end, this.span, this.bounds()));
+  }
+
+  /** Another window; following goes on. */
+  private put(next: Window): void {
+    const follows = this.end === null;
+    this.set(next);
+    if (follows) this.end = null;
   }
 
   stretch(pane: number, change: (before: Stretch) => Stretch): void {
@@ -167,12 +208,12 @@ class View {
     const used = this.panes.flatMap(({ traces }) => traces.map(({ colour }) => colour));
     const counts = Array.from({ length: 8 }, (_, index) => used.filter((colour) => colour === index + 1).length);
     const colour = counts.indexOf(Math.min(...counts)) + 1;
-    this.put({ name, colour, hidden: false }, to, this.panes);
+    this.place({ name, colour, hidden: false }, to, this.panes);
   }
 
   move(name: string, to: number): void {
     const trace = this.panes.flatMap(({ traces }) => traces).find((one) => one.name === name);
-    if (trace) this.put(trace, to, this.without(name));
+    if (trace) this.place(trace, to, this.without(name));
   }
 
   remove(name: string): void {
@@ -193,7 +234,7 @@ class View {
   }
 
   /** Add a trace to a pane, or to a new one. */
-  private put(trace: Trace, to: number, panes: Pane[]): void {
+  private place(trace: Trace, to: number, panes: Pane[]): void {
     const known = panes.some(({ id }) => id === to);
     const next = known
       ? panes.map((pane) => (pane.id === to ? { ...pane, traces: [...pane.traces, trace] } : pane))
