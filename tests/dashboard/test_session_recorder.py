@@ -31,6 +31,29 @@ def test_a_recording_is_made_with_its_markers_and_can_be_read_again(idle):
     assert [e["on"] for e in events if e["kind"] == "recording"] == [True, False]
 
 
+def test_a_marker_is_named_after_the_moment_also_when_the_recording_has_ended(idle):
+    idle.post("/recording/start", {"name": "a"})
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 3)
+    first = idle.post("/recording/marker")["time"]
+    idle.put("/recording/marker", {"time": first, "label": "knock"})
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 5)
+    second = idle.post("/recording/marker")["time"]
+    idle.post("/recording/stop")
+    idle.put("/recording/marker", {"time": second, "label": "стоп"})
+    idle.put("/recordings/a.pcapng/marker", {"time": first, "label": "knock, hot"})
+    assert idle.put("/recording/marker", {"time": 1.5, "label": "x"}, 404)["ru"]
+    assert idle.put("/recordings/a.pcapng/marker", {"time": 1.5, "label": "x"}, 404)["ru"]
+
+    def markers(events):
+        return [(it["time"], it["label"]) for it in events if it["kind"] == "marker"]
+
+    detail = idle.get("/recordings/a.pcapng")
+    assert markers(detail["events"]) == [(first, "knock, hot"), (second, "стоп")]
+    assert detail["markers"] == 2
+    live = idle.get("/history", seconds=3600)["events"]
+    assert markers(live) == [(first, "knock"), (second, "стоп")]
+
+
 def test_a_name_that_is_taken_gets_a_number(idle):
     assert idle.post("/recording/start", {"name": "a"})["recording"]["file"] == "a.pcapng"
     assert idle.post("/recording/start", {"name": "a"})["recording"]["file"] == "a (2).pcapng"

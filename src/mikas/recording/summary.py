@@ -159,7 +159,7 @@ def _summary(path: Path, sections: _Sections, catalog: Catalog) -> Summary:
         rate=samples / sampled if samples and sampled > 0 else None,
         gaps=len(gaps),
         faults=_faults(sections),
-        markers=sum(note.kind == Kind.MARKER for note in notes),
+        markers=len({note.time for note in notes if note.kind == Kind.MARKER}),
         note=comment_of(notes) or next(texts, "")[:LONGEST_COMMENT],
         recordings=len(sections.index.sections),
     )

@@ -10,7 +10,7 @@ from typing import Any, Final, Self
 from mikas.dashboard.errors import ADVICE, hex_or_none
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.sampling.events import Event, MethodChosen, StateChanged
+from mikas.sampling.events import Event, Marker, MethodChosen, StateChanged
 from mikas.tester import Failure
 
 _MAX_EVENTS: Final = 5000  # of errors, and of all others
@@ -57,7 +57,12 @@ class EventLog:
         self._others: deque[tuple[int, Event]] = deque(maxlen=_MAX_EVENTS)
 
     def add(self, event: Event) -> None:
-        """Keep `event`."""
+        """Keep `event`; a marker at the time of a kept one is that marker with another name."""
+        if isinstance(event, Marker):
+            for place, (count, before) in enumerate(self._others):
+                if isinstance(before, Marker) and before.time == event.time:
+                    self._others[place] = count, event
+                    return
         kept = self._errors if isinstance(event, ExchangeFailed) else self._others
         kept.append((self._count, event))
         self._count += 1

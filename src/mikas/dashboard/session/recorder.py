@@ -6,10 +6,11 @@ two cycles, where a running stream is requested again, so that the file alone ca
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from pathlib import Path
 
 from mikas.client import Ecu
-from mikas.dashboard.errors import ADVICE, Busy, NotConnected
+from mikas.dashboard.errors import ADVICE, Busy, NotConnected, NotFound
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.event_log import RecordingChanged
@@ -19,10 +20,13 @@ from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.recording.annotations.events import faults_note
+from mikas.recording.annotations.events import faults_note, note_of
+from mikas.recording.capture.writer import append_note
 from mikas.recording.recorder import Recorder, RecordingStatus, ask_in_full
 from mikas.sampling.events import Event, Marker, UnitFound
 
+_MOST_MARKED = 1000
+_MARKER = Text("the marker", "отметка")
 _NONE = Text("nothing is being recorded", "запись не идёт")
 
 
@@ -44,6 +48,7 @@ class SessionRecorder:
         self.last: RecordingStatus | None = None
         """The recording that the end of the program ended."""
         self._continues = False  # with the next unit that is found
+        self._marked: OrderedDict[float, Path] = OrderedDict()  # markers by time: their files
         self.recorder = Recorder(interpretation=interpretation, on_file=self._log_start)
 
     @property
@@ -107,8 +112,29 @@ class SessionRecorder:
         """Mark this moment, and return its time. Without a recording it is only shown."""
         time = self.recorder.marker(label=label)
         time = self._connection.now() if time is None else time
+        status = self.recorder.status
+        if status is not None and status.failure is None:
+            self._marked[time] = status.path
+            if len(self._marked) > _MOST_MARKED:
+                self._marked.popitem(last=False)
         self._monitor.log(Marker(time, label))
         return time
+
+    def name_marker(self, time: float, label: str) -> None:
+        """Give another name to the marker of that time, in its recording, too.
+
+        Raises `NotFound`: there is no such marker; `CaptureError`: its file can't be written.
+        """
+        marker = Marker(time, label)
+        if not any(isinstance(it, Marker) and it.time == time for it in self._monitor.events):
+            raise NotFound(name=_MARKER)
+        self._monitor.log(marker)
+        status = self.recorder.status
+        path = self._marked.get(time)
+        if status is not None and status.failure is None and status.path == path:
+            self.recorder.marker(time, label)
+        elif path is not None:  # the recording has ended since
+            append_note(path, note_of(marker))
 
     def note(self, text: str) -> None:
         """Write a note into the recording. Raises `Busy` if there is none."""

@@ -170,10 +170,12 @@ def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
 def events_of(notes: Iterable[Note], catalog: Catalog) -> list[Event]:
     """Return the events of `notes`, in their order.
 
-    A repeated unit, a plan, and faults read before the recording are no events.
+    A repeated unit, a plan, and faults read before the recording are no events. A marker at the
+    time of an earlier one is that marker with another name.
     """
     events: list[Event] = []
     before: UnitFound | None = None
+    markers: dict[float, int] = {}
     for note in notes:
         event = _event(note, catalog)
         if isinstance(event, UnitFound):
@@ -183,6 +185,11 @@ def events_of(notes: Iterable[Note], catalog: Catalog) -> list[Event]:
                     continue
                 event = replace(event, another=another)
             before = event
+        if isinstance(event, Marker):
+            place = markers.setdefault(event.time, len(events))
+            if place < len(events):
+                events[place] = replace(event, recording=events[place].recording)
+                continue
         if event is not None:
             events.append(event)
     return events

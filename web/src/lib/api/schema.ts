@@ -554,6 +554,11 @@ export interface components {
                 [key: string]: number;
             };
         };
+        /** @description The name of the marker with exactly that time. */
+        NamedMarker: {
+            time: number;
+            label: string;
+        };
         /** @description Limits of alarms; null: no such limit, also where the shipped catalog has one. */
         NewLimits: {
             danger_low?: number | null;

@@ -28,18 +28,18 @@ from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_no
 from mikas.dashboard.api.library.downloads import LeftOutFile, left_out
 from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
-from mikas.dashboard.errors import ADVICE
+from mikas.dashboard.errors import ADVICE, NotFound
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.session.history import json_columns
 from mikas.dashboard.settings import check_folder
 from mikas.errors import UsageError
-from mikas.recording.annotations.events import comment_note
+from mikas.recording.annotations.events import comment_note, note_of
 from mikas.recording.annotations.fields import LONGEST_COMMENT, LONGEST_LINE, LONGEST_TEXT
 from mikas.recording.capture.writer import append_note
 from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary
-from mikas.sampling.events import MethodChosen
+from mikas.sampling.events import Marker, MethodChosen
 
 router = APIRouter(tags=["recordings"])
 
@@ -60,6 +60,13 @@ class MarkerResponse(BaseModel):
     """The marker's time."""
 
     time: float
+
+
+class NamedMarker(BaseModel):
+    """The name of the marker with exactly that time."""
+
+    time: float = Field(allow_inf_nan=False)
+    label: Line = Field(max_length=LONGEST_LINE)
 
 
 class NoteRequest(BaseModel):
@@ -155,6 +162,13 @@ def marker(dashboard: TheDashboard, _: Controller, body: MarkerRequest) -> Marke
     return MarkerResponse(time=dashboard.recorder.marker(body.label))
 
 
+@router.put("/recording/marker", responses=errors(404, 409))
+def name_marker(dashboard: TheDashboard, _: Controller, body: NamedMarker) -> MarkerResponse:
+    """Give a marker of the running connection another name; its recording gets it, too."""
+    dashboard.recorder.name_marker(body.time, body.label)
+    return MarkerResponse(time=body.time)
+
+
 @router.post("/recording/note", responses=errors(409))
 def note(dashboard: TheDashboard, _: Controller, body: NoteRequest) -> NoteResponse:
     """Write a note into the recording in progress."""
@@ -232,6 +246,31 @@ async def comment(
             append_note(file.path, note)
         written = library.folder.one(identity)
         return _info(library, written, library.summary(written))
+
+    return await requester.awaits(library.view(identity, write, requester.address))
+
+
+@router.put("/recordings/{identity}/marker", responses=errors(404, 409, 504))
+async def name_recorded_marker(
+    dashboard: TheDashboard,
+    library: TheLibrary,
+    requester: TheRequester,
+    _: KnownClient,
+    identity: str,
+    body: NamedMarker,
+) -> MarkerResponse:
+    """Give a marker of a recording another name, which is appended to its file."""
+
+    def write(file: RecordingFile) -> MarkerResponse:
+        events = library.opened(file).events
+        if not any(isinstance(it, Marker) and it.time == body.time for it in events):
+            raise NotFound(name=identity)
+        marker = Marker(body.time, body.label)
+        if library.is_growing(file):
+            dashboard.recorder.recorder.marker(marker.time, marker.label)
+        else:
+            append_note(file.path, note_of(marker))
+        return MarkerResponse(time=body.time)
 
     return await requester.awaits(library.view(identity, write, requester.address))
 
