@@ -181,6 +181,7 @@ def rig(
         open_port=cars.open,
         link_clock=cars.clock.now,
         language=language,
+        tests=tmp_path / "tests",
     )
     dashboard = Dashboard(settings, port=begin, lan=access.get("lan", False))
     dashboard.plan.request = PlanSettings(dict.fromkeys(names, 1), method, rate)

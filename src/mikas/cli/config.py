@@ -54,6 +54,11 @@ def own_catalog() -> Path:
     return path().with_name("catalog.toml")
 
 
+def own_tests() -> Path:
+    """Return the folder of the user's guided tests, whether or not it exists."""
+    return path().parent / "tests"
+
+
 def language() -> str:
     """Return the file's `lang`; empty without one, and for a wrong file, which `load` reports."""
     try:

@@ -22,6 +22,7 @@ from mikas.dashboard.api import (
     connection,
     diagnosis,
     errors,
+    guided_tests,
     live,
     memory,
     search,
@@ -44,8 +45,8 @@ the control lease, which the first client gets. Times are UNIX seconds, bytes up
 Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 """
 
-_PARTS = (catalog, editing, values, connection, diagnosis, live, unit, memory, dumps, changes,
-          recordings, exports, report, search)  # fmt: skip
+_PARTS = (catalog, editing, values, connection, diagnosis, live, unit, guided_tests, memory,
+          dumps, changes, recordings, exports, report, search)  # fmt: skip
 
 
 class _Application(FastAPI):

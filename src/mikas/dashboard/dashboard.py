@@ -30,6 +30,7 @@ from mikas.dashboard.session.catalog_in_use import (
 from mikas.dashboard.session.changes import UnitChanges
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.session.dump_jobs import DumpJobs
+from mikas.dashboard.session.guided_tests import GuidedTests
 from mikas.dashboard.session.history import FaultHistory, History
 from mikas.dashboard.session.monitor import DIAGNOSIS, RECONNECTED, ConnectionMonitor
 from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread
@@ -37,7 +38,7 @@ from mikas.dashboard.session.recorder import SessionRecorder
 from mikas.dashboard.settings import PortSettings, Settings
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.sampling.events import AdapterMoved, Event, StateChanged, UnitFound
+from mikas.sampling.events import AdapterMoved, Event, Sampled, StateChanged, UnitFound
 
 
 class Dashboard:
@@ -73,6 +74,14 @@ class Dashboard:
         folder = RecordingFolder(settings.recordings)
         self.recorder = SessionRecorder(
             self.connection, self.monitor, self.fault_history, folder, options.interpretation
+        )
+        self.guided = GuidedTests(
+            settings,
+            self.connection,
+            self.monitor,
+            self.plan,
+            recorder=self.recorder.recorder,
+            catalog=lambda: self.catalog,
         )
         self.library = RecordingService(
             folder, options, clock=clock, in_progress=lambda: self.recorder.file_name
@@ -178,6 +187,8 @@ class Dashboard:
         self.recorder.take(event, thread)
         self._measure(thread)
         self.monitor.take(event)
+        if isinstance(event, Sampled | UnitFound):
+            self.guided.take(event)
         if isinstance(event, UnitFound):
             if event.another:
                 self._clear_unit()

@@ -87,6 +87,8 @@ class Settings:
     language: Language | None = None
     """The page's language until the user chooses one there; None: the browser's."""
     own: OwnCatalog | None = None
+    tests: Path | None = None
+    """The folder of the user's guided tests; None: only the shipped ones."""
 
     @property
     def _state(self) -> Path:
@@ -116,6 +118,11 @@ class Settings:
     def searches(self) -> Path:
         """The file of the conditions that the user searches for."""
         return self._state / "searches.json"
+
+    @property
+    def test_results(self) -> Path:
+        """The folder of the results of guided tests, a file per unit."""
+        return self._state / "tests"
 
     @property
     def certificate(self) -> Path:

@@ -15,6 +15,8 @@ from typing import Final
 from mikas.catalog import Catalog, Derived, Fault, Parameter
 from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.model import in_order
+from mikas.guided.definition import Outcome as TestOutcome
+from mikas.guided.result import TestResult
 from mikas.i18n import Text
 from mikas.report.alarms import Alarm
 from mikas.report.measurements import Channel, Measurements
@@ -115,6 +117,13 @@ class Findings:
     def alarms(self) -> tuple[Alarm, ...]:
         """The alarms of the time, the worst first."""
         return self.measured.alarms
+
+    @property
+    def failed_tests(self) -> tuple[TestResult, ...]:
+        """The guided tests that found something, the latest of each."""
+        latest = {test.test: test for test in sorted(self.subject.tests, key=lambda it: it.ended)}
+        bad = (TestOutcome.ATTENTION, TestOutcome.BAD)
+        return tuple(test for test in latest.values() if test.outcome in bad)
 
     @property
     def real_faults(self) -> tuple[FaultFinding, ...]:
@@ -239,10 +248,11 @@ def _real(cleared: Iterable[ClearedFaults]) -> tuple[ClearedFaults, ...]:
 
 
 def _outcome(found: Findings) -> Outcome:
-    """Attention: a fault, a value outside its reference, or an alarm. Good: none of these, the
+    """Attention: a fault, a value outside its reference, an alarm, or a finding of a guided test.
+    Good: none of these, the
     faults were read, none is open, and some value was rated.
     """
-    if found.real_faults or found.abnormal or found.alarms:
+    if found.real_faults or found.abnormal or found.alarms or found.failed_tests:
         return Outcome.ATTENTION
     open_ones = any(is_open(found.subject, each) for each in found.cleared)
     known = found.rated and found.faults is not None and not open_ones

@@ -17,6 +17,7 @@ from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
 from mikas.commands import ERASE_FAULTS, ReadFaults
 from mikas.errors import MikasError
+from mikas.guided.recorded import results_of
 from mikas.recording.annotations.events import (
     RecordedUnit,
     comment_of,
@@ -88,6 +89,7 @@ def find_in_recording(
             damaged=table.problem_count,
         ),
         notes=tuple(filter(None, (comment_of(mine), *words))),
+        tests=results_of(mine),
     )
     return find(subject, measured)
 

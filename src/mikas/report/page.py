@@ -32,6 +32,7 @@ from mikas.report.findings import (
     is_open,
 )
 from mikas.report.formatting import CONFIDENCE, band, date_of, moment, number, percent, with_unit
+from mikas.report.guided_tests import section as guided_section
 from mikas.report.labels import Labels
 from mikas.report.limitations import unknowns
 from mikas.report.sections import Section
@@ -45,7 +46,10 @@ CHARTS: Final = 3
 SUFFIXES: Final = (".html", ".htm")
 _FIRST: Final = ("FREQ", "JAIR", "TWAT", "INJ", "UACC", "UOZ", "FREQX", "THR")
 """The charts if all values are normal."""
-SECTIONS: Final[tuple[Callable[[Findings, Language], Section | None], ...]] = (alarm_section,)
+SECTIONS: Final[tuple[Callable[[Findings, Language], Section | None], ...]] = (
+    alarm_section,
+    guided_section,
+)
 """The sections with modules of their own, between the faults and the values, in order."""
 
 

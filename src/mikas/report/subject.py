@@ -13,6 +13,7 @@ from itertools import pairwise
 from typing import Final
 
 from mikas.catalog import Catalog, Fault, Model
+from mikas.guided.result import TestResult
 from mikas.sampling.events import FaultReading, Gap
 
 _MOST_CLEARED: Final = 20
@@ -68,7 +69,7 @@ class ClearedFaults:
 @dataclass(frozen=True, slots=True)
 class ReportSubject:
     """All of these. `faults` None: not read; else those stored at `faults_read`; `gone`: those
-    stored before. `notes`: the user's notes, in order.
+    stored before. `notes`: the user's notes, in order. `tests`: the guided tests to show.
     """
 
     catalog: Catalog
@@ -78,6 +79,7 @@ class ReportSubject:
     notes: tuple[str, ...] = ()
     faults_read: float | None = None
     cleared: tuple[ClearedFaults, ...] = ()
+    tests: tuple[TestResult, ...] = ()
 
 
 def cleared_faults(heard: Sequence[FaultReading], catalog: Catalog) -> tuple[ClearedFaults, ...]:

@@ -27,10 +27,24 @@ MARKS = {
 
 
 def summary_sentence(found: Findings) -> Text:
-    """Return the summary: faults first, then alarms, then values."""
+    """Return the summary: faults first, then alarms, then values, then guided tests."""
     alarms = [alarm_summary(found)] if found.alarms else []
-    said = joined("; ", (_of_faults(found), *alarms, *_of_values(found)))
+    said = joined("; ", (_of_faults(found), *alarms, *_of_values(found), *_of_tests(found)))
     return Text(f"{said.en}.", f"{said.ru}.")
+
+
+def _of_tests(found: Findings) -> Iterator[Text]:
+    """Yield the guided tests that found something."""
+    for test in found.failed_tests:
+        yield Text(
+            f"the guided test “{test.title.en}” found: {within(_bare(test.verdict)).en}",
+            f"проверка «{test.title.ru}» нашла: {within(_bare(test.verdict)).ru}",
+        )
+
+
+def _bare(sentence: Text) -> Text:
+    """Return a sentence without its full stop."""
+    return Text(sentence.en.rstrip("."), sentence.ru.rstrip("."))
 
 
 def _of_faults(found: Findings) -> Text:

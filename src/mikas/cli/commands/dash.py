@@ -209,6 +209,7 @@ def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
 
 
 def _serve(context: CommandContext, options: DashboardOptions, ahead: PortAhead | None) -> None:
+    from mikas.cli.config import own_tests
     from mikas.dashboard.dashboard import Dashboard
     from mikas.dashboard.listening import listen, own_addresses
     from mikas.dashboard.security.access import Access
@@ -222,6 +223,7 @@ def _serve(context: CommandContext, options: DashboardOptions, ahead: PortAhead 
         open_port=(VirtualCars(ahead.open) if ahead else VirtualCars()).open,
         language=requested_language(),
         own=context.own_catalog,
+        tests=own_tests(),
     )
     hosts = own_addresses() if options.lan else ()
     certificate = _certificate(options, settings, hosts)

@@ -59,6 +59,7 @@ class Kind(StrEnum):
     ALARM = "alarm"
     LEARNT = "learnt"
     FAULTS = "faults"
+    TEST = "test"
 
 
 _KINDS: Final = frozenset(Kind)

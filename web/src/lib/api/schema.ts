@@ -481,6 +481,13 @@ export interface components {
             on: components["schemas"]["TwoTexts"];
             off: components["schemas"]["TwoTexts"];
         };
+        /** @description The latest result of a test on this unit. */
+        LastOutcome: {
+            id: string;
+            /** @enum {string} */
+            outcome: "good" | "unknown" | "attention" | "bad";
+            ended: number;
+        };
         /** @description A file of the folder that is not listed, and why. `name` empty: several files. */
         LeftOutFile: {
             name: string;
@@ -784,6 +791,10 @@ export interface components {
             problem: components["schemas"]["TwoTexts"] | null;
             left_out: components["schemas"]["LeftOutFile"][];
         };
+        /** @description Whether the result is shown in the report on the connected car. */
+        ReportWish: {
+            in_report: boolean;
+        };
         /** @description The unit answers the dropped parameter `name` again; it is sampled from now on. */
         ReturnedEvent: {
             /**
@@ -927,6 +938,134 @@ export interface components {
         TakeControlRequest: {
             /** @default false */
             force: boolean;
+        };
+        /** @description A channel over the test: lowest and highest from each time to the next. */
+        TestCurve: {
+            name: string;
+            text: components["schemas"]["TwoTexts"];
+            unit: components["schemas"]["TwoTexts"];
+            times: number[];
+            lows: number[];
+            highs: number[];
+        };
+        /** @description A file of the user's folder that is no test. `line` 0: the file as a whole. */
+        TestFileError: {
+            file: string;
+            line: number;
+            text: components["schemas"]["TwoTexts"];
+        };
+        /** @description A rule that holds. */
+        TestFinding: {
+            rule: string;
+            formula: string;
+            /** @enum {string} */
+            outcome: "good" | "unknown" | "attention" | "bad";
+            text: components["schemas"]["TwoTexts"];
+            check: components["schemas"]["TwoTexts"];
+            doubt: components["schemas"]["TwoTexts"];
+            /** @enum {string} */
+            confidence: "low" | "medium" | "high";
+        };
+        /** @description A test. `own`: from the user's folder; `needs`: what must be so before its first step. */
+        TestInfo: {
+            name: string;
+            title: components["schemas"]["TwoTexts"];
+            finds: components["schemas"]["TwoTexts"];
+            needs: components["schemas"]["TwoTexts"] | null;
+            minutes: number;
+            own: boolean;
+            steps: components["schemas"]["TestStep"][];
+            last: components["schemas"]["LastOutcome"] | null;
+        };
+        /** @description All tests. `running`: the name of the one that runs; `folder`: of the user's tests. */
+        TestList: {
+            tests: components["schemas"]["TestInfo"][];
+            errors: components["schemas"]["TestFileError"][];
+            running: string | null;
+            folder: string | null;
+        };
+        /** @description A measure. `value` null: not measured, for the reason `why`. `rate`: readings a second. */
+        TestNumber: {
+            name: string;
+            text: components["schemas"]["TwoTexts"];
+            value: number | null;
+            shown: components["schemas"]["TwoTexts"];
+            count: number;
+            rate: number;
+            why: components["schemas"]["TwoTexts"];
+        };
+        /** @description The kept results of this unit, the latest first. */
+        TestResults: {
+            results: components["schemas"]["TestVerdict"][];
+        };
+        /**
+         * @description The test that runs, or has finished with `result`.
+         *
+         *     `phase`: what it waits for; `step`: from 0, null before the first. `held` of `hold` seconds the
+         *     step's condition has held; `late`: show the `advice`. `lacking`: parameters without values now.
+         */
+        TestRun: {
+            name: string;
+            title: components["schemas"]["TwoTexts"];
+            needs: components["schemas"]["TwoTexts"] | null;
+            /** @enum {string} */
+            phase: "start" | "prepare" | "until" | "hold" | "done";
+            step: number | null;
+            steps: components["schemas"]["TestStep"][];
+            seconds: number;
+            held: number;
+            hold: number;
+            prepare: number;
+            late: boolean;
+            advice: components["schemas"]["TwoTexts"] | null;
+            values: {
+                [key: string]: number;
+            };
+            lacking: string[];
+            result: components["schemas"]["TestVerdict"] | null;
+        };
+        /** @description The run; null: no test runs. */
+        TestRunState: {
+            run: components["schemas"]["TestRun"] | null;
+        };
+        /** @description A step. `targets`: by channel, where its value belongs. */
+        TestStep: {
+            name: string;
+            text: components["schemas"]["TwoTexts"];
+            hold: number;
+            watch: string[];
+            targets: {
+                [key: string]: [
+                    number,
+                    number
+                ];
+            };
+        };
+        /** @description A step and its time. */
+        TestStepDone: {
+            name: string;
+            text: components["schemas"]["TwoTexts"];
+            began: number;
+            ended: number;
+            skipped: boolean;
+        };
+        /** @description A result. `missing`: why rules could not be decided; `as_text`: all of it as lines. */
+        TestVerdict: {
+            id: string;
+            test: string;
+            title: components["schemas"]["TwoTexts"];
+            began: number;
+            ended: number;
+            /** @enum {string} */
+            outcome: "good" | "unknown" | "attention" | "bad";
+            verdict: components["schemas"]["TwoTexts"];
+            findings: components["schemas"]["TestFinding"][];
+            missing: components["schemas"]["TwoTexts"][];
+            numbers: components["schemas"]["TestNumber"][];
+            steps: components["schemas"]["TestStepDone"][];
+            curves: components["schemas"]["TestCurve"][];
+            as_text: components["schemas"]["TwoTexts"];
+            in_report: boolean;
         };
         /** @description One tile. `names`: its channels; none: a table of all channels. */
         Tile: {

@@ -152,6 +152,7 @@ def _of_connection(dashboard: Dashboard) -> Findings:
             interruptions=tuple(_pauses(events, measured.began)),
             errors=errors_,
         ),
+        tests=tuple(it.result for it in dashboard.guided.results if it.in_report)[::-1],
     )
     return find(subject, measured)
 

@@ -1,0 +1,321 @@
+"""Routes of the guided tests: the list, the running one, and the kept results.
+
+The page asks for `/tests/run` some times a second; the watched values come with it.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Path
+from pydantic import BaseModel, ConfigDict, Field
+
+from mikas.dashboard.api.dependencies import Controller, KnownClient, TheDashboard
+from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
+from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.session.guided_tests import KeptResult
+
+router = APIRouter(prefix="/tests", tags=["tests"])
+
+Outcome = Literal["good", "unknown", "attention", "bad"]
+Name = Annotated[str, Path(max_length=80)]
+
+
+class TestStep(BaseModel):
+    """A step. `targets`: by channel, where its value belongs."""
+
+    __test__ = False
+
+    name: str
+    text: TwoTexts
+    hold: float
+    watch: list[str]
+    targets: dict[str, tuple[float, float]]
+
+
+class LastOutcome(BaseModel):
+    """The latest result of a test on this unit."""
+
+    id: str
+    outcome: Outcome
+    ended: float
+
+
+class TestInfo(BaseModel):
+    """A test. `own`: from the user's folder; `needs`: what must be so before its first step."""
+
+    __test__ = False
+
+    name: str
+    title: TwoTexts
+    finds: TwoTexts
+    needs: TwoTexts | None
+    minutes: float
+    own: bool
+    steps: list[TestStep]
+    last: LastOutcome | None
+
+
+class TestFileError(BaseModel):
+    """A file of the user's folder that is no test. `line` 0: the file as a whole."""
+
+    __test__ = False
+
+    file: str
+    line: int
+    text: TwoTexts
+
+
+class TestList(BaseModel):
+    """All tests. `running`: the name of the one that runs; `folder`: of the user's tests."""
+
+    __test__ = False
+
+    tests: list[TestInfo]
+    errors: list[TestFileError]
+    running: str | None
+    folder: str | None
+
+
+class TestNumber(BaseModel):
+    """A measure. `value` null: not measured, for the reason `why`. `rate`: readings a second."""
+
+    __test__ = False
+    model_config = ConfigDict(from_attributes=True)
+
+    name: str
+    text: TwoTexts
+    value: float | None
+    shown: TwoTexts
+    count: int
+    rate: float
+    why: TwoTexts
+
+
+class TestFinding(BaseModel):
+    """A rule that holds."""
+
+    __test__ = False
+    model_config = ConfigDict(from_attributes=True)
+
+    rule: str
+    formula: str
+    outcome: Outcome
+    text: TwoTexts
+    check: TwoTexts
+    doubt: TwoTexts
+    confidence: Literal["low", "medium", "high"]
+
+
+class TestCurve(BaseModel):
+    """A channel over the test: lowest and highest from each time to the next."""
+
+    __test__ = False
+    model_config = ConfigDict(from_attributes=True)
+
+    name: str
+    text: TwoTexts
+    unit: TwoTexts
+    times: list[float]
+    lows: list[float]
+    highs: list[float]
+
+
+class TestStepDone(BaseModel):
+    """A step and its time."""
+
+    __test__ = False
+    model_config = ConfigDict(from_attributes=True)
+
+    name: str
+    text: TwoTexts
+    began: float
+    ended: float
+    skipped: bool
+
+
+class TestVerdict(BaseModel):
+    """A result. `missing`: why rules could not be decided; `as_text`: all of it as lines."""
+
+    __test__ = False
+
+    id: str
+    test: str
+    title: TwoTexts
+    began: float
+    ended: float
+    outcome: Outcome
+    verdict: TwoTexts
+    findings: list[TestFinding]
+    missing: list[TwoTexts]
+    numbers: list[TestNumber]
+    steps: list[TestStepDone]
+    curves: list[TestCurve]
+    as_text: TwoTexts
+    in_report: bool
+
+
+class TestRun(BaseModel):
+    """The test that runs, or has finished with `result`.
+
+    `phase`: what it waits for; `step`: from 0, null before the first. `held` of `hold` seconds the
+    step's condition has held; `late`: show the `advice`. `lacking`: parameters without values now.
+    """
+
+    __test__ = False
+
+    name: str
+    title: TwoTexts
+    needs: TwoTexts | None
+    phase: Literal["start", "prepare", "until", "hold", "done"]
+    step: int | None
+    steps: list[TestStep]
+    seconds: float
+    held: float
+    hold: float
+    prepare: float
+    late: bool
+    advice: TwoTexts | None
+    values: dict[str, float]
+    lacking: list[str]
+    result: TestVerdict | None
+
+
+class TestRunState(BaseModel):
+    """The run; null: no test runs."""
+
+    __test__ = False
+
+    run: TestRun | None
+
+
+class TestResults(BaseModel):
+    """The kept results of this unit, the latest first."""
+
+    __test__ = False
+
+    results: list[TestVerdict]
+
+
+class ReportWish(BaseModel):
+    """Whether the result is shown in the report on the connected car."""
+
+    in_report: bool = Field(strict=True)
+
+
+@router.get("", responses=errors())
+def tests(dashboard: TheDashboard) -> TestList:
+    """Return all tests, the user's files read again."""
+    guided = dashboard.guided
+    found, state = guided.available(), guided.progress
+    last: dict[str, LastOutcome] = {}
+    for kept in guided.results:
+        it = kept.result
+        last.setdefault(
+            it.test, LastOutcome(id=kept.identity, outcome=it.outcome.value, ended=it.ended)
+        )
+    running = state is not None and state[0].result is None
+    folder = dashboard.settings.tests
+    return TestList(
+        tests=[
+            TestInfo(
+                name=test.name,
+                title=two(test.title),
+                finds=two(test.finds),
+                needs=two_or_none(test.needs),
+                minutes=test.minutes,
+                own=test.own,
+                steps=[made_of(TestStep, step, text=two(step.text)) for step in test.steps],
+                last=last.get(test.name),
+            )
+            for test in found.tests.values()
+        ],
+        errors=[
+            TestFileError(file=it.file, line=it.line, text=two(it.problem)) for it in found.errors
+        ],
+        running=state[0].test.name if state and running else None,
+        folder=None if folder is None else str(folder),
+    )
+
+
+@router.post("/{name}/start", responses=errors(404, 409))
+def start(dashboard: TheDashboard, _: Controller, name: Name) -> TestRunState:
+    """Start a test; it takes the values that are sampled from now on."""
+    dashboard.guided.start(name)
+    return _state(dashboard)
+
+
+@router.get("/run", responses=errors())
+def run(dashboard: TheDashboard) -> TestRunState:
+    """Return the state of the running or finished test."""
+    return _state(dashboard)
+
+
+@router.post("/run/skip", responses=errors(409))
+def skip(dashboard: TheDashboard, _: Controller) -> TestRunState:
+    """Skip the present step; without its numbers nothing can be good."""
+    dashboard.guided.skip()
+    return _state(dashboard)
+
+
+@router.post("/run/cancel", responses=errors(409))
+def cancel(dashboard: TheDashboard, _: Controller) -> TestRunState:
+    """End the test without a result, or put a finished one away."""
+    dashboard.guided.cancel()
+    return _state(dashboard)
+
+
+@router.get("/results", responses=errors())
+def results(dashboard: TheDashboard) -> TestResults:
+    """Return the kept results of this unit."""
+    return TestResults(results=[_verdict(kept) for kept in dashboard.guided.results])
+
+
+@router.put("/results/{name}", responses=errors(404))
+def wish(dashboard: TheDashboard, _: KnownClient, name: Name, body: ReportWish) -> TestVerdict:
+    """Put a result into the report on the connected car, or take it out."""
+    return _verdict(dashboard.guided.put_in_report(name, wanted=body.in_report))
+
+
+def _state(dashboard: Dashboard) -> TestRunState:
+    found = dashboard.guided.progress
+    if found is None:
+        return TestRunState(run=None)
+    engine, progress, kept = found
+    test = engine.test
+    step = test.steps[progress.step] if progress.step is not None else None
+    return TestRunState(
+        run=made_of(
+            TestRun,
+            progress,
+            name=test.name,
+            title=two(test.title),
+            needs=two_or_none(test.needs),
+            phase=progress.phase.value,
+            steps=[made_of(TestStep, it, text=two(it.text)) for it in test.steps],
+            prepare=step.prepare if step else 0.0,
+            advice=two_or_none(step.advice) if step else None,
+            values=dict(progress.values),
+            result=_verdict(kept) if kept else None,
+        )
+    )
+
+
+def _verdict(kept: KeptResult) -> TestVerdict:
+    result = kept.result
+    return TestVerdict(
+        id=kept.identity,
+        test=result.test,
+        title=two(result.title),
+        began=result.began,
+        ended=result.ended,
+        outcome=result.outcome.value,
+        verdict=two(result.verdict),
+        findings=[TestFinding.model_validate(it) for it in result.findings],
+        missing=[two(text) for text in result.missing],
+        numbers=[TestNumber.model_validate(it) for it in result.numbers],
+        steps=[TestStepDone.model_validate(it) for it in result.steps],
+        curves=[TestCurve.model_validate(it) for it in result.curves],
+        as_text=two(result.as_text()),
+        in_report=kept.in_report,
+    )

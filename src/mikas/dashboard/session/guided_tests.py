@@ -1,0 +1,223 @@
+"""The guided test that runs on the connection, and the kept results of each unit.
+
+The sampling thread gives every sample to the running test. Its channels are sampled as fast as the
+others while it runs; what the plan lacked is added, and taken away again at its end. A result is
+kept in the state folder, and is a note in the recording that runs.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final
+
+from mikas.catalog import Catalog
+from mikas.client.limits import unit_file
+from mikas.dashboard.errors import Busy, NotFound
+from mikas.dashboard.session.connection import Connection, SamplingPlanner
+from mikas.dashboard.session.monitor import ConnectionMonitor
+from mikas.dashboard.settings import PlanSettings, Settings
+from mikas.files import read_json
+from mikas.i18n import Text
+from mikas.recording.capture.notes import Kind, Note
+from mikas.recording.recorder import Recorder
+from mikas.sampling.derived import number_of
+from mikas.sampling.events import Sampled, UnitFound
+from mikas.saving import save
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from mikas.guided.engine import Progress, TestEngine
+    from mikas.guided.loading import LoadedTests
+    from mikas.guided.result import TestResult
+
+_MOST_KEPT: Final = 50  # results of a unit
+_MOST_BYTES: Final = 4 << 20
+_RUNNING: Final = Text("a test is running", "проверка уже идёт")
+_NOT_RUNNING: Final = Text("no test is running", "проверка не идёт")
+
+
+@dataclass(frozen=True, slots=True)
+class KeptResult:
+    """A result. `identity` names it; `in_report`: the user wants it there."""
+
+    identity: str
+    result: TestResult
+    in_report: bool = False
+
+
+@dataclass(slots=True)
+class _Run:
+    engine: TestEngine
+    before: PlanSettings | None  # the plan to go back to
+    during: PlanSettings | None
+    identity: str = ""  # of the result
+
+
+class GuidedTests:
+    """Runs one test at a time. Any thread may call."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        connection: Connection,
+        monitor: ConnectionMonitor,
+        plan: SamplingPlanner,
+        *,
+        recorder: Recorder,
+        catalog: Callable[[], Catalog],
+    ) -> None:
+        self._settings, self._connection, self._monitor = settings, connection, monitor
+        self._plan, self._recorder, self._catalog = plan, recorder, catalog
+        self._lock = threading.RLock()
+        self._run: _Run | None = None
+        self._kept: dict[Path, list[KeptResult]] = {}
+
+    def available(self) -> LoadedTests:
+        """Return all tests; reads the user's files again."""
+        from mikas.guided.loading import load
+
+        return load(self._catalog(), self._settings.tests)
+
+    def start(self, name: str) -> None:
+        """Start a test; a finished one is put away. Raises `NotFound`, `Busy`."""
+        from mikas.guided.engine import TestEngine
+
+        test = self.available().tests.get(name)
+        if test is None:
+            raise NotFound(name=name)
+        with self._lock:
+            if self._run is not None and self._run.engine.result is None:
+                raise Busy(problem=_RUNNING)
+            self._run = run = _Run(TestEngine(test, self._catalog()), None, None)
+            before = self._plan.request
+            every = before.every | dict.fromkeys(test.channels, 1)
+            most = max((step.rate for step in test.steps), default=0)
+            rate = before.rate if before.rate is None or before.rate > most else None
+            if (every, rate) != (before.every, before.rate):
+                run.before, run.during = before, replace(before, every=every, rate=rate)
+                self._plan.sample(run.during)
+
+    @property
+    def progress(self) -> tuple[TestEngine, Progress, KeptResult | None] | None:
+        """The running or finished test, its state now and its result; None without one."""
+        now = self._connection.now()
+        with self._lock:
+            if (run := self._run) is None:
+                return None
+            kept = next((it for it in self.results if it.identity == run.identity), None)
+            return run.engine, run.engine.progress(now), kept
+
+    def skip(self) -> None:
+        """Skip the present step. Raises `Busy` if no test runs."""
+        with self._lock:
+            run = self._run
+            if run is None or run.engine.result is not None:
+                raise Busy(problem=_NOT_RUNNING)
+            run.engine.skip()
+            self._check(run)
+
+    def cancel(self) -> None:
+        """End the test without a result, or put a finished one away."""
+        with self._lock:
+            if (run := self._run) is not None:
+                self._restore_plan(run)
+            self._run = None
+
+    def take(self, event: Sampled | UnitFound) -> None:
+        """Take a sample, or end the test because another unit answers; in the sampling thread."""
+        if self._run is None:
+            return
+        if isinstance(event, UnitFound):
+            if event.another:
+                self.cancel()
+            return
+        values = {name: number_of(reading) for name, reading in event.fresh.items()}
+        with self._lock:
+            run = self._run
+            if run is not None and run.engine.result is None:
+                run.engine.take(event.time, values)
+                self._check(run)
+
+    @property
+    def results(self) -> list[KeptResult]:
+        """The results of this unit, the latest first."""
+        file = self._file()
+        with self._lock:
+            if file not in self._kept:
+                self._kept[file] = _read(file)
+            return list(self._kept[file])
+
+    def put_in_report(self, identity: str, *, wanted: bool) -> KeptResult:
+        """Put a result into the live report, or take it out. Raises `NotFound`."""
+        with self._lock:
+            results = self.results
+            for number, kept in enumerate(results):
+                if kept.identity == identity:
+                    results[number] = replace(kept, in_report=wanted)
+                    self._keep(results)
+                    return results[number]
+        raise NotFound(name=identity)
+
+    def _check(self, run: _Run) -> None:
+        result = run.engine.result
+        if result is None:
+            return
+        self._restore_plan(run)
+        run.identity = f"{result.test}-{round(result.ended * 1000)}"
+        self._keep([KeptResult(run.identity, result), *self.results][:_MOST_KEPT])
+        with suppress(ValueError):  # too long a note, by a test with many long texts
+            self._recorder.note(Note(Kind.TEST, result.ended, result.as_json()))
+
+    def _restore_plan(self, run: _Run) -> None:
+        """Go back to the plan before, unless another one was requested meanwhile."""
+        now, during = self._plan.request, run.during
+        if run.before is None or during is None:
+            return
+        if (now.every, now.rate, now.method) == (during.every, during.rate, during.method):
+            self._plan.sample(run.before)
+        run.before = run.during = None
+
+    def _file(self) -> Path:
+        unit = self._monitor.unit
+        version = unit.version_code if unit and unit.version_code is not None else 0
+        passport = unit.passport if unit else None
+        pieces = (*passport.program, *passport.data) if passport else ()
+        return unit_file(self._settings.test_results, version, tuple(it or "" for it in pieces))
+
+    def _keep(self, results: list[KeptResult]) -> None:
+        file = self._file()
+        self._kept[file] = results
+        content = json.dumps(
+            [{"id": it.identity, "in_report": it.in_report} | it.result.as_json() for it in results]
+        )
+        # Not in the sampling thread: the disk may take a second.
+        threading.Thread(target=_save, args=(file, content), name="mikas test result").start()
+
+
+_SAVING = threading.Lock()
+
+
+def _save(file: Path, content: str) -> None:
+    with _SAVING, suppress(OSError):  # the results stay in memory, and in the recording
+        file.parent.mkdir(parents=True, exist_ok=True)
+        save(file, content)
+
+
+def _read(file: Path) -> list[KeptResult]:
+    from mikas.guided.result import read
+
+    try:
+        stored: Any = read_json(file, _MOST_BYTES)
+    except (OSError, ValueError):
+        return []
+    kept = []
+    for data in stored[:_MOST_KEPT] if isinstance(stored, list) else ():
+        result = read(data)
+        if result is not None and isinstance(identity := data.get("id"), str):
+            kept.append(KeptResult(identity[:80], result, data.get("in_report") is True))
+    return kept

@@ -1,0 +1,93 @@
+"""Guided tests through the API: a run on the virtual car, its result, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import pytest
+
+from dashboard.rig import OTHER, rig
+from mikas.guided.result import read
+from mikas.recording import CaptureReader
+
+CAR = "duration = 999\n[start]\nambient = 12\n[condition]\ncoolant_sensor = 15\n"
+WRONG = "title = 'x'\n[step.one]\ntext = 'x'\nholds = 1\n"
+
+
+@pytest.fixture
+def cold(tmp_path):
+    """A cold car with the ignition on; its coolant sensor shows 15 °C too much."""
+    (tmp_path / "car.toml").write_text(CAR, "utf-8")
+    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests" / "wrong.toml").write_text(WRONG, "utf-8")
+    with rig(tmp_path, f"sim:?scenario={tmp_path / 'car.toml'}") as it:
+        it.sampling()
+        yield it
+
+
+def finished(it):
+    for _ in range(600):
+        run = it.get("/tests/run")["run"]
+        if run["result"] is not None:
+            return run
+        time.sleep(0.02)
+    raise AssertionError(run)
+
+
+def test_a_run_finds_the_fault_and_is_kept(cold, tmp_path):
+    plan = cold.get("/state")["plan"]["wanted"]
+    cold.post("/recording/start", {"name": "drive"})
+    run = cold.post("/tests/sensors/start")["run"]
+    assert (run["name"], run["phase"], run["result"]) == ("sensors", "start", None)
+    wanted = {it["name"] for it in cold.get("/state")["plan"]["wanted"]}
+    assert {"TAIR", "TWAT", "THR", "JAIR"} <= wanted
+    run = finished(cold)
+    result = run["result"]
+    assert (run["phase"], result["outcome"], result["in_report"]) == ("done", "attention", False)
+    (finding,) = result["findings"]
+    assert finding["rule"] == "apart"
+    assert "27 °C" in finding["text"]["en"]
+    assert finding["doubt"]["ru"]
+    assert cold.get("/state")["plan"]["wanted"] == plan
+    assert cold.put(f"/tests/results/{result['id']}", {"in_report": True})["in_report"]
+    assert [it["id"] for it in cold.get("/tests/results")["results"]] == [result["id"]]
+    last = next(it for it in cold.get("/tests")["tests"] if it["name"] == "sensors")["last"]
+    assert (last["id"], last["outcome"]) == (result["id"], "attention")
+    cold.post("/recording/stop")
+    (file,) = (tmp_path / "recordings").glob("*.pcapng")
+    (note,) = (note for note in CaptureReader(file).notes() if note.kind == "test")
+    assert read(note.data).verdict.en == result["verdict"]["en"]
+    page = cold.get("/report", lang="en").text
+    assert finding["text"]["en"] in page
+    assert finding["text"]["en"] in cold.get(f"/recordings/{file.name}/report", lang="en").text
+    kept = tmp_path / "state" / "tests"
+    for _ in range(200):
+        stored = [json.loads(each.read_text("utf-8")) for each in kept.glob("*.json")]
+        if stored and stored[0][0]["in_report"]:
+            break
+        time.sleep(0.02)
+    assert stored[0][0]["id"] == result["id"]
+    assert cold.post("/tests/run/cancel")["run"] is None
+
+
+def test_skipping_every_step_tells_nothing(cold):
+    (wrong,) = cold.get("/tests")["errors"]
+    assert (wrong["line"], wrong["file"].endswith("wrong.toml")) == (4, True)
+    assert cold.get("/tests/run")["run"] is None
+    assert cold.post("/tests/none/start", status=404)
+    assert cold.post("/tests/run/skip", status=409)
+    cold.post("/tests/cranking/start")
+    assert cold.get("/tests")["running"] == "cranking"
+    assert cold.post("/tests/sensors/start", status=409)["code"] == "Busy"
+    assert cold.post("/tests/run/cancel", status=409, headers=OTHER)["code"] == "NotController"
+    for _ in range(600):
+        run = cold.get("/tests/run")["run"]
+        if run["step"] == 1:
+            break
+        time.sleep(0.02)
+    assert run["values"].keys() == {"FREQ", "UACC"}
+    result = cold.post("/tests/run/skip")["run"]["result"]
+    assert (result["outcome"], result["findings"]) == ("unknown", [])
+    assert all("skipped" in it["en"] for it in result["missing"])
+    assert cold.put("/tests/results/none", {"in_report": True}, status=404)
