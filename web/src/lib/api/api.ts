@@ -16,6 +16,15 @@ export const api = {
   releaseControl: () => post<Api.State>("/control/release"),
 
   catalog: () => get<Api.Catalog>("/catalog"),
+  changeKeys: (name: string, keys: Api.ChannelKeys) => put<Api.Catalog>(`/channels/${part(name)}/keys`, keys),
+  resetKeys: (name: string, keys: string[], version: string) =>
+    json<Api.Catalog>("DELETE", `/channels/${part(name)}/keys`, { query: { keys, version } }),
+  changeChannel: (name: string, channel: Api.NewChannel) => put<Api.Catalog>(`/channels/${part(name)}`, channel),
+  deleteChannel: (name: string, version: string) =>
+    json<Api.Catalog>("DELETE", `/channels/${part(name)}`, { query: { version } }),
+  tryFormula: (trial: Api.Trial) => post<Api.TrialResult>("/channels/try", trial),
+  channelValue: (name: string, recording: string | null, at: number | null) =>
+    get<Api.ChannelValue>(`/channels/${part(name)}/value`, { recording, at }),
   presets: () => get<Api.Presets>("/presets"),
   savePresets: (presets: Api.Preset[]) => put<Api.Presets>("/presets", { presets }),
   history: (seconds: number, points: number, names?: string[]) =>

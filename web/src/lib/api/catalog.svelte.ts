@@ -1,5 +1,6 @@
-// The catalog: every channel with its name, unit and limits. It is loaded once; it does not change while the program runs.
+// The catalog: every channel with its name, unit and limits. The state names its version: it is loaded again after a change on any page.
 import { api } from "./api";
+import { recomputed } from "./recomputed";
 import { retry } from "./retry";
 import type { Catalog, Channel } from "./types";
 
@@ -11,10 +12,21 @@ class CatalogStore {
   private readonly byName = $derived(
     new Map(this.channels.map((channel) => [channel.name, channel])),
   );
+  /** Called with the channels that a change computes otherwise, or that it has added or removed. */
+  onrecomputed: (names: readonly string[]) => void = () => undefined;
 
-  /** Load the catalog, with retries until it has come or the returned function is called. */
-  load(): () => void {
-    return retry(async () => (this.loaded = await api.catalog()));
+  /** Load the catalog of this version, with retries until it has come or the returned function is called. */
+  follow(version: string): (() => void) | undefined {
+    if (this.loaded?.version === version) return undefined;
+    return retry(async () => this.use(await api.catalog()));
+  }
+
+  /** Use a catalog that the program has returned. */
+  use(next: Catalog): void {
+    const before = this.loaded;
+    this.loaded = next;
+    const names = before ? recomputed(before, next) : [];
+    if (names.length > 0) this.onrecomputed(names);
   }
 
   get(name: string): Channel | undefined {

@@ -58,7 +58,7 @@ describe("the catalog", () => {
   it("is loaded although its first request failed", async () => {
     const got = { parameters: [], derived: [], presets: [] };
     vi.stubGlobal("fetch", vi.fn().mockImplementationOnce(lost).mockImplementation(async () => answer(got)));
-    const stop = catalog.load();
+    const stop = catalog.follow("1")!;
     await vi.advanceTimersByTimeAsync(0);
     expect(catalog.loaded).toBeNull();
     await vi.advanceTimersByTimeAsync(1000);

@@ -20,6 +20,13 @@ export type About = Schemas["AboutResponse"];
 
 export type Catalog = Schemas["CatalogResponse"];
 export type Channel = Schemas["ChannelInfo"];
+export type ChannelKeys = Partial<Schemas["KeysRequest"]>;
+export type NewLimits = Schemas["NewLimits"];
+export type NewChannel = Schemas["ChannelRequest"];
+export type ChannelValue = Schemas["ChannelValue"];
+export type Trial = Schemas["TrialRequest"];
+export type TrialResult = Schemas["TrialResponse"];
+export type KnownFault = Schemas["KnownFault"];
 export type Limits = Schemas["ChannelLimits"];
 export type Preset = Schemas["Preset"];
 export type Presets = Schemas["PresetList"];

@@ -137,6 +137,17 @@ class LiveLine {
     frameClock.request();
   }
 
+  /** Load the history again: these channels are computed otherwise now. */
+  reload(names: readonly string[]): void {
+    for (const name of names) {
+      this.latest.delete(name);
+      this.extremes.delete(name);
+    }
+    const seconds = this.columns.length ? this.now() - this.columns.first : FIRST_HISTORY;
+    this.columns.clear();
+    void this.loadHistory(Math.max(FIRST_HISTORY, seconds));
+  }
+
   private updateExtremes(name: string, cells: Rows["values"][number]): void {
     for (const cell of cells) {
       if (cell === null || cell === undefined) continue;
@@ -156,10 +167,10 @@ class LiveLine {
    * Load what happened before the page was opened or while it was disconnected: the last minute in full detail, before that decimated.
    * Rows that arrive meanwhile are appended afterwards, so that the order is kept.
    */
-  private async loadHistory(): Promise<void> {
+  private async loadHistory(seconds = FIRST_HISTORY): Promise<void> {
     if (this.pending) return;
     this.pending = [];
-    const away = this.columns.length > 0 ? Math.max(1, this.now() - this.columns.last) : FIRST_HISTORY;
+    const away = this.columns.length > 0 ? Math.max(1, this.now() - this.columns.last) : seconds;
     try {
       if (away > FULL_DETAIL) await this.loadPart(Math.min(away, KEPT_SECONDS), 4000, FULL_DETAIL);
       await this.loadPart(Math.min(away + 1, FULL_DETAIL), 20_000, 0);

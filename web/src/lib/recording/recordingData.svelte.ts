@@ -72,6 +72,11 @@ export class RecordingData {
     return true;
   }
 
+  /** Load the recording again: the catalog that decodes it has changed. Throws `ApiError`. */
+  async reload(): Promise<boolean> {
+    return this.detail !== null && (await this.load(this.detail.id));
+  }
+
   protected reset(): void {
     this.reading?.abort();
     this.reading = null;

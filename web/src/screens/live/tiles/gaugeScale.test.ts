@@ -25,7 +25,7 @@ const channel = (about: Partial<Channel>): Channel => ({
   confidence: "reported",
   writable: false,
   ...about,
-});
+}) as Channel;
 
 describe("a gauge's range", () => {
   it("is the plausible range", () => {
