@@ -33,7 +33,8 @@ from mikas.link.ports import Port
 from mikas.link.virtual import RealTimeVirtualLink
 
 SCREENS = (
-    "live", "chart", "faults", "passport", "memory", "recordings", "report", "connection",
+    "live", "chart", "faults", "tests", "passport", "memory", "recordings", "report",
+    "connection",
 )  # fmt: skip
 FT232 = Port("/dev/ttyUSB7", "FT232R USB UART (FTDI)", "FT232R", likely=True)
 CAR = """\
@@ -226,6 +227,7 @@ def dashboard(
             state=folder / "state",
             find=lambda: list(garage.ports),
             open_port=garage.open,
+            tests=folder / "tests",
         ),
         port=FT232.url if begin else None,
         lan=lan,

@@ -1,4 +1,4 @@
-"""All eight screens: no findings of axe, nothing on the console, nothing wider than a phone; and
+"""All screens: no findings of axe, nothing on the console, nothing wider than a phone; and
 pictures of each in both languages and themes, in build/screenshots or `MIKAS_SCREENSHOTS`.
 """
 
@@ -17,6 +17,7 @@ THERE = {  # what a screen shows once it has what it shows
     "live": '[data-value="FREQ"]',
     "chart": ".panes canvas",
     "faults": "ol.cards article",
+    "tests": "[data-test]",
     "passport": "dl, table",
     "memory": '[role="grid"]',
     "recordings": "tbody tr",

@@ -20,7 +20,7 @@ from mikas.report.subject import ReportSubject
 def result(coolant: float) -> TestResult:
     engine = TestEngine(load(shipped()).tests["sensors"], shipped())
     for number in range(60):
-        values = {"FREQ": 0.0, "TWAT": coolant, "TAIR": 15.0, "THR": 0.0, "JAIR": 0.0}
+        values = {"FREQ": 0.0, "TWAT": coolant + number % 2, "TAIR": 15.0, "THR": 0.0, "JAIR": 0.0}
         engine.take(number / 5, values)
     assert engine.result is not None
     return engine.result
@@ -40,7 +40,7 @@ def test_a_test_that_found_something_is_in_headline_and_section() -> None:
     assert "Rule: (APART &gt; 7 or APART &lt; -7) and WATER &lt;= 45; confidence: medium." in en
     assert "Check next: Lay a thermometer" in en
     assert "Проверки по шагам" in ru
-    assert en.count("<polyline") == 2 * 2
+    assert en.count("<polyline") == 2
 
 
 def test_a_later_good_result_cures_an_earlier_one() -> None:

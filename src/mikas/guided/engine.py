@@ -168,7 +168,7 @@ class TestEngine:
             numbers=tuple(number_of(self._measured[name]) for name in self.test.measures),
             steps=tuple(self._done),
             curves=tuple(
-                it.curve(channel.name, channel.text, channel.unit_text) for channel, it in channels
+                it.curve(channel.name, channel.short, channel.unit_text) for channel, it in channels
             ),
         )
 

@@ -56,9 +56,14 @@ def _test(result: TestResult, found: Findings, language: Language) -> Markup:
         for it in result.numbers
     )
     parts.append(table((text.to(language) for text in _HEAD), rows))
-    drawings = (_drawing(curve, language) for curve in result.curves[:_CURVES] if curve.times)
+    drawings = (_drawing(curve, language) for curve in _moving(result.curves))
     parts.append(Markup("<div class='charts'>{}</div>").format(Markup("").join(drawings)))
     return Markup("").join(parts)
+
+
+def _moving(curves: tuple[Curve, ...]) -> list[Curve]:
+    """Return the curves to draw: a constant value is among the numbers."""
+    return [it for it in curves if it.times and max(it.highs) > min(it.lows)][:_CURVES]
 
 
 def _finding(finding: Finding, language: Language) -> Markup:

@@ -9,6 +9,7 @@ import Memory from "./memory/Screen.svelte";
 import Passport from "./passport/Screen.svelte";
 import Recordings from "./recordings/Screen.svelte";
 import Report from "./report/Screen.svelte";
+import Tests from "./tests/Screen.svelte";
 import type { ScreenName } from "../lib/view/router.svelte";
 
 export interface ScreenEntry {
@@ -23,6 +24,7 @@ export const screens: readonly ScreenEntry[] = [
   { name: "live", icon: "live", component: Live, inBar: true },
   { name: "chart", icon: "chart", component: Chart, inBar: true },
   { name: "faults", icon: "faults", component: Faults, inBar: true },
+  { name: "tests", icon: "tests", component: Tests },
   { name: "passport", icon: "passport", component: Passport },
   { name: "memory", icon: "memory", component: Memory },
   { name: "recordings", icon: "recordings", component: Recordings, inBar: true },

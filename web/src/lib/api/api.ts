@@ -44,6 +44,15 @@ export const api = {
     post<Api.Price>("/plan/price", { wanted, method, first }),
   relearn: () => post<Api.State>("/relearn"),
 
+  tests: () => get<Api.TestList>("/tests"),
+  testRun: () => get<Api.TestRunState>("/tests/run"),
+  testResults: () => get<Api.TestResults>("/tests/results"),
+  startTest: (name: string) => post<Api.TestRunState>(`/tests/${part(name)}/start`),
+  skipTestStep: () => post<Api.TestRunState>("/tests/run/skip"),
+  cancelTest: () => post<Api.TestRunState>("/tests/run/cancel"),
+  testInReport: (id: string, wanted: boolean) =>
+    put<Api.TestVerdict>(`/tests/results/${part(id)}`, { in_report: wanted }),
+
   faults: () => get<Api.Faults>("/faults"),
   lastFaults: () => get<Api.Faults>("/faults", { last: true }),
   passport: () => get<Api.Passport>("/passport"),

@@ -37,6 +37,14 @@ export type Port = Schemas["PortInfo"];
 export type Ports = Schemas["PortsResponse"];
 export type Price = Schemas["PriceResponse"];
 
+export type TestList = Schemas["TestList"];
+export type TestInfo = Schemas["TestInfo"];
+export type TestRunState = Schemas["TestRunState"];
+export type TestRun = Schemas["TestRun"];
+export type TestResults = Schemas["TestResults"];
+export type TestVerdict = Schemas["TestVerdict"];
+export type TestCurve = Schemas["TestCurve"];
+
 export type Fault = Schemas["StoredFault"];
 export type Faults = Schemas["FaultsResponse"];
 export type Passport = Schemas["PassportResponse"];

@@ -5,6 +5,7 @@ export const SCREENS = [
   "live",
   "chart",
   "faults",
+  "tests",
   "passport",
   "memory",
   "recordings",

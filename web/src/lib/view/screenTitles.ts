@@ -6,6 +6,7 @@ export const screenTitle = dictionary<ScreenName>({
   live: { en: "Live", ru: "Приборы" },
   chart: { en: "Chart", ru: "График" },
   faults: { en: "Faults", ru: "Ошибки" },
+  tests: { en: "Tests", ru: "Проверки" },
   passport: { en: "Passport", ru: "Паспорт" },
   memory: { en: "Memory", ru: "Память" },
   recordings: { en: "Recordings", ru: "Записи" },

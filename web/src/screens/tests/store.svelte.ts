@@ -1,0 +1,69 @@
+// The tests, the running one and the results of this unit. The run is asked for while the screen is shown.
+import { api } from "../../lib/api/api";
+import { ApiRequest } from "../../lib/api/request.svelte";
+import { attempt } from "../../lib/view/toasts.svelte";
+import type { TestList, TestRun, TestVerdict } from "../../lib/api/types";
+
+/** Milliseconds between two questions while a test runs, and while none does: another page may start one. */
+const RUNNING = 250;
+const IDLE = 2000;
+
+class Tests {
+  readonly list = new ApiRequest<TestList>();
+  readonly results = new ApiRequest<{ results: TestVerdict[] }>();
+  run = $state.raw<TestRun | null>(null);
+  busy = $state(false);
+
+  /** Follow the run until the returned function is called. */
+  follow(): () => void {
+    let stopped = false;
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const ask = async () => {
+      try {
+        this.take((await api.testRun()).run);
+      } catch {
+        // The band shows a lost program; the next question may be answered.
+      }
+      if (!stopped) timer = setTimeout(() => void ask(), this.run && !this.run.result ? RUNNING : IDLE);
+    };
+    void ask();
+    return () => {
+      stopped = true;
+      clearTimeout(timer);
+    };
+  }
+
+  async refresh(): Promise<void> {
+    await Promise.all([this.list.run(() => api.tests()), this.results.run(() => api.testResults())]);
+  }
+
+  /** Start a test; a finished one is put away. */
+  start = (name: string) => this.change(() => api.startTest(name));
+  skip = () => this.change(() => api.skipTestStep());
+  async cancel(): Promise<void> {
+    await this.change(() => api.cancelTest());
+    void this.refresh();
+  }
+
+  async putInReport(id: string, wanted: boolean): Promise<void> {
+    const kept = await attempt(() => api.testInReport(id, wanted));
+    if (!kept) return;
+    if (this.run?.result?.id === id) this.run = { ...this.run, result: kept };
+    await this.refresh();
+  }
+
+  private async change(job: () => Promise<{ run: TestRun | null }>): Promise<void> {
+    this.busy = true;
+    const state = await attempt(job);
+    this.busy = false;
+    if (state) this.take(state.run);
+  }
+
+  private take(run: TestRun | null): void {
+    const finished = run?.result != null && this.run?.result == null;
+    this.run = run;
+    if (finished) void this.refresh();
+  }
+}
+
+export const tests = new Tests();
