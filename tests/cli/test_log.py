@@ -238,3 +238,26 @@ def test_the_rows_of_an_export_are_explained_where_samples_are_counted(mikas, op
     assert rows > samples
     assert ran.err.endswith("an export makes a row of each.\n")
     is_russian(mikas("log", "-o", "b.pcapng", "TWAT", *options, "--lang", "ru").err)
+
+
+@pytest.mark.parametrize("method", ["stream", "batch"])
+def test_the_stored_faults_are_in_the_recording_at_both_ends(mikas, tmp_path, method):
+    from mikas.recording.summary import summarise
+
+    ran = mikas("log", "-o", "a.pcapng", "TWAT", "MINERR", "--method", method,
+                "--rotate", "2s", "--duration", "3", sim="&faults=53,13")  # fmt: skip
+    assert ran.status == 0, ran.err
+    assert "Stored faults: 53, 13." in ran.err
+    for file in ("a.pcapng", "a-2.pcapng"):
+        noted = [it for it in library.open(tmp_path / file).events if it.kind == "faults"]
+        assert {it.codes for it in noted} == {(53, 13)}
+        assert len(noted) == 2
+        assert noted[1].time - noted[0].time > 0.5
+        assert summarise(tmp_path / file).faults == (53, 13)
+    assert mikas("decode", "a-2.pcapng").out.count("faults 53 13") == 2
+
+
+def test_a_unit_without_02_ends_a_recording_in_time(mikas, tmp_path):
+    ran = mikas("log", "-o", "a.pcapng", "TWAT", "--duration", "4", sim="&missing=02")
+    assert ran.status == 0, ran.err
+    assert recorded_samples(tmp_path / "a.pcapng") > 20

@@ -187,3 +187,32 @@ def test_another_car_behind_the_same_port_gets_its_own_file(idle):
     idle.cars.park(f"{url}&model=5.4", url)
     idle.post("/connect", {"port": url, "method": "batch", "rate": 5})
     idle.until(lambda it: it["state"]["recording"]["file"] == "a-2.pcapng")
+
+
+def test_the_faults_are_read_at_both_ends_and_when_another_is_stored(idle):
+    idle.post("/recording/start", {"name": "faults"})
+    idle.until(lambda it: it["state"]["fault_count"] == 0)
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 3)
+    idle.cars.car(idle.get("/state")["port"]).faults.append(53)
+    idle.until(lambda it: it["state"]["fault_count"] == 1)
+    idle.post("/recording/stop")
+    read = [
+        (event["codes"], event["erased"])
+        for event in idle.get("/recordings/faults.pcapng")["events"]
+        if event["kind"] == "faults"
+    ]
+    assert read == [([], False), ([53], False), ([53], False)]
+    live = [it for it in idle.get("/history", seconds=900)["events"] if it["kind"] == "faults"]
+    assert [it["codes"] for it in live] == [[53]]
+    (listed,) = idle.get("/recordings")["recordings"]
+    assert listed["faults"] == [53]
+
+
+def test_a_unit_that_is_silent_to_02_is_recorded_all_the_same(tmp_path):
+    with rig(tmp_path, "sim:?scenario=warm-idle&missing=02") as it:
+        it.sampling()
+        it.post("/recording/start", {"name": "a"})
+        it.until(lambda message: message["state"]["recording"]["samples"] > 5)
+        assert it.post("/recording/stop")["recording"] is None
+        (listed,) = it.get("/recordings")["recordings"]
+        assert (listed["faults"], listed["gaps"]) == (None, 0)

@@ -123,6 +123,7 @@ def test_what_each_kind_holds():
         note_of(alarm),
         note_of(ParameterDropped(8.0, "TAIR", Limits(max_list=8, refused=[0x99]))),
         faults_note(9.0, [FaultReading(7.0, (13, 53)), FaultReading(8.5, (), erased=True)]),
+        note_of(FaultReading(9.5, (13,))),
     ]
     assert {note.kind for note in made} == set(Kind)
     data = {note.kind: note.data for note in made}
@@ -141,6 +142,7 @@ def test_what_each_kind_holds():
     assert data[Kind.ALARM]["channel"] == "TWAT"
     assert data[Kind.ALARM]["value"] == 150.0
     assert data[Kind.LEARNT]["refused"] == [0x99]
+    assert data[Kind.FAULTS_READ] == {"codes": [13], "erased": False}
     for note in made:  # each survives the way through the file
         assert blocks.read_block(blocks.block_of(note)) == note
 

@@ -8,8 +8,10 @@ without limit for a lost link or unit.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,9 +23,19 @@ from mikas.errors import EngineStopped, MikasError, RecordingOver, UsageError
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged, UnitFound
+from mikas.sampling.events import (
+    CycleFailed,
+    FaultReading,
+    LineState,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
+from mikas.sampling.fault_watch import FaultWatch
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
     from mikas.catalog import Derived, Model, Parameter
     from mikas.cli.sampling_options import SamplingOptions
     from mikas.client import Ecu
@@ -31,6 +43,7 @@ if TYPE_CHECKING:
     from mikas.sampling.events import Event
 
 _ALIVE = (LineState.ECU_ALIVE, LineState.SAMPLING)
+_LAST = 1.0  # s of samples that the end of a recording waits for its last reading of the faults
 _SEARCH = 3  # failed cycles at the start that are not shown: another method may follow
 
 
@@ -48,11 +61,17 @@ class SamplingRun:
         self.answered = False  # a unit, at least once
         self.connected = False  # to a unit that has given values, or that is identified
         self.waiting: StateChanged | None = None  # the broken state of the line
+        self.reads_faults = False
+        """Whether the stored faults are read at the begin and the end of the recording, and when
+        they change. Not from time to time under a stream, which each reading would interrupt."""
+        self.faults = FaultWatch(in_streams=None)
         self.samples = 0
         self.gap_cycles = 0
         self.seconds = 0.0
         self.recording_over: RecordingOver | None = None
         """The end of the played recording, which ended the events."""
+        self._readings: deque[FaultReading] = deque()  # made by jobs
+        self._last_reading: Future[None] | None = None  # after Ctrl-C
         self._began: float | None = None
         self._ecu: Ecu | None = None
         self._identified = False
@@ -86,6 +105,7 @@ class SamplingRun:
         with closing(self._acquire()) as events:
             for event in events:
                 self.recorder.take(event)
+                yield from self._faults_read(event)
                 if isinstance(event, CycleFailed) and self._is_searching(event):
                     continue
                 if isinstance(event, Sampled) and period:
@@ -94,8 +114,58 @@ class SamplingRun:
                     due = event.time + 0.75 * period
                 self._follow(event)
                 yield event
+                if self._last_reading is not None and self._last_reading.done():
+                    raise KeyboardInterrupt
                 if self._is_complete(options) and not self.acquisition.has_more:
+                    yield from self._end(events)
                     return
+
+    def _faults_read(self, event: Event) -> Iterator[Event]:
+        """Queue a reading of the faults where it is due; yield those that were made."""
+        if self._records and self.faults.is_due(event):
+            self.acquisition.call(self.read_faults)
+        while self._readings:
+            yield self._readings.popleft()
+
+    def read_faults(self, ecu: Ecu, *, routine: bool = True) -> None:
+        """Read the stored faults into the recording; a job between two cycles."""
+        if not self.faults.refused and (reading := self.faults.read(ecu, routine=routine)):
+            self.recorder.take(reading)
+            self._readings.append(reading)
+
+    def end_soon(self) -> bool:
+        """End the run as Ctrl-C does, after a last reading of the faults; False: at once.
+
+        Called by a signal's handler.
+        """
+        if not self._can_read or self._last_reading is not None:
+            return False
+        self._last_reading = self.acquisition.call(partial(self.read_faults, routine=False))
+        return True
+
+    @property
+    def _records(self) -> bool:
+        status = self.recorder.status
+        return self.reads_faults and status is not None and status.failure is None
+
+    @property
+    def _can_read(self) -> bool:
+        return self._records and self.samples > 0 and not (self.waiting or self.faults.refused)
+
+    def _end(self, events: Iterator[Event]) -> Iterator[Event]:
+        """Read the faults before the recording ends, for a second of events at most."""
+        if not self._can_read:
+            return
+        reading = self.acquisition.call(partial(self.read_faults, routine=False))
+        until: float | None = None
+        with suppress(MikasError):
+            for event in events:
+                self.recorder.take(event)
+                until = event.time + _LAST if until is None else until
+                if reading.done() or event.time > until:
+                    break
+        while self._readings:
+            yield self._readings.popleft()
 
     def _acquire(self) -> Generator[Event, None, None]:
         with closing(self.acquisition.run()) as events:

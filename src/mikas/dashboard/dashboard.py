@@ -30,6 +30,7 @@ from mikas.dashboard.session.catalog_in_use import (
 from mikas.dashboard.session.changes import UnitChanges
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.session.dump_jobs import DumpJobs
+from mikas.dashboard.session.fault_reader import FaultReader
 from mikas.dashboard.session.guided_tests import GuidedTests
 from mikas.dashboard.session.history import FaultHistory, History
 from mikas.dashboard.session.monitor import DIAGNOSIS, RECONNECTED, ConnectionMonitor
@@ -38,7 +39,14 @@ from mikas.dashboard.session.recorder import SessionRecorder
 from mikas.dashboard.settings import PortSettings, Settings
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.sampling.events import AdapterMoved, Event, Sampled, StateChanged, UnitFound
+from mikas.sampling.events import (
+    AdapterMoved,
+    Event,
+    FaultReading,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
 
 
 class Dashboard:
@@ -62,7 +70,7 @@ class Dashboard:
         self.confirmations = ConfirmationStore(clock)
         self.history = History()
         self.monitor = ConnectionMonitor(self.history)
-        self.fault_history = FaultHistory()
+        self.fault_history = FaultHistory(self._on_faults)
         self.connection = Connection(
             settings,
             self.monitor,
@@ -72,8 +80,15 @@ class Dashboard:
         )
         self.plan = SamplingPlanner(self.connection, self.monitor, options)
         folder = RecordingFolder(settings.recordings)
+        self._fault_reader = FaultReader(
+            self.connection, self.monitor, self.fault_history, lambda: self.catalog
+        )
         self.recorder = SessionRecorder(
-            self.connection, self.monitor, self.fault_history, folder, options.interpretation
+            self.connection,
+            self.monitor,
+            self._fault_reader,
+            folder,
+            options.interpretation,
         )
         self.guided = GuidedTests(
             settings,
@@ -107,6 +122,7 @@ class Dashboard:
             await self.dump_jobs.close()
             if self.diagnosis is not None:
                 await self.diagnosis.end()
+            await self.recorder.read_last()
             await self.connection.close()
             self.recorder.close()
 
@@ -125,10 +141,12 @@ class Dashboard:
             if self.connection.port is None or url != self.connection.port.url:
                 self.recorder.change_port()
 
+        await self.recorder.read_last()  # another port ends the recording
         await self.connection.connect(url, echo=echo, accepted=accepted)
 
     async def disconnect(self) -> None:
         """End the recording and close the port."""
+        await self.recorder.read_last()
         await self.connection.disconnect()
         self.recorder.stop()
 
@@ -189,13 +207,18 @@ class Dashboard:
         self.monitor.take(event)
         if isinstance(event, Sampled | UnitFound):
             self.guided.take(event)
-        if isinstance(event, UnitFound):
-            if event.another:
-                self._clear_unit()
-                self.fault_history.clear()
-            thread.call(self.fault_history.read)
+        if isinstance(event, UnitFound) and event.another:
+            self._clear_unit()
+            self.fault_history.clear()
+        self._fault_reader.follow(event, thread)
         if isinstance(event, StateChanged):
             self.connection.state_known()
+
+    def _on_faults(self, reading: FaultReading, before: FaultReading | None) -> None:
+        """Pass on a reading of the stored faults; in the sampling thread."""
+        self.recorder.recorder.take(reading)
+        if before is not None and set(reading.codes) != set(before.codes):
+            self.monitor.log(reading)
 
     def _on_end(self, thread: SamplingThread, error: MikasError | None) -> None:
         """Note that sampling ended by itself; in the sampling thread."""

@@ -257,11 +257,15 @@ class AlarmChanged(Event):
 
 @dataclass(frozen=True, slots=True)
 class FaultReading(Event):
-    """The `codes` of the stored faults, in the unit's order. `erased`: shortly before."""
+    """The `codes` of the stored faults, in the unit's order. `erased`: shortly before.
+
+    `routine`: read by the program from time to time, of interest only where the codes differ.
+    """
 
     kind = "faults"
     codes: tuple[int, ...]
     erased: bool = False
+    routine: bool = field(default=False, metadata=_NOT_IN_JSON, compare=False)
 
 
 # The user's

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import _thread
+import signal
+import threading
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
@@ -18,7 +22,10 @@ from mikas.i18n import Text
 
 _SHOWN = 40  # characters of a name that is being typed
 
+_LONGEST_END: Final = 1.0  # s from Ctrl-C to the end of a recording
+
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from concurrent.futures import Future
 
     from mikas.cli.sampling_run import SamplingRun
@@ -107,9 +114,10 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
     output = context.output
     progress = StatusLine(output, lambda: _progress(current))
     rotation = _FileRotation(current, rotate)
+    current.reads_faults = True
     try:
         show = partial(_show_typed, progress) if progress.live else None
-        with Marking(current.recorder, progress.note, show):
+        with Marking(current.recorder, progress.note, show), _last_reading(current):
             for event in Notices(current, progress.note, verbose=output.verbose).watch():
                 if output.json:
                     json_line(current, output, event)
@@ -130,6 +138,33 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
 def _show_typed(progress: StatusLine, typed: str) -> None:
     """Show the name of a marker while it is typed."""
     progress.begin_with(f"{tr('Marker', 'Отметка')}: {typed[-_SHOWN:]}▏ " if typed else "")
+
+
+@contextmanager
+def _last_reading(current: SamplingRun) -> Iterator[None]:
+    """Let Ctrl-C read the faults before the recording ends, for a second; another one ends at once.
+
+    Where there is nothing to read, the first one does, too.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    timers: list[threading.Timer] = []
+
+    def on_interrupt(*_: object) -> None:
+        if not current.end_soon():
+            raise KeyboardInterrupt
+        timers.append(threading.Timer(_LONGEST_END, _thread.interrupt_main))
+        timers[-1].daemon = True
+        timers[-1].start()
+
+    before = signal.signal(signal.SIGINT, on_interrupt)
+    try:
+        yield
+    finally:
+        for timer in timers:
+            timer.cancel()
+        signal.signal(signal.SIGINT, before)
 
 
 class _FileRotation:
@@ -155,8 +190,10 @@ class _FileRotation:
     def _next_file(self, ecu: Ecu) -> None:
         from mikas.recording.recorder import ask_in_full
 
+        self._current.read_faults(ecu, routine=False)
         ask_in_full(ecu)
         self._current.recorder.next_file()
+        self._current.read_faults(ecu, routine=False)
 
 
 def _progress(current: SamplingRun) -> str:

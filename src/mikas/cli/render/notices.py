@@ -23,6 +23,7 @@ from mikas.sampling.events import (
     AdapterMoved,
     AlarmChanged,
     CycleFailed,
+    FaultReading,
     Gap,
     LineState,
     MethodChosen,
@@ -58,6 +59,7 @@ class Notices:
         self._plan: Plan | None = None
         self._method: str | None = None  # the chosen one
         self._failure: MikasError | None = None
+        self._faults: tuple[int, ...] | None = None  # as read last
         session.recorder.on_file = self._new_file
 
     def take(self, event: Event) -> None:
@@ -107,10 +109,26 @@ class Notices:
                 )
             case AlarmChanged():
                 yield f"{'✓' if event.better else '▲'} {capital(localized(event.text))}."
+            case FaultReading():
+                yield from self._faults_read(event)
             case MethodChosen() if self._verbose:
                 yield from self._method_chosen(event)
             case PlanChanged() if self._verbose:
                 yield from self._planned(event.plan)
+
+    def _faults_read(self, event: FaultReading) -> Iterator[str]:
+        """Yield the stored faults when they are read first, and when they have changed."""
+        before, self._faults = self._faults, event.codes
+        numbers = ", ".join(map(str, event.codes))
+        if before is None and event.codes:
+            yield tr(f"Stored faults: {numbers}.", f"Ошибки в памяти: {numbers}.")
+        elif before is not None and set(before) != set(event.codes):
+            new = ", ".join(str(code) for code in event.codes if code not in before)
+            if new:
+                yield tr(f"▲ New fault: {new}.", f"▲ Новая ошибка: {new}.")
+            else:
+                now = numbers or tr("none", "нет")
+                yield tr(f"Stored faults now: {now}.", f"Ошибки в памяти теперь: {now}.")
 
     def _returned(self, gaps: Iterable[Gap]) -> Iterator[str]:
         for gap in gaps:

@@ -23,6 +23,7 @@ from mikas.sampling.events import (
     AdapterMoved,
     AlarmChanged,
     Event,
+    FaultReading,
     Gap,
     LineState,
     Marker,
@@ -88,6 +89,7 @@ _IN_BOTH: Final = (
     _model(ParameterReturned),
     _model(AlarmChanged, level=Level, before=Level | None, side=Side | None),
     _model(Marker),
+    _model(FaultReading, codes=list[int]),
 )
 LiveEvent = Annotated[
     Any, _one_of(*_IN_BOTH, _model(ExchangeFailed, text=TwoTexts), _model(RecordingChanged))

@@ -159,12 +159,18 @@ class StoredFaults:
 class FaultHistory:
     """Stored faults as last read, when each was first seen on this connection, earlier readings.
 
-    Any thread may write and read. `latest` is None until this connection's first reading."""
+    Any thread may write and read. `latest` is None until this connection's first reading.
+    `on_reading` is called with each reading, and with the one before by the same unit, if any.
+    """
 
-    def __init__(self) -> None:
+    def __init__(
+        self, on_reading: Callable[[FaultReading, FaultReading | None], None] = lambda *_: None
+    ) -> None:
+        self._on_reading = on_reading
         self._lock = threading.Lock()
         self._first: dict[int, float] = {}
         self._readings: list[FaultReading] = []
+        self._latest_reading: FaultReading | None = None  # by this unit, on any connection
         self.latest: StoredFaults | None = None
 
     def disconnect(self) -> None:
@@ -178,6 +184,7 @@ class FaultHistory:
         self.disconnect()
         with self._lock:
             self._readings.clear()
+            self._latest_reading = None
 
     @property
     def readings(self) -> tuple[FaultReading, ...]:
@@ -191,16 +198,26 @@ class FaultHistory:
         """Read the stored faults; a job of the sampling thread."""
         return self.add(ecu.faults(), ecu.tester.link.now())
 
-    def add(self, faults: Sequence[Fault], time: float, *, erased: bool = False) -> StoredFaults:
+    def add(
+        self,
+        faults: Sequence[Fault],
+        time: float,
+        *,
+        erased: bool = False,
+        routine: bool = False,
+    ) -> StoredFaults:
         """Add the faults that were stored at `time`; `erased`: shortly before.
 
         A fault that came back after it was erased is new.
         """
         with self._lock:
             codes = tuple(fault.code for fault in faults)
+            before = self._latest_reading
+            self._latest_reading = FaultReading(time, codes, erased, routine=routine)
             if not self._readings or self._readings[-1].codes != codes:
                 self._readings.append(FaultReading(time, codes, erased))
                 del self._readings[:-_MAX_READINGS]
             self._first = {code: self._first.get(code, time) for code in codes}
-            self.latest = StoredFaults(time, tuple(faults), dict(self._first))
-            return self.latest
+            self.latest = stored = StoredFaults(time, tuple(faults), dict(self._first))
+        self._on_reading(self._latest_reading, before)
+        return stored

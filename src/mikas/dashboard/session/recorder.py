@@ -14,7 +14,7 @@ from mikas.dashboard.errors import ADVICE, Busy, NotConnected, NotFound
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.event_log import RecordingChanged
-from mikas.dashboard.session.history import FaultHistory
+from mikas.dashboard.session.fault_reader import FaultReader
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import ensure_folder
@@ -37,12 +37,12 @@ class SessionRecorder:
         self,
         connection: Connection,
         monitor: ConnectionMonitor,
-        fault_history: FaultHistory,
+        fault_reader: FaultReader,
         folder: RecordingFolder,
         interpretation: str,
     ) -> None:
         self._connection, self._monitor = connection, monitor
-        self._fault_history, self._folder = fault_history, folder
+        self._fault_reader, self._folder = fault_reader, folder
         self._reported: MikasError | None = None
         self._name: str | None = None
         self.last: RecordingStatus | None = None
@@ -95,6 +95,11 @@ class SessionRecorder:
         continues = self.file_name is not None or self._continues
         self.stop()
         self._continues = continues
+
+    async def read_last(self) -> None:
+        """Read the stored faults into a recording that is about to end; a second at most."""
+        if self.file_name is not None:
+            await self._fault_reader.read_last()
 
     def stop(self) -> RecordingStatus | None:
         """End the recording, if there is one; returns its final status."""
@@ -152,10 +157,11 @@ class SessionRecorder:
     def _start(self, path: Path, thread: SamplingThread) -> None:
         self.recorder.start(ensure_folder(path.parent) / path.name, url=thread.url, pipe=False)
         self._reported = None
-        readings = self._fault_history.readings
+        readings = self._fault_reader.history.readings
         if readings:  # from before this file
             self.recorder.note(faults_note(thread.now(), readings))
         self._log_start(path)
+        self._fault_reader.read_first(thread)
 
     def _log_start(self, path: Path) -> None:
         self._monitor.log(RecordingChanged(self._connection.now(), path.name, on=True))

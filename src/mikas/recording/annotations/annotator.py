@@ -18,6 +18,7 @@ from mikas.recording.capture.notes import Note
 from mikas.sampling.events import (
     CycleFailed,
     Event,
+    FaultReading,
     Gap,
     PlanChanged,
     Sampled,
@@ -35,6 +36,7 @@ class SessionAnnotator:
         self._unit: Sequence[Note] = ()  # with the catalog's note
         self._plan: Note | None = None
         self._state: Note | None = None
+        self._faults: tuple[int, ...] | None = None  # as noted last in this recording
         self._gaps = GapTracker()
         self.echoes = True
         """Whether the unit's line echoes; assumed until a unit was found."""
@@ -45,6 +47,7 @@ class SessionAnnotator:
         """Yield the first notes of a new recording, as of `time`; restart counting."""
         self._gaps.restart(time)
         self.samples, self.gaps = 0, int(self._gaps.open is not None)
+        self._faults = None
         for note in (*self._unit, self._plan, self._state):
             if note is not None:
                 yield replace(note, time=time)
@@ -71,6 +74,11 @@ class SessionAnnotator:
             case StateChanged():
                 self._state = note_of(event)
                 yield self._state
+            case FaultReading(codes=codes, routine=True) if codes == self._faults:
+                pass
+            case FaultReading(codes=codes):
+                self._faults = codes
+                yield note_of(event)
             case _:
                 yield note_of(event)
 

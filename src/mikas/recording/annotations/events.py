@@ -89,6 +89,9 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
             data["better"] = event.better
             form = {"channel": event.name} | {key: data[key] for key in keys}
             return Note(Kind.ALARM, event.time, form)
+        case FaultReading():
+            data = {"codes": list(event.codes), "erased": event.erased}
+            return Note(Kind.FAULTS_READ, event.time, data)
         case MethodChosen() | ParameterDropped() | ParameterReturned():
             limits = {} if event.limits is None else asdict(event.limits)
             if isinstance(event, ParameterDropped):
@@ -255,6 +258,8 @@ def _event(note: Note, catalog: Catalog) -> Event | None:
                 if (rate := number_of(value)) is not None
             }
             return MethodChosen(time, method, known, recording=recording)
+        case Kind.FAULTS_READ if (codes := codes_of(data.get("codes"))) is not None:
+            return FaultReading(time, codes, data.get("erased") is True, recording=recording)
         case Kind.UNIT:
             version = version_of(data.get("version_code"))
             model = None if version is None else catalog.model(version).text

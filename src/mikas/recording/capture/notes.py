@@ -58,6 +58,7 @@ class Kind(StrEnum):
     ADAPTER = "adapter"
     ALARM = "alarm"
     LEARNT = "learnt"
+    FAULTS_READ = "faults-read"
     FAULTS = "faults"
     TEST = "test"
 

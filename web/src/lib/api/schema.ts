@@ -380,6 +380,17 @@ export interface components {
             ru: string;
             code: number;
         };
+        /** @description The `codes` of the stored faults, in the unit's order. `erased`: shortly before. */
+        FaultsEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "faults";
+            time: number;
+            codes: number[];
+            erased: boolean;
+        };
         /** @description The stored faults, read at `time`. */
         FaultsResponse: {
             time: number;
@@ -420,7 +431,7 @@ export interface components {
             names: string[];
             times: number[];
             values: (number | null)[][];
-            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
         };
         /** @description A moment: the times of its first and last row; `peak` null: nothing is compared. */
         HitInfo: {
@@ -511,7 +522,7 @@ export interface components {
             /** @description in the first, and when it has changed */
             state?: components["schemas"]["State"];
             data?: components["schemas"]["LiveRows"];
-            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
+            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
             pong?: number | string;
         };
         /** @description Columns over time. null: no value in that row. */
@@ -728,7 +739,7 @@ export interface components {
             channels: string[];
             first: number | null;
             last: number | null;
-            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["NoteEvent"])[];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["NoteEvent"])[];
             problems: components["schemas"]["RecordingProblem"][];
             method: string | null;
         };

@@ -150,8 +150,9 @@ async def start(dashboard: TheDashboard, client: Controller, body: StartRecordin
 
 
 @router.post("/recording/stop", responses=errors(409))
-def stop(dashboard: TheDashboard, client: Controller) -> State:
-    """End the recording."""
+async def stop(dashboard: TheDashboard, client: Controller) -> State:
+    """End the recording, with a last reading of the stored faults if the unit gives one."""
+    await dashboard.recorder.read_last()
     dashboard.recorder.stop()
     return state_of(dashboard, client)
 
