@@ -98,9 +98,33 @@ def test_the_examination_is_drawn_step_by_step(deliberate, off, visitor):
     expect(steps.nth(2)).to_have_class(measured)
     expect(steps.nth(3)).to_contain_class("running")
     tab.is_line("off")
+    now = tab.find("#screen .now")
+    expect(now).to_contain_text("being checked")
+    expect(now).to_contain_text(FT232.url)
+    expect(now.locator("li")).to_contain_text(["✓ works", "✓ works", "? unknown", "? unknown"])
     tab.press("Stop")
     tab.says("The check was stopped")
     tab.is_line("sampling")
+
+
+def test_headline_picture_and_steps_of_a_check_agree(off, visitor):
+    tab = visitor(off.url).show("connection")
+    tab.refused = True
+    tab.press("Connect to /dev/ttyUSB8")  # without 12 V
+    tab.is_line("no-echo")
+    tab.press("Run check")
+    tab.says("Failed at: Echo")
+    steps = tab.find("ol[aria-busy] li")
+    expect(steps.nth(0)).to_contain_class("ok")
+    expect(steps.nth(1)).to_contain_class("bad")
+    now = tab.find("#screen .now")
+    expect(now).to_contain_text("No response, not even an echo")
+    expect(now).to_contain_text("/dev/ttyUSB8")
+    expect(now.locator("li")).to_contain_text(["✓ works", "! check", "! check", "? unknown"])
+    tab.press(f"Connect to {FT232.url}")
+    tab.is_line("sampling")
+    expect(now).to_contain_text("The ECU answers")
+    expect(now.locator("li")).to_contain_text(["✓ works"] * 4)
 
 
 def test_opening_a_port_raises_no_alarm(off, visitor):

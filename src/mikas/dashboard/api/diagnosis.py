@@ -48,10 +48,12 @@ class DiagnosisStep(BaseModel):
     """One line of the response. `ok` null: not known, or could be better."""
 
     name: str
+    port: str = Field(description="the URL that is checked")
     title: TwoTexts
     ok: bool | None
     detail: TwoTexts
     to_try: TwoTexts | None
+    code: str | None = Field(description="the class of the error: NoEcho…")
 
 
 _NDJSON = "application/x-ndjson"
@@ -103,19 +105,19 @@ async def _run(
     loop = asyncio.get_running_loop()
 
     def report(step: Step) -> None:
-        loop.call_soon_threadsafe(steps.put_nowait, _line(step))
+        loop.call_soon_threadsafe(steps.put_nowait, _line(diagnosis.url, step))
 
     try:
         async with dashboard.connection.lent():
             await asyncio.to_thread(diagnosis.run, report)
     except MikasError as error:
-        steps.put_nowait(_line(Step("port", False, ADVICE.text(error))))
+        steps.put_nowait(_line(diagnosis.url, Step("port", False, error.text, error)))
     finally:
         dashboard.diagnosis = None
         steps.put_nowait(None)
 
 
-def _line(step: Step) -> DiagnosisStep:
+def _line(port: str, step: Step) -> DiagnosisStep:
     advice, to_try = Text("", ""), None
     if step.error is not None:
         advice, to_try = step.error.advice, ADVICE.advice(step.error)
@@ -125,5 +127,6 @@ def _line(step: Step) -> DiagnosisStep:
             for detail, shown in zip(step.detail, advice, strict=True)
         )
     )
+    code = type(step.error).__name__ if step.error else None
     shown = {"title": _TITLES[step.name], "detail": found, "to_try": two_or_none(to_try)}
-    return made_of(DiagnosisStep, step, **shown)
+    return made_of(DiagnosisStep, step, port=port, code=code, **shown)

@@ -91,6 +91,7 @@ class State(OwnState):
     reason_code: str | None = Field(description="the class of that error: NoEcho…")
     since: float
     port: str | None
+    checking: bool = Field(description="a connection check has the port; line is off meanwhile")
     adapter: str
     model: TwoTexts | None
     version_code: str | None = Field(description="hex, as 0A")
@@ -119,6 +120,7 @@ _NO_LINE: Line = "off"
 _OFF = Text("not connected", "не подключено")
 _OPENING = Text("opening the port", "открываем порт")
 _STOPPED = Text("stopped", "остановлено")
+_CHECKING = Text("connection check", "проверка связи")
 
 
 def state_of(dashboard: Dashboard, client: Client) -> State:
@@ -148,7 +150,8 @@ def shared_state(dashboard: Dashboard) -> State:
     cycles = dashboard.plan.cycles(thread.acquisition.plan if thread is not None else None)
     recording = _recording(dashboard)  # not under the monitor's lock: the recorder logs files there
     with monitor.lock:
-        text, line = _OFF, _NO_LINE
+        checking = dashboard.diagnosis is not None
+        text, line = _CHECKING if checking else _OFF, _NO_LINE
         if thread is not None and thread.ended:
             text = _STOPPED
         elif thread is not None:
@@ -164,6 +167,7 @@ def shared_state(dashboard: Dashboard) -> State:
             reason_code=monitor.reason_code,
             since=monitor.since,
             port=port.url if port else None,
+            checking=checking,
             adapter=thread.adapter if thread else "",
             model=two_or_none(unit.model if unit else None),
             version_code=version_text(unit.version_code) if unit else None,

@@ -181,14 +181,14 @@ class Diagnosis(StoppablePort):
 
     def __init__(self, url: str, settings: Settings) -> None:
         super().__init__(settings.open_port)
-        self._url = url
+        self.url = url
         self._options = replace(settings.connection, journal=settings.journal, state=settings.units)
         self.task: asyncio.Task[None] | None = None
         """The task that calls `run` and gives the port back; set by its creator."""
 
     def run(self, report: Callable[[Step], None]) -> None:
         """Run the steps, calling `report` as each ends. The port is free when this returns."""
-        steps = examine(lambda: self.open(self._url), self._options.create_ecu)
+        steps = examine(lambda: self.open(self.url), self._options.create_ecu)
         try:
             for step in steps:
                 if not self.stopping.is_set():  # else the step failed by the closed link

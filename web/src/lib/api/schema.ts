@@ -270,10 +270,14 @@ export interface components {
         /** @description One line of the response. `ok` null: not known, or could be better. */
         DiagnosisStep: {
             name: string;
+            /** @description the URL that is checked */
+            port: string;
             title: components["schemas"]["TwoTexts"];
             ok: boolean | null;
             detail: components["schemas"]["TwoTexts"];
             to_try: components["schemas"]["TwoTexts"] | null;
+            /** @description the class of the error: NoEcho… */
+            code: string | null;
         };
         /** @description The first 1000 of `count`. */
         DifferencesResponse: {
@@ -880,6 +884,8 @@ export interface components {
             reason_code: string | null;
             since: number;
             port: string | null;
+            /** @description a connection check has the port; line is off meanwhile */
+            checking: boolean;
             adapter: string;
             model: components["schemas"]["TwoTexts"] | null;
             /** @description hex, as 0A */

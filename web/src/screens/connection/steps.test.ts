@@ -1,12 +1,14 @@
 import { describe, expect, it } from "vitest";
 import type { DoctorStep } from "../../lib/api/types";
-import { markSteps, verdict } from "./steps";
+import { markSteps, outcomeOf } from "./steps";
 
 describe("the connection check", () => {
   const text = { en: "", ru: "" };
   const step = (name: string, ok: boolean | null): DoctorStep => ({
     name,
     ok,
+    code: null,
+    port: "",
     title: text,
     detail: text,
     to_try: null,
@@ -40,13 +42,13 @@ describe("the connection check", () => {
       "skipped",
     ]);
   });
-  it("has a verdict", () => {
+  it("has an outcome", () => {
     const last = step("commands", true);
-    expect(verdict([step("port", true), last])).toBe("well");
-    expect(verdict([step("port", true), step("line", null), last])).toBe("works");
-    expect(verdict([step("line", null), step("ecu", false)])).toBe("broken");
+    expect(outcomeOf([step("port", true), last])).toBe("well");
+    expect(outcomeOf([step("port", true), step("line", null), last])).toBe("works");
+    expect(outcomeOf([step("line", null), step("ecu", false)])).toBe("broken");
   });
   it("is stopped without its last step", () => {
-    expect(verdict([step("port", true), step("echo", true)])).toBe("stopped");
+    expect(outcomeOf([step("port", true), step("echo", true)])).toBe("stopped");
   });
 });

@@ -4,11 +4,11 @@ import type { DoctorStep } from "../../lib/api/types";
 
 export const STEPS = ["port", "echo", "baud", "latency", "line", "ecu", "commands"] as const;
 export type StepName = (typeof STEPS)[number];
-export type Mark = "ok" | "bad" | "unsure" | "running" | "todo" | "skipped";
+export type StepMark = "ok" | "bad" | "unsure" | "running" | "todo" | "skipped";
 
 export interface MarkedStep {
   name: StepName;
-  mark: Mark;
+  mark: StepMark;
   step: DoctorStep | null;
 }
 
@@ -30,11 +30,15 @@ export function markSteps(steps: readonly DoctorStep[], running: boolean): Marke
   });
 }
 
-export type Verdict = "well" | "works" | "broken" | "stopped";
+/** Whether the check came to its end without a failed step. */
+export const passed = (steps: readonly DoctorStep[]): boolean =>
+  steps.at(-1)?.name === STEPS.at(-1) && steps.every((step) => step.ok !== false);
 
-/** The verdict of a finished check. Without a failure and without its last step it was stopped. */
-export function verdict(steps: readonly DoctorStep[]): Verdict {
+export type Outcome = "well" | "works" | "broken" | "stopped";
+
+/** The outcome of a finished check. Without a failure and without its last step it was stopped. */
+export function outcomeOf(steps: readonly DoctorStep[]): Outcome {
   if (steps.some((step) => step.ok === false)) return "broken";
-  if (steps.at(-1)?.name !== STEPS.at(-1)) return "stopped";
+  if (!passed(steps)) return "stopped";
   return steps.every((step) => step.ok) ? "well" : "works";
 }

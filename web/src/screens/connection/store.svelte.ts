@@ -21,9 +21,17 @@ class ConnectionStore {
 
   steps = $state.raw<DoctorStep[]>([]);
   examining = $state(false);
+  /** The port that a check was requested of; null: left to the program. */
   examined = $state<string | null>(null);
+  /** When the check began, in seconds of this computer. */
+  checkedAt = $state(0);
   error = $state.raw<ApiError | null>(null);
   readonly stopping = new ApiRequest<State>();
+
+  /** The port that is or was checked, as the program says. */
+  get checkedPort(): string | null {
+    return this.steps[0]?.port ?? this.examined;
+  }
 
   async scan(): Promise<void> {
     await this.ports.run(async () => (await api.ports()).ports);
@@ -73,12 +81,15 @@ class ConnectionStore {
     this.stopping.reset();
     this.examining = true;
     this.examined = port;
+    this.checkedAt = Date.now() / 1000;
     try {
       await api.doctor(port, (step) => (this.steps = [...this.steps, step]));
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
       this.error = error;
     } finally {
+      // Else the last message would still say that the check has the port.
+      live.state = await api.state().catch(() => live.state);
       this.examining = false;
     }
   }
