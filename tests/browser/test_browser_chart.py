@@ -88,6 +88,7 @@ def test_the_legend_shows_the_values_at_the_cursor(own, visitor):
     expect(tab.traced("INJ")).to_have_text("8.00")
     tab.page.keyboard.press("m")
     expect(tab.find(".flags button.marker")).to_have_count(1)
+    tab.page.keyboard.press("Escape")  # no name
     marked = own.state()["samples"]
     own.until(lambda: own.state()["samples"] > marked + 5)
     own.garage.set("INJ", "F4 01")

@@ -183,3 +183,44 @@ def test_on_a_phone_the_chart_has_the_room(stored, visitor, width, height):
     assert tab.page.evaluate("document.documentElement.scrollWidth") <= width
     player.get_by_role("button", name="More player controls").click()
     expect(player.get_by_role("button", name="Close the recording")).to_be_visible()
+
+
+def test_a_marker_is_named_at_once_and_another_time(own, visitor):
+    """It has the moment of the key, whatever the name takes; the recording has the name, too."""
+    tab = visitor(own.url).show("chart")
+    expect(tab.traced("TWAT")).to_have_text("87")
+    tab.page.keyboard.press("r")
+    tab.is_line("recording")
+    own.until(lambda: own.state()["recording"]["samples"] > 5)
+    file = own.state()["recording"]["file"]
+    tab.page.keyboard.press("m")
+    field = tab.page.get_by_role("textbox", name="Its name")
+    expect(field).to_be_focused()
+    began = own.state()["samples"]
+    own.until(lambda: own.state()["samples"] > began + 10)
+    tab.page.keyboard.type("rattle")
+    tab.page.keyboard.press("Enter")
+    expect(field).to_have_count(0)
+    expect(tab.find(".flags button.marker")).to_contain_text("rattle")
+    (mark,) = [it for it in own.get("/history")["events"] if it["kind"] == "marker"]
+    assert mark["label"] == "rattle"
+    tab.page.keyboard.press("r")
+    tab.is_line("sampling")
+    detail = own.get(f"/recordings/{file}")
+    assert [it for it in detail["events"] if it["kind"] == "marker"] == [mark]
+
+
+def test_markers_of_a_recording_are_found_and_named(stored, visitor):
+    tab = opened(stored, visitor)
+    tab.page.keyboard.press("n")
+    tab.until("() => document.querySelector('[role=slider]').ariaValueNow > 25")
+    assert 28 <= position(tab) <= 32
+    tab.find(".top").get_by_role("button", name="Markers…").click()
+    sheet = tab.page.get_by_role("dialog")
+    sheet.get_by_role("textbox").fill("valve sticks")
+    sheet.get_by_role("textbox").press("Enter")
+    expect(tab.find(".flags button.marker")).to_contain_text("valve sticks")
+    sheet.get_by_role("button", name="Close").click()
+    tab.page.reload()
+    events = stored.get("/recordings/trip.pcapng")["events"]
+    assert [it["label"] for it in events if it["kind"] == "marker"] == ["valve sticks"]

@@ -45,6 +45,8 @@ def test_r_records_m_marks_r_ends(own, visitor):
     own.until(lambda: own.state()["recording"]["samples"] > 5)
     tab.page.keyboard.press("m")
     own.until(lambda: any(it["kind"] == "marker" for it in own.get("/history")["events"]))
+    expect(tab.page.get_by_role("textbox", name="Its name")).to_be_focused()
+    tab.page.keyboard.press("Escape")
     tab.page.keyboard.press("r")
     tab.is_line("sampling")
     made = own.get("/recordings")["recordings"]

@@ -79,6 +79,7 @@ export const api = {
   startRecording: (name: string | null = null) => post<Api.State>("/recording/start", { name }),
   stopRecording: () => post<Api.State>("/recording/stop"),
   marker: (label: string) => post<Api.Marker>("/recording/marker", { label }),
+  nameMarker: (time: number, label: string) => put<Api.Marker>("/recording/marker", { time, label }),
   note: (text: string) => post<unknown>("/recording/note", { text }),
   recordings: () => get<Api.Recordings>("/recordings"),
   recording: (id: string) => get<Api.RecordingDetail>(`/recordings/${part(id)}`),
@@ -87,6 +88,7 @@ export const api = {
     query: { from: number | null; to: number | null; points: number; names?: string[] },
     signal?: AbortSignal,
   ) => get<Api.RecordingRows>(`/recordings/${part(id)}/rows`, query, signal),
+  nameRecordedMarker: (id: string, time: number, label: string) => put<Api.Marker>(`/recordings/${part(id)}/marker`, { time, label }),
   noteRecording: (id: string, text: string) => put<unknown>(`/recordings/${part(id)}/note`, { text }),
   recordingFile: (id: string) => address(`/recordings/${part(id)}/file`),
   exportFile: (id: string, format: Api.ExportFormat, names?: string[]) =>

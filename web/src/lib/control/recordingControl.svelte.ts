@@ -2,6 +2,7 @@
 import { api } from "../api/api";
 import { dictionary } from "../i18n";
 import { catalog } from "../api/catalog.svelte";
+import { naming } from "./markers.svelte";
 import { live } from "../live/live.svelte";
 import { supportedNames, subscriptions } from "./subscriptions.svelte";
 import { attempt, toasts } from "../view/toasts.svelte";
@@ -16,14 +17,12 @@ const t = dictionary({
   allValues: { en: "Record all values", ru: "Записывать всё" },
   everythingNow: { en: "All values are recorded now", ru: "Теперь записываются все величины" },
   stopped: { en: "Recording saved: {file}", ru: "Запись сохранена: {file}" },
-  marked: { en: "Marker set", ru: "Отметка поставлена" },
   lost: { en: "Nothing can be recorded: the program does not answer", ru: "Записать нельзя: программа не отвечает" },
   view: { en: "This page may only view; recordings are started at the computer with the cable", ru: "Здесь доступен только просмотр; запись включают на компьютере с кабелем" },
   off: { en: "Connect first: there is nothing to record yet", ru: "Сначала подключитесь: записывать пока нечего" },
   "no-port": { en: "Nothing to record: the port is not open", ru: "Записывать нечего: порт не открыт" },
   "no-echo": { en: "Nothing to record: no response, not even an echo", ru: "Записывать нечего: нет ответа, даже эха" },
   "echo-only": { en: "Nothing to record: the ECU does not answer", ru: "Записывать нечего: блок не отвечает" },
-  unrecorded: { en: "Marker set on the chart; no recording is running", ru: "Отметка поставлена на графике; запись не идёт" },
 });
 
 /** Code of the toast that a recording has started; the toast is dismissed when the recording ends. */
@@ -81,9 +80,11 @@ class RecordingControl {
     if (await subscriptions.subscribeAll()) toasts.success(() => t("everythingNow"));
   }
 
-  async mark(label = ""): Promise<void> {
+  /** Mark this moment; its name can follow. */
+  async mark(): Promise<void> {
     const recorded = live.state?.recording != null;
-    if (await attempt(() => api.marker(label))) toasts.success(() => t(recorded ? "marked" : "unrecorded"));
+    const made = await attempt(() => api.marker(""));
+    if (made) naming.marker = { time: made.time, recorded };
   }
 }
 

@@ -4,6 +4,7 @@ import type { LineEvent } from "../api/types";
 
 const reason = { en: "no answer", ru: "нет ответа" };
 const gap = (began: number, ended: number | null): LineEvent => ({ kind: "gap", time: ended ?? began, began, ended, reason });
+const dropped = (time: number): LineEvent => ({ kind: "dropped", time, name: "X" });
 const marker = (time: number): LineEvent => ({ kind: "marker", time, label: "" });
 
 /** The events after these batches were added. */
@@ -21,6 +22,11 @@ describe("EventLog", () => {
   it("replaces an open gap by the ended one, never the reverse", () => {
     expect(added([gap(2, null)], [marker(3)], [gap(2, 4)])).toEqual([gap(2, 4), marker(3)]);
     expect(added([gap(2, null)], [gap(2, 4)], [gap(2, null)])).toEqual([gap(2, 4)]);
+  });
+
+  it("gives a marker another name", () => {
+    const named: LineEvent = { kind: "marker", time: 2, label: "knock" };
+    expect(added([marker(2), marker(3)], [named])).toEqual([named, marker(3)]);
   });
 
   it("returns a new list and leaves the previous one unchanged", () => {
@@ -42,7 +48,7 @@ describe("EventLog", () => {
     log.add(Array.from({ length: 1500 }, (_, time) => marker(time)));
     const stringify = vi.spyOn(JSON, "stringify");
     const sort = vi.spyOn(Array.prototype, "sort");
-    log.add([marker(1500)]);
+    log.add([dropped(1500)]);
     expect([stringify.mock.calls.length, sort.mock.calls.length]).toEqual([1, 0]);
     vi.restoreAllMocks();
   });

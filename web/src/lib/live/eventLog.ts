@@ -13,7 +13,10 @@ export class EventLog {
     this.events = [];
   }
 
-  /** Add events and return all. A gap is reported when it begins and again when it has ended; the second report replaces the first. */
+  /**
+   * Add events and return all. A gap is reported when it begins and again when it has ended, a marker again with another name; the second
+   * report replaces the first.
+   */
   add(added: readonly LineEvent[]): readonly LineEvent[] {
     const events = [...this.events];
     let unordered = false;
@@ -21,7 +24,7 @@ export class EventLog {
       const key = keyOf(event);
       const before = this.byKey.get(key);
       if (before) {
-        if (event.kind !== "gap" || before.kind !== "gap" || before.ended !== null) continue;
+        if (!replaces(event, before)) continue;
         events[events.lastIndexOf(before)] = event;
       } else {
         const last = events.at(-1);
@@ -36,6 +39,14 @@ export class EventLog {
   }
 }
 
-const keyOf = (event: LineEvent): string => (event.kind === "gap" ? `gap ${event.began}` : JSON.stringify(event));
+function keyOf(event: LineEvent): string {
+  if (event.kind === "gap") return `gap ${event.began}`;
+  return event.kind === "marker" ? `marker ${event.time}` : JSON.stringify(event);
+}
+
+function replaces(event: LineEvent, before: LineEvent): boolean {
+  if (event.kind === "marker" && before.kind === "marker") return event.label !== before.label;
+  return event.kind === "gap" && before.kind === "gap" && before.ended === null;
+}
 
 const startOf = (event: LineEvent): number => (event.kind === "gap" ? event.began : event.time);

@@ -37,6 +37,15 @@ export class RecordingData {
     return this.detail?.events ?? [];
   }
 
+  /** A marker of the recording `id` has another name. */
+  renamed(id: string, time: number, label: string): void {
+    if (this.detail?.id !== id) return;
+    const events = this.detail.events.map((event) => (event.kind === "marker" && event.time === time ? { ...event, label } : event));
+    this.detail = { ...this.detail, events };
+    this.tick += 1;
+    frameClock.request();
+  }
+
   /** Minimum and maximum over the whole recording; undefined if it has no such channel. */
   extremes(name: string): Extremes | undefined {
     if (this.foundAt !== this.tick) {

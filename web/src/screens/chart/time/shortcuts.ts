@@ -2,6 +2,7 @@
 import { comparison } from "../../../lib/recording/comparison.svelte";
 import { cursors } from "../../../lib/view/cursors.svelte";
 import type { Binding } from "../../../lib/view/shortcuts.svelte";
+import { markersOf, nextMark } from "../../../lib/control/markers.svelte";
 import { player } from "../../../lib/recording/player.svelte";
 import { display } from "../../../lib/view/source.svelte";
 import { nextGap } from "./data/flags";
@@ -42,6 +43,17 @@ function toGap(step: 1 | -1): void {
   cursors.a = within;
 }
 
+/** Go to a moment: the window, the cursor and the player. */
+export function goTo(time: number): void {
+  view.bring(time);
+  choose(time);
+}
+
+export function toMarker(step: 1 | -1): void {
+  const mark = nextMark(markersOf(display.source.events), moment(cursors.a) ?? view.window()[step > 0 ? 0 : 1], step);
+  if (mark) goTo(mark.time);
+}
+
 function escape(): void {
   if (comparison.aligning) comparison.toggleAligning();
   else cursors.a = null;
@@ -61,6 +73,8 @@ export const bindings: Binding[] = [
   { code: "KeyC", show: "C", text: () => t("second"), run: () => view.toggleSecond() },
   { code: "KeyG", show: "G", text: () => t("nextGap"), run: () => toGap(1) },
   { code: "KeyG", shift: true, show: "⇧G", text: () => t("nextGap"), run: () => toGap(-1) },
+  { code: "KeyN", show: "N", text: () => t("nextMarker"), run: () => toMarker(1) },
+  { code: "KeyN", shift: true, show: "⇧N", text: () => t("previousMarker"), run: () => toMarker(-1) },
   { code: "Digit0", show: "0", text: () => t("fit"), run: fit },
   { code: "Equal", show: "+", text: () => t("closer"), run: () => view.zoom(0.7, middle()) },
   { code: "Minus", show: "−", text: () => t("farther"), run: () => view.zoom(1 / 0.7, middle()) },

@@ -1,0 +1,36 @@
+// Markers: the one that was just set and can be named at once, and names given later, of live data and of recordings.
+import { api } from "../api/api";
+import type { LineEvent } from "../api/types";
+import { player } from "../recording/player.svelte";
+import { attempt } from "../view/toasts.svelte";
+
+export interface Mark {
+  time: number;
+  label: string;
+}
+
+/** The markers among the events, in the order of their times. */
+export function markersOf(events: readonly LineEvent[]): Mark[] {
+  return events.flatMap((event) => (event.kind === "marker" ? [{ time: event.time, label: event.label }] : [])).sort((one, other) => one.time - other.time);
+}
+
+/** The next marker after a time, or the previous one; wraps around at the ends. */
+export function nextMark(marks: readonly Mark[], time: number, step: 1 | -1): Mark | undefined {
+  if (step > 0) return marks.find((mark) => mark.time > time + 1e-3) ?? marks[0];
+  return marks.findLast((mark) => mark.time < time - 1e-3) ?? marks.at(-1);
+}
+
+class Naming {
+  /** The marker that was just set; null: none, or its name has been given. */
+  marker = $state.raw<{ time: number; recorded: boolean } | null>(null);
+
+  /** Give a marker of live data, or of the recording `id`, another name. Returns whether that succeeded. */
+  async name(time: number, label: string, id: string | null): Promise<boolean> {
+    if (id === null) return (await attempt(() => api.nameMarker(time, label))) !== undefined;
+    if ((await attempt(() => api.nameRecordedMarker(id, time, label))) === undefined) return false;
+    player.renamed(id, time, label);
+    return true;
+  }
+}
+
+export const naming = new Naming();
