@@ -53,6 +53,8 @@ class Subscriptions {
   private async update(chosen: boolean): Promise<void> {
     const state = live.state;
     if (!state || live.link !== "open" || !control.allowed || this.names.length === 0) return;
+    // A channel was added or deleted just now: the page's catalog or its state is not the present one yet.
+    if (catalog.loaded?.version !== state.catalog) return;
     if (!chosen && !control.mine && (state.viewers > 1 || state.line === "off")) return;
     const { names } = this;
     const wanted = planWith(names, state);

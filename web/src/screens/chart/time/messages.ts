@@ -32,6 +32,7 @@ export const t = dictionary({
   empty: { en: "No traces", ru: "Линий нет" },
   emptyHint: { en: "Choose the values to draw.", ru: "Выберите величины для графика." },
   choose: { en: "Choose traces", ru: "Выбрать линии" },
+  card: { en: "About {name}", ru: "Подробно: {name}" },
   sheet: { en: "Traces", ru: "Линии" },
   pane: { en: "Pane {n}", ru: "Панель {n}" },
   addTo: { en: "Add to this pane…", ru: "Добавить сюда…" },

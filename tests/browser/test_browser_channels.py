@@ -1,0 +1,120 @@
+"""A channel's card, opened by one touch; and channels of one's own, made in the page."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+
+from playwright.sync_api import expect
+
+AXE = Path(find_spec("axe_playwright_python").origin).parent / "axe.min.js"
+
+
+def serious(tab) -> list[str]:
+    """What axe has against the page as it is."""
+    tab.page.evaluate(AXE.read_text("utf-8"))
+    found = tab.page.evaluate("() => axe.run(document, {resultTypes: ['violations']})")
+    return [each["id"] for each in found["violations"] if each["impact"] in ("serious", "critical")]
+
+
+def sheet(tab):
+    return tab.page.get_by_role("dialog")
+
+
+def field(tab, label):
+    return sheet(tab).get_by_label(label)
+
+
+def test_a_value_leads_to_its_card_and_limits_are_kept(own, visitor):
+    own.samples()
+    own.nobody_controls()
+    tab = visitor(own.url).show("faults")
+    opener = tab.find(".reading", has_text="Intake air temperature").first
+    opener.focus()
+    tab.page.keyboard.press("Enter")
+    card = sheet(tab)
+    expect(card.locator("[data-raw]")).to_contain_text("3C, that is 20 °C")
+    expect(card.locator("li.stored")).to_contain_text("17")
+    expect(card.get_by_text("b − 40")).to_be_visible()
+    assert serious(tab) == []
+
+    # A limit of one's own alarms at once, and is in the file that all commands read.
+    field(tab, "Warning above").fill("15,5")
+    field(tab, "Gauge from").fill("-20")
+    card.get_by_role("button", name="Save").click()
+    expect(card.locator(".beyond")).to_have_text("Above the limit 15.5 °C: warning")
+    file = own.dashboard.catalogs.own.path
+    assert "warning_high = 15.5" in file.read_text("utf-8")
+    assert "gauge = [-20, 100]" in file.read_text("utf-8")
+    field(tab, "Danger above").fill("a lot")
+    card.get_by_role("button", name="Save").click()
+    expect(card.get_by_role("alert")).to_contain_text("“a lot” is not a number")
+    field(tab, "Danger above").fill("3")
+    card.get_by_role("button", name="Save").click()
+    tab.refused = True
+    expect(tab.page.locator("body")).to_contain_text("must be above")
+    card.get_by_role("button", name="As shipped").click()
+    expect(card.locator(".beyond")).to_have_count(0)
+    expect(field(tab, "Warning above")).to_have_value("")
+    tab.page.keyboard.press("Escape")
+    expect(card).to_have_count(0)
+    expect(opener).to_be_focused()
+
+
+def test_a_channel_of_ones_own(own, visitor):
+    own.samples()
+    own.nobody_controls()
+    tab = visitor(own.url).show("chart")
+    tab.press("Traces…")
+    sheet(tab).get_by_role("button", name="Add").first.click()
+    sheet(tab).get_by_role("button", name="New channel…").click()
+    editor = tab.page.get_by_role("dialog", name="New channel")
+    editor.get_by_label("Name for people").fill("Double voltage")
+    editor.get_by_label("Short name").fill("twice")
+    formula = editor.get_by_role("combobox", name="Formula")
+    formula.press_sequentially("2 * uac")
+    expect(editor.get_by_role("option").first).to_contain_text("UACC")
+    formula.press("Enter")
+    expect(formula).to_have_value("2 * UACC")
+    trial = editor.locator("[data-trial]")
+    expect(trial).to_contain_text("27.6")
+    formula.press_sequentially(" + k % 3")
+    expect(editor.locator("mark")).to_have_text("2 * UACC + k % 3"[len("2 * UACC + ") :])
+    save = editor.get_by_role("button", name="Save")
+    expect(save).to_be_disabled()
+    formula.fill("2 * UACC + k")
+    expect(editor.get_by_text("names K, which does not exist")).to_be_visible()
+    editor.get_by_text("Constants").click()
+    editor.get_by_role("button", name="Add a constant").click()
+    editor.get_by_label("Name of the constant").fill("k")
+    editor.get_by_label("Its value").fill("0,4")
+    expect(trial).to_contain_text("28.0")
+    editor.get_by_label("Unit").fill("V")
+    assert serious(tab) == []
+    save.click()
+    expect(editor).to_have_count(0)
+    if sheet(tab).count():
+        tab.page.keyboard.press("Escape")
+    expect(tab.traced("TWICE")).to_have_text("28.0")
+    text = own.dashboard.catalogs.own.path.read_text("utf-8")
+    assert "[derived.TWICE]" in text
+    assert 'unit = "V"' in text
+
+    # Its card edits it.
+    tab.button("About Double voltage").click()
+    expect(sheet(tab).get_by_text("2 * UACC + k")).to_be_visible()
+    sheet(tab).get_by_role("button", name="Edit the channel…").click()
+    editor = tab.page.get_by_role("dialog", name="Channel TWICE")
+    editor.get_by_role("combobox", name="Formula").fill("10 * UACC")
+    expect(editor.locator("[data-trial]")).to_contain_text("138.0")
+    editor.get_by_role("button", name="Save").click()
+    expect(editor).to_have_count(0)
+    tab.page.keyboard.press("Escape")
+    expect(tab.traced("TWICE")).to_have_text("138.0")
+    tab.button("About Double voltage").click()
+    sheet(tab).get_by_role("button", name="Edit the channel…").click()
+    editor = tab.page.get_by_role("dialog", name="Channel TWICE")
+    editor.get_by_role("button", name="Delete").click()
+    editor.get_by_role("button", name="Delete it").click()
+    expect(editor).to_have_count(0)
+    own.until(lambda: "TWICE" not in [it["name"] for it in own.state()["plan"]["wanted"]])
