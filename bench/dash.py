@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import gzip
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 from statistics import median, quantiles
+from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -21,11 +22,12 @@ from bench.dash_rig import (
     cpu_seconds,
     program,
 )
+from bench.recorded import recorded
 from bench.rows import Row, Scope, Theme
 from mikas.dashboard.page import FOLDER
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, CDPSession
+    from playwright.sync_api import Browser, CDPSession, Page
 
 _METHOD = """\
 `mikas dash` is a process of its own; the unit is on a pty paced at 9600 baud; the page, in Chromium
@@ -65,12 +67,35 @@ const look = () => {
 requestAnimationFrame(look);"""
 
 
+_FRAMES = """\
+the time from one frame to the next while {hours:g} h of a recording ({rows} readings) are
+shown as {view}: the cloud is zoomed and coloured by another channel, the table has other values and
+statistics; each change counts all readings again. In Chromium without a graphics card."""
+# Kept by the page: ms between frames.
+_FRAME_WATCH = """
+() => {
+  const frames = (window.frameTimes = []);
+  let before = performance.now();
+  const look = (now) => {
+    frames.push(now - before);
+    before = now;
+    window.frameWatch = requestAnimationFrame(look);
+  };
+  window.frameWatch = requestAnimationFrame(look);
+}"""
+
+
 def run(scope: Scope) -> Iterator[Theme]:
     rows = [_size()]
     if chromium() is not None and Path("/proc/self/stat").exists():
         with counting_unit() as unit, program(unit.url) as served, browser() as it:
             rows += _opened(it, served, scope.of(11, 3))
             rows += _long(it, served, unit, scope)
+        with TemporaryDirectory() as folder, counting_unit() as unit:
+            hours = scope.of(60, 6) / 60
+            recorded(Path(folder) / "hour.pcapng", hours)
+            with program(unit.url, Path(folder)) as served, browser() as it:
+                rows += _frames(it, served, hours)
     yield Theme("The dashboard", _METHOD.format(rate=RATE), rows)
 
 
@@ -145,6 +170,65 @@ def _long(it: Browser, served: Program, unit: CountingUnit, scope: Scope) -> lis
             how=_HEAP.format(first=settle, last=seconds),
         ),
     ]  # fmt: skip
+
+
+def _frames(it: Browser, served: Program, hours: float) -> list[Row]:
+    """Frame times of the scatter plot and of the table over a recording."""
+    context = it.new_context(viewport={"width": 1366, "height": 768}, locale="en-GB")
+    page = context.new_page()
+    page.set_default_timeout(120_000)
+    page.goto(f"{served.url}#/recordings")
+    page.get_by_role("button", name="Open").click()
+    page.wait_for_selector("aside .player, aside")
+    page.evaluate("() => { location.hash = '/chart/scatter' }")
+    page.wait_for_selector("[data-points]")
+    count = int(page.get_attribute("[data-points]", "data-points") or 0)
+    times = {"scatter": _watched(page, _zoom_and_colour)}
+    page.evaluate("() => { location.hash = '/chart/table' }")
+    page.wait_for_selector("[data-cell]")
+    times["table"] = _watched(page, _other_values)
+    context.close()
+    rows = []
+    for view, frames in times.items():
+        aside = (
+            f"{len(frames)} frames, median {median(frames):.0f} ms, the slowest {max(frames):.0f}"
+        )
+        how = _FRAMES.format(hours=hours, rows=count, view=view)
+        p95 = quantiles(frames, n=20)[18]
+        rows.append(
+            Row(f"frames of the {view}, p95", [p95], "ms", 0, at_most=33, aside=aside, how=how)
+        )
+    return rows
+
+
+def _watched(page: Page, act: Callable[[Page], None]) -> list[float]:
+    page.evaluate(_FRAME_WATCH)
+    act(page)
+    frames: list[float] = page.evaluate(
+        "() => { cancelAnimationFrame(window.frameWatch); return window.frameTimes; }"
+    )
+    return frames[1:]
+
+
+def _zoom_and_colour(page: Page) -> None:
+    box = page.locator("[data-points]").bounding_box()
+    assert box is not None
+    for step in range(20):
+        page.mouse.move(box["x"] + 200 + 10 * step, box["y"] + 150)
+        page.mouse.wheel(0, -100 if step < 10 else 100)
+        page.wait_for_timeout(150)
+    for name in ("TWAT", "", "INJ", "UOZ"):
+        page.get_by_label("Colour", exact=True).select_option(name)
+        page.wait_for_timeout(700)
+
+
+def _other_values(page: Page) -> None:
+    for name in ("INJ", "TWAT", "JAIR", "UACC"):
+        page.get_by_label("Value", exact=True).select_option(name)
+        page.wait_for_timeout(700)
+        for statistic in ("count", "max", "deviation", "mean"):
+            page.get_by_label("Statistic").select_option(statistic)
+            page.wait_for_timeout(150)
 
 
 def _heap(tools: CDPSession) -> tuple[float, float]:

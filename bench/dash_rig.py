@@ -111,13 +111,14 @@ class Program:
 
 
 @contextmanager
-def program(port: str) -> Iterator[Program]:
+def program(port: str, recordings: Path | None = None) -> Iterator[Program]:
+    """`recordings`: the folder of recordings; a new one by default."""
     import httpx
 
     with TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "mikas", "--port", port, "dash", "--no-browser", "--json"]
         with subprocess.Popen(
-            [*command, "--record", folder],
+            [*command, "--record", str(recordings or folder)],
             env=os.environ | {"XDG_STATE_HOME": folder},
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

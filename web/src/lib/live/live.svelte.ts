@@ -34,6 +34,8 @@ class LiveLine {
   dropped = $state(0);
 
   readonly columns = new Columns(1 << 18, KEPT_SECONDS);
+  /** Rows up to this time may hold only minima and maxima, which are no readings: they can be drawn, not counted. */
+  decimatedUntil = $state(-Infinity);
   readonly latest = new Map<string, Latest>();
   /** Minimum and maximum of each channel since `resetExtremes`, history included. */
   readonly extremes = new Map<string, { min: number; max: number }>();
@@ -112,6 +114,7 @@ class LiveLine {
     // Rows far before the last one: a new connection with another clock. The data held no longer fits.
     if ((rows.times[rows.times.length - 1] ?? Infinity) < this.columns.last - FULL_DETAIL) {
       this.columns.clear();
+      this.decimatedUntil = -Infinity;
       this.latest.clear();
       this.eventLog.clear();
       this.events = [];
@@ -172,7 +175,10 @@ class LiveLine {
     this.pending = [];
     const away = this.columns.length > 0 ? Math.max(1, this.now() - this.columns.last) : seconds;
     try {
-      if (away > FULL_DETAIL) await this.loadPart(Math.min(away, KEPT_SECONDS), 4000, FULL_DETAIL);
+      if (away > FULL_DETAIL) {
+        await this.loadPart(Math.min(away, KEPT_SECONDS), 4000, FULL_DETAIL);
+        if (this.columns.length > 0) this.decimatedUntil = this.columns.last;
+      }
       await this.loadPart(Math.min(away + 1, FULL_DETAIL), 20_000, 0);
     } catch {
       // Without its history the chart starts here.

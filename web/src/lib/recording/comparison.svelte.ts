@@ -13,6 +13,8 @@ class Comparison extends RecordingData {
   private zero = $state(0);
 
   readonly active = $derived(this.detail !== null);
+  /** The second recording's name for a person. */
+  readonly title = $derived(this.detail?.id ?? "");
   readonly lag = $derived(this.zero - this.first + this.offset);
 
   /** Load a recording to compare with the one that starts at `zero`. Throws `ApiError`. */

@@ -1,6 +1,7 @@
 // The view of the chart: panes with their traces (stored in this browser), time window, value zoom, stacking. It outlives the screen.
 import { comparison } from "../../../lib/recording/comparison.svelte";
 import { cursors } from "../../../lib/view/cursors.svelte";
+import { moments } from "../../../lib/view/moments.svelte";
 import { loadSetting, saveSetting } from "../../../lib/platform/storage";
 import { display } from "../../../lib/view/source.svelte";
 import { around, SHORTEST, within, zoomed, type Window } from "./window";
@@ -122,6 +123,7 @@ class View {
     const first = this.of === null;
     this.of = of;
     cursors.a = cursors.b = null;
+    moments.clear();
     this.fit();
     if (of !== "live") this.showAll();
     else if (!first) {

@@ -1,0 +1,74 @@
+// Moments found somewhere (a cell of a table, points of a cloud), marked in the time chart; one of them is the current one. They belong to the
+// source in which they were found.
+import type { Stretch } from "../pairs/stretches";
+import { cursors } from "./cursors.svelte";
+
+class Moments {
+  /** What was looked for, as it is shown. */
+  title = $state("");
+  list = $state.raw<readonly Stretch[]>([]);
+  /** The view of the chart in which they were found. */
+  origin = $state<"scatter" | "table" | null>(null);
+  /** The current one's number; −1: none yet. */
+  at = $state(-1);
+
+  get current(): Stretch | undefined {
+    return this.list[this.at];
+  }
+
+  /** Mark these, in the order of time; the first one becomes the current one. */
+  mark(title: string, list: readonly Stretch[], origin: typeof this.origin = null): void {
+    this.title = title;
+    this.origin = origin;
+    this.list = list;
+    this.go(list.length > 0 ? 0 : -1);
+  }
+
+  clear(): void {
+    this.title = "";
+    this.list = [];
+    this.origin = null;
+    this.at = -1;
+  }
+
+  next(): void {
+    if (this.list.length > 0) this.go((this.at + 1) % this.list.length);
+  }
+
+  previous(): void {
+    if (this.list.length > 0) this.go((this.at - 1 + this.list.length) % this.list.length);
+  }
+
+  /** The cursor goes along, unless both cursors hold a selection. */
+  private go(at: number): void {
+    this.at = at;
+    const { current } = this;
+    if (current && cursors.b === null) cursors.a = current.from;
+  }
+}
+
+export const moments = new Moments();
+
+/** The moments from `from` to `to`, neighbours closer than `least` seconds joined, so that there are never more bands than pixels. */
+export function bandsOf(list: readonly Stretch[], from: number, to: number, least: number): Stretch[] {
+  const bands: Stretch[] = [];
+  for (let at = firstEndingAt(list, from); at < list.length && list[at]!.from <= to; at += 1) {
+    const one = list[at]!;
+    const last = bands[bands.length - 1];
+    if (last && one.from - last.to < least) last.to = one.to;
+    else bands.push({ ...one });
+  }
+  return bands;
+}
+
+/** The first moment that ends at `time` or later. */
+function firstEndingAt(list: readonly Stretch[], time: number): number {
+  let low = 0;
+  let high = list.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (list[middle]!.to < time) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}

@@ -1,0 +1,73 @@
+// Pairs of the rows of a source, found in slices of a frame and handed to a consumer (the cells of a table, a cloud) as they come.
+import { Pairs, type PairPlan } from "../../../lib/pairs/pairs";
+import { Slices } from "../../../lib/platform/slices";
+import { gapsOf, type Data } from "./data.svelte";
+
+/** Rows, or pairs, of one step. */
+const PORTION = 4096;
+
+export interface Consumer {
+  take(pairs: Pairs, most: number): boolean;
+}
+
+export class Paired {
+  pairs: Pairs | null = null;
+  /** Counts slices that changed something. */
+  tick = $state(0);
+  /** The share of the rows that has been read. */
+  share = $state(0);
+  finished = $state(false);
+  /** Makes the consumer for new pairs. */
+  private consumer: Consumer | null = null;
+  private data: Data | null = null;
+  private key = "";
+  private readonly slices = new Slices(
+    () => this.step(),
+    (finished) => this.shown(finished),
+  );
+
+  /** Pair these rows; another plan or other rows start from the beginning. Returns whether they did. */
+  begin(plan: Omit<PairPlan, "span">, data: Data | null): boolean {
+    const usable = data && !data.problem ? data : null;
+    const key = JSON.stringify([plan, usable?.span, usable !== null]);
+    const same = key === this.key && usable?.columns === this.data?.columns;
+    this.key = key;
+    this.data = usable;
+    if (same && !(usable && this.pairs?.isOutdated(usable.columns))) {
+      if (usable?.grows) this.slices.request();
+      return false;
+    }
+    this.slices.stop();
+    this.pairs = usable ? new Pairs({ ...plan, span: usable.span }) : null;
+    this.consumer = null;
+    this.share = 0;
+    this.finished = false;
+    this.tick += 1;
+    if (usable) this.slices.request();
+    return true;
+  }
+
+  /** Hand the pairs to this consumer, from the first one on. */
+  feed(consumer: Consumer): void {
+    this.consumer = consumer;
+    if (this.pairs) this.slices.request();
+  }
+
+  end(): void {
+    this.slices.stop();
+    this.key = "";
+  }
+
+  private step(): boolean {
+    const { pairs, data } = this;
+    if (!pairs || !data) return false;
+    const more = pairs.read(data.columns, gapsOf(data.events), PORTION);
+    return (this.consumer?.take(pairs, PORTION) ?? false) || more;
+  }
+
+  private shown(finished: boolean): void {
+    if (this.data && this.pairs) this.share = this.pairs.share(this.data.columns);
+    this.finished = finished;
+    this.tick += 1;
+  }
+}
