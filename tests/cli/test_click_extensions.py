@@ -76,7 +76,7 @@ def test_the_contract_s_commands_are_all_there():
     assert {
         "ports", "doctor", "info", "params", "read", "scan", "watch", "log", "faults", "write",
         "list set", "list read", "mem read", "mem write", "mem dump", "mem verify", "mem diff",
-        "mem restore", "mem goto", "raw", "decode", "export", "find", "sim", "dash", "demo",
+        "mem restore", "mem goto", "raw", "decode", "export", "find", "test", "sim", "dash", "demo",
     } <= paths  # fmt: skip
 
 

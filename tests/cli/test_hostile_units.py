@@ -66,6 +66,7 @@ CASES = {
     "mem verify": Case("mem verify ram ram.bin"),
     "mem goto": changing("mem goto 1000", 0x41, confirmed="--yes --i-know-what-this-does"),
     "raw": Case("raw 0129"),
+    "test": Case("test sensors --duration 1"),
     "report": Case("report -o report.html --duration 1"),
 }
 WITHOUT_A_UNIT = {"ports", "params", "decode", "export", "find", "sim", "demo", "mem diff"}

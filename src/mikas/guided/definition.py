@@ -149,11 +149,6 @@ class GuidedTest:
     channels: tuple[str, ...]
     own: bool = False
 
-    @property
-    def by_hand(self) -> bool:
-        """Whether a step can't be found in a recording."""
-        return any(step.by_hand for step in self.steps)
-
 
 def parameters_of(catalog: Catalog, names: Iterator[str] | tuple[str, ...]) -> tuple[str, ...]:
     """Return the parameters that channels need, derived ones by their inputs, each once."""

@@ -7,7 +7,7 @@ skipped. A step never fails by itself: after its timeout its advice is shown and
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from math import isfinite
@@ -96,6 +96,11 @@ class TestEngine:
         """End the present step without its measures; before the first step nothing happens."""
         if self._step is not None and self._time is not None and self.result is None:
             self._leave(self._time, skipped=True)
+
+    def skip_all(self, names: Collection[str]) -> None:
+        """Skip the present step, and those after it, while they are among `names`."""
+        while self._step is not None and self.result is None and self._step.step.name in names:
+            self.skip()
 
     def progress(self, now: float | None = None) -> Progress:
         """Return the state; `now`: the link's time, by default that of the last row."""

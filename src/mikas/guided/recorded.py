@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from math import isfinite
 from typing import TYPE_CHECKING, Final
 
@@ -24,12 +24,15 @@ def results_of(notes: Iterable[Note]) -> tuple[TestResult, ...]:
     return tuple(result for result in found if result is not None)[-_MOST:]
 
 
-def run_over(test: GuidedTest, catalog: Catalog, stretches: Iterable[Rows]) -> TestResult | None:
+def run_over(
+    test: GuidedTest, catalog: Catalog, stretches: Iterable[Rows], skip: Collection[str] = ()
+) -> TestResult | None:
     """Return the first result of `test` over recorded rows; None: its steps are not found there.
 
-    A test with a step that only a person knows to be done (`by_hand`) is never found.
+    A test with a step that only a person knows to be done (`by_hand`) is never found, unless that
+    is among the steps to `skip`.
     """
-    if test.by_hand:
+    if any(step.by_hand and step.name not in skip for step in test.steps):
         return None
     engine = TestEngine(test, catalog)
     for rows in stretches:
@@ -39,6 +42,7 @@ def run_over(test: GuidedTest, catalog: Catalog, stretches: Iterable[Rows]) -> T
         for number, time in enumerate(rows.times.tolist()):
             values = {name: column[number] for name, column in columns}
             engine.take(time, {name: value for name, value in values.items() if isfinite(value)})
+            engine.skip_all(skip)
             if engine.result is not None:
                 return engine.result
     return None

@@ -65,6 +65,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "a report on the car, from a recording or measured now",
         "отчёт о машине: по записи или по измерению сейчас",
     ),
+    "test": _command(
+        "guided_test",
+        "a guided test, step by step, with a verdict",
+        "проверка по шагам, с заключением",
+    ),
     "sim": _command(
         "sim", "a virtual ECU for other programs", "виртуальный блок для других программ"
     ),

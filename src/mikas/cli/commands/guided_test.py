@@ -1,0 +1,210 @@
+"""`mikas test`: a guided test on the terminal, or over a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mikas.cli.click_extensions import command, option
+from mikas.cli.context import CommandContext
+from mikas.cli.language import localized, tr
+from mikas.cli.parameter_types import existing_file, number
+from mikas.cli.sampling_options import SamplingOptions
+from mikas.errors import usage_error
+from mikas.i18n import Text
+from mikas.options import nearest
+
+if TYPE_CHECKING:
+    from mikas.guided.definition import GuidedTest
+    from mikas.guided.engine import Progress, TestEngine
+    from mikas.guided.loading import LoadedTests
+    from mikas.guided.result import TestResult
+    from mikas.link.ahead import PortAhead
+
+
+@command(
+    "test",
+    Text(
+        "Leads through the guided test NAME step by step, and ends with a verdict, its rule, its "
+        "doubt, and what to check next; without NAME, lists the tests. Only values are read. "
+        "With --recording the test is done over FILE, if its steps are found there.",
+        "Проводит проверку NAME по шагам и заканчивает заключением: правило, сомнения, что "
+        "проверить дальше; без NAME — список проверок. Значения только читаются. С --recording "
+        "проверка идёт по записи FILE, если в ней есть нужные шаги.",
+    ),
+    examples=(
+        "mikas test",
+        "mikas test charging",
+        "mikas test idle --json",
+        "mikas test sensors --recording drive.pcapng",
+    ),
+)
+@click.argument("name", metavar="[NAME]", required=False)
+@option(
+    "--skip",
+    multiple=True,
+    metavar="STEP",
+    text=Text(
+        "skip this step (more than once for several); without its numbers nothing is good",
+        "пропустить этот шаг (можно несколько раз); без его чисел ничего не «в порядке»",
+    ),
+)
+@option(
+    "--recording",
+    type=existing_file,
+    metavar="FILE",
+    text=Text("do the test over a recording (needs no port)", "по записи (порт не нужен)"),
+)
+@option(
+    "--duration",
+    type=number(above=0),
+    metavar="S",
+    text=Text("end after S seconds without a verdict", "закончить через S секунд без заключения"),
+)
+def test(
+    context: CommandContext,
+    *,
+    name: str | None,
+    skip: tuple[str, ...],
+    recording: Path | None,
+    duration: float | None,
+) -> None:
+    from mikas.cli.config import own_tests
+    from mikas.guided.loading import load
+
+    loaded = load(context.options.catalog, own_tests())
+    for error in loaded.errors:
+        context.output.note(localized(error.reason))
+    if name is None:
+        _list(context, loaded)
+        return
+    chosen = _chosen(loaded, name, skip)
+    if recording is not None:
+        from mikas.guided.recorded import run_over
+        from mikas.recording.table.reader import TableReader
+
+        catalog = context.options.catalog
+        result = run_over(chosen, catalog, TableReader(recording, catalog).rows(), skip)
+        _show(context, chosen, result, skip)
+        return
+    with context.open_ahead() as ahead:
+        _show(context, chosen, _guide(context, chosen, ahead, skip, duration), skip)
+
+
+def _chosen(loaded: LoadedTests, name: str, skip: tuple[str, ...]) -> GuidedTest:
+    found = loaded.tests.get(name)
+    if found is None:
+        known = ", ".join(nearest(name, loaded.tests) or loaded.tests)
+        raise usage_error(
+            f"there is no test “{name}”; there is: {known}",
+            f"нет проверки «{name}»; есть: {known}",
+        )
+    steps = [step.name for step in found.steps]
+    for each in skip:
+        if each not in steps:
+            raise usage_error(
+                f"{name} has no step “{each}”; its steps: {', '.join(steps)}",
+                f"в проверке {name} нет шага «{each}»; её шаги: {', '.join(steps)}",
+            )
+    return found
+
+
+def _list(context: CommandContext, loaded: LoadedTests) -> None:
+    tests = list(loaded.tests.values())
+    if context.output.json:
+        context.output.data(
+            {
+                "tests": [
+                    {
+                        "name": it.name,
+                        "title": it.title._asdict(),
+                        "finds": it.finds._asdict(),
+                        "minutes": it.minutes,
+                        "steps": [step.name for step in it.steps],
+                        "own": it.own,
+                    }
+                    for it in tests
+                ],
+                "errors": [
+                    {"file": it.file, "line": it.line, "problem": it.problem._asdict()}
+                    for it in loaded.errors
+                ],
+            }
+        )
+        return
+    rows = [[it.name, localized(it.title), localized(it.finds)] for it in tests]
+    context.output.table(["NAME", tr("test", "проверка"), tr("finds", "находит")], rows)
+
+
+def _guide(
+    context: CommandContext,
+    chosen: GuidedTest,
+    ahead: PortAhead,
+    skip: tuple[str, ...],
+    duration: float | None,
+) -> TestResult | None:
+    from mikas.cli.render.notices import Notices
+    from mikas.cli.sampling_run import sampling_session
+    from mikas.guided.engine import TestEngine
+    from mikas.sampling.derived import number_of
+    from mikas.sampling.events import Sampled
+
+    output = context.output
+    options = SamplingOptions(names=chosen.channels, duration=duration)
+    engine = TestEngine(chosen, context.options.catalog)
+    guide = _Guide(context, engine)
+    with sampling_session(context, options, ahead, context.capture, joined=False) as run:
+        for event in Notices(run, output.note, verbose=output.verbose).watch():
+            if not isinstance(event, Sampled):
+                continue
+            engine.take(event.time, {n: number_of(it) for n, it in event.fresh.items()})
+            engine.skip_all(skip)
+            guide.show(engine.progress())
+            if engine.result is not None:
+                break
+    return engine.result
+
+
+class _Guide:
+    """Says what to do when it changes: on stderr, so that stdout has the result alone."""
+
+    def __init__(self, context: CommandContext, engine: TestEngine) -> None:
+        self._context, self._engine = context, engine
+        self._said: tuple[int | None, bool] | None = None
+
+    def show(self, progress: Progress) -> None:
+        test, step = self._engine.test, progress.step
+        if self._engine.result is not None or (step, progress.late) == self._said:
+            return
+        before, self._said = self._said, (step, progress.late)
+        note = self._context.output.note
+        if step is None:
+            note(localized(test.needs))
+        elif before is None or before[0] != step:
+            note(f"{step + 1}/{len(test.steps)}. {localized(test.steps[step].text)}")
+        elif test.steps[step].advice.en:
+            note(localized(test.steps[step].advice))
+
+
+def _show(
+    context: CommandContext, chosen: GuidedTest, result: TestResult | None, skip: tuple[str, ...]
+) -> None:
+    if context.output.json:
+        found: dict[str, Any] | None = None
+        if result is not None:
+            found = result.as_json() | {"verdict": result.verdict._asdict()}
+        context.output.data({"test": chosen.name, "result": found})
+    elif result is not None:
+        for line in localized(result.as_text()).split("\n"):
+            context.output.line(line)
+    if result is None:
+        named = [step.name for step in chosen.steps if step.by_hand and step.name not in skip]
+        by_hand = ", ".join(named)
+        context.say(
+            f"{chosen.name}: the test did not come to its end, so there is no verdict."
+            + (f" No data show these steps; skip them: {by_hand}." if by_hand else ""),
+            f"{chosen.name}: проверка не дошла до конца, заключения нет."
+            + (f" Этих шагов по данным не видно, пропустите: {by_hand}." if by_hand else ""),
+        )

@@ -1,0 +1,50 @@
+"""`mikas test`: the list, a guided test on a virtual car, over a recording, and wrong names."""
+
+from __future__ import annotations
+
+import pytest
+
+CAR = "duration = 999\n[start]\nambient = 12\n[condition]\ncoolant_sensor = 15\n"
+
+
+@pytest.fixture
+def port(tmp_path):
+    (tmp_path / "car.toml").write_text(CAR, "utf-8")
+    return "--port", "sim:?clock=simulated&scenario=car.toml"
+
+
+def test_the_list(mikas):
+    listed = mikas("test", "--json").object
+    assert "charging" in [it["name"] for it in listed["tests"]]
+    assert listed["errors"] == []
+    assert "Датчики в покое" in mikas("test", "--lang", "ru").out
+
+
+def test_a_fault_is_found_live_and_in_a_recording(mikas, port):
+    ran = mikas(*port, "test", "sensors", "--json", "--capture", "cold.pcapng")
+    assert ran.status == 0
+    result = ran.object["result"]
+    assert (ran.object["test"], result["outcome"]) == ("sensors", "attention")
+    assert "coolant 27 °C, intake air 12 °C" in result["verdict"]["en"]
+    assert "1/1. Ignition on, engine off." in ran.err
+    again = mikas("test", "sensors", "--recording", "cold.pcapng", "--json").object["result"]
+    assert again["findings"] == result["findings"]
+    words = mikas("test", "sensors", "--recording", "cold.pcapng", "--lang", "ru").out
+    assert words.startswith("Датчики в покое (холодный двигатель): обратите внимание")
+    for test, advice in (("charging", "skip them: load"), ("idle", "")):
+        ran = mikas("test", test, "--recording", "cold.pcapng", "--json")
+        assert ran.object["result"] is None
+        assert advice in ran.err
+
+
+def test_skipped_and_unfinished(mikas, port):
+    ran = mikas(*port, "test", "cranking", "--skip", "crank", "--json")
+    assert ran.object["result"]["outcome"] == "unknown"
+    ran = mikas(*port, "test", "cranking", "--duration", "6", "--json")
+    assert ran.object["result"] is None
+    assert "did not come to its end" in ran.err
+
+
+def test_wrong_names(mikas, port):
+    assert "there is: charging" in mikas(*port, "test", "chargin").err
+    assert "its steps: rest, crank" in mikas(*port, "test", "cranking", "--skip", "x").err
