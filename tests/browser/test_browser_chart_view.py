@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
 import pytest
 from playwright.sync_api import expect
 
@@ -224,3 +227,34 @@ def test_markers_of_a_recording_are_found_and_named(stored, visitor):
     tab.page.reload()
     events = stored.get("/recordings/trip.pcapng")["events"]
     assert [it["label"] for it in events if it["kind"] == "marker"] == ["valve sticks"]
+
+
+def test_the_chart_is_saved_as_vectors_and_as_an_image_and_copied(stored, visitor):
+    tab = opened(stored, visitor)
+    tab.page.context.grant_permissions(["clipboard-read", "clipboard-write"], origin=tab.url)
+    tab.press("More tools")
+    tab.press("Image…")
+    sheet = tab.page.get_by_role("dialog")
+    with tab.page.expect_download() as download:
+        sheet.get_by_role("button", name="Save SVG").click()
+    assert download.value.suggested_filename == "trip.svg"
+    svg = Path(download.value.path()).read_text("utf-8")
+    root = ET.fromstring(svg)
+    drawn = {child.tag.partition("}")[2] for child in root.iter()}
+    assert "path" in drawn
+    assert "image" not in drawn
+    texts = [child.text for child in root.iter() if child.tag.endswith("text")]
+    assert any("trip.pcapng" in text and "Mikas 7.1" in text for text in texts)
+    assert "87 °C" in texts
+    assert any("Coolant" in text for text in texts)
+    assert "13.8 V" in texts
+    with tab.page.expect_download() as download:
+        sheet.get_by_role("button", name="Save PNG").click()
+    png = Path(download.value.path()).read_bytes()
+    width, height = (int.from_bytes(png[at : at + 4], "big") for at in (16, 20))
+    assert png.startswith(b"\x89PNG")
+    assert (width, height) == (2 * int(root.get("width")), 2 * int(root.get("height")))
+    sheet.get_by_role("button", name="Copy").click()
+    tab.says("Image copied")
+    kinds = "async () => (await navigator.clipboard.read()).flatMap((it) => it.types)"
+    assert tab.page.evaluate(kinds) == ["image/png"]

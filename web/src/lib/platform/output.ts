@@ -30,6 +30,19 @@ function copyBySelection(text: string): boolean {
   }
 }
 
+/**
+ * Copy an image (PNG) to the clipboard. Returns false if the browser refuses: over plain HTTP a page has no clipboard for images. The image is
+ * made inside, because some browsers allow it only in the click itself.
+ */
+export async function copyImage(make: () => Promise<Blob>): Promise<boolean> {
+  try {
+    await navigator.clipboard.write([new ClipboardItem({ "image/png": make() })]);
+    return true;
+  } catch {
+    return false;
+  }
+}
+
 /** Save text or bytes made by the page as a download. */
 export function saveFile(name: string, content: BlobPart, type = "text/plain;charset=utf-8"): void {
   const url = URL.createObjectURL(new Blob([content], { type }));

@@ -28,6 +28,18 @@ class Theme {
     if (globalThis.document) document.documentElement.dataset.theme = this.tone;
   }
 
+  /** Tokens of the day theme, for a picture on white, whatever is shown. */
+  dayTokens(names: readonly string[]): Record<string, string> {
+    const { dataset } = document.documentElement;
+    const before = dataset.theme;
+    dataset.theme = "day";
+    const styles = getComputedStyle(document.documentElement);
+    const found = Object.fromEntries(names.map((name) => [name, styles.getPropertyValue(`--${name}`).trim()]));
+    if (before === undefined) delete dataset.theme;
+    else dataset.theme = before;
+    return found;
+  }
+
   /** The value of a token of styles/tokens.css, for drawing on a canvas. Read it inside an effect that depends on `tone`. */
   token(name: string): string {
     const key = `${this.tone} ${name}`;

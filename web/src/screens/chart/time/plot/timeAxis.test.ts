@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { counted, elapsed } from "./timeAxis";
+import { axisTimes, counted, elapsed } from "./timeAxis";
 
 describe("elapsed", () => {
   it("counts from the start in both directions", () => {
@@ -17,5 +17,16 @@ describe("an axis that counts from a moment", () => {
     const splits = axis.splits(null, 0, 1000, 1020, 5);
     expect(splits).toEqual([1003.7, 1008.7, 1013.7, 1018.7]);
     expect(axis.values(null, splits, 0, 0, 5)).toEqual(["0:00", "0:05", "0:10", "0:15"]);
+  });
+});
+
+describe("the labels of a picture's axis", () => {
+  it("are few and round", () => {
+    for (const length of [0.5, 7, 60, 3599, 40_000]) {
+      const times = axisTimes(1_700_000_003.2, 1_700_000_003.2 + length, null);
+      expect(times.length).toBeGreaterThan(2);
+      expect(times.length).toBeLessThan(11);
+    }
+    expect(axisTimes(99, 161, 100).map(({ text }) => text)).toEqual(["0:00", "0:10", "0:20", "0:30", "0:40", "0:50", "1:00"]);
   });
 });

@@ -38,3 +38,15 @@ export function counted(zero: number) {
       splits.map((split) => elapsed(split - zero, step)),
   };
 }
+
+/** Round times for an axis with at most `most` labels: of the day, or counted from `zero`. */
+export function axisTimes(from: number, to: number, zero: number | null, most = 9): { time: number; text: string }[] {
+  const step = [...STEPS, 28_800, 43_200].find((each) => (to - from) / each <= most) ?? 86_400;
+  // Times of day are round in local time.
+  const origin = zero ?? new Date(from * 1000).getTimezoneOffset() * 60;
+  const first = Math.ceil((from - origin) / step - 1e-9);
+  const count = Math.max(0, Math.floor((to - origin) / step + 1e-9) - first + 1);
+  const times = Array.from({ length: count }, (_, index) => origin + (first + index) * step);
+  const texts = zero === null ? timesOfDay(times, step) : times.map((time) => elapsed(time - zero, step));
+  return times.map((time, index) => ({ time, text: texts[index]! }));
+}

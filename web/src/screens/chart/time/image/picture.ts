@@ -1,0 +1,111 @@
+// Collects what the time chart shows as a `Picture`, in the colours of the day theme.
+import { catalog } from "../../../../lib/api/catalog.svelte";
+import { language, localized, moment as dateAndTime, number, timeOfDay } from "../../../../lib/i18n";
+import { live } from "../../../../lib/live/live.svelte";
+import { theme } from "../../../../lib/platform/theme.svelte";
+import { comparison } from "../../../../lib/recording/comparison.svelte";
+import { player } from "../../../../lib/recording/player.svelte";
+import { axisKey } from "../../../../lib/series/valueAxis";
+import { cursors } from "../../../../lib/view/cursors.svelte";
+import { currentValue } from "../../../../lib/view/displayValue";
+import { display } from "../../../../lib/view/source.svelte";
+import { flagsOf } from "../data/flags";
+import { gapsIn, moment, second as later, secondValueOf, valueOf } from "../data/sources";
+import { meanOf } from "../data/value";
+import { drawing, seenIn } from "../plot/drawing";
+import { axesDrawn } from "../plot/plot";
+import { paneAxes, stretched } from "../plot/scales";
+import { axisTimes, elapsed, timesOfDay } from "../plot/timeAxis";
+import { view, type Pane } from "../view.svelte";
+import type { Picture, PictureLine, PicturePane } from "./chartSvg";
+import { piecesOf } from "./pieces";
+import { t } from "../messages";
+
+/** Points across a pane: twice its pixels, so that it prints sharply. */
+const POINTS = 1900;
+const PANE_HEIGHT = 150;
+const MUTED = "#434d55";
+
+export function pictureOf(): Picture {
+  const [from, to] = view.window();
+  const colours = theme.dayTokens(Array.from({ length: 8 }, (_, index) => `trace-${index + 1}`).concat("warning", "danger", "text"));
+  const zero = comparison.active ? player.first : null;
+  const label = (time: number) => (zero === null ? timesOfDay([time], 0.1)[0]! : elapsed(time - zero, 0.1));
+  const marks: [number | null, boolean][] = [[cursors.a, false], [cursors.b, true]];
+  return {
+    title: titleOf(),
+    subtitle: `${dateAndTime(from)} · ${timeOfDay(from)} – ${timeOfDay(to)}`,
+    from,
+    to,
+    panes: view.panes.map((pane) => paneOf(pane, from, to, colours)),
+    gaps: gapsIn(from, to).map((gap) => ({ from: gap.from, to: gap.to, reason: localized(gap.reason) })),
+    flags: flagsOf(display.source.events, from, to, 0).map((flag) => ({
+      time: flag.time,
+      text: (flag.kind === "marker" ? "⚑ " : "▲ ") + (typeof flag.label === "string" ? flag.label : localized(flag.label)),
+      colour: colours[flag.kind === "warning" || flag.kind === "danger" ? flag.kind : "text"]!,
+    })),
+    cursors: marks.flatMap(([time, dashed]) => (time === null || time < from || time > to ? [] : [{ time, text: label(time), dashed }])),
+    times: axisTimes(from, to, zero),
+    number: (value) => number(value),
+  };
+}
+
+/** The car, and the recording or that the values were live. */
+function titleOf(): string {
+  const { detail } = player;
+  if (display.source.kind === "recording" && detail) {
+    const other = comparison.active && comparison.detail ? [`– – ${comparison.detail.id}`] : [];
+    return [localized(detail.model), detail.id, ...other].filter(Boolean).join(" · ");
+  }
+  return [localized(live.state?.model), t("liveValues")].filter(Boolean).join(" · ");
+}
+
+function paneOf(pane: Pane, from: number, to: number, colours: Record<string, string>): PicturePane {
+  const traces = pane.traces.filter(({ hidden }) => !hidden);
+  const names = traces.map(({ name }) => name);
+  const channel = (name: string) => catalog.get(name);
+  const { times, values, holes } = drawing(display.source.columns, later(), names, from, to, POINTS);
+  const lines = values.map((cells, index) => {
+    const name = names[index % names.length]!;
+    return { name, channel: channel(name), seen: seenIn(times, cells, from, to), cells };
+  });
+  const axes = paneAxes(lines, names.length, view.stacked, PANE_HEIGHT).map((axis) => {
+    const [low, high] = stretched([axis.low, axis.high], view.stretches[pane.id]);
+    return { ...axis, low, high };
+  });
+  const gaps = gapsIn(from, to);
+  const colourOf = (index: number) => colours[`trace-${traces[index % names.length]!.colour}`]!;
+  return {
+    legend: traces.map(({ name }, index) => ({ colour: colourOf(index), name: localized(channel(name)?.short) || name, ...legendOf(name) })),
+    axes: axesDrawn(traces, channel, view.stacked).map((key) => {
+      const own = names.flatMap((name, index) => (!channel(name)?.flag && axisKey(name, channel(name)) === key ? [index] : []));
+      return { ...axes[own[0]!]!, colour: own.length === 1 ? colourOf(own[0]!) : MUTED };
+    }),
+    lines: lines.map(({ cells, channel }, index): PictureLine => {
+      const dashed = index >= names.length;
+      const broken = [...holes[index]!, ...gaps.filter((gap) => gap.second === dashed).map((gap): [number, number] => [gap.from, gap.to])];
+      const { low, high } = axes[index]!;
+      return { colour: colourOf(index), dashed, stepped: channel?.flag ?? false, low, high, pieces: piecesOf(times, cells, broken) };
+    }),
+  };
+}
+
+/** As in the legend on the screen: the value at the cursor, with two cursors difference and mean, in a comparison the second value. */
+function legendOf(name: string): { value: string; more: string } {
+  void language.code;
+  const channel = catalog.get(name);
+  const decimals = channel?.decimals ?? 0;
+  const unit = channel?.flag ? "" : localized(channel?.unit);
+  const written = (value: number | null) => (channel?.flag && channel.lamp && value !== null ? localized(value ? channel.lamp.on : channel.lamp.off) : `${number(value, decimals)} ${unit}`.trim());
+  const now = currentValue(name);
+  const value = cursors.a !== null ? valueOf(name, cursors.a) : now.kind === "none" ? null : now.value;
+  const { between } = cursors;
+  const other = cursors.b === null ? null : valueOf(name, cursors.b);
+  const time = moment(cursors.a);
+  const more = [
+    between && !channel?.flag ? `${t("mean")} ${number(meanOf(display.source.columns, name, ...between), decimals + 1)}` : "",
+    value !== null && other !== null && !channel?.flag ? `Δ ${number(value - other, decimals)}` : "",
+    comparison.active && time !== null ? `– – ${written(secondValueOf(name, time))}` : "",
+  ];
+  return { value: written(value), more: more.filter(Boolean).join(" · ") };
+}
