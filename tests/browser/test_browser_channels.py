@@ -79,7 +79,7 @@ def test_a_channel_of_ones_own(own, visitor):
     trial = editor.locator("[data-trial]")
     expect(trial).to_contain_text("27.6")
     formula.press_sequentially(" + k % 3")
-    expect(editor.locator("mark")).to_have_text("2 * UACC + k % 3"[len("2 * UACC + ") :])
+    expect(editor.locator("mark")).to_have_text("%")
     save = editor.get_by_role("button", name="Save")
     expect(save).to_be_disabled()
     formula.fill("2 * UACC + k")

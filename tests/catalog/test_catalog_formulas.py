@@ -115,7 +115,9 @@ def test_inputs_in_order_of_appearance() -> None:
 @pytest.mark.parametrize(
     ("formula", "part"),
     [
-        ("  x +\n  y % 2", "y % 2"),
+        ("  x +\n  y % 2", "%"),
+        ("(x) // (2)", "//"),
+        ("x @ y", "x @ y"),
         ("\tx + foo(1)", "foo"),
         ("x + min(1)", "min(1)"),
         ("x < y <\n 3", "x < y <\n 3"),

@@ -198,16 +198,19 @@ class _PlainForm:
         return first, after
 
     def _not_allowed(self, node: ast.expr) -> FormulaError:
+        span = self._span(node)
         part = self._line[node.col_offset : node.end_col_offset].decode()
         part = part if len(part) <= 40 else f"{part[:40]}…"
-        if isinstance(node, ast.BinOp):
-            part = _SIGNS.get(type(node.op), part)
+        if isinstance(node, ast.BinOp) and (sign := _SIGNS.get(type(node.op))):
+            part, behind = sign, self._span(node.left)[1]
+            at = self._line.decode().find(sign, behind)
+            span = (at, at + len(sign))
         return _wrong(
             f"has `{part}` in it; there are numbers, names, + - * / **, comparisons, and, or, not, "
             f"if … else, {', '.join(FUNCTIONS)}",
             f"содержит `{part}`; есть числа, имена, + - * / **, сравнения, and, or, not, "
             f"if … else, {', '.join(FUNCTIONS)}",
-            self._span(node),
+            span,
         )
 
 

@@ -34,7 +34,7 @@ export const t = dictionary({
   noInput: { en: "No value: {names} is not read at this moment", ru: "Значения нет: {names} сейчас не опрашивается" },
   noInputHere: { en: "No value: the recording has no {names} here", ru: "Значения нет: здесь в записи нет {names}" },
   noResult: { en: "No value: a division by zero, the root of a negative number, or the like", ru: "Значения нет: деление на ноль, корень из отрицательного числа или подобное" },
-  problem: { en: "The formula: {problem}", ru: "Формула: {problem}" },
+  problem: { en: "It {problem}", ru: "Формула: {problem}" },
   word_if: { en: "a if condition else b", ru: "a if условие else b" },
   word_and: { en: "both", ru: "и то, и другое" },
   word_or: { en: "one of them", ru: "хотя бы одно" },
