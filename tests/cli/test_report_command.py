@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from cli_harness import is_one_short_paragraph, is_russian
+
+from mikas.client.cars import CarDetails
+from mikas.recording.summary import summarise
 
 
 @pytest.fixture(scope="module")
@@ -142,3 +146,24 @@ def test_ended_before_the_first_sample(mikas, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(report.SamplingRun, "events", stops)
     assert mikas("report", "-o", "car.html", sim="").status == 130
     assert not (tmp_path / "car.html").exists()
+
+
+def test_the_car_is_kept_and_stands_in_recording_and_report(mikas, tmp_path) -> None:
+    options = ("--car", "Волга 3110", "--plate", "А123ВС 52", "--workshop", "Гараж")
+    ran = mikas(
+        "log", "-o", "one.pcapng", "TWAT", "--count", "3", *options, "--mileage", "154000", sim=""
+    )
+    assert ran.status == 0, ran.err
+    details = summarise(tmp_path / "one.pcapng").car
+    assert details == CarDetails("Волга 3110", "А123ВС 52", 154_000, "Гараж")
+    assert mikas("log", "-o", "two.pcapng", "TWAT", "--count", "3").status == 0
+    assert summarise(tmp_path / "two.pcapng").car == replace(details, mileage=None)
+    assert mikas("report", "one.pcapng", "-o", "car.html", "--lang", "ru").status == 0
+    head = page(tmp_path).split("</header>")[0]
+    for text in ("Волга 3110", "А123ВС 52", "154\N{NO-BREAK SPACE}000 км", "Гараж"):
+        assert f"<dd>{text}</dd>" in head
+    ran = mikas("report", "two.pcapng", "-o", "other.html", "--mileage", "160000")
+    assert ran.status == 0
+    assert "160\N{NO-BREAK SPACE}000 km" in (tmp_path / "other.html").read_text("utf-8")
+    assert summarise(tmp_path / "two.pcapng").car.mileage is None  # the file stays as it was
+    assert mikas("report", "two.pcapng", "-o", "x.html", "--mileage", "-1").status == 2

@@ -29,14 +29,15 @@ def grouped(
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Return a decorator that adds `options`; the command gets them as one dataclass `kind`.
 
-    `kind` has a field for each option; it is the argument after the context.
+    `kind` has a field for each option; it is the argument after the context, before those of the
+    decorators above.
     """
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
         @wraps(function)
-        def call(context: object, **values: Any) -> Any:  # noqa: ANN401  (as the command)
+        def call(context: object, *groups: object, **values: Any) -> Any:  # noqa: ANN401  (as the command)
             group = kind(**{field.name: values.pop(field.name) for field in fields(kind)})
-            return function(context, group, **values)
+            return function(context, group, *groups, **values)
 
         command: Callable[..., Any] = call
         for add in reversed(options):

@@ -9,7 +9,7 @@ without limit for a lost link or unit.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from functools import partial
 from math import inf
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from mikas.cli.sampling_options import SamplingOptions
     from mikas.client import Ecu
     from mikas.link.ahead import PortAhead
+    from mikas.recording.capture.notes import Note
     from mikas.sampling.events import Event
 
 _ALIVE = (LineState.ECU_ALIVE, LineState.SAMPLING)
@@ -218,10 +219,14 @@ def sampling_session(
     out: Path | None = None,
     *,
     joined: bool = True,
+    car: Callable[[UnitFound], Note | None] | None = None,
 ) -> Iterator[SamplingRun]:
-    """Open a run on the port `ahead`; everything on the wire is recorded to `out`, if given."""
+    """Open a run on the port `ahead`; everything on the wire is recorded to `out`, if given.
+
+    `car`: gives the recording's note on a unit's car.
+    """
     port = ahead.url
-    recorder = Recorder(interpretation=context.options.interpretation, joined=joined)
+    recorder = Recorder(interpretation=context.options.interpretation, joined=joined, car=car)
     acquisition = Acquisition(
         ReconnectingPort(port, open_port=ahead.open, sink=recorder),
         context.options.create_ecu,

@@ -29,7 +29,7 @@ from mikas.dashboard.api import (
     unit,
 )
 from mikas.dashboard.api.channels import editing, values
-from mikas.dashboard.api.library import dumps, exports, recordings, report
+from mikas.dashboard.api.library import cars, dumps, exports, recordings, report
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import ErrorResponse
@@ -46,7 +46,7 @@ Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 """
 
 _PARTS = (catalog, editing, values, connection, diagnosis, live, unit, guided_tests, memory,
-          dumps, changes, recordings, exports, report, search)  # fmt: skip
+          dumps, changes, recordings, cars, exports, report, search)  # fmt: skip
 
 
 class _Application(FastAPI):

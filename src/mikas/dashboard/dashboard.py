@@ -17,6 +17,7 @@ from dataclasses import replace
 
 from mikas.catalog import Catalog
 from mikas.client import Info, Support
+from mikas.client.cars import CarBook, CarDetails
 from mikas.client.polling import FixedMethod
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.library.service import RecordingService
@@ -80,6 +81,9 @@ class Dashboard:
         )
         self.plan = SamplingPlanner(self.connection, self.monitor, options)
         folder = RecordingFolder(settings.recordings)
+        self.cars = CarBook(settings.cars, virtual_units=settings.virtual_units)
+        self.car_now: tuple[int, tuple[str, ...], CarDetails] | None = None
+        """The details as last given since the start, with the unit's code and passports."""
         self._fault_reader = FaultReader(
             self.connection, self.monitor, self.fault_history, lambda: self.catalog
         )
@@ -89,6 +93,7 @@ class Dashboard:
             self._fault_reader,
             folder,
             options.interpretation,
+            cars=self.cars,
         )
         self.guided = GuidedTests(
             settings,

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mikas.catalog.own.file import NAME, OwnCatalog
-from mikas.client.connecting import ConnectionOptions, state_folder
+from mikas.client.connecting import STATE_VARIABLE, ConnectionOptions, state_folder
 from mikas.client.polling import FixedMethod
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Language, Text
@@ -123,6 +123,16 @@ class Settings:
     def test_results(self) -> Path:
         """The folder of the results of guided tests, a file per unit."""
         return self._state / "tests"
+
+    @property
+    def virtual_units(self) -> bool:
+        """Whether data of virtual units are kept: in a folder that was named only."""
+        return self.state is not None or bool(os.environ.get(STATE_VARIABLE))
+
+    @property
+    def cars(self) -> Path:
+        """The file of the cars' details."""
+        return self._state / "cars.json"
 
     @property
     def certificate(self) -> Path:

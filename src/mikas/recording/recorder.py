@@ -71,7 +71,7 @@ class Recorder:
 
     `interpretation`: of values, for the notes of plans. `joined`: a packet for each response, not
     for each chunk. `on_file`: called with each file that follows another one, in the thread that
-    caused it. Only `start` and `note` raise; any thread may call.
+    caused it. `car`: as of `SessionAnnotator`. Only `start` and `note` raise; any thread may call.
     """
 
     def __init__(
@@ -80,12 +80,13 @@ class Recorder:
         interpretation: str = "corrected",
         joined: bool = True,
         on_file: Callable[[Path], None] | None = None,
+        car: Callable[[UnitFound], Note | None] | None = None,
     ) -> None:
         self.wire_bytes = 0
         """Bytes on the wire since this recorder was made; an echo is not counted twice."""
         self.on_file = on_file
         self._joined = joined
-        self._annotator = SessionAnnotator(interpretation)
+        self._annotator = SessionAnnotator(interpretation, car)
         self._lock = threading.RLock()
         self._open: _Open | None = None
         self._time: float | None = None  # the latest of a byte or an event, on the link's clock
@@ -147,6 +148,11 @@ class Recorder:
             time = self._time if time is None else time
             if time is not None:
                 self._write([note_of(TextNote(time, text[:_LONGEST_TEXT]))])
+
+    def describe(self, car: Note) -> None:
+        """Write a note on the car, into this file and those that follow."""
+        with self._lock:
+            self._write(self._annotator.describe(car))
 
     def interrupt(self, time: float, reason: Text) -> None:
         """Begin a gap: the connection is left for a while, for `reason`."""

@@ -17,10 +17,12 @@ from typing import BinaryIO, Final
 
 from mikas import commands as c
 from mikas.catalog import Catalog, shipped
+from mikas.client.cars import NO_CAR, CarDetails
 from mikas.errors import CaptureError, MikasError
 from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.link.base import Direction
+from mikas.recording.annotations.car import car_of
 from mikas.recording.annotations.events import RecordedUnit, comment_of, events_of, unit_of
 from mikas.recording.annotations.fields import LONGEST_COMMENT
 from mikas.recording.capture import blocks as pcapng
@@ -48,7 +50,7 @@ class Summary:
     `date`: UNIX time of the begin; None for a simulated clock, too. `length`: sum of the seconds
     from each session's first packet to its last. `samples`: responses with data. `rate`: samples a
     second without the gaps. `faults`: codes of the last response to 02; None without one. `note`: a
-    person's comment. `problem`: why the file can't be read.
+    person's comment. `car`: as the person names it. `problem`: why the file can't be read.
     """
 
     path: Path
@@ -64,6 +66,7 @@ class Summary:
     faults: tuple[int, ...] | None = None
     markers: int = 0
     note: str = ""
+    car: CarDetails = NO_CAR
     recordings: int = 0
     problem: Text | None = None
 
@@ -161,6 +164,7 @@ def _summary(path: Path, sections: _Sections, catalog: Catalog) -> Summary:
         faults=_faults(sections),
         markers=len({note.time for note in notes if note.kind == Kind.MARKER}),
         note=comment_of(notes) or next(texts, "")[:LONGEST_COMMENT],
+        car=car_of(notes),
         recordings=len(sections.index.sections),
     )
 

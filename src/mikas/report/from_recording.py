@@ -15,9 +15,11 @@ from typing import Final
 
 from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
+from mikas.client.cars import NO_CAR, CarDetails
 from mikas.commands import ERASE_FAULTS, ReadFaults
 from mikas.errors import MikasError
 from mikas.guided.recorded import results_of
+from mikas.recording.annotations.car import car_of
 from mikas.recording.annotations.events import (
     RecordedUnit,
     comment_of,
@@ -49,11 +51,13 @@ def find_in_recording(
     *,
     name: str | None = None,
     errors: int | None = None,
+    car: CarDetails = NO_CAR,
 ) -> Findings:
     """Return the findings of a recording.
 
     `name`: another name than its file's; empty for a temporary file. `errors`: the number of line
-    errors, if they were counted. Raises `CaptureError` for a file that is no capture.
+    errors, if they were counted. `car`: details that replace those in the file. Raises
+    `CaptureError` for a file that is no capture.
     """
     capture = CaptureReader(path)
     table = TableReader(path, catalog)
@@ -90,6 +94,7 @@ def find_in_recording(
         ),
         notes=tuple(filter(None, (comment_of(mine), *words))),
         tests=results_of(mine),
+        car=car.over(car_of(mine)),
     )
     return find(subject, measured)
 

@@ -8,6 +8,11 @@ from mikas.i18n import Language, Text
 
 _LABELS: Final = {
     "title": Text("Engine report", "Отчёт о двигателе"),
+    "car": Text("Car", "Машина"),
+    "plate": Text("Number plate", "Госномер"),
+    "mileage": Text("Mileage", "Пробег"),
+    "km": Text("{count} km", "{count} км"),
+    "workshop": Text("Workshop", "Мастерская"),
     "unit": Text("Control unit", "Блок управления"),
     "model": Text("Model", "Модель"),
     "program": Text("Program", "Программа"),

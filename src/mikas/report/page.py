@@ -93,6 +93,7 @@ class _Page:
             "found": found,
             "headline": HEADLINES[found.outcome].to(language),
             "verdict": summary_sentence(found).to(language),
+            "car": list(self._car()),
             "unit": list(self._unit()),
             "faults": [self._fault(each) for each in found.faults or ()],
             "faults_read": self._faults_read(),
@@ -108,6 +109,17 @@ class _Page:
             "unknowns": [text.to(language) for text in unknowns(found)],
             "made_by": label("made_by", program=f"mikas {version('mikas')}"),
         }
+
+    def _car(self) -> Iterator[tuple[str, str]]:
+        car, label = self._found.subject.car, self._label
+        count = (
+            f"{car.mileage:,}".replace(",", "\N{NO-BREAK SPACE}") if car.mileage is not None else ""
+        )
+        mileage = label("km", count=count) if count else ""
+        rows = (("car", car.car), ("plate", car.plate), ("mileage", mileage))
+        for name, text in (*rows, ("workshop", car.workshop)):
+            if text:
+                yield label(name), text
 
     def _unit(self) -> Iterator[tuple[str, str]]:
         unit, label = self._found.subject.unit, self._label
@@ -193,9 +205,13 @@ class _Page:
         if not channel.is_flag and stats.low != stats.high:
             low, high = (number(e, channel.decimals, language) for e in (stats.low, stats.high))
             text += f" ({low} … {high})"
-        if value.sensor:
-            text += f"; {self._label('substitute')}"
-        return {"text": channel.text.to(language), "name": channel.name, "number": text}
+        note = self._label("substitute") if value.sensor else ""
+        return {
+            "text": channel.text.to(language),
+            "name": channel.name,
+            "number": text,
+            "note": note,
+        }
 
     def _number(self, value: ChannelFinding) -> str:
         if value.channel.is_flag:

@@ -13,6 +13,7 @@ from itertools import pairwise
 from typing import Final
 
 from mikas.catalog import Catalog, Fault, Model
+from mikas.client.cars import NO_CAR, CarDetails
 from mikas.guided.result import TestResult
 from mikas.sampling.events import FaultReading, Gap
 
@@ -69,7 +70,8 @@ class ClearedFaults:
 @dataclass(frozen=True, slots=True)
 class ReportSubject:
     """All of these. `faults` None: not read; else those stored at `faults_read`; `gone`: those
-    stored before. `notes`: the user's notes, in order. `tests`: the guided tests to show.
+    stored before. `notes`: the user's notes, in order. `tests`: the guided tests to show. `car`: as
+    the user names it.
     """
 
     catalog: Catalog
@@ -80,6 +82,7 @@ class ReportSubject:
     faults_read: float | None = None
     cleared: tuple[ClearedFaults, ...] = ()
     tests: tuple[TestResult, ...] = ()
+    car: CarDetails = NO_CAR
 
 
 def cleared_faults(heard: Sequence[FaultReading], catalog: Catalog) -> tuple[ClearedFaults, ...]:

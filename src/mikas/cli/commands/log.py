@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from mikas.cli.car_options import CarOptions, car_options
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE, USAGE
@@ -69,9 +70,15 @@ if TYPE_CHECKING:
         "продолжать в FILE-2, FILE-3 … после такого объёма или времени: 100MB, 30min, 2h",
     ),
 )
+@car_options
 @sampling_options
 def log(
-    context: CommandContext, options: SamplingOptions, *, out: Path, rotate: Portion | None
+    context: CommandContext,
+    options: SamplingOptions,
+    car: CarOptions,
+    *,
+    out: Path,
+    rotate: Portion | None,
 ) -> int:
     if context.capture is not None:
         raise usage_error(
@@ -82,7 +89,7 @@ def log(
         from mikas.cli.sampling_run import sampling_session
 
         _check_name(out)
-        with sampling_session(context, options, ahead, out) as current:
+        with sampling_session(context, options, ahead, out, car=car.note_maker()) as current:
             return _record(context, current, rotate)
 
 

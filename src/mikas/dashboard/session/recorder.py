@@ -7,9 +7,11 @@ two cycles, where a running stream is requested again, so that the file alone ca
 from __future__ import annotations
 
 from collections import OrderedDict
+from dataclasses import replace
 from pathlib import Path
 
 from mikas.client import Ecu
+from mikas.client.cars import CarBook, CarDetails
 from mikas.dashboard.errors import ADVICE, Busy, NotConnected, NotFound
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.session.connection import Connection
@@ -20,7 +22,9 @@ from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import MikasError
 from mikas.i18n import Text
+from mikas.recording.annotations.car import car_note
 from mikas.recording.annotations.events import faults_note, note_of
+from mikas.recording.capture.notes import Note
 from mikas.recording.capture.writer import append_note
 from mikas.recording.recorder import Recorder, RecordingStatus, ask_in_full
 from mikas.sampling.events import Event, Marker, UnitFound
@@ -40,6 +44,8 @@ class SessionRecorder:
         fault_reader: FaultReader,
         folder: RecordingFolder,
         interpretation: str,
+        *,
+        cars: CarBook,
     ) -> None:
         self._connection, self._monitor = connection, monitor
         self._fault_reader, self._folder = fault_reader, folder
@@ -49,7 +55,10 @@ class SessionRecorder:
         """The recording that the end of the program ended."""
         self._continues = False  # with the next unit that is found
         self._marked: OrderedDict[float, Path] = OrderedDict()  # markers by time: their files
-        self.recorder = Recorder(interpretation=interpretation, on_file=self._log_start)
+        self._cars = cars
+        self.recorder = Recorder(
+            interpretation=interpretation, on_file=self._log_start, car=self._car_note
+        )
 
     @property
     def file_name(self) -> str | None:
@@ -147,6 +156,17 @@ class SessionRecorder:
             raise Busy(problem=_NONE)
         self.recorder.text(text=text)
 
+    def describe(self, details: CarDetails) -> None:
+        """Write the details of the car into the recording in progress, if there is one."""
+        if self.file_name is not None:
+            self.recorder.describe(car_note(self._connection.now(), details))
+
+    def _car_note(self, unit: UnitFound) -> Note | None:
+        """Return the note on a unit's car; without the mileage, which is another by now."""
+        details = self._cars.of(unit.version_code, unit.passport.pieces if unit.passport else ())
+        known = replace(details, mileage=None) if details else None
+        return car_note(unit.time, known) if known else None
+
     def check(self) -> None:
         """Log once that the recording has broken off."""
         status = self.recorder.status
@@ -157,6 +177,9 @@ class SessionRecorder:
     def _start(self, path: Path, thread: SamplingThread) -> None:
         self.recorder.start(ensure_folder(path.parent) / path.name, url=thread.url, pipe=False)
         self._reported = None
+        unit = self._monitor.unit
+        if unit is not None and (car := self._car_note(unit)) is not None:
+            self.recorder.describe(replace(car, time=thread.now()))  # not the last file's mileage
         readings = self._fault_reader.history.readings
         if readings:  # from before this file
             self.recorder.note(faults_note(thread.now(), readings))

@@ -9,7 +9,7 @@ A recording that ends first gets the note with an open end.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from mikas.i18n import Text
@@ -29,11 +29,19 @@ from mikas.sampling.gaps import GapTracker
 
 
 class SessionAnnotator:
-    """Follows one session. `interpretation`: of values, for the plan's note."""
+    """Follows one session. `interpretation`: of values, for the plan's note. `car`: gives the note
+    on the car of a unit that was found, None without one.
+    """
 
-    def __init__(self, interpretation: str = "corrected") -> None:
+    def __init__(
+        self,
+        interpretation: str = "corrected",
+        car: Callable[[UnitFound], Note | None] | None = None,
+    ) -> None:
         self._interpretation = interpretation
         self._unit: Sequence[Note] = ()  # with the catalog's note
+        self._car_of = car or (lambda _: None)
+        self._car: Note | None = None
         self._plan: Note | None = None
         self._state: Note | None = None
         self._faults: tuple[int, ...] | None = None  # as noted last in this recording
@@ -48,9 +56,14 @@ class SessionAnnotator:
         self._gaps.restart(time)
         self.samples, self.gaps = 0, int(self._gaps.open is not None)
         self._faults = None
-        for note in (*self._unit, self._plan, self._state):
+        for note in (*self._unit, self._car, self._plan, self._state):
             if note is not None:
                 yield replace(note, time=time)
+
+    def describe(self, car: Note) -> Iterator[Note]:
+        """Yield the note on the car, which replaces the one before."""
+        self._car = car
+        yield car
 
     def end(self, ended: float | None = None) -> Iterator[Note]:
         """Yield the note of the gap in which a recording ends."""
@@ -108,3 +121,7 @@ class SessionAnnotator:
         if [note.data for note in notes] != [note.data for note in self._unit]:
             self._unit = notes
             yield from notes
+            if event.another or self._car is None:
+                self._car = self._car_of(event)
+                if self._car is not None:
+                    yield self._car

@@ -61,6 +61,7 @@ class Kind(StrEnum):
     FAULTS_READ = "faults-read"
     FAULTS = "faults"
     TEST = "test"
+    CAR = "car"
 
 
 _KINDS: Final = frozenset(Kind)

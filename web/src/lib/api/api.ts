@@ -90,6 +90,9 @@ export const api = {
   ) => get<Api.RecordingRows>(`/recordings/${part(id)}/rows`, query, signal),
   nameRecordedMarker: (id: string, time: number, label: string) => put<Api.Marker>(`/recordings/${part(id)}/marker`, { time, label }),
   noteRecording: (id: string, text: string) => put<unknown>(`/recordings/${part(id)}/note`, { text }),
+  car: () => get<Api.UnitCar>("/car"),
+  writeCar: (car: Api.Car) => put<Api.UnitCar>("/car", car),
+  writeRecordingCar: (id: string, car: Api.Car) => put<Api.Car>(`/recordings/${part(id)}/car`, car),
   recordingFile: (id: string) => address(`/recordings/${part(id)}/file`),
   exportFile: (id: string, format: Api.ExportFormat, names?: string[]) =>
     address(`/recordings/${part(id)}/export`, { format, names }),

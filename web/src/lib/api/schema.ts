@@ -68,6 +68,37 @@ export interface components {
             a: string | null;
             b: string | null;
         };
+        /** @description A car as its owner or a workshop names it; empty or null: not given. */
+        CarInfo: {
+            car: string;
+            plate: string;
+            /** @description km */
+            mileage: number | null;
+            workshop: string;
+        };
+        /** @description The details of a car; they replace all those before. */
+        CarRequest: {
+            /** @default  */
+            car: string;
+            /** @default  */
+            plate: string;
+            /** @description km */
+            mileage?: number | null;
+            /** @default  */
+            workshop: string;
+        };
+        /** @description The car of the connected unit. `mileage`: the last one given. */
+        CarResponse: {
+            car: string;
+            plate: string;
+            /** @description km */
+            mileage: number | null;
+            workshop: string;
+            /** @description a unit with a passport answers, so its car can be kept */
+            unit: boolean;
+            /** @description the details were given, or put off, once */
+            asked: boolean;
+        };
         /** @description All channels, the faults that concern a channel, the presets that come with the program. */
         CatalogResponse: {
             version: string;
@@ -737,6 +768,7 @@ export interface components {
             faults: number[] | null;
             markers: number | null;
             note: string;
+            car: components["schemas"]["CarInfo"];
             /** @description the recording is in progress */
             open: boolean;
             problem: components["schemas"]["TwoTexts"] | null;
@@ -778,6 +810,7 @@ export interface components {
             faults: number[] | null;
             markers: number | null;
             note: string;
+            car: components["schemas"]["CarInfo"];
             /** @description the recording is in progress */
             open: boolean;
             problem: components["schemas"]["TwoTexts"] | null;

@@ -67,6 +67,8 @@ export type ChangeProposal = Schemas["ChangeProposal"];
 export type ChangeResult = Pick<Schemas["ChangeResult"], "before" | "after">;
 export type Journal = Schemas["JournalResponse"];
 
+export type Car = Schemas["CarInfo"];
+export type UnitCar = Schemas["CarResponse"];
 export type Recording = Schemas["RecordingInfo"];
 export type Recordings = Schemas["RecordingsResponse"];
 export type RecordingRows = Schemas["RowsResponse"];

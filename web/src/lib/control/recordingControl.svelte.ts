@@ -5,6 +5,7 @@ import { catalog } from "../api/catalog.svelte";
 import { naming } from "./markers.svelte";
 import { live } from "../live/live.svelte";
 import { supportedNames, subscriptions } from "./subscriptions.svelte";
+import { carDetails } from "../view/carDetails.svelte";
 import { attempt, toasts } from "../view/toasts.svelte";
 import type { State } from "../api/types";
 
@@ -60,6 +61,7 @@ class RecordingControl {
     if (file) announceSaved(file);
     else if (state.recording) {
       this.announceStarted(state, state.recording.file);
+      void carDetails.askOnce();
     }
   }
 

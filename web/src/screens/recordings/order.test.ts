@@ -4,6 +4,7 @@ import { matching, newestFirst } from "./order";
 
 const recording = (id: string, more: Partial<Recording> = {}): Recording => ({
   id,
+  car: { car: "", plate: "", mileage: null, workshop: "" },
   bytes: 0,
   date: null,
   length: null,

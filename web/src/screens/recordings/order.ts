@@ -12,7 +12,7 @@ export function newestFirst(recordings: readonly Recording[]): Recording[] {
   });
 }
 
-/** Recordings that contain every word of `wanted` in the file name, car, passport, faults or note. */
+/** Recordings that contain every word of `wanted` in the file name, car, plate, workshop, unit, passport, faults or note. */
 export function matching(recordings: readonly Recording[], wanted: string): Recording[] {
   const words = wanted.toLowerCase().split(/\s+/).filter(Boolean);
   return recordings.filter((it) => {
@@ -21,6 +21,9 @@ export function matching(recordings: readonly Recording[], wanted: string): Reco
       it.model?.en,
       it.model?.ru,
       it.note,
+      it.car.car,
+      it.car.plate,
+      it.car.workshop,
       ...(it.passport ?? []),
       ...(it.faults ?? []),
     ];

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mikas.cli.car_options import CarOptions, car_options
 from mikas.cli.click_extensions import OUT, OVERWRITE, command, option
 from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
@@ -59,8 +60,10 @@ _SECONDS = 30.0
 )
 @OVERWRITE
 @RELEARN
+@car_options
 def report(
     context: CommandContext,
+    car: CarOptions,
     file: Path | None,
     out: Path,
     *,
@@ -80,20 +83,21 @@ def report(
     check_output(out, overwrite=overwrite)
 
     if file is not None:
-        found = find_in_recording(file, context.options.catalog)
+        found = find_in_recording(file, context.options.catalog, car=car.details)
     else:
-        found = _measured_now(context, duration or _SECONDS)
+        found = _measured_now(context, duration or _SECONDS, car)
     write_page(out, render(found, current_language()), overwrite=overwrite)
     _print_summary(context, out, found)
 
 
-def _measured_now(context: CommandContext, seconds: float) -> Findings:
+def _measured_now(context: CommandContext, seconds: float, car: CarOptions) -> Findings:
     """Record for `seconds` and evaluate that; the file is kept only if `--capture` names it."""
     from mikas.report.from_recording import find_in_recording
 
     with TemporaryDirectory(prefix="mikas-") as folder, context.open_ahead() as ahead:
         path = context.capture or Path(folder) / "report.pcapng"
-        with sampling_session(context, SamplingOptions(duration=seconds), ahead, path) as current:
+        options, note = SamplingOptions(duration=seconds), car.note_maker()
+        with sampling_session(context, options, ahead, path, car=note) as current:
             try:
                 _sample(context, current)
             except KeyboardInterrupt:

@@ -25,6 +25,7 @@ from mikas.dashboard.api.dependencies import (
     split_names,
 )
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
+from mikas.dashboard.api.library.cars import CarInfo
 from mikas.dashboard.api.library.downloads import LeftOutFile, left_out
 from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
@@ -97,6 +98,7 @@ class RecordingInfo(BaseModel):
     faults: list[int] | None = Field(description="as last read in it; null: they were not read")
     markers: int | None
     note: str
+    car: CarInfo
     open: bool = Field(description="the recording is in progress")
     problem: TwoTexts | None
 
@@ -294,6 +296,7 @@ def _info(library: RecordingService, file: RecordingFile, summary: Summary) -> R
         rate=None if summary.rate is None else round(summary.rate, 2),
         gaps=None if summary.problem else summary.gaps,
         markers=None if summary.problem else summary.markers,
+        car=CarInfo.model_validate(summary.car),
         open=library.is_growing(file),
     )
 

@@ -17,6 +17,7 @@ from fastapi.responses import Response
 
 from mikas.dashboard.api.dependencies import Requester, TheDashboard, TheLibrary, TheRequester
 from mikas.dashboard.api.errors import content, errors
+from mikas.dashboard.api.library.cars import car_of_connection
 from mikas.dashboard.api.library.downloads import attachment
 from mikas.dashboard.errors import NotConnected
 from mikas.i18n import Language
@@ -143,6 +144,7 @@ def _of_connection(dashboard: Dashboard) -> Findings:
         faults=stored.faults if stored else None,
         faults_read=stored.time if stored else None,
         cleared=cleared_faults(dashboard.fault_history.readings, catalog),
+        car=car_of_connection(dashboard),
         conditions=Conditions(
             date=date_of(measured.began),
             port=port.url if port else "",

@@ -1,0 +1,95 @@
+"""The car of a recording or a report: the options, and the details kept of the unit.
+
+What an option gives is kept for the unit (`mikas.client.cars`), and stands in the recording; the
+other details come from there, but for the mileage, which is another by the next time.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from mikas.cli.click_extensions import grouped, option
+from mikas.cli.parameter_types import whole
+from mikas.errors import UsageError
+from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from mikas.client.cars import CarDetails
+    from mikas.recording.capture.notes import Note
+    from mikas.sampling.events import UnitFound
+
+
+@dataclass(frozen=True, slots=True)
+class CarOptions:
+    """The options; empty or None: not given."""
+
+    car: str = ""
+    plate: str = ""
+    mileage: int | None = None
+    workshop: str = ""
+
+    @property
+    def details(self) -> CarDetails:
+        """The options as details, cleaned and bounded."""
+        from mikas.client.cars import car_details
+
+        given = {"car": self.car, "plate": self.plate, "workshop": self.workshop}
+        return car_details({**given, "mileage": self.mileage})
+
+    def note_maker(self) -> Callable[[UnitFound], Note | None]:
+        """Return the `car` of a `Recorder`: options are of the first unit, not of another one."""
+        from mikas.client.cars import NO_CAR, CarBook
+        from mikas.client.connecting import STATE_VARIABLE, state_folder
+        from mikas.recording.annotations.car import car_note
+
+        virtual = bool(os.environ.get(STATE_VARIABLE))
+        book = CarBook(state_folder() / "cars.json", virtual_units=virtual)
+        given = self.details
+
+        def note(unit: UnitFound) -> Note | None:
+            passports = unit.passport.pieces if unit.passport else ()
+            kept = book.of(unit.version_code, passports)
+            known = replace(kept, mileage=None) if kept else replace(NO_CAR, workshop=book.workshop)
+            details = known if unit.another else given.over(known)
+            if given and not unit.another:
+                with suppress(UsageError):  # the recording has them anyway
+                    book.keep(unit.version_code, passports, details)
+            return car_note(unit.time, details) if details else None
+
+        return note
+
+
+car_options = grouped(
+    CarOptions,
+    option(
+        "--car",
+        default="",
+        metavar="TEXT",
+        text=Text(
+            "the car, as “Volga 3110”; kept for this unit", "машина, «Волга 3110»; запоминается"
+        ),
+    ),
+    option(
+        "--plate",
+        default="",
+        metavar="TEXT",
+        text=Text("its number plate; kept for this unit", "госномер; запоминается"),
+    ),
+    option(
+        "--mileage",
+        type=whole(0, 9_999_999),
+        metavar="KM",
+        text=Text("its mileage now, in km", "пробег сейчас, км"),
+    ),
+    option(
+        "--workshop",
+        default="",
+        metavar="TEXT",
+        text=Text("who measures; kept for all cars", "кто проводит измерение; запоминается"),
+    ),
+)
+"""The options that `log` and `report` share."""

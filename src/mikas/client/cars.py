@@ -1,0 +1,136 @@
+"""The car of a unit, as its owner or a workshop names it: car, plate, mileage, workshop.
+
+Kept in one file of the state folder, by the unit's version code and passports; the workshop is
+common to all. A plate is personal data: it stands there, in the recordings and reports made with
+it, and nowhere else (docs/security.md).
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from mikas.cleaning import clean_line
+from mikas.client.limits import VIRTUAL_PASSPORT, unit_file
+from mikas.errors import UsageError, reason_at
+from mikas.files import read_json
+from mikas.saving import save
+
+LONGEST: Final = 100  # characters of a field
+MOST_MILEAGE: Final = 9_999_999  # km
+_MOST_CARS: Final = 500
+_MOST_BYTES: Final = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class CarDetails:
+    """Empty or None: not given. `mileage`: km."""
+
+    car: str = ""
+    plate: str = ""
+    mileage: int | None = None
+    workshop: str = ""
+
+    def __bool__(self) -> bool:
+        """Whether anything is given."""
+        return bool(self.car or self.plate or self.workshop) or self.mileage is not None
+
+    @property
+    def name(self) -> str:
+        """Car and plate on one line; empty without them."""
+        return " · ".join(filter(None, (self.car, self.plate)))
+
+    def over(self, other: CarDetails) -> CarDetails:
+        """Return these details, with those of `other` where nothing is given."""
+        return CarDetails(
+            self.car or other.car,
+            self.plate or other.plate,
+            other.mileage if self.mileage is None else self.mileage,
+            self.workshop or other.workshop,
+        )
+
+
+NO_CAR: Final = CarDetails()
+
+
+def car_details(data: object) -> CarDetails:
+    """Return the details in JSON or in a note: cleaned and bounded, what does not fit left out."""
+    given = data if isinstance(data, dict) else {}
+    car, plate, workshop = (_line(given.get(key)) for key in ("car", "plate", "workshop"))
+    mileage = given.get("mileage")
+    is_whole = isinstance(mileage, int) and not isinstance(mileage, bool)
+    if not is_whole or not 0 <= mileage <= MOST_MILEAGE:
+        mileage = None
+    return CarDetails(car, plate, mileage, workshop)
+
+
+def _line(value: object) -> str:
+    return clean_line(value, LONGEST).strip() if isinstance(value, str) else ""
+
+
+class CarBook:
+    """The details of all cars, in a file; any thread may call.
+
+    A unit with empty passports can't be told from another one: it has only the workshop, and so has
+    a virtual unit without `virtual_units`.
+    """
+
+    def __init__(self, file: Path, *, virtual_units: bool = True) -> None:
+        self._file = file
+        self._virtual_units = virtual_units
+        self._lock = threading.Lock()
+
+    def of(self, version_code: int | None, passports: tuple[str, ...]) -> CarDetails | None:
+        """Return the details of a unit; `mileage` is the last one given. None: never asked."""
+        stored = self._load()
+        cars, workshop = stored["cars"], _line(stored.get("workshop"))
+        key = self._key(version_code, passports)
+        if key is None or key not in cars:
+            return None
+        return replace(car_details(cars[key]), workshop=workshop)
+
+    @property
+    def workshop(self) -> str:
+        """The workshop, which is common to all cars."""
+        return _line(self._load().get("workshop"))
+
+    def keep(
+        self, version_code: int | None, passports: tuple[str, ...], details: CarDetails
+    ) -> None:
+        """Keep the details of a unit, also empty ones: it was asked. Raises `UsageError`.
+
+        A mileage of None keeps the last one.
+        """
+        with self._lock:
+            stored = self._load()
+            stored["workshop"] = details.workshop
+            if (key := self._key(version_code, passports)) is not None:
+                cars = stored["cars"]
+                before = car_details(cars.pop(key, None))
+                kept = asdict(replace(details, mileage=details.over(before).mileage))
+                del kept["workshop"]
+                cars[key] = kept  # as the latest
+                stored["cars"] = dict(list(cars.items())[-_MOST_CARS:])
+            try:
+                self._file.parent.mkdir(parents=True, exist_ok=True)
+                save(self._file, json.dumps(stored, ensure_ascii=False, indent=1))
+            except OSError as error:
+                raise UsageError(problem=reason_at(self._file, error)) from error
+
+    def _key(self, version_code: int | None, passports: tuple[str, ...]) -> str | None:
+        if version_code is None or not any(passports):
+            return None
+        if VIRTUAL_PASSPORT in passports and not self._virtual_units:
+            return None
+        return unit_file(Path(), version_code, passports).stem
+
+    def _load(self) -> dict[str, Any]:
+        with suppress(OSError, ValueError):
+            stored = read_json(self._file, _MOST_BYTES)
+            if isinstance(stored, dict) and isinstance(stored.get("cars"), dict):
+                return {"workshop": stored.get("workshop"), "cars": dict(stored["cars"])}
+        return {"workshop": "", "cars": {}}

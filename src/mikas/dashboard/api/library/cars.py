@@ -1,0 +1,129 @@
+"""Routes of the car's details: those of the connected unit, and those in a recording."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from typing import Self
+
+from fastapi import APIRouter
+from pydantic import BaseModel, ConfigDict, Field
+
+from mikas.client.cars import LONGEST, MOST_MILEAGE, CarDetails, car_details
+from mikas.dashboard.api.dependencies import (
+    KnownClient,
+    Line,
+    TheDashboard,
+    TheLibrary,
+    TheRequester,
+)
+from mikas.dashboard.api.errors import errors
+from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.errors import NotConnected
+from mikas.dashboard.library.folder import RecordingFile
+from mikas.recording.annotations.car import car_note
+from mikas.recording.capture.writer import append_note
+
+router = APIRouter(tags=["recordings"])
+
+
+class CarInfo(BaseModel):
+    """A car as its owner or a workshop names it; empty or null: not given."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+    car: str
+    plate: str
+    mileage: int | None = Field(description="km")
+    workshop: str
+
+
+class CarRequest(BaseModel):
+    """The details of a car; they replace all those before."""
+
+    car: Line = Field("", max_length=LONGEST)
+    plate: Line = Field("", max_length=LONGEST)
+    mileage: int | None = Field(None, ge=0, le=MOST_MILEAGE, description="km")
+    workshop: Line = Field("", max_length=LONGEST)
+
+    def details(self) -> CarDetails:
+        """Return the details, cleaned."""
+        return car_details(self.model_dump())
+
+
+class CarResponse(CarInfo):
+    """The car of the connected unit. `mileage`: the last one given."""
+
+    unit: bool = Field(description="a unit with a passport answers, so its car can be kept")
+    asked: bool = Field(description="the details were given, or put off, once")
+
+    @classmethod
+    def of(cls, dashboard: Dashboard) -> Self:
+        """Return what is kept of the connected unit."""
+        version_code, pieces = _unit(dashboard)
+        kept = dashboard.cars.of(version_code, pieces)
+        shown = kept or CarDetails(workshop=dashboard.cars.workshop)
+        return cls(**asdict(shown), unit=any(pieces), asked=kept is not None)
+
+
+@router.get("/car", responses=errors())
+def car(dashboard: TheDashboard) -> CarResponse:
+    """Return the details of the connected unit's car."""
+    return CarResponse.of(dashboard)
+
+
+@router.put("/car", responses=errors(409, 503))
+def write_car(dashboard: TheDashboard, _: KnownClient, body: CarRequest) -> CarResponse:
+    """Keep the details of the connected unit's car, and write them into a running recording.
+
+    Empty ones put the question off. A mileage of null leaves the last one.
+    """
+    version_code, pieces = _unit(dashboard)
+    if version_code is None:
+        raise NotConnected
+    details = body.details()
+    dashboard.cars.keep(version_code, pieces, details)
+    dashboard.car_now = (version_code, pieces, details)
+    if details:
+        dashboard.recorder.describe(details)
+    return CarResponse.of(dashboard)
+
+
+@router.put("/recordings/{identity}/car", responses=errors(404, 409, 504))
+async def write_recording_car(
+    dashboard: TheDashboard,
+    library: TheLibrary,
+    requester: TheRequester,
+    _: KnownClient,
+    identity: str,
+    body: CarRequest,
+) -> CarInfo:
+    """Write the details of the car into a recording's file; they replace those before."""
+    details = body.details()
+    note = car_note(dashboard.connection.now(), details)
+
+    def write(file: RecordingFile) -> CarInfo:
+        if library.is_growing(file):
+            dashboard.recorder.recorder.describe(note)
+        else:
+            append_note(file.path, note)
+        return CarInfo(**asdict(details))
+
+    return await requester.awaits(library.view(identity, write, requester.address))
+
+
+def _unit(dashboard: Dashboard) -> tuple[int | None, tuple[str, ...]]:
+    """Return the version code and the passport's pieces of the connected unit."""
+    unit = dashboard.monitor.unit
+    if unit is None:
+        return None, ()
+    return unit.version_code, unit.passport.pieces if unit.passport else ()
+
+
+def car_of_connection(dashboard: Dashboard) -> CarDetails:
+    """Return the details for a report on the connected car: the mileage only if it was given since
+    the program started, as it is another later.
+    """
+    version_code, pieces = _unit(dashboard)
+    if (now := dashboard.car_now) is not None and now[:2] == (version_code, pieces):
+        return now[2]
+    return replace(dashboard.cars.of(version_code, pieces) or CarDetails(), mileage=None)

@@ -1,0 +1,89 @@
+"""The details of a car: kept by unit, in the recording, on the report; bounded and cleaned."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from mikas.client.cars import LONGEST, NO_CAR, CarBook, CarDetails, car_details
+from mikas.client.limits import VIRTUAL_PASSPORT
+from mikas.recording.annotations.car import car_note, car_of
+from mikas.recording.capture.notes import Kind, Note
+
+VOLGA = CarDetails("Волга 3110", "А123ВС 52", 154_000, "Гараж")
+
+
+def test_kept_by_unit_and_the_workshop_for_all(tmp_path) -> None:
+    book = CarBook(tmp_path / "state" / "cars.json")
+    assert book.of(10, ("A",)) is None
+    book.keep(10, ("A",), VOLGA)
+    book.keep(10, ("B",), CarDetails(workshop="Гараж"))
+    again = CarBook(tmp_path / "state" / "cars.json")
+    assert again.of(10, ("A",)) == VOLGA
+    assert again.of(10, ("B",)) == CarDetails(workshop="Гараж")  # put off, but asked
+    assert again.of(9, ("A",)) is None
+    book.keep(10, ("A",), CarDetails("Волга", "", None, "Сервис"))
+    assert again.of(10, ("A",)) == CarDetails("Волга", "", 154_000, "Сервис")
+    assert again.of(10, ("B",)) == CarDetails(workshop="Сервис")
+
+
+def test_a_unit_with_empty_passports_has_no_car(tmp_path) -> None:
+    book = CarBook(tmp_path / "cars.json")
+    book.keep(10, ("", ""), VOLGA)
+    book.keep(None, ("A",), VOLGA)
+    assert book.of(10, ("", "")) is None
+    assert book.of(None, ("A",)) is None
+    assert book.workshop == "Гараж"
+
+
+@pytest.mark.parametrize(
+    "stored", ["", "[]", "{}", '{"cars": 3}', '{"cars": {"x": 1}, "workshop": 7}', "[" * 5000]
+)
+def test_a_file_that_says_nothing(tmp_path, stored) -> None:
+    (tmp_path / "cars.json").write_text(stored)
+    book = CarBook(tmp_path / "cars.json")
+    assert (book.of(10, ("A",)), book.workshop) == (None, "")
+    book.keep(10, ("A",), VOLGA)
+    assert book.of(10, ("A",)) == VOLGA
+
+
+def test_the_book_is_bounded(tmp_path) -> None:
+    file = tmp_path / "cars.json"
+    cars = {f"{number:016x}": {"car": str(number)} for number in range(600)}
+    file.write_text(json.dumps({"cars": cars}))
+    book = CarBook(file)
+    book.keep(10, ("A",), VOLGA)
+    assert len(json.loads(file.read_text("utf-8"))["cars"]) == 500
+    assert book.of(10, ("A",)) == VOLGA
+
+
+@pytest.mark.parametrize(
+    ("data", "details"),
+    [
+        (None, NO_CAR),
+        ({"car": 1, "plate": None, "mileage": True, "workshop": []}, NO_CAR),
+        ({"mileage": -1}, NO_CAR),
+        ({"mileage": 10_000_000}, NO_CAR),
+        ({"mileage": 1.5}, NO_CAR),
+        ({"car": " a\nb\x1b[2J "}, CarDetails("a b�[2J")),
+        ({"plate": "x" * 999, "mileage": 0}, CarDetails(plate="x" * LONGEST, mileage=0)),
+    ],
+)
+def test_fields_from_outside(data, details) -> None:
+    assert car_details(data) == details
+
+
+def test_the_last_note_counts() -> None:
+    notes = [car_note(1.0, VOLGA), Note(Kind.MARKER, 2.0), car_note(3.0, NO_CAR)]
+    assert car_of(notes[:2]) == VOLGA
+    assert car_of(notes) == NO_CAR
+    assert not NO_CAR
+    assert CarDetails(mileage=0)
+    assert VOLGA.name == "Волга 3110 · А123ВС 52"
+
+
+def test_nothing_is_kept_of_a_virtual_unit_unless_asked_for(tmp_path) -> None:
+    book = CarBook(tmp_path / "cars.json", virtual_units=False)
+    book.keep(10, ("A", VIRTUAL_PASSPORT), VOLGA)
+    assert book.of(10, ("A", VIRTUAL_PASSPORT)) is None

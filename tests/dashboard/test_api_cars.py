@@ -1,0 +1,45 @@
+"""The car of the connected unit, and of a recording."""
+
+from __future__ import annotations
+
+from dashboard.rig import rig
+
+VOLGA = {"car": "Волга 3110", "plate": "А123ВС 52", "mileage": 154000, "workshop": "Гараж"}
+
+
+def test_asked_once_kept_and_written(tmp_path) -> None:
+    with rig(tmp_path, "sim:?scenario=warm-idle") as it:
+        it.until(lambda now: now["state"]["model"])
+        assert it.get("/car") == {
+            "car": "", "plate": "", "mileage": None, "workshop": "", "unit": True, "asked": False,
+        }  # fmt: skip
+        it.post("/recording/start", {"name": "one"})
+        assert it.put("/car", VOLGA) == {**VOLGA, "unit": True, "asked": True}
+        it.post("/recording/stop")
+        it.post("/recording/start", {"name": "two"})
+        it.post("/recording/stop")
+        listed = {each["id"]: each["car"] for each in it.get("/recordings")["recordings"]}
+        assert listed == {"one.pcapng": VOLGA, "two.pcapng": {**VOLGA, "mileage": None}}
+        newer = {**VOLGA, "mileage": 160000}
+        assert it.put("/recordings/two.pcapng/car", newer) == newer
+        assert it.get("/recordings/two.pcapng")["car"] == newer
+        assert "160\N{NO-BREAK SPACE}000 km" in it.get("/recordings/two.pcapng/report").text
+        assert "154\N{NO-BREAK SPACE}000 км" in it.get("/report", lang="ru").text
+        it.put("/car", {**VOLGA, "mileage": None})
+        assert it.get("/car")["mileage"] == 154000  # the last one, to be offered
+        text = it.get("/report").text
+        assert "А123ВС 52" in text
+        assert "154" not in text.split("</header>")[0]
+        assert it.put("/car", {"mileage": -1}, 400)["code"] == "BadRequest"
+        assert it.put("/recordings/none.pcapng/car", VOLGA, 404)["code"] == "NotFound"
+
+
+def test_put_off(tmp_path) -> None:
+    with rig(tmp_path, "sim:?scenario=warm-idle") as it:
+        it.until(lambda now: now["state"]["model"])
+        it.put("/car", {})
+        assert it.get("/car")["asked"] is True
+        it.post("/recording/start", {"name": "one"})
+        it.post("/recording/stop")
+        (listed,) = it.get("/recordings")["recordings"]
+        assert listed["car"] == {"car": "", "plate": "", "mileage": None, "workshop": ""}
