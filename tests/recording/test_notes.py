@@ -20,10 +20,12 @@ from hypothesis import strategies as st
 from capture_writing_harness import appending
 from mikas.catalog import shipped
 from mikas.client import Limits, Passport
+from mikas.client.cars import CarDetails
 from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.link.base import Direction
 from mikas.recording import CaptureReader, CaptureWriter, Kind, Note
+from mikas.recording.annotations.car import car_note
 from mikas.recording.annotations.events import catalog_note, faults_note, note_of, unit_of
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture import notes as blocks
@@ -124,6 +126,8 @@ def test_what_each_kind_holds():
         note_of(ParameterDropped(8.0, "TAIR", Limits(max_list=8, refused=[0x99]))),
         faults_note(9.0, [FaultReading(7.0, (13, 53)), FaultReading(8.5, (), erased=True)]),
         note_of(FaultReading(9.5, (13,))),
+        car_note(10.0, CarDetails("Волга", "А123ВС", 154_000, "Гараж")),
+        Note(Kind.TEST, 11.0, {"outcome": "pass"}),  # more in tests/guided
     ]
     assert {note.kind for note in made} == set(Kind)
     data = {note.kind: note.data for note in made}

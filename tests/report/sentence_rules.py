@@ -77,7 +77,13 @@ def sides(f: Findings) -> int:
 
 
 def attention(f: Findings) -> bool:
-    return bool(real(f) or f.measured.alarms or not all(rated(f).values()))
+    off = not all(rated(f).values())
+    return bool(real(f) or f.measured.alarms or off or failed_tests(f))
+
+
+def failed_tests(f: Findings) -> bool:
+    """In these cases a test was made once."""
+    return any(each.outcome in ("attention", "bad") for each in f.subject.tests)
 
 
 def good(f: Findings) -> bool:
@@ -202,6 +208,7 @@ RULES: dict[str, Callable[[Findings], bool]] = {
     "there was no warm idle, so no value is rated": lambda f: (
         not unknown_idle(f) and not f.measured.idle.stretches and not unread(f)
     ),
+    "the guided test “{}” found: {}": failed_tests,
     "Not read in this session.": lambda f: f.subject.faults is None,
     "No faults are stored.": lambda f: f.subject.faults == (),
     "Read {}.": lambda f: (f.subject.faults_read or 0) > 1e9,

@@ -21,6 +21,9 @@ from test_alarms import event
 
 import mikas.report
 from mikas.catalog import Level, load, shipped
+from mikas.guided.definition import Confidence as GuidedConfidence
+from mikas.guided.definition import Outcome as GuidedOutcome
+from mikas.guided.result import Finding, TestResult
 from mikas.i18n import Text
 from mikas.report.findings import BandPosition, Findings, Outcome, find
 from mikas.report.page import render
@@ -36,7 +39,9 @@ WORDS = {
     "no longer stored",
     "fault {} was", "faults {} were", "no values ({})", "{} was {}", "at {}", "on {}", "{} s",
     "{} min{}",
-    "at {} of the measurement", "{} ({}): {}.", "Engine report", "Control unit", "Model",
+    "at {} of the measurement", "{} ({}): {}.", "Engine report", "Car", "Number plate", "Mileage",
+    "Workshop",
+    "Control unit", "Model",
     "Program", "Calibration", "Alarms", "Stored faults", "measured", "Values at warm idle",
     "Value", "Median", "90 % within", "Normal", "Rating", "Charts", "How it was measured",
     "Length", "Samples", "Method", "Adapter", "Echo", "yes", "no", "Gaps", "Line errors",
@@ -116,6 +121,15 @@ def of_unit(unit: UnitIdentity | None) -> Findings:
     return replace(it, subject=replace(it.subject, unit=unit))
 
 
+def after_a_test(outcome: str) -> Findings:
+    verdict = Finding("a", "b", GuidedOutcome(outcome), Text("bad.", "плохо."), *_NO_TEXTS)
+    it, title = found(), Text("Charging", "Зарядка")
+    result = TestResult(
+        "charging", title, START, START + 9, verdict.outcome, (verdict,), (), (), (), ()
+    )
+    return find(replace(it.subject, tests=(result,)), it.measured)
+
+
 def part(times):
     return np.where(times < 20, 0.0, np.nan)
 
@@ -139,6 +153,7 @@ def only(*names: str):
     return rows(**{name: None for name in GOOD if name not in names})
 
 
+_NO_TEXTS = (Text("", ""), Text("", ""), GuidedConfidence.LOW)
 GAP = Gap(START + 15, START + 10, START + 15, Text("no echo", "нет эха"))
 
 
@@ -164,7 +179,7 @@ def cases(tmp_path: Path) -> list[Findings]:
         of_unit(None), of_unit(UnitIdentity(model)), own_references(tmp_path),
         of_unit(UnitIdentity(model, (None,) * 3, (None,) * 5)),
         of_unit(UnitIdentity(model, ("A",), (None,))),
-        _without_references(tmp_path),
+        _without_references(tmp_path), after_a_test("attention"), after_a_test("good"),
     ]  # fmt: skip
 
 

@@ -61,11 +61,13 @@ def car_details(data: object) -> CarDetails:
     """Return the details in JSON or in a note: cleaned and bounded, what does not fit left out."""
     given = data if isinstance(data, dict) else {}
     car, plate, workshop = (_line(given.get(key)) for key in ("car", "plate", "workshop"))
-    mileage = given.get("mileage")
-    is_whole = isinstance(mileage, int) and not isinstance(mileage, bool)
-    if not is_whole or not 0 <= mileage <= MOST_MILEAGE:
-        mileage = None
-    return CarDetails(car, plate, mileage, workshop)
+    return CarDetails(car, plate, _km(given.get("mileage")), workshop)
+
+
+def _km(value: object) -> int | None:
+    if not isinstance(value, int) or isinstance(value, bool):
+        return None
+    return value if 0 <= value <= MOST_MILEAGE else None
 
 
 def _line(value: object) -> str:
