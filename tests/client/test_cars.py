@@ -7,9 +7,9 @@ import json
 import pytest
 
 from mikas.client.cars import LONGEST, NO_CAR, CarBook, CarDetails, car_details
-from mikas.client.limits import VIRTUAL_PASSPORT
 from mikas.recording.annotations.car import car_note, car_of
 from mikas.recording.capture.notes import Kind, Note
+from mikas.virtual import VIRTUAL_PASSPORT
 
 VOLGA = CarDetails("Волга 3110", "А123ВС 52", 154_000, "Гараж")
 

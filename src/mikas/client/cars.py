@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import Any, Final
 
 from mikas.cleaning import clean_line
-from mikas.client.limits import VIRTUAL_PASSPORT, unit_file
+from mikas.client.limits import unit_file
 from mikas.errors import UsageError, reason_at
 from mikas.files import read_json
 from mikas.saving import save
+from mikas.virtual import VIRTUAL_PASSPORT
 
 LONGEST: Final = 100  # characters of a field
 MOST_MILEAGE: Final = 9_999_999  # km
