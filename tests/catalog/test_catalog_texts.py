@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pytest
 from catalog_harness import ALSO_FREE, FREE, Write, assert_refused
 
-from mikas.catalog import Confidence, Lamp, Meaning, load, shipped
+from mikas.catalog import Confidence, Lamp, Level, Meaning, load, shipped
 from mikas.i18n import Text
 
 FLAG = f'[parameter.F]\ncode = {FREE}\nsize = 1\nmask = 1\ntext = "f"\n'
@@ -67,6 +68,8 @@ def test_a_lamp_of_ones_own(write: Write) -> None:
     assert catalog.parameter("F").lamp == Lamp(on=Text("yes", "yes"), off=Text("no", "no"))
     before = shipped().parameter("RXX").lamp
     assert before is not None
+    bad = load(write('[parameter.RXX]\nlamp.trouble = "danger"\n')).parameter("RXX").lamp
+    assert bad == replace(before, trouble=Level.DANGER)
     assert catalog.parameter("RXX").lamp == Lamp(Text(before.on.en, "ХХ"), before.off)
 
 

@@ -185,10 +185,14 @@ def check_interpretation(name: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Lamp:
-    """The texts of a flag's lamp while the flag is set, and while it is not."""
+    """The texts of a flag's lamp while the flag is set, and while it is not.
+
+    `trouble`: its colour and shape while the flag is set; that raises no alarm.
+    """
 
     on: Text
     off: Text
+    trouble: Level = Level.NONE
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,6 +21,7 @@ from mikas.catalog.model import (
     Erratum,
     Fault,
     Lamp,
+    Level,
     Meaning,
     Model,
     Parameter,
@@ -74,7 +75,8 @@ def lamp(entry: Entry, *, is_flag: bool) -> Lamp | None:
     """Build the texts of a flag's lamp; None if it has none."""
     if not _fits(entry, "lamp", ONLY_FOR_FLAGS, fits=is_flag):
         return None
-    return Lamp(on=entry.text("lamp", "on"), off=entry.text("lamp", "off"))
+    trouble = Level(entry.values["lamp"].get("trouble", Level.NONE))
+    return Lamp(on=entry.text("lamp", "on"), off=entry.text("lamp", "off"), trouble=trouble)
 
 
 def meaning(entry: Entry, *, is_flag: bool) -> Meaning | None:

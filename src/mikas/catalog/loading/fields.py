@@ -246,7 +246,7 @@ FAMILIES: Mapping[str, Family] = {
             "confidence": CONFIDENCE,
             "errata": strings,
             "limits": {**_ALARMS, "when_true": choice(Level, *Level)},
-            "lamp": {"on": TEXT, "off": TEXT},
+            "lamp": {"on": TEXT, "off": TEXT, "trouble": choice(Level, *Level)},
             "meaning": {"low": TEXT, "high": TEXT, "source": string, "confidence": CONFIDENCE},
         },
     ),

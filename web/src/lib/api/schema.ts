@@ -526,6 +526,8 @@ export interface components {
         LampTexts: {
             on: components["schemas"]["TwoTexts"];
             off: components["schemas"]["TwoTexts"];
+            /** @description its colour while on; that is no alarm */
+            trouble: components["schemas"]["Level"];
         };
         /** @description The latest result of a test on this unit. */
         LastOutcome: {

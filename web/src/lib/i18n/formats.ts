@@ -67,6 +67,11 @@ export function timeOfDay(time: number): string {
   return new Date(time * 1000).toLocaleTimeString(locales[language.code]);
 }
 
+/** Format UNIX seconds as local time without seconds. */
+export function hourMinute(time: number): string {
+  return new Date(time * 1000).toLocaleTimeString(locales[language.code], { hour: "2-digit", minute: "2-digit" });
+}
+
 /** Format an address or a code: 0x00A7. */
 export function hex(value: number, digits = 4): string {
   return `0x${value.toString(16).toUpperCase().padStart(digits, "0")}`;

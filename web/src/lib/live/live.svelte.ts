@@ -37,8 +37,12 @@ class LiveLine {
   /** Rows up to this time may hold only minima and maxima, which are no readings: they can be drawn, not counted. */
   decimatedUntil = $state(-Infinity);
   readonly latest = new Map<string, Latest>();
-  /** Minimum and maximum of each channel since `resetExtremes`, history included. */
+  /** Minimum and maximum of each channel since `extremesFrom`, history included. */
   readonly extremes = new Map<string, { min: number; max: number }>();
+  /** The program's time of the first value in `extremes`, or of the last reset; null before both. */
+  extremesFrom = $state<number | null>(null);
+  /** Older values stay out of `extremes`. */
+  private extremesReset = -Infinity;
 
   private socket: WebSocket | null = null;
   private attempts = 0;
@@ -60,6 +64,11 @@ class LiveLine {
   /** The program's time now, in seconds. */
   now(): number {
     return this.clock + (performance.now() - this.receivedAt) / 1000;
+  }
+
+  /** UNIX seconds of a time of the program's clock. */
+  wallTime(time: number): number {
+    return Date.now() / 1000 - (this.now() - time);
   }
 
   private open(): void {
@@ -116,6 +125,9 @@ class LiveLine {
       this.columns.clear();
       this.decimatedUntil = -Infinity;
       this.latest.clear();
+      this.extremes.clear();
+      this.extremesFrom = null;
+      this.extremesReset = -Infinity;
       this.eventLog.clear();
       this.events = [];
     }
@@ -129,7 +141,7 @@ class LiveLine {
         this.latest.set(name, { value: Number(cell), time: rows.times[row]! });
         break;
       }
-      this.updateExtremes(name, cells);
+      this.updateExtremes(name, rows.times, cells);
     });
     this.tick += 1;
   }
@@ -137,6 +149,7 @@ class LiveLine {
   /** Restart minimum and maximum. */
   resetExtremes(): void {
     this.extremes.clear();
+    this.extremesFrom = this.extremesReset = this.now();
     frameClock.request();
   }
 
@@ -151,9 +164,12 @@ class LiveLine {
     void this.loadHistory(Math.max(FIRST_HISTORY, seconds));
   }
 
-  private updateExtremes(name: string, cells: Rows["values"][number]): void {
-    for (const cell of cells) {
-      if (cell === null || cell === undefined) continue;
+  private updateExtremes(name: string, times: readonly number[], cells: Rows["values"][number]): void {
+    for (let row = 0; row < cells.length; row += 1) {
+      const cell = cells[row];
+      const time = times[row]!;
+      if (cell === null || cell === undefined || time < this.extremesReset) continue;
+      if (this.extremesFrom === null || time < this.extremesFrom) this.extremesFrom = time;
       const value = Number(cell);
       const known = this.extremes.get(name);
       if (!known) this.extremes.set(name, { min: value, max: value });
@@ -197,7 +213,7 @@ class LiveLine {
     const count = times.findLastIndex((time) => time <= until) + 1;
     const selected = values.map((cells) => cells.slice(0, count));
     this.columns.append(names, times.slice(0, count), selected);
-    names.forEach((name, index) => this.updateExtremes(name, selected[index]!));
+    names.forEach((name, index) => this.updateExtremes(name, times, selected[index]!));
     this.events = this.eventLog.add(events);
   }
 }

@@ -2,10 +2,13 @@
 import { frameClock } from "../platform/frameClock.svelte";
 import { catalog } from "../api/catalog.svelte";
 import { currentValue, type DisplayValue } from "./displayValue";
-import { number, localized } from "../i18n";
+import { dictionary, number, localized } from "../i18n";
 import { live } from "../live/live.svelte";
 import { display, type Extremes } from "./source.svelte";
+import { widestText } from "./textWidth";
 import type { Channel, Level } from "../api/types";
+
+const t = dictionary({ on: { en: "on", ru: "вкл." }, off: { en: "off", ru: "выкл." } });
 
 export interface LimitState {
   level: Level;
@@ -22,6 +25,12 @@ export class ChannelValue {
   readonly value = $derived(this.now.kind === "none" ? null : this.now.value);
   readonly age = $derived(this.now.kind === "stale" ? number(this.now.age, this.now.age < 10 ? 1 : 0) : "");
   readonly text = $derived(number(this.value, this.channel?.decimals ?? 0));
+  /** The two words of a flag. */
+  readonly words = $derived(wordsOf(this.channel));
+  /** The value as it is read: a word for a flag, else the number. */
+  readonly shown = $derived(this.value !== null && this.words.length > 0 ? this.words[this.value ? 1 : 0]! : this.text);
+  /** The widest that `shown` becomes, in em. */
+  readonly em = $derived(widestText(this.channel, this.words, this.shown));
   readonly title = $derived.by(() => (this.channel ? localized(this.channel.text) : this.name()));
   /** The title where there is little room: tiles and legends. */
   readonly short = $derived.by(() => (this.channel ? localized(this.channel.short) : this.name()));
@@ -45,6 +54,12 @@ export class ChannelValue {
   readonly level = $derived(this.limitState?.level ?? null);
 
   constructor(private readonly name: () => string) {}
+}
+
+/** The words of a flag, off and on; none for a number. */
+export function wordsOf(channel: Channel | undefined): string[] {
+  if (!channel?.flag) return [];
+  return channel.lamp ? [localized(channel.lamp.off), localized(channel.lamp.on)] : [t("off"), t("on")];
 }
 
 /** Which limit the value is beyond, if any. */

@@ -29,6 +29,7 @@ class LampTexts(BaseModel):
     model_config = ConfigDict(from_attributes=True)
     on: TwoTexts
     off: TwoTexts
+    trouble: Level = Field(description="its colour while on; that is no alarm")
 
 
 class ChannelErratum(BaseModel):

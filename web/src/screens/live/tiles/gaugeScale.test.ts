@@ -1,61 +1,23 @@
 import { describe, expect, it } from "vitest";
 import type { Channel } from "../../../lib/api/types";
-import { arc, bandsOf, rangeOf, share } from "./gaugeScale";
+import { arc, bandsOf, beyond, rangeOf, share } from "./gaugeScale";
 
-const channel = (about: Partial<Channel>): Channel => ({
-  name: "X",
-  derived: false,
-  flag: false,
-  code: 1,
-  size: 1,
-  unit: { en: "", ru: "" },
-  text: { en: "", ru: "" },
-  short: { en: "", ru: "" },
-  decimals: 0,
-  formula: "",
-  range: null,
-  reference: null,
-  gauge: null,
-  span_least: null,
-  limits: null,
-  lamp: null,
-  alarm_when_true: "none",
-  inputs: null,
-  errata: [],
-  confidence: "reported",
-  writable: false,
-  ...about,
-}) as Channel;
+const channel = (about: Partial<Channel>): Channel => about as Channel;
 
 describe("a gauge's range", () => {
-  it("is the plausible range", () => {
-    expect(rangeOf(channel({ range: [-40, 130] }))).toEqual({ low: -40, high: 130 });
+  it("is the catalog's, whatever the values", () => {
+    expect(rangeOf(channel({ gauge: [0, 7000] }))).toEqual({ low: 0, high: 7000 });
   });
 
-  it("keeps limits in place, and is narrower without limits", () => {
-    const limits = { danger_low: null, warning_low: null, warning_high: 6000, danger_high: null, hysteresis: 0 };
-    expect(rangeOf(channel({ range: [0, 6500], reference: [800, 900], limits })).high).toBe(6500);
-    expect(rangeOf(channel({ range: [0, 450], reference: [13, 16] }), { min: 14, max: 15 }).high).toBe(20);
-    expect(rangeOf(channel({ range: [0, 450], reference: [13, 16] }), { min: 14, max: 440 }).high).toBe(450);
-    expect(rangeOf(channel({ range: [0, 100], reference: [0, 0] })).high).toBe(100);
+  it("does not exist without one", () => {
+    expect(rangeOf(undefined)).toBeNull();
+    expect(rangeOf(channel({ gauge: null, range: [0, 5], reference: [1, 2] }))).toBeNull();
+    expect(rangeOf(channel({ gauge: [3, 3] }))).toBeNull();
   });
 
-  it("contains reference, limits and values seen, with room", () => {
-    const range = rangeOf(channel({ reference: [800, 900] }), { min: 780, max: 2100 });
-    expect(range.low).toBe(0);
-    expect(range.high).toBeGreaterThan(2100);
-  });
-
-  it("goes below zero where values do", () => {
-    const range = rangeOf(channel({}), { min: -7, max: 3 });
-    expect(range.low).toBeLessThan(-7);
-    expect(range.high).toBeGreaterThan(3);
-  });
-
-  it("exists for an unknown channel and for a constant one", () => {
-    expect(rangeOf(undefined)).toEqual({ low: 0, high: 1 });
-    const still = rangeOf(channel({}), { min: 0, max: 0 });
-    expect(still.high).toBeGreaterThan(still.low);
+  it("says on which side a value lies beyond", () => {
+    const range = { low: -10, high: 50 };
+    expect([-10.5, -10, 50, 50.5].map((value) => beyond(value, range))).toEqual(["low", null, null, "high"]);
   });
 });
 

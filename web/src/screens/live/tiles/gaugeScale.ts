@@ -1,4 +1,4 @@
-// The scale of a gauge and its bands. The arc has 240° and is open at the bottom.
+// The scale of a gauge, which stands still, and its bands. The arc has 240° and is open at the bottom.
 import type { Channel } from "../../../lib/api/types";
 
 export interface Range {
@@ -6,35 +6,16 @@ export interface Range {
   high: number;
 }
 
-/**
- * The range of a gauge. With limits: the plausible range, so that the limits keep their places. Otherwise warm idle and the values seen,
- * with room, so that 15 kg/h of 450 is readable; it grows in steps, not with each value.
- */
-export function rangeOf(channel: Channel | undefined, seen?: { min: number; max: number }): Range {
-  const plausible = channel?.range && channel.range[1] > channel.range[0] ? channel.range : null;
-  const limits = Object.values(channel?.limits ?? {}).filter((limit): limit is number => limit !== null);
-  const reference = channel?.reference && channel.reference[1] > channel.reference[0] ? channel.reference : [];
-  if (plausible && (limits.length > 0 || reference.length === 0)) return { low: plausible[0], high: plausible[1] };
-  const known = [...reference, ...limits, ...(seen ? [seen.min, seen.max] : [])];
-  if (known.length === 0) return { low: 0, high: 1 };
-  const top = Math.max(...known);
-  const bottom = Math.min(0, ...known);
-  const room = top - bottom || Math.abs(top) || 1;
-  const low = bottom < 0 ? round(bottom - room * 0.2, -1) : 0;
-  const high = round(top + room * 0.25, 1);
-  if (plausible) return { low: Math.max(low, plausible[0]), high: Math.min(high, plausible[1]) };
-  // A percentage does not exceed 100.
-  return { low, high: channel?.unit.en === "%" && top <= 100 ? Math.min(high, 100) : high };
+/** The range of a gauge: the catalog's `gauge`; null: the channel has none. Values seen do not change it. */
+export function rangeOf(channel: Pick<Channel, "gauge"> | undefined): Range | null {
+  const gauge = channel?.gauge;
+  return gauge && gauge[1] > gauge[0] ? { low: gauge[0], high: gauge[1] } : null;
 }
 
-/** Round away from zero to 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6 or 8 of a decade. */
-function round(value: number, way: 1 | -1): number {
-  if (value === 0) return 0;
-  const decade = 10 ** Math.floor(Math.log10(Math.abs(value)));
-  const steps = [1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10];
-  const share = Math.abs(value) / decade;
-  const step = steps.find((candidate) => candidate >= share - 1e-9) ?? 10;
-  return Number((way * step * decade).toPrecision(6));
+/** On which side of the scale a value lies that it cannot show. */
+export function beyond(value: number, range: Range): "low" | "high" | null {
+  if (value < range.low) return "low";
+  return value > range.high ? "high" : null;
 }
 
 export const share = (value: number, range: Range): number =>
@@ -47,7 +28,7 @@ export interface Band {
 }
 
 /** The parts of the arc beyond the limits, as shares. */
-export function bandsOf(channel: Channel | undefined, range: Range): Band[] {
+export function bandsOf(channel: Pick<Channel, "limits"> | undefined, range: Range): Band[] {
   const limits = channel?.limits;
   if (!limits) return [];
   const at = (value: number | null, without: number) => (value === null ? without : share(value, range));
@@ -81,3 +62,11 @@ export function arc(from: number, to: number, radius: number, x = 100, y = 92): 
 /** A mark across the arc. */
 export const tick = (at: number, inner: number, outer: number, x = 100, y = 92): string =>
   `M${point(at, inner, x, y)}L${point(at, outer, x, y)}`;
+
+/** An arrow at an end of the arc that points beyond it. */
+export function endArrow(side: "low" | "high"): string {
+  // 240° and −60° of direction: where a needle would go on.
+  const out = side === "low" ? -0.045 : 1.045;
+  const end = side === "low" ? 0.012 : 0.988;
+  return `M${point(end, 64, 100, 92)}L${point(out, 80, 100, 92)}L${point(end, 96, 100, 92)}Z`;
+}

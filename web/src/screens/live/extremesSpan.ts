@@ -1,0 +1,11 @@
+// Over which time minimum and maximum were taken.
+import { hourMinute } from "../../lib/i18n";
+import { live } from "../../lib/live/live.svelte";
+import { display } from "../../lib/view/source.svelte";
+import { t } from "./messages";
+
+/** "since 12:05", or "of the whole recording"; empty before the first value. */
+export function extremesSpan(): string {
+  if (display.source.kind === "recording") return t("wholeRecording");
+  return live.extremesFrom === null ? "" : t("since", { time: hourMinute(live.wallTime(live.extremesFrom)) });
+}
