@@ -1,6 +1,6 @@
 """Fuzzes the parsers, two at a time: `make fuzz`. Exit status 1 on a finding.
 
-python -m fuzz                       all targets: `recordings` 180 s, the four others 45 s each
+python -m fuzz                       all targets: `recordings` 180 s, the five others 45 s each
 python -m fuzz notes --seconds 5     this one
 python -m fuzz notes --input FILE    repeats one input, with its traceback
 python -m fuzz notes --base64 TEXT   the same; a finding prints this line
@@ -28,7 +28,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Final
 
-TARGETS: Final = ("framing", "capture", "catalog", "notes")  # libFuzzer's
+TARGETS: Final = ("framing", "capture", "catalog", "guided", "notes")  # libFuzzer's
 RECORDINGS: Final = "recordings"
 CORPUS: Final = Path(__file__).parent / "corpus"
 BUILD: Final = Path("build/fuzz")

@@ -11,6 +11,8 @@ from math import isfinite
 from typing import Final
 
 from mikas.catalog import shipped
+from mikas.guided.recorded import results_of
+from mikas.guided.result import read as read_result
 from mikas.recording.annotations.events import comment_of, events_of, recorded_faults, unit_of
 from mikas.recording.capture.blocks import Custom
 from mikas.recording.capture.notes import ENTERPRISE, TAG, block_of, read_block
@@ -34,5 +36,9 @@ def check(data: bytes) -> None:
     events = events_of(notes, shipped())
     for reading in (*events, *recorded_faults(notes)):
         assert isfinite(reading.time)
+    for result in results_of(notes):
+        again = json.dumps(result.as_json(), allow_nan=False, ensure_ascii=False)
+        assert read_result(json.loads(again)) == result
+        assert all(result.as_text())
     for event in events:
         json.dumps(event.as_json(), allow_nan=False, ensure_ascii=False).encode()

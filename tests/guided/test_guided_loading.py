@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from guided_rig import car_rows, run
 
 from mikas.catalog import shipped
 from mikas.catalog.loading.source import parse_source
@@ -15,7 +16,7 @@ from mikas.guided.definition import Statistic
 from mikas.guided.loading import from_source, load
 
 DOCS = (Path(__file__).parents[2] / "docs" / "guided-tests.md").read_text("utf-8")
-EXAMPLE = next(iter(re.findall(r"```toml\n(.*?)```", DOCS, re.DOTALL)))
+CAR, EXAMPLE = re.findall(r"```toml\n(.*?)```", DOCS, re.DOTALL)
 
 
 def test_the_documented_example_and_all_keys() -> None:
@@ -26,6 +27,13 @@ def test_the_documented_example_and_all_keys() -> None:
         assert f"`{key}`" in DOCS or f"`{key}." in DOCS or f"[{key}." in DOCS, key
     for name in load(shipped()).tests:
         assert f"| `{name}` |" in DOCS
+
+
+def test_the_documented_car_has_the_fault_that_is_said() -> None:
+    test = load(shipped()).tests["charging"]
+    result = run(test, car_rows(CAR.replace("duration = 3600\n", ""), test.channels, 70, 10))
+    assert result is not None
+    assert [finding.rule for finding in result.findings] == ["no_charge"]
 
 
 def test_one_wrong_file_among_the_users(tmp_path: Path) -> None:

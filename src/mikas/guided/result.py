@@ -219,7 +219,7 @@ def read(data: object, *, shift: float = 0.0) -> TestResult | None:
     """
     try:
         found = _read(data)
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, OverflowError):
         return None
     return replace(found, began=found.began + shift, ended=found.ended + shift)
 
@@ -251,7 +251,7 @@ def _read(data: Any) -> TestResult:  # noqa: ANN401  (any JSON)
                 None if it["value"] is None else _number(it["value"]),
                 _both(it["unit"]),
                 min(4, max(0, int(it["decimals"]))),
-                int(_number(it["count"])),
+                int(min(1e9, max(0.0, _number(it["count"])))),
                 _number(it["rate"]),
                 _both(it["why"]),
             )
