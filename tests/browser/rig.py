@@ -227,6 +227,7 @@ def dashboard(
             state=folder / "state",
             find=lambda: list(garage.ports),
             open_port=garage.open,
+            addresses=lambda: ("127.0.0.2", LAPTOP),
             tests=folder / "tests",
         ),
         port=FT232.url if begin else None,
@@ -247,7 +248,7 @@ def dashboard(
             fingerprint=made.fingerprint if made else None,
         )
         ready = threading.Event()
-        app = create_app(dashboard, access)
+        app = create_app(dashboard, access, certificate=made)
         server = Server(app, ready=ready.set, tls=made.context if made else None)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [own]})
         thread.start()

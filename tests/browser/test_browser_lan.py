@@ -62,6 +62,34 @@ def test_by_the_link_one_sees_live_values(lan, visitor):
     expect(tab.value("TWAT")).to_have_text("87")
 
 
+def test_one_switch_lets_a_phone_in_and_shuts_it_out(own, visitor):
+    tab = visitor(own.url).show("connection")
+    switch = tab.page.get_by_role("switch")
+    expect(switch).not_to_be_checked()
+    switch.check()
+    square = tab.page.get_by_role("img", name="QR code of the address")
+    expect(square).to_be_visible()
+    assert tab.until("() => document.querySelector('img[alt^=QR]').naturalWidth > 0")
+    link = own.access.lan_url
+    tab.says(link)
+    tab.says(own.access.fingerprint)
+    phone = visitor(f"https://127.0.0.2:{own.port}", viewport={"width": 390, "height": 844})
+    phone.refused = True
+    phone.page.goto(link)
+    phone.is_line("sampling")
+    expect(phone.find("header[data-line]")).to_contain_text("view only")
+    phone.show("connection")
+    expect(phone.page.get_by_role("switch")).to_have_count(0)
+    switch.uncheck()
+    expect(square).to_have_count(0)
+    phone.is_line("lost")
+    tab.page.get_by_role("switch").check()
+    expect(square).to_be_visible()
+    tab.says(own.access.lan_url)
+    assert phone.page.goto(link).status == 401  # its token is void
+    phone.says("scan its QR code")
+
+
 def test_a_link_in_a_message_opens_the_page(lan, dash, visitor):
     """Pressed on another site's page, as in a messenger's; a bookmark as well."""
     tab = visitor(dash.url).show("live")

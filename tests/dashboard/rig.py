@@ -180,6 +180,7 @@ def rig(
         find=lambda: list(cars.ports),
         open_port=cars.open,
         link_clock=cars.clock.now,
+        addresses=lambda: ("127.0.0.2", "garage"),
         language=language,
         tests=tmp_path / "tests",
     )

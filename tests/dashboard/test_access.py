@@ -174,6 +174,7 @@ BODIES = {
     "/api/control/take": {},
     "/api/dumps": {"space": "ram", "last": 1},
     "/api/changes": {"kind": "erase_faults"},
+    "/api/network": {"on": True},
     "/api/presets": {"presets": []},
     "/api/searches": {"searches": []},
     "/api/recording/note": {"text": "x"},

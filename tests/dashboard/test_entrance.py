@@ -137,3 +137,16 @@ def test_half_open_handshakes_make_room_for_the_next_one(certificate, tmp_path, 
         silent = [kept.enter_context(raw(it)) for _ in range(8)]
         with raw(it) as plain, trusting.wrap_socket(plain, server_hostname="garage"):
             assert end_of(silent[0]) == b""
+
+
+def test_closed_to_the_network_it_ends_its_connections_and_takes_no_more(lan, certificate):
+    entrance = lan.server._entrances[0]
+    loop = entrance._accepting.get_loop()
+    with raw(lan) as plain, certificate[1].wrap_socket(plain, server_hostname="garage") as open_one:
+        open_one.sendall(b"GET / HTTP/1.1\r\n")  # the handshake is over at both ends
+        with raw(lan) as half_open:
+            loop.call_soon_threadsafe(entrance.admit_network, None)
+            assert end_of(open_one) == b""
+            assert end_of(half_open) == b""
+    with raw(lan) as late:
+        assert end_of(late) == b""

@@ -25,6 +25,7 @@ from mikas.dashboard.api import (
     guided_tests,
     live,
     memory,
+    network,
     search,
     unit,
 )
@@ -34,8 +35,10 @@ from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import ErrorResponse
 from mikas.dashboard.security.access import Access
+from mikas.dashboard.security.certificate import Certificate
 from mikas.dashboard.security.middleware import AccessMiddleware
 from mikas.dashboard.settings import Settings
+from mikas.dashboard.sharing import Sharing
 
 _DESCRIPTION = """
 Everything that the page does, a script can do. Every client sends `X-Mikas-Client` (8 to 64
@@ -45,8 +48,8 @@ the control lease, which the first client gets. Times are UNIX seconds, bytes up
 Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 """
 
-_PARTS = (catalog, editing, values, connection, diagnosis, live, unit, guided_tests, memory,
-          dumps, changes, recordings, cars, exports, report, search)  # fmt: skip
+_PARTS = (catalog, editing, values, connection, diagnosis, live, network, unit, guided_tests,
+          memory, dumps, changes, recordings, cars, exports, report, search)  # fmt: skip
 
 
 class _Application(FastAPI):
@@ -68,8 +71,17 @@ class _Application(FastAPI):
         return described
 
 
-def create_app(dashboard: Dashboard, access: Access, *, folder: Path = page.FOLDER) -> FastAPI:
-    """Return the application, which starts and closes `dashboard`; `folder` has the built page."""
+def create_app(
+    dashboard: Dashboard,
+    access: Access,
+    *,
+    folder: Path = page.FOLDER,
+    certificate: Certificate | None = None,
+) -> FastAPI:
+    """Return the application, which starts and closes `dashboard`; `folder` has the built page.
+
+    `certificate`: with which the network is served from the start.
+    """
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -87,6 +99,7 @@ def create_app(dashboard: Dashboard, access: Access, *, folder: Path = page.FOLD
     )
     app.state.dashboard = dashboard
     app.state.access = access
+    app.state.sharing = Sharing(dashboard, access, certificate)
     app.state.broadcaster = live.Broadcaster(dashboard)
     errors.install(app)
     for part in _PARTS:

@@ -13,6 +13,7 @@ import ssl
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Final
+from weakref import WeakSet
 
 from mikas.dashboard.connections import HEAD_SECONDS
 
@@ -29,16 +30,26 @@ class Entrance:
         self,
         own: socket.socket,
         create: Callable[[], asyncio.Protocol],
-        context: ssl.SSLContext,
+        context: ssl.SSLContext | None,
     ) -> None:
         self._own, self._create, self._context = own, create, context
         self._accepting: asyncio.Task[None] | None = None
         self._tasks: set[asyncio.Task[None]] = set()
+        self._network: WeakSet[asyncio.Transport] = WeakSet()
 
     def open(self) -> None:
         """Begin to accept; in the event loop."""
         self._own.setblocking(False)
         self._accepting = asyncio.create_task(self._accept())
+
+    def admit_network(self, context: ssl.SSLContext | None) -> None:
+        """Serve the network by `context`; None: close its connections, and refuse new ones."""
+        self._context = context
+        if context is None:
+            for task in self._tasks:
+                task.cancel()  # handshakes; a connection of this computer takes none
+            for transport in tuple(self._network):
+                transport.abort()
 
     async def close(self) -> None:
         """Accept no more, and end the handshakes; connections stay."""
@@ -66,13 +77,20 @@ class Entrance:
             if connection.getsockname()[0] == PLAIN:
                 await loop.connect_accepted_socket(self._create, connection)
                 return
-            await loop.connect_accepted_socket(
+            context = self._context
+            if context is None:  # closed to the network
+                connection.close()
+                return
+            transport, _ = await loop.connect_accepted_socket(
                 self._create,
                 connection,
-                ssl=self._context,
+                ssl=context,
                 ssl_handshake_timeout=HEAD_SECONDS,
                 ssl_shutdown_timeout=_GOODBYE,
             )
+            self._network.add(transport)
+            if self._context is not context:  # closed, or opened anew, during the handshake
+                transport.abort()
 
 
 @contextmanager

@@ -73,8 +73,8 @@ class NotAllowed(ApiRefusal):
     status = 403
     what = Text("This client may view but not control", "Этому клиенту доступен только просмотр")
     advice = Text(
-        "Use the laptop itself, or restart the dashboard with --lan-control.",
-        "Управляйте с самого ноутбука или перезапустите панель с ключом --lan-control.",
+        "Use the laptop itself, or allow control on its Connection screen.",
+        "Управляйте с самого ноутбука или разрешите управление на его экране «Связь».",
     )
 
 
@@ -88,6 +88,20 @@ class NotFromNetwork(ApiRefusal):
         "anything else on the laptop itself.",
         "Отсюда можно выбрать адаптеры из списка ноутбука и его виртуальные автомобили. Всё "
         "остальное выбирают на самом ноутбуке.",
+    )
+
+
+class OnlyHere(ApiRefusal):
+    """A client in the network wants to open or close the dashboard to the network."""
+
+    status = 403
+    what = Text(
+        "Access from the network is switched on the computer itself",
+        "Доступ из сети включают только на самом компьютере",
+    )
+    advice = Text(
+        "Use the Connection screen of the computer with the cable.",
+        "Откройте экран «Связь» на компьютере с кабелем.",
     )
 
 

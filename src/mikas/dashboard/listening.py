@@ -44,7 +44,7 @@ def listen(port: int | None, *, lan: bool) -> ListeningSocket:
     failure: OSError | None = None
     for number in (*wanted, *([0] if port is None else [])):
         try:
-            return _bound("0.0.0.0" if lan else "127.0.0.1", number)
+            return bound("0.0.0.0" if lan else "127.0.0.1", number)
         except OSError as error:
             failure = error
             if error.errno not in (errno.EADDRINUSE, errno.EACCES):
@@ -59,7 +59,8 @@ def listen(port: int | None, *, lan: bool) -> ListeningSocket:
     ) from failure
 
 
-def _bound(host: str, port: int) -> ListeningSocket:
+def bound(host: str, port: int) -> ListeningSocket:
+    """Return a listening socket at one address. Raises `OSError`."""
     own = ListeningSocket(socket.AF_INET, socket.SOCK_STREAM)
     try:
         if sys.platform != "win32":  # where the option would share the port with another program

@@ -189,6 +189,7 @@ class Server(uvicorn.Server):
         """Cancel reports and exports at once, then shut down."""
         for entrance in self._entrances:
             await entrance.close()
+        await self._app.state.sharing.end()
         await self._app.state.dashboard.library.close()
         await super().shutdown(sockets)
 
@@ -204,8 +205,16 @@ class Server(uvicorn.Server):
             self._entrances = [Entrance(own, self._protocol, tls) for own in sockets or ()]
             for entrance in self._entrances:
                 entrance.open()
+        self._app.state.sharing.attach(self._network_entrance, self._entrances)
         if not self.should_exit:
             self._ready()
+
+    def _network_entrance(self, own: ListeningSocket, context: ssl.SSLContext) -> Entrance:
+        """Return an open entrance for the network, which is counted with the others."""
+        own.accept_by = self.guard.accept
+        entrance = Entrance(own, self._protocol, context)
+        entrance.open()
+        return entrance
 
     def _protocol(self) -> asyncio.Protocol:
         """Return the protocol of a new connection, as `uvicorn.Server.startup` makes it."""

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from mikas.catalog.own.file import NAME, OwnCatalog
 from mikas.client.connecting import STATE_VARIABLE, ConnectionOptions, state_folder
 from mikas.client.polling import FixedMethod
+from mikas.dashboard.listening import own_addresses
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Language, Text
 from mikas.link import Link, Port, find_ports, open_link
@@ -84,6 +85,8 @@ class Settings:
     find: Callable[[], list[Port]] = find_ports
     open_port: Callable[[str], Link] = open_link
     link_clock: Callable[[], float] | None = None
+    addresses: Callable[[], tuple[str, ...]] = own_addresses
+    """This computer's addresses and names in the network."""
     language: Language | None = None
     """The page's language until the user chooses one there; None: the browser's."""
     own: OwnCatalog | None = None

@@ -244,7 +244,7 @@ def _serve(context: CommandContext, options: DashboardOptions, ahead: PortAhead 
             from mikas.dashboard.server import serve
 
             serve(
-                create_app(dashboard, access),
+                create_app(dashboard, access, certificate=certificate),
                 own,
                 ready=lambda: _show_address(context, access, options, settings),
                 tls=certificate.context if certificate else None,

@@ -49,6 +49,8 @@ class AboutResponse(BaseModel):
     rights: Literal["control", "view"]
     demo: bool
     lan: bool
+    lan_control: bool = Field(description="clients in the network may control")
+    local: bool = Field(description="this client is on this computer: it may open the network")
     url: str
     lan_url: str | None
     fingerprint: str | None
@@ -121,6 +123,8 @@ def about(request: Request, dashboard: TheDashboard, client: Viewer) -> AboutRes
         rights="control" if client.may_control else "view",
         demo=dashboard.connection.is_demo,
         lan=access.lan,
+        lan_control=access.lan_control,
+        local=bool(request.scope["state"]["local"]),
         url=access.url,
         lan_url=access.lan_url if client.may_control else None,
         fingerprint=access.fingerprint,

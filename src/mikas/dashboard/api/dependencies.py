@@ -24,7 +24,7 @@ from starlette.requests import HTTPConnection
 from mikas.cleaning import clean_line, clean_text
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import status_of
-from mikas.dashboard.errors import BadRequest, NotAllowed
+from mikas.dashboard.errors import BadRequest, NotAllowed, OnlyHere
 from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.security.access import PortPolicy
 from mikas.dashboard.security.control import Client
@@ -142,6 +142,16 @@ def _known(client: Viewer) -> Client:
 
 KnownClient = Annotated[Client, Depends(_known)]
 """A client with control rights and an id, which need not hold the lease."""
+
+
+def _local(client: KnownClient, request: Request) -> Client:
+    if not request.scope["state"]["local"]:
+        raise OnlyHere
+    return client
+
+
+LocalClient = Annotated[Client, Depends(_local)]
+"""A client with control rights and an id, on this computer."""
 
 
 async def _controller(

@@ -1,7 +1,7 @@
 """Rights of a request by its host and token, and the ports that it may name.
 
-    on this computer   Host and Origin must be this server's    control
-    --lan              a token in addition                      view; with lan_control: control
+    on this computer     Host and Origin must be this server's    control
+    open to the network  a token in addition                      view; with lan_control: control
 
 The network is served over TLS, this computer's own address is not (`dashboard/entrance.py`).
 
@@ -44,9 +44,11 @@ _LOCAL = ("127.0.0.1", "localhost", "[::1]")
 _FORWARDING = ("forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-real-ip")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Access:
     """The rules in force. `hosts`: this computer's names in the network, with `lan`.
+
+    `share` and `unshare` switch the network at run time (`mikas.dashboard.sharing`).
 
     `fingerprint`: of the certificate, in pairs of digits; None: the network gets plain HTTP.
     """
@@ -57,6 +59,16 @@ class Access:
     hosts: tuple[str, ...] = ()
     token: str = field(default_factory=lambda: secrets.token_urlsafe(18), repr=False)
     fingerprint: str | None = None
+
+    def share(self, hosts: tuple[str, ...], fingerprint: str, *, control: bool) -> None:
+        """Let the network in, by a new token."""
+        self.hosts, self.fingerprint, self.lan_control = hosts, fingerprint, control
+        self.token, self.lan = _new_token(), True
+
+    def unshare(self) -> None:
+        """Refuse the network; the token is void."""
+        self.lan = self.lan_control = False
+        self.token, self.hosts, self.fingerprint = _new_token(), (), None
 
     @property
     def url(self) -> str:
@@ -101,7 +113,7 @@ class Access:
         if any(name in request.headers for name in _FORWARDING):
             return False
         local = _host(request) in self._addresses(local=True)
-        return local and (not self.lan or _is_loopback(request))
+        return local and _is_loopback(request)
 
     def offers_token(self, scope: Scope) -> bool:
         """Whether the link with the right token is being opened; a cookie is to be set."""
@@ -169,6 +181,10 @@ class PortPolicy:
             return
         if not (_is_shipped_car(url) or url in [port.url for port in self.find()]):
             raise NotFromNetwork(url=url)
+
+
+def _new_token() -> str:
+    return secrets.token_urlsafe(18)
 
 
 def is_encrypted(scope: Scope) -> bool:

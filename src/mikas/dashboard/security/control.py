@@ -47,11 +47,13 @@ class Client:
     id: str = field(repr=False)
     name: str
     may_control: bool
+    local: bool = True
+    """On this computer."""
 
     @classmethod
     def of(cls, secret: str, name: str, *, may_control: bool, local: bool) -> Self:
         """Return the client with that secret; one in the network never is one on this computer."""
-        return cls(_digest(f"{'here' if local else 'network'} {secret}"), name, may_control)
+        return cls(_digest(f"{'here' if local else 'network'} {secret}"), name, may_control, local)
 
     @property
     def handle(self) -> str:
@@ -118,6 +120,12 @@ class ControlLease:
         """Free the lease, if `client` holds it."""
         with self._lock:
             if self._holder is not None and self._holder.id == client.id:
+                self._give(None)
+
+    def expel(self) -> None:
+        """Free the lease, if a client in the network holds it."""
+        with self._lock:
+            if self._holder is not None and not self._holder.local:
                 self._give(None)
 
     def socket_opened(self, client: Client, page: str) -> None:

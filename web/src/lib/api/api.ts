@@ -53,6 +53,7 @@ export const api = {
   testInReport: (id: string, wanted: boolean) =>
     put<Api.TestVerdict>(`/tests/results/${part(id)}`, { in_report: wanted }),
 
+  network: (on: boolean, control: boolean) => put<Api.About>("/network", { on, control }),
   faults: () => get<Api.Faults>("/faults"),
   lastFaults: () => get<Api.Faults>("/faults", { last: true }),
   passport: () => get<Api.Passport>("/passport"),

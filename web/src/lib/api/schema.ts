@@ -20,6 +20,10 @@ export interface components {
             rights: "control" | "view";
             demo: boolean;
             lan: boolean;
+            /** @description clients in the network may control */
+            lan_control: boolean;
+            /** @description this client is on this computer: it may open the network */
+            local: boolean;
             url: string;
             lan_url: string | null;
             fingerprint: string | null;
@@ -613,6 +617,12 @@ export interface components {
         NamedMarker: {
             time: number;
             label: string;
+        };
+        /** @description `control`: clients in the network may control; else they may only view. */
+        NetworkRequest: {
+            on: boolean;
+            /** @default false */
+            control: boolean;
         };
         /** @description Limits of alarms; null: no such limit, also where the shipped catalog has one. */
         NewLimits: {

@@ -209,9 +209,17 @@ export const t = dictionary({
   },
 
   lan: { en: "Phone or tablet", ru: "Телефон или планшет" },
+  lan_switch: { en: "Allow phones and other computers of this network", ru: "Пустить телефоны и другие компьютеры этой сети" },
+  lan_is_on: { en: "Phones and other computers of this network may look on", ru: "Телефоны и другие компьютеры этой сети допущены" },
+  lan_busy: { en: "One moment…", ru: "Подождите…" },
+  lan_control: { en: "They may control, not only view", ru: "Им можно и управлять, не только смотреть" },
   lan_more: {
-    en: "On the same Wi-Fi, open this address or scan the QR code. It contains the token: whoever has it can see everything, and can control if the program was started with --lan-control.",
-    ru: "В той же сети Wi-Fi откройте этот адрес или снимите QR-код. В нём ключ доступа: с ним видно всё, а если программа запущена с --lan-control, можно и управлять.",
+    en: "On the same Wi-Fi, open this address or scan the QR code. It contains the token: whoever has it can see everything, and change nothing.",
+    ru: "В той же сети Wi-Fi откройте этот адрес или снимите QR-код. В нём ключ доступа: с ним видно всё, но менять ничего нельзя.",
+  },
+  lan_more_control: {
+    en: "On the same Wi-Fi, open this address or scan the QR code. It contains the token: whoever has it can see everything, and control.",
+    ru: "В той же сети Wi-Fi откройте этот адрес или снимите QR-код. В нём ключ доступа: с ним видно всё и можно управлять.",
   },
   lan_certificate: {
     en: "If the browser there warns of the certificate (mikas makes it itself), compare its SHA-256 fingerprint with this one, and continue only if it is the same:",
@@ -222,8 +230,8 @@ export const t = dictionary({
     ru: "Соединение не шифруется (--no-tls): любой в этой сети может прочитать ключ доступа и воспользоваться им.",
   },
   lan_off: {
-    en: "To watch from a phone, start the program with --lan: mikas dash --lan. It then shows a link and a QR code.",
-    ru: "Чтобы смотреть с телефона, запустите программу с --lan: mikas dash --lan. Она покажет ссылку и QR-код.",
+    en: "The program now listens on this computer only. The switch opens it to the network, encrypted, by a link with a new token; switched off, the token is void and all connections end. It is off at each start.",
+    ru: "Сейчас программа доступна только с этого компьютера. Переключатель открывает её для сети: с шифрованием, по ссылке с новым ключом. После выключения ключ не действует и все соединения закрыты. При каждом запуске выключено.",
   },
   lan_here: {
     en: "This page is already open over the network. The link is shown at the computer with the cable.",

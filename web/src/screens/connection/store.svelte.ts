@@ -9,6 +9,9 @@ import type { About, DoctorStep, Port, State } from "../../lib/api/types";
 class ConnectionStore {
   readonly ports = new ApiRequest<Port[]>();
   readonly about = new ApiRequest<About>();
+  readonly network = new ApiRequest<About>();
+  /** Counts the answers of the switch: each has another link. */
+  shares = $state(0);
   readonly connecting = new ApiRequest<State>();
   /** The port being connected to; "" for the most likely one. */
   wanted = $state<string | null>(null);
@@ -31,6 +34,14 @@ class ConnectionStore {
   /** The port that is or was checked, as the program says. */
   get checkedPort(): string | null {
     return this.steps[0]?.port ?? this.examined;
+  }
+
+  /** Open the program to the network, or close it. */
+  async share(on: boolean, control: boolean): Promise<void> {
+    const about = await this.network.run(() => api.network(on, control));
+    if (!about) return void (await this.about.run(() => api.about()));
+    if (about.lan) this.shares += 1;
+    this.about.value = about;
   }
 
   async scan(): Promise<void> {

@@ -1,0 +1,36 @@
+"""The route of the switch that opens the dashboard to the network, for this computer only."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request
+from pydantic import BaseModel, Field
+
+from mikas.dashboard.api.catalog import AboutResponse, about
+from mikas.dashboard.api.dependencies import LocalClient, TheDashboard
+from mikas.dashboard.api.errors import errors
+from mikas.dashboard.sharing import Sharing
+
+router = APIRouter(tags=["about"])
+
+
+class NetworkRequest(BaseModel):
+    """`control`: clients in the network may control; else they may only view."""
+
+    on: bool
+    control: bool = Field(False)
+
+
+@router.put("/network", responses=errors(409))
+async def network(
+    request: Request, dashboard: TheDashboard, client: LocalClient, body: NetworkRequest
+) -> AboutResponse:
+    """Open the dashboard to the network with a new token, or close it and end the token.
+
+    For clients on this computer only. 409 with the reason: no network, a port that is taken.
+    """
+    sharing: Sharing = request.app.state.sharing
+    if body.on:
+        await sharing.open(control=body.control)
+    else:
+        await sharing.close()
+    return about(request, dashboard, client)

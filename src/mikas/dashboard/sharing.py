@@ -1,0 +1,153 @@
+"""The switch that opens the dashboard to the network, and closes it again, while it runs.
+
+Off, the program listens on 127.0.0.1 only. On, it listens in addition on each of this computer's
+addresses in the network, at the same port, with TLS: `Access` gets a new token, the names and the
+fingerprint. Off again, the token is void before anything else happens; then the listening sockets
+and all connections of the network are closed. A program that was started with `--lan` listens on
+all addresses from its start; its network side is switched alike, but the socket stays.
+
+Nothing is kept: a start without `--lan` begins closed. Only a client on this computer may switch
+(`api.network`).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import ipaddress
+import ssl
+from collections.abc import Callable, Sequence
+from datetime import UTC, datetime
+from typing import Protocol
+
+from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.errors import Busy
+from mikas.dashboard.listening import ListeningSocket, bound
+from mikas.dashboard.security.access import Access
+from mikas.dashboard.security.certificate import Certificate, own_certificate
+from mikas.errors import reason_of
+from mikas.i18n import Text
+
+_NO_NETWORK = Text(
+    "this computer has no address in a network. Connect it to the Wi-Fi of the phone, or to the "
+    "phone's hotspot, then switch on again",
+    "у этого компьютера нет адреса в сети. Подключите его к той же сети Wi-Fi, что и телефон, или "
+    "к точке доступа телефона и включите снова",
+)
+_NOT_ENCRYPTED = Text(
+    "the program was started with --no-tls. Restart it without that option",
+    "программа запущена с --no-tls. Перезапустите её без этого ключа",
+)
+
+
+class NetworkEntrance(Protocol):
+    """A listening socket for the network: `mikas.dashboard.entrance`."""
+
+    def admit_network(self, context: ssl.SSLContext | None) -> None:
+        """Serve the network by `context`; None: close its connections, and refuse new ones."""
+
+    async def close(self) -> None:
+        """Accept no more."""
+
+
+class Sharing:
+    """The switch. All of it runs in the event loop.
+
+    `certificate`: the one in use since the start (`--lan`); None: mikas makes its own when it is
+    needed.
+    """
+
+    def __init__(
+        self, dashboard: Dashboard, access: Access, certificate: Certificate | None = None
+    ) -> None:
+        self._dashboard, self._access, self._certificate = dashboard, access, certificate
+        self._plain = access.lan and certificate is None and access.fingerprint is None
+        self._lock = asyncio.Lock()
+        self._create: Callable[[ListeningSocket, ssl.SSLContext], NetworkEntrance] | None = None
+        self._first: Sequence[NetworkEntrance] = ()
+        self._opened: list[tuple[ListeningSocket, NetworkEntrance]] = []
+
+    def attach(
+        self,
+        create: Callable[[ListeningSocket, ssl.SSLContext], NetworkEntrance],
+        first: Sequence[NetworkEntrance] = (),
+    ) -> None:
+        """Set how an entrance is opened, and those of the start; called by the server."""
+        self._create, self._first = create, first
+
+    async def open(self, *, control: bool) -> None:
+        """Open to the network, to view or to control; an open one gets a new token.
+
+        Raises `Busy` with the reason, and `UsageError` if the certificate can't be made.
+        """
+        async with self._lock:
+            if self._plain or self._create is None:
+                raise Busy(problem=_NOT_ENCRYPTED)
+            await self._shut()
+            here = await asyncio.to_thread(self._dashboard.settings.addresses)
+            numbers = [name for name in here if _is_number(name)]
+            if not numbers:
+                raise Busy(problem=_NO_NETWORK)
+            certificate = self._certificate
+            if certificate is None:
+                file, now = self._dashboard.settings.certificate, datetime.now(UTC)
+                certificate = await asyncio.to_thread(own_certificate, file, here, now)
+            if not self._first:
+                sockets = self._bound(numbers)
+                taken = {own.getsockname()[0] for own in sockets}
+                here = tuple(name for name in here if name in taken or not _is_number(name))
+                for own in sockets:
+                    self._opened.append((own, self._create(own, certificate.context)))
+            for entrance in self._first:
+                entrance.admit_network(certificate.context)
+            self._access.share(certificate.hosts(here), certificate.fingerprint, control=control)
+            self._dashboard.lan = True
+
+    async def end(self) -> None:
+        """Close everything at the end of the program."""
+        async with self._lock:
+            await self._shut()
+
+    async def close(self) -> None:
+        """Close to the network; the token and all connections of the network end at once."""
+        async with self._lock:
+            if self._plain:
+                raise Busy(problem=_NOT_ENCRYPTED)
+            await self._shut()
+
+    async def _shut(self) -> None:
+        self._access.unshare()
+        self._dashboard.lan = False
+        self._dashboard.control.expel()
+        opened, self._opened = self._opened, []
+        for entrance in (*self._first, *(entrance for _, entrance in opened)):
+            entrance.admit_network(None)
+        for own, entrance in opened:
+            await entrance.close()
+            own.close()
+
+    def _bound(self, numbers: Sequence[str]) -> list[ListeningSocket]:
+        """Return a socket for each address at which the port is free. Raises `Busy` if none is."""
+        found, failure = [], None
+        for number in numbers:
+            try:
+                found.append(bound(number, self._access.port))
+            except OSError as error:
+                failure = number, error
+        if found or failure is None:
+            return found
+        why, at = reason_of(failure[1]), f"{failure[0]}:{self._access.port}"
+        raise Busy(
+            problem=Text(
+                f"the address {at} can't be opened: {why.en}. Another program may use this port "
+                "there: restart with another --host-port",
+                f"адрес {at} открыть не удаётся: {why.ru}. Возможно, этот порт там занят другой "
+                "программой: перезапустите с другим --host-port",
+            )
+        ) from failure[1]
+
+
+def _is_number(name: str) -> bool:
+    try:
+        return isinstance(ipaddress.ip_address(name), ipaddress.IPv4Address)
+    except ValueError:
+        return False
