@@ -134,6 +134,21 @@ def test_with_a_recording_open_the_report_is_of_that_and_says_so(recorded, visit
     expect(frame.locator("header")).not_to_contain_text("drive.pcapng")
 
 
+def test_statistics_of_what_is_drawn(recorded, visitor):
+    tab = visitor(recorded.url)
+    tab.show("recordings").press("Open")
+    expect(tab.page.get_by_role("slider")).to_be_visible()
+    tab.show("chart").page.get_by_role("button", name="More").click()
+    tab.page.get_by_text("Statistics…").click()
+    coolant = tab.page.get_by_role("dialog").get_by_role("region", name="Coolant temperature")
+    expect(coolant).to_contain_text(re.compile(r"Lowest\s*87 °C"))
+    expect(coolant).to_contain_text(re.compile(r"Highest\s*88 °C"))
+    expect(coolant).to_contain_text(re.compile(r"Mean\s*87\.\d °C"))
+    expect(coolant).to_contain_text(re.compile(r"Above 100 °C\s*0\.0 s \(0 %\)"))
+    coolant.get_by_role("textbox").fill("87,5")
+    expect(coolant).to_contain_text(re.compile(r"Above 8[78](\.5)? °C\s*\d+\.\d s \([1-9]\d? %\)"))
+
+
 def test_deleting_asks(recorded, visitor):
     tab = visitor(recorded.url).show("recordings")
     tab.press("Delete drive.pcapng")
