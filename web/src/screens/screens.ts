@@ -24,7 +24,7 @@ export const screens: readonly ScreenEntry[] = [
   { name: "live", icon: "live", component: Live, inBar: true },
   { name: "chart", icon: "chart", component: Chart, inBar: true },
   { name: "faults", icon: "faults", component: Faults, inBar: true },
-  { name: "tests", icon: "tests", component: Tests },
+  { name: "tests", icon: "tests", component: Tests, inBar: true },
   { name: "passport", icon: "passport", component: Passport },
   { name: "memory", icon: "memory", component: Memory },
   { name: "recordings", icon: "recordings", component: Recordings, inBar: true },
