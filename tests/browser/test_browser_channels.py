@@ -118,3 +118,27 @@ def test_a_channel_of_ones_own(own, visitor):
     editor.get_by_role("button", name="Delete it").click()
     expect(editor).to_have_count(0)
     own.until(lambda: "TWICE" not in [it["name"] for it in own.state()["plan"]["wanted"]])
+
+
+def test_the_card_of_a_recording_has_its_moment_and_the_present_catalog(own, visitor):
+    own.samples()
+    own.post("/recording/start", {"name": "drive"})
+    own.until(lambda: (own.state()["recording"] or {"samples": 0})["samples"] > 30)
+    own.garage.set("TWAT", "7A")
+    own.until(lambda: own.get("/channels/TWAT/value")["value"] == 82)
+    own.post("/recording/stop")
+    own.garage.set("TWAT", "5F")
+    tab = visitor(own.url).show("recordings")
+    tab.press("Open")
+    tab.page.get_by_role("region", name="Player").get_by_role("slider").press("Home")
+    tab.show("chart")
+    tab.button("About Coolant temperature").click()
+    expect(sheet(tab).locator("[data-raw]")).to_have_text("7F, that is 87 °C")
+    # Another client changes a limit and adds a channel: the open card and recording have both.
+    limits = {"warning_high": 80, "danger_high": None, "hysteresis": 0}
+    own.api.put("/api/channels/TWAT/keys", json={"limits": limits}).raise_for_status()
+    expect(sheet(tab).locator(".beyond")).to_have_text("Above the limit 80 °C: warning")
+    channel = {"formula": "TWAT + 1", "text": {"en": "One more", "ru": "x"}, "new": True}
+    own.api.put("/api/channels/MORE", json=channel).raise_for_status()
+    tab.until("() => document.querySelector('[data-raw]').textContent.startsWith('7F')")
+    expect(sheet(tab).locator("[data-raw]")).to_have_text("7F, that is 87 °C")
