@@ -47,7 +47,7 @@ ambient = 5
 running = true
 {start}
 [timeline]
-speed = [[0, 0], [20, 0], [40, 70], [300, 70]]
+speed = [[0, 0], [10, 0], [30, 70], [300, 70]]
 [condition]
 {condition}
 """
@@ -81,7 +81,7 @@ DRIVES = {
     "knock": (PULL, 25, 12),
     "sensors": (START, 9, 6),
     "throttle": (SWEEP, 46, 8),
-    "warmup": (WARM_UP, 260, 0.5),
+    "warmup": (WARM_UP, 225, 0.5),
 }
 COLD = "coolant = 68.7"
 """The scenario of each test, its length in seconds, and readings a second."""
@@ -128,23 +128,19 @@ def test_a_sound_car_is_good(test: str) -> None:
         ("charging", "", "alternator = 0.3", Outcome.BAD, {"no_charge"}),
         ("charging", "", "regulator = 15.6", Outcome.BAD, {"overcharge"}),
         ("charging", "battery = 0.7", "", Outcome.BAD, {"weak_battery"}),
-        ("charging", "battery = 0.7", "alternator = 0", Outcome.BAD, {"weak_battery", "no_charge"}),
         ("charging", "", "coolant_sensor = 15", Outcome.GOOD, {"good"}),
         ("cranking", "", "starter = 0.8", Outcome.BAD, {"slow_starter"}),
         ("cranking", "battery = 0.5", "", Outcome.BAD, {"slow_battery"}),
         ("cranking", "", "leak = 4", Outcome.GOOD, {"good"}),
         ("idle", "", "idle_valve = 12", Outcome.BAD, {"hunting"}),
-        ("idle", "", "idle_valve = 6", Outcome.ATTENTION, {"uneasy"}),
         ("idle", "", "leak = 4", Outcome.BAD, {"leak"}),
         ("idle", "", "air_meter = 0.8", Outcome.BAD, {"meter"}),
         ("idle", "", "alternator = 0", Outcome.GOOD, {"good"}),
         ("knock", "", "knock = 6", Outcome.BAD, {"knock"}),
         ("knock", "", "knock = 3", Outcome.ATTENTION, {"some_knock"}),
-        ("knock", "", "leak = 4", Outcome.GOOD, {"good"}),
         ("throttle", "", "throttle_dead = [30, 45]", Outcome.BAD, {"dead_spot"}),
         ("throttle", "", "leak = 4", Outcome.GOOD, {"good"}),
         ("warmup", "", "thermostat = 1", Outcome.BAD, {"open"}),
-        ("warmup", "coolant = 44", "coolant_sensor = 25", Outcome.BAD, {"hot"}),
         ("sensors", "", "coolant_sensor = 15", Outcome.ATTENTION, {"apart"}),
         ("sensors", "", "coolant_sensor = -12", Outcome.ATTENTION, {"apart"}),
         ("sensors", "coolant = 60", "", Outcome.UNKNOWN, set()),
@@ -165,6 +161,13 @@ def test_an_air_flow_that_does_not_follow_the_throttle() -> None:
     assert rules(judged("throttle", halved)) == {"air_implausible"}
     loose = ((time, v | {"JAIR": 6.0 if 4 <= v["THR"] <= 6 else v["JAIR"]}) for time, v in rows)
     assert rules(judged("throttle", loose)) == {"air_falls"}
+
+
+def test_an_engine_that_overheats() -> None:
+    hot = (
+        (t, v | {"TWAT": v["TWAT"] + (25 if t > 40 else 0)}) for t, v in rows_of("warmup", "", "")
+    )
+    assert rules(judged("warmup", hot)) == {"hot"}
 
 
 def without(rows: Iterable[Row], began: float, ended: float) -> Iterator[Row]:
