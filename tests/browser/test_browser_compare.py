@@ -186,7 +186,7 @@ def test_it_is_aligned_by_a_moment_of_each(compared):
 
 
 def test_it_goes_on_while_the_first_one_plays(compared):
-    compared.page.get_by_label("Speed").select_option("16")
+    compared.page.get_by_role("combobox", name="Speed").select_option("16")
     compared.press("Play")
     expect(second(compared, "TWAT")).to_have_text("60")
     expect(compared.traced("TWAT")).to_have_text("89")
