@@ -182,3 +182,21 @@ def test_a_table_of_two_recordings_shows_their_difference(drives, visitor):
     tab.says("this recording minus the reference other.pcapng")
     tab.page.get_by_label("Shown").select_option("reference")
     expect(_cell(tab, "80–90").locator("b")).to_have_text("17.00")
+
+
+def test_references_come_first_and_the_virtual_car_is_named_as_such(drives, visitor):
+    tab = _opened(drives, visitor)
+    tab.show("recordings").press("Make other.pcapng a reference")
+    expect(tab.button("other.pcapng is a reference: remove the mark")).to_be_visible()
+    tab.show("chart").press("Compare with…")
+    sheet = tab.page.get_by_role("dialog")
+    expect(sheet.locator("li").first).to_contain_text("★ other.pcapng")
+    words = "virtual car, not measured on a real engine"
+    idle = sheet.get_by_role("button", name="Virtual car 7.1: warm idle")
+    expect(idle).to_contain_text(words)
+    idle.click()
+    bar = tab.page.get_by_role("group", name="Comparison")
+    expect(bar).to_contain_text(f"Virtual car 7.1: warm idle ({words})")
+    expect(tab.find('[data-second="TWAT"] b')).to_have_text(re.compile("8[5-9]"))
+    _view(tab, "Table")
+    tab.says(f"minus the reference Virtual car 7.1: warm idle ({words})")

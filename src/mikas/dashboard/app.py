@@ -30,7 +30,7 @@ from mikas.dashboard.api import (
     unit,
 )
 from mikas.dashboard.api.channels import editing, values
-from mikas.dashboard.api.library import cars, dumps, exports, recordings, report
+from mikas.dashboard.api.library import cars, dumps, exports, recordings, references, report
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import ErrorResponse
@@ -49,7 +49,8 @@ Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 """
 
 _PARTS = (catalog, editing, values, connection, diagnosis, live, network, unit, guided_tests,
-          memory, dumps, changes, recordings, cars, exports, report, search)  # fmt: skip
+          memory, dumps, changes, recordings, references, cars, exports, report,
+          search)  # fmt: skip
 
 
 class _Application(FastAPI):

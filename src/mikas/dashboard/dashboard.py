@@ -20,6 +20,7 @@ from mikas.client import Info, Support
 from mikas.client.cars import CarBook, CarDetails
 from mikas.client.polling import FixedMethod
 from mikas.dashboard.library.folder import RecordingFolder
+from mikas.dashboard.library.references import References
 from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.security.confirmations import ConfirmationStore, WriteApproval, WriteLock
 from mikas.dashboard.security.control import ControlLease
@@ -104,7 +105,11 @@ class Dashboard:
             catalog=lambda: self.catalog,
         )
         self.library = RecordingService(
-            folder, options, clock=clock, in_progress=lambda: self.recorder.file_name
+            folder,
+            options,
+            References(settings.references, settings.virtual_recordings),
+            clock=clock,
+            in_progress=lambda: self.recorder.file_name,
         )
         self.dump_jobs = DumpJobs(self.connection, settings.dumps, clock)
         self._approval = WriteApproval()

@@ -123,6 +123,16 @@ class Settings:
         return self._state / "searches.json"
 
     @property
+    def references(self) -> Path:
+        """The file of the recordings that are marked as references."""
+        return self._state / "references.json"
+
+    @property
+    def virtual_recordings(self) -> Path:
+        """The folder of recordings of the virtual car."""
+        return self._state / "virtual"
+
+    @property
     def test_results(self) -> Path:
         """The folder of the results of guided tests, a file per unit."""
         return self._state / "tests"

@@ -7,18 +7,25 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 from mikas.dashboard.errors import Busy, ConfirmationOutdated, NotFound
+from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.security.confirmations import PendingChange
+from mikas.errors import UsageError
 from mikas.i18n import Text
 
 _MEANING = Text(
     "The file is deleted permanently. Download it first if you may need it.",
     "Файл удаляется безвозвратно. Если он может понадобиться, сначала скачайте его.",
+)
+_MARKED = Text(
+    f"This recording is a reference that others are compared with. {_MEANING.en}",
+    f"Эта запись — образец, с которым сравнивают другие. {_MEANING.ru}",
 )
 
 
@@ -63,7 +70,12 @@ class Found:
 
 
 async def deletion(
-    texts: DeletionTexts, name: str, find: Callable[[], Found], *, blocking: bool
+    texts: DeletionTexts,
+    name: str,
+    find: Callable[[], Found],
+    *,
+    blocking: bool,
+    meaning: Text = _MEANING,
 ) -> PendingChange:
     """Return the deletion, to be confirmed. Raises `NotFound`, `Busy` for a file in use.
 
@@ -95,7 +107,7 @@ async def deletion(
         before=found.shown,
         after=None,
         lost=(found.shown,),
-        meaning=_MEANING,
+        meaning=meaning,
         make=make,
     )
 
@@ -106,7 +118,14 @@ async def recording_deletion(library: RecordingService, identity: str) -> Pendin
     def find() -> Found:
         file = library.folder.one(identity)
         shown = {"id": file.id, "bytes": file.bytes}
-        remove = partial(library.folder.delete, file)
-        return Found(shown, file.stamp, library.is_growing(file), remove)
+        return Found(shown, file.stamp, library.is_growing(file), partial(remove, file))
 
-    return await deletion(RECORDING, identity, find, blocking=True)
+    def remove(file: RecordingFile) -> None:
+        library.folder.delete(file)
+        if file.id in library.references.marked():
+            with suppress(UsageError):  # a mark of a file that is gone does nothing
+                library.references.mark(file.id, on=False)
+
+    marked = identity in await asyncio.to_thread(library.references.marked)
+    meaning = _MARKED if marked else _MEANING
+    return await deletion(RECORDING, identity, find, blocking=True, meaning=meaning)

@@ -22,6 +22,7 @@ from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import TookTooLong
 from mikas.dashboard.library.folder import LeftOut, RecordingFile, RecordingFolder
 from mikas.dashboard.library.lanes import Lane, LaneLimits
+from mikas.dashboard.library.references import References
 from mikas.i18n import Text
 from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary, summarise
@@ -80,11 +81,13 @@ class RecordingService:
         self,
         folder: RecordingFolder,
         options: ConnectionOptions,
+        references: References,
         *,
         clock: Callable[[], float],
         in_progress: Callable[[], str | None],
     ) -> None:
         self.folder = folder
+        self.references = references
         self.catalog: Catalog = options.catalog
         self.interpretation = options.interpretation
         self.views, self.files = Lane(VIEWS), Lane(FILES)
@@ -110,6 +113,17 @@ class RecordingService:
         with self.views.place(address):
             return await self.views.run(
                 lambda: look(self.folder.one(identity)), key=identity, address=address
+            )
+
+    async def view_any(
+        self, identity: str, look: Callable[[RecordingFile], T], address: str | None
+    ) -> T:
+        """Return `look(file)` as `view` does, also of a recording of the virtual car."""
+        with self.views.place(address):
+            return await self.views.run(
+                lambda: look(self.references.virtual(identity) or self.folder.one(identity)),
+                key=identity,
+                address=address,
             )
 
     async def all(self, address: str | None) -> tuple[list[Listed], list[LeftOut]]:

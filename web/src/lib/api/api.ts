@@ -94,6 +94,8 @@ export const api = {
   car: () => get<Api.UnitCar>("/car"),
   writeCar: (car: Api.Car) => put<Api.UnitCar>("/car", car),
   writeRecordingCar: (id: string, car: Api.Car) => put<Api.Car>(`/recordings/${part(id)}/car`, car),
+  references: () => get<Api.References>("/references"),
+  markReference: (id: string, on: boolean) => put<Api.References>(`/recordings/${part(id)}/reference`, { on }),
   recordingFile: (id: string) => address(`/recordings/${part(id)}/file`),
   exportFile: (id: string, format: Api.ExportFormat, names?: string[]) =>
     address(`/recordings/${part(id)}/export`, { format, names }),

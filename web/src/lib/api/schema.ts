@@ -783,6 +783,10 @@ export interface components {
             car: components["schemas"]["CarInfo"];
             /** @description the recording is in progress */
             open: boolean;
+            /** @description marked as a reference to compare others with */
+            reference: boolean;
+            /** @description of the virtual car, not measured on an engine */
+            virtual: boolean;
             problem: components["schemas"]["TwoTexts"] | null;
             channels: string[];
             first: number | null;
@@ -825,6 +829,10 @@ export interface components {
             car: components["schemas"]["CarInfo"];
             /** @description the recording is in progress */
             open: boolean;
+            /** @description marked as a reference to compare others with */
+            reference: boolean;
+            /** @description of the virtual car, not measured on an engine */
+            virtual: boolean;
             problem: components["schemas"]["TwoTexts"] | null;
         };
         /** @description A comment on the whole recording; replaces the one before. */
@@ -850,6 +858,15 @@ export interface components {
             recordings: components["schemas"]["RecordingInfo"][];
             problem: components["schemas"]["TwoTexts"] | null;
             left_out: components["schemas"]["LeftOutFile"][];
+        };
+        /** @description `on`: the recording is a reference. */
+        ReferenceRequest: {
+            on: boolean;
+        };
+        /** @description `marked`: ids of recordings, the latest mark first; the file may be gone since. */
+        ReferencesResponse: {
+            marked: string[];
+            virtual: components["schemas"]["VirtualReferenceInfo"][];
         };
         /** @description Whether the result is shown in the report on the connected car. */
         ReportWish: {
@@ -1221,6 +1238,12 @@ export interface components {
             value: boolean | number;
             unit: string;
             raw: string;
+        };
+        /** @description A recording of the virtual car, not measured on an engine. `model`: 7.1, 5.4. */
+        VirtualReferenceInfo: {
+            id: string;
+            model: string;
+            text: components["schemas"]["TwoTexts"];
         };
         /** @description Write bytes, beginning at an address. */
         WriteMemoryRequest: {

@@ -1,7 +1,13 @@
 // A second recording beside the one being played, on a common clock: seconds from the start of each, moved by an offset. It is drawn at the
 // first one's times: its own time plus `lag`.
 import { frameClock } from "../platform/frameClock.svelte";
+import { dictionary, localized } from "../i18n";
+import type { Text } from "../api/types";
 import { RecordingData } from "./recordingData.svelte";
+
+const t = dictionary({
+  virtual: { en: "virtual car, not measured on a real engine", ru: "виртуальная машина, не измерено на настоящем двигателе" },
+});
 
 /** Aligning: first a moment on the dashed line is selected, then the same moment on the solid line. */
 export type Aligning = { step: "second" } | { step: "first"; at: number } | null;
@@ -13,13 +19,16 @@ class Comparison extends RecordingData {
   private zero = $state(0);
 
   readonly active = $derived(this.detail !== null);
-  /** The second recording's name for a person. */
-  readonly title = $derived(this.detail?.id ?? "");
+  /** The name of a recording of the virtual car, whose id is none. */
+  private named = $state.raw<Text | null>(null);
+  /** The second recording's name for a person; of the virtual car: with these words. */
+  readonly title = $derived([localized(this.named) || (this.detail?.id ?? ""), this.detail?.virtual ? `(${t("virtual")})` : ""].filter(Boolean).join(" "));
   readonly lag = $derived(this.zero - this.first + this.offset);
 
-  /** Load a recording to compare with the one that starts at `zero`. Throws `ApiError`. */
-  async start(id: string, zero: number): Promise<boolean> {
+  /** Load a recording to compare with the one that starts at `zero`; `named`: its name, if not its id. Throws `ApiError`. */
+  async start(id: string, zero: number, named: Text | null = null): Promise<boolean> {
     this.end();
+    this.named = named;
     this.zero = zero;
     if (!(await this.load(id))) return false;
     frameClock.request();

@@ -10,6 +10,18 @@ export const t = dictionary({
     en: "Both are drawn in the chart on a common clock: seconds from the start of each.",
     ru: "Обе записи рисуются на одном графике: секунды от начала каждой.",
   },
+  references: { en: "References", ru: "Образцы" },
+  others: { en: "Other recordings", ru: "Другие записи" },
+  virtual: { en: "virtual car, not measured on a real engine", ru: "виртуальная машина, не измерено на настоящем двигателе" },
+referencesHint: {
+    en: "Mark a recording of a healthy car with the star in Recordings: it comes first here.",
+    ru: "Отметьте звездой запись исправной машины на экране «Записи»: она будет здесь первой.",
+  },
+  making: { en: "being made, some seconds", ru: "создаётся, несколько секунд" },
+  mark: { en: "Make {name} a reference", ru: "Сделать {name} образцом" },
+  unmark: { en: "{name} is a reference: remove the mark", ru: "{name} — образец: снять отметку" },
+  markWord: { en: "Reference", ru: "Образец" },
+  unmarkWord: { en: "No reference", ru: "Не образец" },
   search: { en: "Search: car, note, fault", ru: "Поиск: машина, заметка, ошибка" },
   nothing: {
     en: "There is no other recording yet. Record another drive, or copy another car’s file into the folder of recordings.",

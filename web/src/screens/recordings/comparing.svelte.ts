@@ -2,6 +2,7 @@
 import { ApiError } from "../../lib/api/http";
 import { comparison } from "../../lib/recording/comparison.svelte";
 import { player } from "../../lib/recording/player.svelte";
+import type { Text } from "../../lib/api/types";
 import { route } from "../../lib/view/router.svelte";
 
 class Comparing {
@@ -22,14 +23,14 @@ class Comparing {
   }
 
   /** Open the comparison. If a recording can't be read, the dialog shows the error and stays open. */
-  async begin(first: string, second: string): Promise<void> {
+  async begin(first: string, second: string, named: Text | null = null): Promise<void> {
     this.busy = second;
     this.error = null;
     try {
       if (player.detail?.id !== first) await player.open(first);
-      if (player.detail?.id !== first || !(await comparison.start(second, player.first))) return;
+      if (player.detail?.id !== first || !(await comparison.start(second, player.first, named))) return;
       this.first = null;
-      route.go("chart");
+      if (route.screen !== "chart") route.go("chart");
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
       this.error = error;

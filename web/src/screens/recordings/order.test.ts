@@ -18,6 +18,8 @@ const recording = (id: string, more: Partial<Recording> = {}): Recording => ({
   markers: 0,
   note: "",
   open: false,
+  reference: false,
+  virtual: false,
   problem: null,
   ...more,
 });

@@ -1,10 +1,12 @@
 // The list of recordings; kept while another screen is shown, refreshed when it is opened.
 import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
-import type { About, LeftOutFile, Recording, Text } from "../../lib/api/types";
+import { attempt } from "../../lib/view/toasts.svelte";
+import type { About, LeftOutFile, Recording, References, Text } from "../../lib/api/types";
 
 class RecordingStore {
   readonly list = new ApiRequest<Recording[]>();
+  readonly references = new ApiRequest<References>();
   readonly about = new ApiRequest<About>();
   search = $state("");
   /** Why the folder can't store recordings. */
@@ -13,12 +15,21 @@ class RecordingStore {
 
   async refresh(): Promise<void> {
     if (!this.about.value) void this.about.run(() => api.about());
+    void this.references.run(() => api.references());
     await this.list.run(async () => {
       const answer = await api.recordings();
       this.problem = answer.problem;
       this.leftOut = answer.left_out;
       return answer.recordings;
     });
+  }
+
+  /** Mark a recording as a reference, or remove its mark. */
+  async mark(id: string, on: boolean): Promise<void> {
+    const answer = await attempt(() => api.markReference(id, on));
+    if (!answer) return;
+    this.references.value = answer;
+    this.list.value = (this.list.value ?? []).map((it) => (it.id === id ? { ...it, reference: on } : it));
   }
 
   /** Update a saved note without loading the list again. */

@@ -7,6 +7,7 @@ read in the lane of views: a report or an export that takes long holds up none o
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Collection
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
@@ -41,6 +42,7 @@ from mikas.recording.capture.writer import append_note
 from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary
 from mikas.sampling.events import Marker, MethodChosen
+from mikas.virtual import VIRTUAL_PASSPORT
 
 router = APIRouter(tags=["recordings"])
 
@@ -100,6 +102,8 @@ class RecordingInfo(BaseModel):
     note: str
     car: CarInfo
     open: bool = Field(description="the recording is in progress")
+    reference: bool = Field(description="marked as a reference to compare others with")
+    virtual: bool = Field(description="of the virtual car, not measured on an engine")
     problem: TwoTexts | None
 
 
@@ -185,7 +189,8 @@ async def recordings(library: TheLibrary, requester: TheRequester) -> Response:
     listed, left = await requester.awaits(library.all(requester.address))
 
     def described() -> Response:
-        found = [_info(library, file, summary) for file, summary in listed]
+        marked = library.references.marked()
+        found = [_info(library, file, summary, marked) for file, summary in listed]
         answer = RecordingsResponse(
             recordings=found, problem=_problem(library), left_out=left_out(left)
         )
@@ -203,9 +208,9 @@ async def recording(library: TheLibrary, requester: TheRequester, identity: str)
     def look(file: RecordingFile) -> Response:
         summary = library.summary(file)
         recording = library.opened(file) if summary.problem is None else None
-        return JSONResponse(_detail(library, file, summary, recording))
+        return JSONResponse(_detail(library, file, summary, recording) | {"id": identity})
 
-    return await requester.awaits(library.view(identity, look, requester.address))
+    return await requester.awaits(library.view_any(identity, look, requester.address))
 
 
 @router.get(
@@ -227,7 +232,7 @@ async def rows(
         window, decimated = library.opened(file).window(begin, end, points, split_names(names))
         return JSONResponse(json_columns(window) | {"decimated": decimated})
 
-    return await requester.awaits(library.view(identity, look, requester.address))
+    return await requester.awaits(library.view_any(identity, look, requester.address))
 
 
 @router.put("/recordings/{identity}/note", responses=errors(404, 409, 504))
@@ -286,7 +291,13 @@ def _problem(library: RecordingService) -> TwoTexts | None:
     return None
 
 
-def _info(library: RecordingService, file: RecordingFile, summary: Summary) -> RecordingInfo:
+def _info(
+    library: RecordingService,
+    file: RecordingFile,
+    summary: Summary,
+    marked: Collection[str] | None = None,
+) -> RecordingInfo:
+    """`marked`: the marked references, where many recordings are described; None: read now."""
     return made_of(
         RecordingInfo,
         summary,
@@ -298,6 +309,8 @@ def _info(library: RecordingService, file: RecordingFile, summary: Summary) -> R
         markers=None if summary.problem else summary.markers,
         car=CarInfo.model_validate(summary.car),
         open=library.is_growing(file),
+        reference=file.id in library.references.marked() if marked is None else file.id in marked,
+        virtual=VIRTUAL_PASSPORT in (summary.passport or ()),
     )
 
 

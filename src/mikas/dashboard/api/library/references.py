@@ -1,0 +1,65 @@
+"""Routes of references: recordings that others are compared with.
+
+The user marks recordings; those of the virtual car have ids of their own, by which
+`/recordings/{id}` and its rows are read like any other.
+"""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+from pydantic import BaseModel
+
+from mikas.dashboard.api.dependencies import KnownClient, TheLibrary, TheRequester
+from mikas.dashboard.api.errors import TwoTexts, errors, two
+from mikas.dashboard.library.folder import RecordingFile
+from mikas.dashboard.library.references import VIRTUAL
+
+router = APIRouter(tags=["recordings"])
+
+
+class VirtualReferenceInfo(BaseModel):
+    """A recording of the virtual car, not measured on an engine. `model`: 7.1, 5.4."""
+
+    id: str
+    model: str
+    text: TwoTexts
+
+
+class ReferencesResponse(BaseModel):
+    """`marked`: ids of recordings, the latest mark first; the file may be gone since."""
+
+    marked: list[str]
+    virtual: list[VirtualReferenceInfo]
+
+
+class ReferenceRequest(BaseModel):
+    """`on`: the recording is a reference."""
+
+    on: bool
+
+
+@router.get("/references", responses=errors())
+def references(library: TheLibrary) -> ReferencesResponse:
+    """Return the marked recordings, and those of the virtual car.
+
+    The latter are made when they are first read, which takes seconds.
+    """
+    virtual = [VirtualReferenceInfo(id=it.id, model=it.model, text=two(it.text)) for it in VIRTUAL]
+    return ReferencesResponse(marked=library.references.marked(), virtual=virtual)
+
+
+@router.put("/recordings/{identity}/reference", responses=errors(404, 409, 504))
+async def mark(
+    library: TheLibrary,
+    requester: TheRequester,
+    _: KnownClient,
+    identity: str,
+    body: ReferenceRequest,
+) -> ReferencesResponse:
+    """Mark a recording as a reference, or remove its mark."""
+
+    def write(file: RecordingFile) -> ReferencesResponse:
+        library.references.mark(file.id, on=body.on)
+        return references(library)
+
+    return await requester.awaits(library.view(identity, write, requester.address))

@@ -1,0 +1,135 @@
+"""Recordings to compare with: those that the user marked, and those of the virtual car.
+
+The user's marks are names of files in a file beside the presets. A recording of the virtual car is
+made when it is first requested, on the simulated clock (seconds), and kept in a folder of its own;
+the same version of mikas makes the same bytes. Its id contains colons, which no file's name has.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Final
+
+import mikas
+from mikas.cancellation import check_cancelled
+from mikas.dashboard.errors import NotFound
+from mikas.dashboard.library.folder import RecordingFile, RecordingFolder
+from mikas.errors import UsageError, reason_at
+from mikas.files import read_json
+from mikas.i18n import Text
+from mikas.recording import CaptureWriter
+from mikas.recording.annotations.annotator import SessionAnnotator
+from mikas.sampling.events import UnitFound
+from mikas.saving import save
+
+MOST_MARKED: Final = 100
+_MOST_BYTES: Final = 1 << 17
+_PREFIX: Final = "virtual:"
+MODELS: Final = ("7.1", "5.4")
+
+
+@dataclass(frozen=True, slots=True)
+class _Drive:
+    """What is recorded: `seconds` of a scenario, `rate` sets a second."""
+
+    scenario: str
+    seconds: float
+    rate: float
+    text: Text
+
+
+_DRIVES: Final = {
+    "warm-idle": _Drive("warm-idle", 60, 5, Text("warm idle", "прогретый, холостой ход")),
+    "warm-up": _Drive("cold-start", 600, 1, Text("cold start, warm-up", "холодный пуск, прогрев")),
+    "drive": _Drive("city", 195, 5, Text("city drive", "поездка по городу")),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class VirtualReference:
+    """A recording of the virtual car, of a unit of this model."""
+
+    id: str
+    model: str
+    text: Text
+
+
+VIRTUAL: Final = tuple(
+    VirtualReference(f"{_PREFIX}{name}:{model}", model, drive.text)
+    for model in MODELS
+    for name, drive in _DRIVES.items()
+)
+
+
+class References:
+    """`marks`: the file of the marked names; `folder`: of the virtual car's recordings."""
+
+    def __init__(self, marks: Path, folder: Path) -> None:
+        self._marks, self._folder = marks, folder
+        self._changing = threading.Lock()
+
+    def marked(self) -> list[str]:
+        """Return the marked recordings, the latest first; none if their file can't be read."""
+        try:
+            stored = read_json(self._marks, _MOST_BYTES)
+        except (OSError, ValueError):
+            return []
+        names = stored if isinstance(stored, list) else []
+        return [name for name in names if isinstance(name, str)][:MOST_MARKED]
+
+    def mark(self, name: str, *, on: bool) -> None:
+        """Mark a recording, or remove its mark. Raises `UsageError` if that can't be kept."""
+        with self._changing:
+            names = [other for other in self.marked() if other != name]
+            names = [name, *names][:MOST_MARKED] if on else names
+            try:
+                self._marks.parent.mkdir(parents=True, exist_ok=True)
+                save(self._marks, json.dumps(names, ensure_ascii=False, indent=1))
+            except OSError as error:
+                raise UsageError(problem=reason_at(self._marks, error)) from error
+
+    def virtual(self, identity: str) -> RecordingFile | None:
+        """Return a recording of the virtual car, made now if need be; None: another kind of id.
+
+        Raises `NotFound` for an unknown one, `UsageError` if it can't be kept.
+        """
+        if not identity.startswith(_PREFIX):
+            return None
+        if identity not in [reference.id for reference in VIRTUAL]:
+            raise NotFound(name=identity[:60])
+        _, drive, model = identity.split(":")
+        file = self._folder / f"{drive}-{model}-{version('mikas')}.pcapng"
+        try:
+            if not file.is_file():
+                self._folder.mkdir(parents=True, exist_ok=True)
+                _record(file, _DRIVES[drive], model)
+        except OSError as error:
+            raise UsageError(problem=reason_at(file, error)) from error
+        return RecordingFolder(self._folder).one(file.name)
+
+
+def _record(file: Path, drive: _Drive, model: str) -> None:
+    """Record the virtual car, as a session does; all of it or nothing."""
+    url = f"sim:?clock=simulated&seed=1&scenario={drive.scenario}&model={model}"
+    part = file.with_name(f"{file.name}.part")
+    try:
+        sink = CaptureWriter(part, url=url, overwrite=True)
+        with sink, mikas.connect(url, sink=sink) as ecu:
+            now, unit = ecu.tester.link.now, ecu.version_code
+            found = UnitFound(now(), unit, ecu.passport(), catalog=ecu.catalog.version)
+            for note in SessionAnnotator().take(found):
+                sink.note(note)
+            ecu.faults()
+            end = now() + drive.seconds
+            names = [parameter.name for parameter in ecu.catalog.parameters]
+            for _ in ecu.watch(*names, method="batch", rate=drive.rate):
+                check_cancelled()
+                if now() >= end:
+                    break
+        part.replace(file)
+    finally:
+        part.unlink(missing_ok=True)
