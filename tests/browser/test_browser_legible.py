@@ -125,6 +125,9 @@ def test_no_text_is_small_and_every_row_is_full(live, language, size):
     for preset in PRESETS:
         choose(tab, preset)
         assert tab.page.evaluate(SMALL_TEXT) == []
+        tab.until(
+            "() => [...document.querySelectorAll('.face')].every((it) => it.clientWidth > 90)"
+        )
         boxes = tab.page.evaluate(PLACES)
         left, right = min(box[0] for box in boxes), max(box[1] for box in boxes)
         for top in {box[2] for box in boxes}:
