@@ -22,6 +22,7 @@ from mikas.dashboard.api import (
     connection,
     diagnosis,
     errors,
+    freeze_frames,
     guided_tests,
     live,
     memory,
@@ -48,9 +49,9 @@ the control lease, which the first client gets. Times are UNIX seconds, bytes up
 Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 """
 
-_PARTS = (catalog, editing, values, connection, diagnosis, live, network, unit, guided_tests,
-          memory, dumps, changes, recordings, references, cars, exports, report,
-          search)  # fmt: skip
+_PARTS = (catalog, editing, values, connection, diagnosis, live, network, unit,
+          freeze_frames, guided_tests, memory, dumps, changes, recordings,
+          references, cars, exports, report, search)  # fmt: skip
 
 
 class _Application(FastAPI):

@@ -33,6 +33,7 @@ from mikas.dashboard.session.changes import UnitChanges
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.session.dump_jobs import DumpJobs
 from mikas.dashboard.session.fault_reader import FaultReader
+from mikas.dashboard.session.freeze_frames import FreezeFrameStore
 from mikas.dashboard.session.guided_tests import GuidedTests
 from mikas.dashboard.session.history import FaultHistory, History
 from mikas.dashboard.session.monitor import DIAGNOSIS, RECONNECTED, ConnectionMonitor
@@ -85,6 +86,12 @@ class Dashboard:
         self.cars = CarBook(settings.cars, virtual_units=settings.virtual_units)
         self.car_now: tuple[int, tuple[str, ...], CarDetails] | None = None
         """The details as last given since the start, with the unit's code and passports."""
+        self.freeze_frames = FreezeFrameStore(
+            settings.freeze_frames,
+            self.history,
+            self.connection.now,
+            virtual_units=settings.virtual_units,
+        )
         self._fault_reader = FaultReader(
             self.connection, self.monitor, self.fault_history, lambda: self.catalog
         )
@@ -220,6 +227,9 @@ class Dashboard:
         if isinstance(event, UnitFound) and event.another:
             self._clear_unit()
             self.fault_history.clear()
+        if isinstance(event, UnitFound):
+            self.freeze_frames.begin_unit(event)
+        self.freeze_frames.follow(event.time)
         self._fault_reader.follow(event, thread)
         if isinstance(event, StateChanged):
             self.connection.state_known()
@@ -227,8 +237,10 @@ class Dashboard:
     def _on_faults(self, reading: FaultReading, before: FaultReading | None) -> None:
         """Pass on a reading of the stored faults; in the sampling thread."""
         self.recorder.recorder.take(reading)
+        self.freeze_frames.take(reading, before)
         if before is not None and set(reading.codes) != set(before.codes):
-            self.monitor.log(reading)
+            added = tuple(code for code in reading.codes if code not in before.codes)
+            self.monitor.log(replace(reading, added=added))
 
     def _on_end(self, thread: SamplingThread, error: MikasError | None) -> None:
         """Note that sampling ended by itself; in the sampling thread."""
@@ -238,6 +250,7 @@ class Dashboard:
 
     def _clear_unit(self) -> None:
         """Drop the data read from the unit, and the confirmations for it."""
+        self.freeze_frames.finish()
         self.fault_history.disconnect()
         self.confirmations.clear()
         self.info = self.supported = None

@@ -148,6 +148,11 @@ class Settings:
         return self._state / "cars.json"
 
     @property
+    def freeze_frames(self) -> Path:
+        """The folder of the freeze frames, a folder per unit."""
+        return self._state / "freeze-frames"
+
+    @property
     def certificate(self) -> Path:
         """The file of the certificate, with its key, for the network."""
         return self._state / "dashboard.pem"

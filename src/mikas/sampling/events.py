@@ -259,12 +259,14 @@ class AlarmChanged(Event):
 class FaultReading(Event):
     """The `codes` of the stored faults, in the unit's order. `erased`: shortly before.
 
+    `added`: those that the reading before did not have; None: unknown.
     `routine`: read by the program from time to time, of interest only where the codes differ.
     """
 
     kind = "faults"
     codes: tuple[int, ...]
     erased: bool = False
+    added: tuple[int, ...] | None = field(default=None, compare=False)
     routine: bool = field(default=False, metadata=_NOT_IN_JSON, compare=False)
 
 

@@ -89,7 +89,7 @@ _IN_BOTH: Final = (
     _model(ParameterReturned),
     _model(AlarmChanged, level=Level, before=Level | None, side=Side | None),
     _model(Marker),
-    _model(FaultReading, codes=list[int]),
+    _model(FaultReading, codes=list[int], added=list[int] | None),
 )
 LiveEvent = Annotated[
     Any, _one_of(*_IN_BOTH, _model(ExchangeFailed, text=TwoTexts), _model(RecordingChanged))

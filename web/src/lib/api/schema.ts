@@ -429,6 +429,7 @@ export interface components {
             time: number;
             codes: number[];
             erased: boolean;
+            added: number[] | null;
         };
         /** @description The stored faults, read at `time`. */
         FaultsResponse: {
@@ -452,6 +453,33 @@ export interface components {
             lowest: boolean;
             begin: number | null;
             end: number | null;
+        };
+        /** @description A channel's latest value at `seen`; lowest and highest between `without` and `seen`. */
+        FrameValue: {
+            name: string;
+            value: number;
+            low: number;
+            high: number;
+        };
+        /** @description A fault that was not stored at `without` and was at `seen`, and the values of that moment. */
+        FreezeFrameInfo: {
+            id: string;
+            code: number;
+            without: number;
+            seen: number;
+            values: components["schemas"]["FrameValue"][];
+        };
+        /** @description The rows from five seconds before `without` to five seconds after `seen`. */
+        FreezeFrameRows: {
+            names: string[];
+            times: number[];
+            values: (number | null)[][];
+            /** @description of the frame */
+            id: string;
+        };
+        /** @description The latest first. */
+        FreezeFramesResponse: {
+            frames: components["schemas"]["FreezeFrameInfo"][];
         };
         /** @description No values from `began` to `ended`; None: the gap continues, or the recording ended in it. */
         GapEvent: {

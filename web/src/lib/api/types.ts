@@ -46,6 +46,8 @@ export type TestVerdict = Schemas["TestVerdict"];
 export type TestCurve = Schemas["TestCurve"];
 
 export type Fault = Schemas["StoredFault"];
+export type FreezeFrame = Schemas["FreezeFrameInfo"];
+export type FreezeFrames = Schemas["FreezeFramesResponse"];
 export type Faults = Schemas["FaultsResponse"];
 export type Passport = Schemas["PassportResponse"];
 export type UnitCommand = Schemas["UnitCommand"];

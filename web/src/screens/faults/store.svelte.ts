@@ -3,11 +3,13 @@ import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import { live } from "../../lib/live/live.svelte";
 import { ecuKey } from "../../lib/live/capabilities.svelte";
-import type { Faults } from "../../lib/api/types";
+import type { Faults, FreezeFrames } from "../../lib/api/types";
+import { attempt } from "../../lib/view/toasts.svelte";
 import { mergeEntries, type Entry, type RawEntry } from "./journal";
 
 class FaultStore {
   readonly read = new ApiRequest<Faults>();
+  readonly frames = new ApiRequest<FreezeFrames>();
   readonly journal = new ApiRequest<Entry[]>();
   private unit = "";
 
@@ -33,6 +35,14 @@ class FaultStore {
     if (unit === this.unit) return;
     this.unit = unit;
     this.read.reset();
+  }
+
+  async refreshFrames(): Promise<void> {
+    await this.frames.run(() => api.freezeFrames());
+  }
+
+  async deleteFrame(id: string): Promise<void> {
+    if (await attempt(() => api.deleteFreezeFrame(id))) await this.refreshFrames();
   }
 
   async refreshJournal(): Promise<void> {

@@ -1,0 +1,83 @@
+"""Routes of the freeze frames: the values around the moment at which a fault was stored."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+from pydantic import BaseModel, Field
+
+from mikas.dashboard.api.dependencies import Controller, TheDashboard, Viewer
+from mikas.dashboard.api.errors import errors
+from mikas.dashboard.api.messages import LiveRows
+from mikas.dashboard.errors import NotFound
+from mikas.dashboard.session.history import plain
+from mikas.recording.freeze_frames import FreezeFrame
+
+router = APIRouter(tags=["unit"])
+
+
+class FrameValue(BaseModel):
+    """A channel's latest value at `seen`; lowest and highest between `without` and `seen`."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+
+
+class FreezeFrameInfo(BaseModel):
+    """A fault that was not stored at `without` and was at `seen`, and the values of that moment."""
+
+    id: str
+    code: int
+    without: float
+    seen: float
+    values: list[FrameValue]
+
+
+class FreezeFramesResponse(BaseModel):
+    """The latest first."""
+
+    frames: list[FreezeFrameInfo]
+
+
+class FreezeFrameRows(LiveRows):
+    """The rows from five seconds before `without` to five seconds after `seen`."""
+
+    id: str = Field(description="of the frame")
+
+
+@router.get("/freeze-frames", responses=errors())
+def freeze_frames(dashboard: TheDashboard, _: Viewer) -> FreezeFramesResponse:
+    """Return the freeze frames of the connected unit, or of the last one."""
+    return FreezeFramesResponse(frames=[_info(frame) for frame in dashboard.freeze_frames.frames])
+
+
+@router.get("/freeze-frames/{identity}", responses=errors(404))
+def freeze_frame(dashboard: TheDashboard, _: Viewer, identity: str) -> FreezeFrameRows:
+    """Return the rows of one freeze frame."""
+    for frame in dashboard.freeze_frames.frames:
+        if frame.id == identity:
+            values = [plain(column) for column in frame.values.values()]
+            names, times = list(frame.values), list(frame.times)
+            return FreezeFrameRows(id=identity, names=names, times=times, values=values)
+    raise NotFound(name=identity)
+
+
+@router.delete("/freeze-frames/{identity}", responses=errors(404, 409))
+def delete_freeze_frame(
+    dashboard: TheDashboard, _: Controller, identity: str
+) -> FreezeFramesResponse:
+    """Delete one freeze frame from this computer; the unit's fault stays."""
+    if not dashboard.freeze_frames.delete(identity):
+        raise NotFound(name=identity)
+    return FreezeFramesResponse(frames=[_info(it) for it in dashboard.freeze_frames.frames])
+
+
+def _info(frame: FreezeFrame) -> FreezeFrameInfo:
+    values = [
+        FrameValue(name=name, value=it.value, low=it.low, high=it.high)
+        for name, it in frame.then().items()
+    ]
+    return FreezeFrameInfo(
+        id=frame.id, code=frame.code, without=frame.without, seen=frame.seen, values=values
+    )

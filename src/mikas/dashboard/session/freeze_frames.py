@@ -1,0 +1,175 @@
+"""The freeze frames of the connected unit: taken when a fault is first seen, kept in a folder.
+
+    FaultHistory.on_reading ──► take ──► frame at once ──► five seconds later with what followed
+
+Each is a file, so that it survives the program; at most thirty of a unit, the oldest go first. They
+stay when the faults are erased, until the user deletes them.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+
+from mikas.client.limits import unit_file
+from mikas.dashboard.session.history import History
+from mikas.errors import MikasError
+from mikas.files import read_json
+from mikas.recording.freeze_frames import (
+    AROUND,
+    LONGEST,
+    FreezeFrame,
+    frame_from,
+    frame_of,
+    new_faults,
+)
+from mikas.sampling.events import FaultReading, UnitFound
+from mikas.saving import save
+from mikas.virtual import VIRTUAL_PASSPORT
+
+_MOST: Final = 30
+_MOST_BYTES: Final = 4 << 20
+_LATER: Final = 0.5  # s after the last row that is wanted
+
+
+class FreezeFrameStore:
+    """Frames by id, those of the unit of the latest `begin_unit`. Any thread may call.
+
+    `virtual_units`: whether those of virtual units are kept in the folder as well.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        history: History,
+        now: Callable[[], float],
+        *,
+        virtual_units: bool = True,
+    ) -> None:
+        self._virtual_units = virtual_units
+        self._folder, self._history, self._now = folder, history, now
+        self._lock = threading.Lock()
+        self._own: Path | None = None  # the folder of the unit
+        self._kept = True  # in that folder
+        self._frames: dict[str, FreezeFrame] = {}
+        self._pending: list[tuple[str, int, float, float]] = []
+
+    def begin_unit(self, unit: UnitFound) -> None:
+        """Show the frames of `unit` from here on."""
+        if unit.version_code is None or unit.passport is None:
+            return
+        pieces = tuple(piece or "" for piece in unit.passport.pieces)
+        own = unit_file(self._folder, unit.version_code, pieces).with_suffix("")
+        with self._lock:
+            if own == self._own:
+                return
+            self._own, self._pending = own, []
+            self._kept = self._virtual_units or VIRTUAL_PASSPORT not in pieces
+            self._frames = {frame.id: frame for frame in map(_load, _files(own)) if frame}
+
+    @property
+    def frames(self) -> list[FreezeFrame]:
+        """The frames, the latest first."""
+        with self._lock:
+            return sorted(self._frames.values(), key=lambda it: (-it.seen, it.code))
+
+    def take(self, reading: FaultReading, before: FaultReading | None) -> None:
+        """Keep the values around each fault that `before` does not have; None: all are old."""
+        if before is None or self._own is None:
+            return
+        for code, without, read in new_faults([before, reading]):
+            frame = self._make(code, without, read)
+            if frame is not None:
+                self._keep(frame)
+                with self._lock:
+                    self._pending.append((frame.id, code, without, read))
+
+    def follow(self, time: float) -> None:
+        """Complete the frames whose last row is there; called with each event."""
+        if not self._pending:
+            return
+        with self._lock:
+            ripe = [it for it in self._pending if time >= it[3] + AROUND + _LATER]
+            self._pending = [it for it in self._pending if it not in ripe]
+        self._complete(ripe)
+
+    def finish(self) -> None:
+        """Complete all frames with the values there are: the connection ends."""
+        with self._lock:
+            ripe, self._pending = self._pending, []
+        self._complete(ripe, at_once=True)
+
+    def delete(self, identity: str) -> bool:
+        """Delete a frame; False: there is none of this id."""
+        with self._lock:
+            frame = self._frames.pop(identity, None)
+            self._pending = [it for it in self._pending if it[0] != identity]
+            if frame is not None and self._own is not None:
+                with suppress(OSError):
+                    _file(self._own, frame).unlink()
+        return frame is not None
+
+    def _complete(
+        self, ripe: list[tuple[str, int, float, float]], *, at_once: bool = False
+    ) -> None:
+        for identity, code, without, read in ripe:
+            frame = self._make(code, without, read)
+            if frame is not None and frame.id == identity:
+                self._keep(frame, at_once=at_once)
+
+    def _make(self, code: int, without: float, read: float) -> FreezeFrame | None:
+        rows = self._history.rows(self._now() - read + LONGEST + 2 * AROUND)
+        return frame_of(code, without, read, rows)
+
+    def _keep(self, frame: FreezeFrame, *, at_once: bool = False) -> None:
+        with self._lock:
+            own = self._own
+            self._frames[frame.id] = frame
+            for identity in sorted(self._frames, key=lambda it: self._frames[it].seen)[:-_MOST]:
+                del self._frames[identity]
+        if own is None or not self._kept:
+            return
+        if at_once:
+            self._write(own, frame)
+        else:  # a file's way to the disk may take a while; sampling goes on
+            threading.Thread(target=self._write, args=(own, frame), daemon=True).start()
+
+    def _write(self, own: Path, frame: FreezeFrame) -> None:
+        with self._lock, suppress(OSError):
+            if self._frames.get(frame.id) is not frame:
+                return  # deleted, or completed meanwhile
+            own.mkdir(parents=True, exist_ok=True)
+            save(_file(own, frame), json.dumps(frame.as_json()))
+            for file in _files(own)[_MOST:]:
+                file.unlink(missing_ok=True)
+
+
+def _file(folder: Path, frame: FreezeFrame) -> Path:
+    return folder / f"{frame.id}.json"
+
+
+def _files(folder: Path) -> list[Path]:
+    """Return the files of frames, the latest first."""
+    try:
+        names = [it.name for it in folder.iterdir() if it.suffix == ".json"]
+    except OSError:
+        return []
+    return [folder / name for name in sorted(names, key=_time_of, reverse=True)]
+
+
+def _time_of(name: str) -> float:
+    try:
+        return float(name.partition("-")[0])
+    except ValueError:
+        return 0.0
+
+
+def _load(file: Path) -> FreezeFrame | None:
+    try:
+        return frame_from(read_json(file, _MOST_BYTES))
+    except (OSError, ValueError, MikasError):
+        return None

@@ -1,0 +1,134 @@
+"""Freeze frames: the values around the moment at which a fault was stored.
+
+The unit gives the numbers of its faults, not their times. So a fault appeared between the last
+reading without it and the first with it (`sampling/fault_watch.py`), and a frame has both times,
+and the values from five seconds before the one to five seconds after the other. A fault that was
+stored before anything was read has no frame; nor has one whose moment is unknown by more than a
+minute.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import isfinite, isnan, nan
+from typing import Any, Final
+
+from mikas.cleaning import clean_line
+from mikas.recording.table.channels import Rows
+from mikas.sampling.events import FaultReading
+from mikas.sampling.fault_watch import MINERR, appeared
+
+AROUND: Final = 5.0  # s before and after
+LONGEST: Final = 60.0  # s between the two readings
+_MOST_ROWS: Final = 600
+_MOST_COLUMNS: Final = 300
+_NAME: Final = 40
+
+
+@dataclass(frozen=True, slots=True)
+class ValueThen:
+    """A channel's value when the fault was first seen; lowest and highest since `without`."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class FreezeFrame:
+    """The rows around a fault: `values` by channel, as long as `times`; NaN is missing.
+
+    The fault was not stored at `without`, and was at `seen`.
+    """
+
+    code: int
+    without: float
+    seen: float
+    times: tuple[float, ...]
+    values: Mapping[str, tuple[float, ...]]
+
+    @property
+    def id(self) -> str:
+        """The name of the frame among those of its unit."""
+        return f"{self.seen:.3f}-{self.code}"
+
+    def then(self) -> dict[str, ValueThen]:
+        """Return the values of the moment, by channel; one without any before it is left out."""
+        found: dict[str, ValueThen] = {}
+        for name, column in self.values.items():
+            pairs = zip(self.times, column, strict=True)
+            known = [
+                (time, value) for time, value in pairs if time <= self.seen and not isnan(value)
+            ]
+            if known:
+                last = known[-1][1]
+                within = [value for time, value in known if time >= self.without] or [last]
+                found[name] = ValueThen(last, min(within), max(within))
+        return found
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the frame as it is kept in a file."""
+        columns = {
+            name: [None if isnan(value) else value for value in column]
+            for name, column in self.values.items()
+        }
+        about = {"schema": 1, "code": self.code, "without": self.without, "seen": self.seen}
+        return {**about, "times": list(self.times), "values": columns}
+
+
+def frame_of(code: int, before: float, read: float, rows: Rows) -> FreezeFrame | None:
+    """Return the frame of the fault `code`; None if its moment is not known, or without values.
+
+    `before`, `read`: of the last reading of the faults without it, and of the first with it.
+    """
+    times = [float(time) for time in rows.times]
+    lowest = [float(value) for value in rows.values.get(MINERR, ())]
+    without, seen = appeared(code, before, read, times if lowest else (), lowest)
+    if not 0 <= seen - without <= LONGEST:
+        return None
+    chosen = [at for at, time in enumerate(times) if without - AROUND <= time <= seen + AROUND]
+    chosen = chosen[:: -(-len(chosen) // _MOST_ROWS) or 1]
+    if not any(times[at] <= seen for at in chosen):
+        return None
+    values = {
+        name: tuple(float(column[at]) for at in chosen) for name, column in rows.values.items()
+    }
+    kept = {name: column for name, column in values.items() if not all(map(isnan, column))}
+    return FreezeFrame(code, without, seen, tuple(times[at] for at in chosen), kept)
+
+
+def new_faults(readings: Sequence[FaultReading]) -> Iterator[tuple[int, float, float]]:
+    """Yield each fault that a reading has and the one before has not, with the times of both."""
+    for before, reading in pairwise(readings):
+        for code in reading.codes:
+            if code not in before.codes:
+                yield code, before.time, reading.time
+
+
+def frame_from(stored: Any) -> FreezeFrame | None:  # noqa: ANN401  (any JSON)
+    """Return the frame of a file's JSON; None if it is none."""
+    if not isinstance(stored, dict):
+        return None
+    code, times, values = stored.get("code"), stored.get("times"), stored.get("values")
+    without, seen = _number(stored.get("without")), _number(stored.get("seen"))
+    if not (isinstance(code, int) and 0 <= code <= 255 and isinstance(times, list)):
+        return None
+    if not isinstance(values, dict) or len(times) > 2 * _MOST_ROWS or isnan(without):
+        return None
+    instants = tuple(map(_number, times))
+    if isnan(seen) or any(map(isnan, instants)) or len(values) > _MOST_COLUMNS:
+        return None
+    columns = {
+        clean_line(name, _NAME): tuple(map(_number, column))
+        for name, column in values.items()
+        if isinstance(column, list) and len(column) == len(instants)
+    }
+    return FreezeFrame(code, without, seen, instants, columns)
+
+
+def _number(value: object) -> float:
+    """Return a finite number; NaN for anything else."""
+    known = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+    return float(value) if known else nan  # type: ignore[arg-type]

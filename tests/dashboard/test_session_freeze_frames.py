@@ -1,0 +1,65 @@
+"""Freeze frames of the running connection: taken, completed, kept in the folder, deleted."""
+
+from __future__ import annotations
+
+import pytest
+
+from dashboard.rig import rig
+
+CAR = "sim:?scenario=warm-idle&faults=71"
+NAMES = ("FREQ", "TWAT", "MINERR")
+
+
+def frames(it):
+    return it.get("/freeze-frames")["frames"]
+
+
+def stores(it, code):
+    """The unit stores one more fault; waits until that is known."""
+    it.cars.car(CAR).faults.append(code)
+    it.until(lambda message: code in {one["code"] for one in frames(it)})
+
+
+def test_a_new_fault_has_the_values_of_its_moment_and_they_survive_the_program(tmp_path):
+    with rig(tmp_path, CAR, names=NAMES) as it:
+        it.until(lambda message: message["state"]["fault_count"] == 1)
+        samples = it.get("/state")["samples"]
+        it.until(lambda message: message["state"]["samples"] > samples + 40)
+        assert frames(it) == []  # that one was stored before
+        stores(it, 13)
+        (frame,) = frames(it)
+        assert 0 < frame["seen"] - frame["without"] < 1  # between two values of MINERR
+        then = {value["name"]: value["value"] for value in frame["values"]}
+        assert then["MINERR"] in (13, 71)  # 71: 02 was read before the next row
+        assert 80 < then["TWAT"] < 100
+
+        def is_whole():
+            times = it.get(f"/freeze-frames/{frame['id']}")["times"]
+            return times[-1] > frame["seen"] + 4 and times[0] < frame["without"] - 4
+
+        it.until(lambda message: is_whole())
+        assert it.get("/freeze-frames/1.000-13", 404)["code"] == "NotFound"
+    (kept,) = (tmp_path / "state" / "freeze-frames").rglob("*.json")
+    (kept.parent / "2.000-9.json").write_text('{"code": "no"}')
+    with rig(tmp_path, CAR, names=NAMES) as it:
+        it.until(lambda message: message["state"]["fault_count"] is not None)
+        assert frames(it) == [frame]
+        url = f"/api/freeze-frames/{frame['id']}"
+        answer = it.client.delete(url, headers={"X-Mikas-Client": "tester-0001"})
+        assert answer.json() == {"frames": []}
+    assert not kept.exists()
+
+
+def test_what_was_erased_and_comes_back_has_another_frame(tmp_path):
+    with rig(tmp_path, CAR, names=NAMES) as it:
+        it.until(lambda message: message["state"]["fault_count"] == 1)
+        stores(it, 13)
+        nonce = it.post("/changes", {"kind": "erase_faults"})["nonce"]
+        it.post(f"/changes/{nonce}")
+        it.until(lambda message: message["state"]["fault_count"] == 0)
+        it.cars.car(CAR).faults.append(13)
+        it.until(lambda message: len(frames(it)) == 2)
+        again, first = frames(it)
+        assert [again["code"], first["code"]] == [13, 13]
+        assert again["without"] == pytest.approx(again["seen"], abs=1)
+        assert first["seen"] < again["without"]

@@ -1,0 +1,75 @@
+"""Freeze frames: the values around a fault's first appearance, with the true times."""
+
+from __future__ import annotations
+
+import json
+from math import isnan, nan
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mikas.recording.freeze_frames import frame_from, frame_of, new_faults
+from mikas.recording.table.channels import Rows
+from mikas.sampling.events import FaultReading
+
+TIMES = [float(second) for second in range(100)]
+
+
+def rows(**columns):
+    return Rows(TIMES, columns)
+
+
+def test_the_moment_lies_between_two_values_of_minerr_and_ten_seconds_are_kept():
+    lowest = [0.0 if time < 50 else 13.0 for time in TIMES]
+    twat = [time if time % 2 == 0 else nan for time in TIMES]
+    frame = frame_of(13, 40.0, 55.0, rows(MINERR=lowest, TWAT=twat, UOZ=[nan] * 100))
+    assert (frame.without, frame.seen) == (49.0, 50.0)
+    assert frame.times == tuple(TIMES[44:56])
+    assert "UOZ" not in frame.values
+    then = frame.then()
+    assert (then["TWAT"].value, then["TWAT"].low, then["TWAT"].high) == (50.0, 50.0, 50.0)
+
+
+def test_a_fault_hidden_by_a_lower_one_is_known_as_well_as_it_was_read():
+    frame = frame_of(71, 40.0, 45.0, rows(MINERR=[13.0] * 100, FREQ=TIMES))
+    assert (frame.without, frame.seen) == (40.0, 45.0)
+    then = frame.then()["FREQ"]
+    assert (then.value, then.low, then.high) == (45.0, 40.0, 45.0)
+
+
+@pytest.mark.parametrize(("before", "read"), [(10.0, 90.0), (200.0, 210.0)])
+def test_there_is_none_where_the_moment_or_the_values_are_unknown(before, read):
+    assert frame_of(13, before, read, rows(FREQ=TIMES)) is None
+
+
+def test_what_was_erased_and_comes_back_is_new():
+    readings = [
+        FaultReading(1.0, (13, 53)),
+        FaultReading(2.0, (), erased=True),
+        FaultReading(3.0, (53,)),
+        FaultReading(4.0, (53, 13)),
+    ]
+    assert list(new_faults(readings)) == [(53, 2.0, 3.0), (13, 3.0, 4.0)]
+
+
+def test_a_frame_survives_its_file():
+    frame = frame_of(13, 40.0, 45.0, rows(FREQ=[nan, *TIMES[1:]], TWAT=[nan] * 44 + [1.0] * 56))
+    again = frame_from(json.loads(json.dumps(frame.as_json(), allow_nan=False)))
+    assert (again.id, again.then()) == (frame.id, frame.then())
+    assert [isnan(value) for value in again.values["TWAT"]].count(True) == 9
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner),
+    max_leaves=8,
+)
+KEYS = ("code", "without", "seen", "times", "values")
+
+
+@settings(max_examples=50)
+@given(st.dictionaries(st.sampled_from(KEYS), JSON) | JSON)
+def test_any_file_is_a_frame_or_none(stored):
+    frame = frame_from(stored)
+    assert frame is None or frame.then() is not None
