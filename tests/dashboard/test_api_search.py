@@ -47,7 +47,7 @@ def test_in_the_live_values(desk) -> None:
     }  # fmt: skip
     history = desk.dashboard.history
     for at, coolant in enumerate([99, 101, 104, np.nan, 102, 98, 101]):
-        history.add(1000.0 + at * 0.5, ("TWAT", "DET"), (coolant, 1.0))
+        history.add(1000.0000004 + at * 0.5, ("TWAT", "DET"), (coolant, 1.0))
     found = find(desk, "/history/find", "TWAT > 100 and DET")
     assert [(it["begin"], it["end"], it["peak"], it["peak_time"]) for it in found["hits"]] == [
         (1000.5, 1002.0, 104, 1001.0),

@@ -30,7 +30,7 @@ from mikas.dashboard.error_responses import json_response
 from mikas.dashboard.errors import ApiRefusal
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.event_log import page_json
-from mikas.dashboard.session.history import plain
+from mikas.dashboard.session.history import plain, row_time
 from mikas.dashboard.session.monitor import ConnectionMonitor, Row
 
 _log = logging.getLogger("mikas.dashboard")
@@ -220,7 +220,7 @@ def _tail(
         shown = [name for name in names if fields is None or name in fields]
         data = {
             "names": shown,
-            "times": [round(time, 6) for time, _ in rows],
+            "times": [row_time(time) for time, _ in rows],
             "values": [plain([values.get(name, nan) for _, values in rows]) for name in shown],
         }
         text += f',"data":{dumps(data)}'

@@ -9,7 +9,7 @@ import json
 from typing import Annotated, Final
 
 from fastapi import APIRouter, Query
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 
 from mikas.catalog import Parameter
 from mikas.catalog.formula_syntax import LONGEST
@@ -23,9 +23,10 @@ from mikas.dashboard.api.dependencies import (
 from mikas.dashboard.api.errors import errors
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.library.folder import RecordingFile
+from mikas.dashboard.session.history import row_time
 from mikas.errors import UsageError, reason_at, usage_error
 from mikas.files import read_regular
-from mikas.recording.search import Condition, Found, search, search_rows
+from mikas.recording.search import Condition, Found, Hit, search, search_rows
 from mikas.saving import save
 
 router = APIRouter(tags=["search"])
@@ -39,8 +40,6 @@ Expression = Annotated[str, Query(max_length=LONGEST, description="FREQ > 3000 a
 
 class HitInfo(BaseModel):
     """A moment: the times of its first and last row; `peak` null: nothing is compared."""
-
-    model_config = ConfigDict(from_attributes=True)
 
     begin: float
     end: float
@@ -132,12 +131,23 @@ def write_searches(dashboard: TheDashboard, _: KnownClient, body: SearchList) ->
 
 def _found(condition: Condition, found: Found) -> FoundResponse:
     return FoundResponse(
-        hits=[HitInfo.model_validate(hit) for hit in found.hits[:_MOST_HITS]],
+        hits=[_hit(hit) for hit in found.hits[:_MOST_HITS]],
         count=len(found.hits),
         peak_of=condition.peak_of or None,
         lowest=condition.is_lowest,
-        begin=found.begin,
-        end=found.end,
+        begin=None if found.begin is None else row_time(found.begin),
+        end=None if found.end is None else row_time(found.end),
+    )
+
+
+def _hit(hit: Hit) -> HitInfo:
+    """Return a hit with the times that its rows have in the API."""
+    return HitInfo(
+        begin=row_time(hit.begin),
+        end=row_time(hit.end),
+        rows=hit.rows,
+        peak=hit.peak,
+        peak_time=None if hit.peak_time is None else row_time(hit.peak_time),
     )
 
 

@@ -135,9 +135,14 @@ def json_columns(rows: Rows) -> dict[str, object]:
     """Return `{"names", "times", "values"}` as the API has it."""
     return {
         "names": list(rows.values),
-        "times": [round(time, 6) for time in rows.times.tolist()],
+        "times": [row_time(time) for time in rows.times.tolist()],
         "values": [plain(column.tolist()) for column in rows.values.values()],
     }
+
+
+def row_time(time: float) -> float:
+    """Return a row's time as the API has it: to the microsecond."""
+    return round(time, 6)
 
 
 def plain(values: Sequence[float]) -> list[float | int | None]:

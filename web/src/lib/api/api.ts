@@ -30,6 +30,12 @@ export const api = {
   history: (seconds: number, points: number, names?: string[]) =>
     get<Api.History>("/history", { seconds, points, names }),
 
+  /** Moments at which a condition holds: in a recording, or in the live values (null). */
+  find: (recording: string | null, expression: string) =>
+    get<Api.Found>(recording === null ? "/history/find" : `/recordings/${part(recording)}/find`, { expression }),
+  searches: () => get<Api.Searches>("/searches"),
+  saveSearches: (searches: Api.KeptSearch[]) => put<Api.Searches>("/searches", { searches }),
+
   ports: () => get<Api.Ports>("/ports"),
   connect: (port: string | null) =>
     post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null }),

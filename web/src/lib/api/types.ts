@@ -71,6 +71,10 @@ export type Journal = Schemas["JournalResponse"];
 
 export type Car = Schemas["CarInfo"];
 export type UnitCar = Schemas["CarResponse"];
+export type Found = Schemas["FoundResponse"];
+export type KeptSearch = Schemas["KeptSearch"];
+export type Searches = Schemas["SearchList"];
+
 export type Recording = Schemas["RecordingInfo"];
 export type Recordings = Schemas["RecordingsResponse"];
 export type References = Schemas["ReferencesResponse"];

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { completed, completions, type Candidate } from "./completion";
+import { completed, completions, isWhole, type Candidate } from "./completion";
 
 const candidates: Candidate[] = [
   { name: "FREQ", about: "Обороты двигателя", kind: "channel" },
@@ -18,6 +18,14 @@ describe("completions", () => {
     expect(names("2 * ")).toEqual([]);
     expect(names("12")).toEqual([]);
     expect(names("FREQ")).toEqual([]);
+  });
+
+  it("are not chosen unasked behind a whole name", () => {
+    const known = [...candidates, { name: "DET", about: "", kind: "channel" as const }, { name: "RDET", about: "", kind: "channel" as const }];
+    expect(completions("not det", 7, known).map(({ name }) => name)).toEqual(["RDET"]);
+    expect(isWhole("not det", 7, known)).toBe(true);
+    expect(isWhole("not de", 6, known)).toBe(false);
+    expect(isWhole("not ", 4, known)).toBe(false);
   });
 
   it("replace the whole name, and put the caret into a function's brackets", () => {

@@ -37,6 +37,12 @@ export function completions(formula: string, caret: number, candidates: readonly
     .map(({ candidate }) => ({ ...candidate, from: caret - before.length, to: caret + after.length }));
 }
 
+/** Whether a whole name stands before the caret: then nothing should replace it unasked (DET is in RDET). */
+export function isWhole(formula: string, caret: number, candidates: readonly Candidate[]): boolean {
+  const before = /[\p{L}_][\p{L}\d_]*$/u.exec(formula.slice(0, caret))?.[0].toLocaleLowerCase();
+  return candidates.some(({ name }) => name.toLocaleLowerCase() === before);
+}
+
 /** The formula with the completion inserted, and the caret behind it: inside the brackets of a function. */
 export function completed(formula: string, { name, kind, from, to }: Completion): { formula: string; caret: number } {
   const rest = formula.slice(to);

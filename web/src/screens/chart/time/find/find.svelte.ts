@@ -1,0 +1,85 @@
+// Search in what the chart shows: the server computes the condition; the moments are marked in the chart. Conditions are kept by the server.
+import { api } from "../../../../lib/api/api";
+import { ApiError } from "../../../../lib/api/http";
+import { number } from "../../../../lib/i18n";
+import { player } from "../../../../lib/recording/player.svelte";
+import { moments } from "../../../../lib/view/moments.svelte";
+import { display } from "../../../../lib/view/source.svelte";
+import { attempt } from "../../../../lib/view/toasts.svelte";
+import type { Found, KeptSearch } from "../../../../lib/api/types";
+import { t } from "./messages";
+
+class Find {
+  open = $state(false);
+  expression = $state("");
+  busy = $state(false);
+  /** Why the condition is none. */
+  error = $state.raw<ApiError | null>(null);
+  /** The condition that holds at no moment. */
+  nowhere = $state("");
+  kept = $state.raw<readonly KeptSearch[]>([]);
+
+  async load(): Promise<void> {
+    const list = await attempt(() => api.searches());
+    if (list) this.kept = list.searches;
+  }
+
+  /** Find and mark; the sheet closes if there is a moment. */
+  async run(expression: string): Promise<void> {
+    this.expression = expression.trim();
+    this.error = null;
+    this.nowhere = "";
+    if (!this.expression || this.busy) return;
+    this.busy = true;
+    const { source } = display;
+    const recording = source.kind === "recording" ? (player.detail?.id ?? null) : null;
+    try {
+      const found = await api.find(recording, this.expression);
+      // Another source is shown meanwhile: its moments are others.
+      if (display.source !== source || (recording !== null && player.detail?.id !== recording)) return;
+      if (found.hits.length === 0) {
+        moments.clear();
+        this.nowhere = this.expression;
+        return;
+      }
+      moments.mark(titleOf(this.expression, found), found.hits.map(({ begin, end }) => ({ from: begin, to: end })));
+      this.open = false;
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      this.error = error;
+    } finally {
+      this.busy = false;
+    }
+  }
+
+  isKept(expression: string): boolean {
+    return this.kept.some((kept) => kept.expression === expression.trim());
+  }
+
+  async keep(expression: string): Promise<void> {
+    await this.save([...this.kept, { name: "", expression: expression.trim() }]);
+  }
+
+  async drop(expression: string): Promise<void> {
+    await this.save(this.kept.filter((kept) => kept.expression !== expression));
+  }
+
+  private async save(searches: KeptSearch[]): Promise<void> {
+    const list = await attempt(() => api.saveSearches(searches));
+    if (list) this.kept = list.searches;
+  }
+}
+
+export const find = new Find();
+
+/** The condition, the extreme of what it compares, and whether more were found than are marked. */
+export function titleOf(expression: string, found: Pick<Found, "hits" | "count" | "peak_of" | "lowest">): string {
+  const peaks = found.hits.map(({ peak }) => peak).filter((peak) => peak !== null);
+  let title = expression;
+  if (found.peak_of && peaks.length > 0) {
+    const peak = peaks.reduce((one, other) => (found.lowest ? Math.min(one, other) : Math.max(one, other)));
+    const fields = { expression, what: found.peak_of, peak: number(peak, Number.isInteger(peak) ? 0 : 2) };
+    title = t(found.lowest ? "peakLow" : "peakHigh", fields);
+  }
+  return found.count > found.hits.length ? t("first", { title, n: number(found.hits.length), count: number(found.count) }) : title;
+}

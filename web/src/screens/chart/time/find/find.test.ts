@@ -1,0 +1,20 @@
+import { describe, expect, it } from "vitest";
+import { titleOf } from "./find.svelte";
+
+const hit = (peak: number | null) => ({ begin: 1, end: 2, rows: 3, peak, peak_time: peak === null ? null : 1.5 });
+
+describe("the title of what was found", () => {
+  it("has the extreme of what is compared first", () => {
+    const hits = [hit(3100), hit(null), hit(4200)];
+    expect(titleOf("FREQ > 3000", { hits, count: 3, peak_of: "FREQ", lowest: false })).toBe("FREQ > 3000 (FREQ up to 4200)");
+    expect(titleOf("TAIR < 2", { hits: [hit(1.5), hit(-3.25)], count: 2, peak_of: "TAIR", lowest: true })).toBe("TAIR < 2 (TAIR down to −3.25)");
+  });
+
+  it("has none without a comparison", () => {
+    expect(titleOf("DET", { hits: [hit(null)], count: 1, peak_of: null, lowest: false })).toBe("DET");
+  });
+
+  it("says that there are more", () => {
+    expect(titleOf("DET", { hits: [hit(null)], count: 2500, peak_of: null, lowest: false })).toBe("DET; the first 1 of 2500");
+  });
+});
