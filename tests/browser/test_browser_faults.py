@@ -38,3 +38,18 @@ def test_a_list_that_changed_meanwhile_is_shown_again_not_erased(own, visitor):
     expect(sheet).to_contain_text("nothing was erased")
     expect(sheet).to_contain_text("53")
     assert own.garage.car.faults == [17, 41, 53]
+
+
+def test_a_new_fault_is_announced_and_has_its_freeze_frame(own, visitor):
+    own.until(lambda: own.state()["fault_count"] == 2)
+    own.nobody_controls()
+    tab = visitor(own.url).show("live")
+    own.garage.car.faults.append(13)
+    tab.says("New fault in the unit: 13")
+    tab.press("Show")
+    frame = tab.page.get_by_role("article", name="13: ").locator("details")
+    frame.locator("summary").click()
+    expect(frame).to_contain_text("The unit stored the fault between")
+    expect(frame.get_by_role("row", name="Air flow")).to_contain_text("15.0 kg/h")
+    expect(frame.locator("svg path").first).to_be_attached()
+    expect(tab.page.get_by_role("article", name="17: ")).to_contain_text("No freeze frame")
