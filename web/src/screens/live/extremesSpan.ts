@@ -1,4 +1,5 @@
 // Over which time minimum and maximum were taken.
+import { untrack } from "svelte";
 import { hourMinute } from "../../lib/i18n";
 import { live } from "../../lib/live/live.svelte";
 import { display } from "../../lib/view/source.svelte";
@@ -7,5 +8,8 @@ import { t } from "./messages";
 /** "since 12:05", or "of the whole recording"; empty before the first value. */
 export function extremesSpan(): string {
   if (display.source.kind === "recording") return t("wholeRecording");
-  return live.extremesFrom === null ? "" : t("since", { time: hourMinute(live.wallTime(live.extremesFrom)) });
+  const from = live.extremesFrom;
+  if (from === null) return "";
+  // The program's clock moves with each message; the answer does not.
+  return t("since", { time: hourMinute(untrack(() => live.wallTime(from))) });
 }
