@@ -333,7 +333,7 @@ def test_a_bug_says_that_it_is_one(mikas, monkeypatch, verbose):
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError("by nothing")
 
-    monkeypatch.setattr("mikas.catalog.load", broken)
+    monkeypatch.setattr("mikas.catalog.own.file.OwnCatalog.load", broken)
     ran = mikas("params", *(["-v"] if verbose else []))
     assert (ran.status, ran.out) == (1, "")
     assert "a bug in mikas" in ran.err
@@ -346,7 +346,7 @@ def test_interrupted(mikas, monkeypatch):
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("mikas.catalog.load", interrupted)
+    monkeypatch.setattr("mikas.catalog.own.file.OwnCatalog.load", interrupted)
     for argv in (["params"], ["params", "--json"]):
         ran = mikas(*argv)
         assert (ran.status, ran.out, ran.err) == (130, "", "\n")
