@@ -41,6 +41,8 @@ def example(kind: type[MikasError]) -> MikasError:
         return kind("f", Text("p", "п"))
     if kind is errors.CatalogError:
         return kind("f", 1, Text("p", "п"))
+    if kind is errors.FormulaError:
+        return kind(Text("p", "п"))
     return UnknownParameter("N", ["M"]) if kind is UnknownParameter else kind(**FIELDS)
 
 

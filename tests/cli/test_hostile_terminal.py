@@ -71,6 +71,8 @@ LINES = [
     ("export", NAME, "-o", f"o{ESC}.csv", "--overwrite"), ("export", NAME, "-o", f"o{ESC}"),
     ("export", NAME, "-o", f"o{ESC}.csv", ESC), ("report", NAME, "-o", f"r{ESC}.html"),
     ("report", f"a{ESC}.bin", "-o", "r.html"), ("sim", "--tcp", ESC), ("sim", "--set", ESC),
+    ("find", NAME, "EVIL > 1"), ("find", NAME, ESC), ("find", f"a{ESC}.bin", "FREQ > 1"), ("test",),
+    ("test", ESC), ("test", "idle", "--recording", NAME), ("test", "idle", "--recording", ESC),
     ("sim", "--replay", f"a{ESC}.bin"), ("sim", "--scenario", ESC), ("dash", "--record", NAME),
     ("dash", "--http", ESC), ("demo", ESC), (ESC,), (f"--{ESC}",), ("read", f"--{ESC}=1"),
     ("info", "--port", f"sim:?{ESC}=1"), ("info", "--port", f"/dev/{ESC}"), ("info", "--port", ESC),

@@ -134,12 +134,17 @@ class Recorder:
             if self._running is not None:
                 self._continue_in_next_file(self._running)
 
-    def marker(self, time: float | None = None, label: str = "") -> float | None:
-        """Mark a moment, by default now. Return its time, None before any byte or event."""
+    def marker(
+        self, time: float | None = None, label: str = "", *, renamed: bool = False
+    ) -> float | None:
+        """Mark a moment, by default now. Return its time, None before any byte or event.
+
+        `renamed`: give the marker of that time another name.
+        """
         with self._lock:
             time = self._time if time is None else time
             if time is not None:
-                self._write([note_of(Marker(time, label[:_LONGEST_TEXT]))])
+                self._write([note_of(Marker(time, label[:_LONGEST_TEXT], renamed=renamed))])
             return time
 
     def text(self, time: float | None = None, text: str = "") -> None:

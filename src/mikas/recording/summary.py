@@ -162,7 +162,9 @@ def _summary(path: Path, sections: _Sections, catalog: Catalog) -> Summary:
         rate=samples / sampled if samples and sampled > 0 else None,
         gaps=len(gaps),
         faults=_faults(sections),
-        markers=len({note.time for note in notes if note.kind == Kind.MARKER}),
+        markers=sum(
+            note.kind == Kind.MARKER and note.data.get("renamed") is not True for note in notes
+        ),
         note=comment_of(notes) or next(texts, "")[:LONGEST_COMMENT],
         car=car_of(notes),
         recordings=len(sections.index.sections),

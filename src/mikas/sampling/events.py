@@ -275,10 +275,11 @@ class FaultReading(Event):
 
 @dataclass(frozen=True, slots=True)
 class Marker(Event):
-    """A moment marked by the user."""
+    """A moment marked by the user. `renamed`: another name of the marker at that time."""
 
     kind = "marker"
     label: str = ""
+    renamed: bool = field(default=False, metadata={"json": False})
 
 
 @dataclass(frozen=True, slots=True)

@@ -139,14 +139,14 @@ class SessionRecorder:
 
         Raises `NotFound`: there is no such marker; `CaptureError`: its file can't be written.
         """
-        marker = Marker(time, label)
+        marker = Marker(time, label, renamed=True)
         if not any(isinstance(it, Marker) and it.time == time for it in self._monitor.events):
             raise NotFound(name=_MARKER)
         self._monitor.log(marker)
         status = self.recorder.status
         path = self._marked.get(time)
         if status is not None and status.failure is None and status.path == path:
-            self.recorder.marker(time, label)
+            self.recorder.marker(time, label, renamed=True)
         elif path is not None:  # the recording has ended since
             append_note(path, note_of(marker))
 

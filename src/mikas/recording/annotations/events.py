@@ -65,6 +65,8 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
     match event:
         case TextNote() | Marker() | Gap() | StateChanged() | AdapterMoved():
             time = event.began if isinstance(event, Gap) else event.time
+            if isinstance(event, Marker) and event.renamed:
+                data["renamed"] = True
             return Note(Kind(event.kind), time, data)
         case UnitFound():
             data = {
@@ -173,8 +175,8 @@ def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
 def events_of(notes: Iterable[Note], catalog: Catalog) -> list[Event]:
     """Return the events of `notes`, in their order.
 
-    A repeated unit, a plan, and faults read before the recording are no events. A marker at the
-    time of an earlier one is that marker with another name.
+    A repeated unit, a plan, and faults read before the recording are no events. A renamed marker
+    stands where the latest one of its time stands.
     """
     events: list[Event] = []
     before: UnitFound | None = None
@@ -189,10 +191,10 @@ def events_of(notes: Iterable[Note], catalog: Catalog) -> list[Event]:
                 event = replace(event, another=another)
             before = event
         if isinstance(event, Marker):
-            place = markers.setdefault(event.time, len(events))
-            if place < len(events):
-                events[place] = replace(event, recording=events[place].recording)
+            if event.renamed and (place := markers.get(event.time)) is not None:
+                events[place] = replace(event, recording=events[place].recording, renamed=False)
                 continue
+            markers[event.time] = len(events)
         if event is not None:
             events.append(event)
     return events
@@ -221,7 +223,8 @@ def _event(note: Note, catalog: Catalog) -> Event | None:
     time, data, recording = note.time, note.data, note.recording
     match note.kind:
         case Kind.MARKER:
-            return Marker(time, line_of(data.get("label")) or "", recording=recording)
+            label, renamed = line_of(data.get("label")) or "", data.get("renamed") is True
+            return Marker(time, label, renamed=renamed, recording=recording)
         case Kind.NOTE if (words := text_of(data.get("text"), LONGEST_TEXT)) is not None:
             return TextNote(time, words, recording=recording)
         case Kind.GAP:

@@ -600,7 +600,7 @@ export interface components {
             times: number[];
             values: (number | null)[][];
         };
-        /** @description A moment marked by the user. */
+        /** @description A moment marked by the user. `renamed`: another name of the marker at that time. */
         MarkerEvent: {
             /**
              * @description discriminator enum property added by openapi-typescript

@@ -273,9 +273,9 @@ async def name_recorded_marker(
         events = library.opened(file).events
         if not any(isinstance(it, Marker) and it.time == body.time for it in events):
             raise NotFound(name=identity)
-        marker = Marker(body.time, body.label)
+        marker = Marker(body.time, body.label, renamed=True)
         if library.is_growing(file):
-            dashboard.recorder.recorder.marker(marker.time, marker.label)
+            dashboard.recorder.recorder.marker(marker.time, marker.label, renamed=True)
         else:
             append_note(file.path, note_of(marker))
         return MarkerResponse(time=body.time)
