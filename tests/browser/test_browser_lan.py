@@ -157,7 +157,7 @@ def test_a_key_that_would_change_something_says_why_it_does_not(lan, visitor):
     tab.show("live")
     tab.is_line("sampling")
     tab.page.keyboard.press("r")
-    tab.says("This client may view but not control")
+    tab.says("This page may only view")
     assert lan.state()["recording"] is None
 
 

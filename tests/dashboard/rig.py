@@ -132,8 +132,11 @@ class Rig:
             return live.until(accepted)
 
     def sampling(self):
-        """Waits until values come; returns their state."""
-        return self.until(lambda it: "data" in it and it.get("state"))["state"]
+        """Waits until values come, and the unit is known; returns their state.
+
+        A message may have the first values with the state from just before.
+        """
+        return self.until(lambda it: "data" in it and (it.get("state") or {}).get("model"))["state"]
 
 
 class Live:

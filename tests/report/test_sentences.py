@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from report_harness import GOOD, START, found, measured, rows
 from sentence_rules import ALWAYS, RULES
-from test_alarms import event
+from test_report_alarms import event
 
 import mikas.report
 from mikas.catalog import Level, load, shipped

@@ -77,7 +77,7 @@ export const bindings: Binding[] = [
   { code: "KeyG", shift: true, show: "⇧G", text: () => t("nextGap"), run: () => toGap(-1) },
   { code: "KeyN", show: "N", text: () => t("nextMarker"), run: () => toMarker(1) },
   { code: "KeyN", shift: true, show: "⇧N", text: () => t("previousMarker"), run: () => toMarker(-1) },
-  { code: "Slash", key: "/", show: "/", text: () => findText("findLong"), run: () => (find.open = true) },
+  { code: "NumpadDivide", key: "/", show: "/", text: () => findText("findLong"), run: () => (find.open = true) },
   { code: "Digit0", show: "0", text: () => t("fit"), run: fit },
   { code: "Equal", show: "+", text: () => t("closer"), run: () => view.zoom(0.7, middle()) },
   { code: "Minus", show: "−", text: () => t("farther"), run: () => view.zoom(1 / 0.7, middle()) },
