@@ -30,7 +30,7 @@ from mikas.recording.capture.reader import CaptureReader, Problem
 from mikas.recording.capture.writer import append_note
 from mikas.recording.export import DIALECTS, export
 from mikas.recording.inspect import Describer, decode, to_json
-from mikas.recording.search import Condition, search
+from mikas.recording.search import SearchCondition, search
 from mikas.recording.summary import summarise
 from mikas.replay.port import playing
 from mikas.report.from_recording import find_in_recording
@@ -186,7 +186,7 @@ _SEVERAL: Final = Allowance(calls=(400_000, 500), reads=(1 << 20, 400))
 def _searched(path: Path) -> None:
     for text in ("FREQ > 1000 and not RXX", "FUEL_FLOW < 3"):
         with suppress(UsageError):  # a channel that is not in the file
-            search(path, Condition(shipped(), text))
+            search(path, SearchCondition(shipped(), text))
 
 
 READERS: Final = (

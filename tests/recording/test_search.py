@@ -13,14 +13,14 @@ from hypothesis import strategies as st
 
 from mikas.catalog import shipped
 from mikas.errors import UnknownParameter, UsageError
-from mikas.recording.search import PAUSE, Condition, Hit
+from mikas.recording.search import PAUSE, Hit, SearchCondition
 from mikas.recording.table.channels import Rows
 
 CATALOG = shipped()
 
 
-def condition(expression: str) -> Condition:
-    return Condition(CATALOG, expression)
+def condition(expression: str) -> SearchCondition:
+    return SearchCondition(CATALOG, expression)
 
 
 def rows(times, holds, peaks=None) -> Rows:

@@ -50,7 +50,7 @@ class Hit:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class SearchResult:
     """The hits, and the times of the first and the last row; None: there are no rows.
 
     `damaged`: the number of places in the file that could not be read.
@@ -62,7 +62,7 @@ class Found:
     damaged: int = 0
 
 
-class Condition:
+class SearchCondition:
     """A condition on the channels of `catalog`. `inputs`: the channels that it names.
 
     `requires`: the parameters that these need. `peak_of`: the formula that its first comparison
@@ -90,7 +90,7 @@ class Condition:
         self.names = tuple(derived)
         self.requires = DerivedChannels(self.catalog, self.names).requires
 
-    def find(self, stretches: Iterable[Rows]) -> Found:
+    def find(self, stretches: Iterable[Rows]) -> SearchResult:
         """Return the hits in rows with the columns `names`, in their order."""
         columns = _Columns(stretches)
         times = columns.times.tolist()
@@ -100,12 +100,12 @@ class Condition:
             Hit(times[begin], times[end], end - begin + 1, *peak)
             for begin, end, peak in zip(begins.tolist(), ends.tolist(), peaks, strict=True)
         ]
-        return Found(hits, *columns.span)
+        return SearchResult(hits, *columns.span)
 
 
 def search(
-    path: str | os.PathLike[str], condition: Condition, interpretation: str = "corrected"
-) -> Found:
+    path: str | os.PathLike[str], condition: SearchCondition, interpretation: str = "corrected"
+) -> SearchResult:
     """Return the hits in a recording, in the order of the file.
 
     Raises `CaptureError`; `UsageError` if a channel of the condition is not recorded.
@@ -126,7 +126,7 @@ def search(
     return replace(found, damaged=recording.problem_count)
 
 
-def search_rows(rows: Rows, condition: Condition) -> Found:
+def search_rows(rows: Rows, condition: SearchCondition) -> SearchResult:
     """Return the hits in rows of the parameters that the condition `requires`, corrected."""
     columns = Deriver(condition.catalog, condition.names).columns(rows)
     return condition.find([Rows(rows.times, columns)])

@@ -26,7 +26,7 @@ from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.session.history import row_time
 from mikas.errors import UsageError, reason_at, usage_error
 from mikas.files import read_regular
-from mikas.recording.search import Condition, Found, Hit, search, search_rows
+from mikas.recording.search import Hit, SearchCondition, SearchResult, search, search_rows
 from mikas.saving import save
 
 router = APIRouter(tags=["search"])
@@ -85,7 +85,7 @@ def find_live(
     seconds: Annotated[float, Query(gt=0, le=86400)] = 86400,
 ) -> FoundResponse:
     """Return the moments of the last `seconds` at which `expression` holds."""
-    condition = Condition(dashboard.catalog, expression)
+    condition = SearchCondition(dashboard.catalog, expression)
     _check_interpretation(dashboard, condition)
     rows = dashboard.history.rows(seconds, condition.requires)
     return _found(condition, search_rows(rows, condition))
@@ -96,7 +96,7 @@ async def find_recorded(
     library: TheLibrary, requester: TheRequester, identity: str, expression: Expression
 ) -> FoundResponse:
     """Return the moments of a recording at which `expression` holds."""
-    condition = Condition(library.catalog, expression)
+    condition = SearchCondition(library.catalog, expression)
 
     def look(file: RecordingFile) -> FoundResponse:
         return _found(condition, search(file.path, condition, library.interpretation))
@@ -118,7 +118,7 @@ def searches(dashboard: TheDashboard) -> SearchList:
 def write_searches(dashboard: TheDashboard, _: KnownClient, body: SearchList) -> SearchList:
     """Replace the user's conditions, all or none; each must be a formula of the catalog."""
     for kept in body.searches:
-        Condition(dashboard.catalog, kept.expression)
+        SearchCondition(dashboard.catalog, kept.expression)
     file = dashboard.settings.searches
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -129,7 +129,7 @@ def write_searches(dashboard: TheDashboard, _: KnownClient, body: SearchList) ->
     return searches(dashboard)
 
 
-def _found(condition: Condition, found: Found) -> FoundResponse:
+def _found(condition: SearchCondition, found: SearchResult) -> FoundResponse:
     return FoundResponse(
         hits=[_hit(hit) for hit in found.hits[:_MOST_HITS]],
         count=len(found.hits),
@@ -151,7 +151,7 @@ def _hit(hit: Hit) -> HitInfo:
     )
 
 
-def _check_interpretation(dashboard: Dashboard, condition: Condition) -> None:
+def _check_interpretation(dashboard: Dashboard, condition: SearchCondition) -> None:
     """Raise `UsageError` for a parameter whose live values are not those that formulas use."""
     chosen = dashboard.library.interpretation
     for name in condition.requires:

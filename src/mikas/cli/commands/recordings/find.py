@@ -14,7 +14,7 @@ from mikas.cli.parameter_types import existing_file
 from mikas.i18n import Text, counted
 
 if TYPE_CHECKING:
-    from mikas.recording.search import Condition, Hit
+    from mikas.recording.search import Hit, SearchCondition
 
 
 @command(
@@ -37,10 +37,10 @@ if TYPE_CHECKING:
 @click.argument("file", metavar="FILE", type=existing_file)
 @click.argument("expression", metavar="EXPRESSION")
 def find(context: CommandContext, file: Path, expression: str) -> None:
-    from mikas.recording.search import Condition, search
+    from mikas.recording.search import SearchCondition, search
 
     options = context.options
-    condition = Condition(options.catalog, expression)
+    condition = SearchCondition(options.catalog, expression)
     found = search(file, condition, options.interpretation)
     if found.damaged:
         context.say(
@@ -73,7 +73,7 @@ def _json(hit: Hit) -> dict[str, float | int | None]:
 
 
 def _print_table(
-    context: CommandContext, hits: list[Hit], condition: Condition, start: float
+    context: CommandContext, hits: list[Hit], condition: SearchCondition, start: float
 ) -> None:
     """Print a row a hit: seconds from the start, time of day if it is known, length, peak."""
     from mikas.recording.table.channels import calendar
@@ -95,7 +95,7 @@ def _print_table(
     context.output.table(list(columns), rows, right="012" if condition.peak_of else "01")
 
 
-def _summary(hits: list[Hit], condition: Condition) -> str:
+def _summary(hits: list[Hit], condition: SearchCondition) -> str:
     if not hits:
         return tr(
             f"{condition.expression}: at no moment of this recording.",
