@@ -232,3 +232,59 @@ def test_a_wrong_own_file_is_left_out_with_its_problem(own: OwnCatalog, tmp_path
     big.path.write_text("#" * 300_000, "utf-8")
     with pytest.raises(CatalogError, match="larger than 256 KB"):
         set_keys(big, shipped(), "TWAT", {"gauge": (0, 150)})
+
+
+def test_a_file_that_can_not_be_read_or_written_is_named(
+    own: OwnCatalog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert own.load().catalog.version == shipped().version
+    known = set_channel(own, shipped(), "LOAD", LOAD, new=True)
+    before = own.path.read_bytes()
+    assert own.change(lambda text: text).version == known.version
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text("[parameter.TWAT]\nlimit = 3\n", "utf-8")
+    with pytest.raises(CatalogError, match=r"wrong\.toml:2"):
+        OwnCatalog(own.path, [wrong]).load()
+    (tmp_path / "latin.toml").write_bytes(b"# \xff\n")
+    assert OwnCatalog(tmp_path / "latin.toml").entries() == {}
+    for path in (tmp_path, tmp_path / "latin.toml"):
+        with pytest.raises(CatalogError) as refused:
+            OwnCatalog(path).change(lambda text: text + "# more\n")
+        assert refused.value.file == str(path)
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("mikas.catalog.own.file.save", full)
+    with pytest.raises(CatalogError, match=r"catalog\.toml: No space left"):
+        set_keys(own, known, "LOAD", {"limits": {**LIMITS, "danger_high": 120.0}})
+    assert own.path.read_bytes() == before
+
+
+def test_an_entry_of_a_form_that_tomlkit_does_not_master_is_left_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    text = "[parameter.TWAT]\nreference = [82, 97]"
+    assert with_keys(text, "parameter", "TWAT", {"decimals": 1}) == f"{text}\ndecimals = 1\n"
+    with pytest.raises(CatalogError) as refused:
+        with_keys("[parameter.TWAT\n", "parameter", "TWAT", {"decimals": 1}, file="own.toml")
+    assert (refused.value.file, refused.value.line) == ("own.toml", 1)
+
+    def raising(*_: object, **__: bool) -> str:
+        raise TypeError
+
+    for way in (raising, lambda *_, **__: "decimals = 1\n", lambda *_, **__: "no TOML"):
+        monkeypatch.setattr("mikas.catalog.own.editing._by_tomlkit", way)
+        with pytest.raises(CatalogError) as refused:
+            with_keys(text, "parameter", "TWAT", {"reference": [1, 2]}, file="own.toml")
+        assert (refused.value.file, refused.value.line) == ("own.toml", 2)
+
+
+def test_whether_two_catalogs_make_the_same_values(own: OwnCatalog) -> None:
+    known = set_channel(own, shipped(), "LOAD", LOAD, new=True)
+    other = set_channel(own, known, "LOAD", {**LOAD, "decimals": 3}, new=False)
+    assert known.gives_same_values("LOAD", other)
+    assert known.gives_same_values("TWAT", other)
+    assert not known.gives_same_values("LOAD", shipped())
+    other = set_channel(own, known, "LOAD", {**LOAD, "formula": "JAIR", "constants": {}}, new=False)
+    assert not known.gives_same_values("LOAD", other)

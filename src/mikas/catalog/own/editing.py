@@ -18,6 +18,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from typing import Any, Final, TypeAlias
 
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
 from mikas import toml
 from mikas.catalog.loading.source import KeyPath, headers_of
 from mikas.errors import CatalogError
@@ -27,6 +30,9 @@ Tables: TypeAlias = "dict[str, Any]"
 
 _TEXT: Final = "text"
 """The key whose table of two languages is a value: it is replaced as a whole."""
+
+_UNFIT: Final = (ValueError, LookupError, TypeError, AttributeError, TOMLKitError)
+"""What tomlkit raises for a form that it does not master; `TomlError` for its result."""
 
 _BY_HAND: Final = Text(
     "this entry is written in a way that the program can't change; change it in a text editor",
@@ -101,7 +107,7 @@ def _changed(
             tables = toml.parse(after)
             if _meant(tables) == _meant(wanted):
                 return after, tables
-        except Exception:
+        except _UNFIT:
             continue
     raise CatalogError(file, _line(text, path), _BY_HAND)
 
@@ -178,8 +184,6 @@ def _content_end(lines: Sequence[str], headers: Sequence[tuple[KeyPath, int]], a
 
 
 def _by_tomlkit(text: str, path: KeyPath, value: object, **_: bool) -> str:
-    import tomlkit
-
     document: Any = tomlkit.parse(text)
     table = document
     for key in path[:-1]:
@@ -192,8 +196,6 @@ def _by_tomlkit(text: str, path: KeyPath, value: object, **_: bool) -> str:
 
 
 def _item(value: object) -> Any:  # noqa: ANN401  (tomlkit's)
-    import tomlkit
-
     if isinstance(value, Mapping):
         table = tomlkit.inline_table()
         table.update(value)
@@ -206,8 +208,6 @@ def _value(value: object) -> str:
 
 
 def _key(key: str) -> str:
-    import tomlkit
-
     return tomlkit.key(key).as_string()
 
 

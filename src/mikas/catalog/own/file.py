@@ -22,7 +22,7 @@ from mikas import toml
 from mikas.catalog.loading.loader import load, load_text
 from mikas.catalog.loading.source import parse_source
 from mikas.catalog.lookup import Catalog
-from mikas.errors import CatalogError, UnfitFile, reason_of
+from mikas.errors import CatalogError, reason_of
 from mikas.i18n import Text
 from mikas.saving import save
 
@@ -117,8 +117,6 @@ class OwnCatalog:
         try:
             path = self.path.resolve()  # the user may keep the file elsewhere, by a link
             path.parent.mkdir(parents=True, exist_ok=True)
-            if path.exists() and not path.is_file():
-                raise UnfitFile(0, _NO_FILE)
             save(path, text.replace("\n", "\r\n") if windows else text)
         except OSError as error:
             raise self._failed(reason_of(error)) from error
@@ -131,4 +129,3 @@ _TOO_LARGE: Final = Text(
     f"the file is larger than {LARGEST // 1024} KB; change it in a text editor",
     f"файл больше {LARGEST // 1024} КБ; измените его в текстовом редакторе",
 )
-_NO_FILE: Final = Text("this is no file", "это не файл")
