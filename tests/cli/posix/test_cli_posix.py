@@ -15,6 +15,7 @@ import sys
 import termios
 import time
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -341,6 +342,16 @@ def test_ctrl_c_shows_the_codes_that_a_scan_has_found(start, url):
     assert 21 <= found["requested"] < 256
 
 
+def until_it_sleeps(pid: int) -> None:
+    """Wait until the process waits for its terminal (Linux).
+
+    Python notices a signal that comes just before only when it has read a line.
+    """
+    status = Path(f"/proc/{pid}/stat")
+    while status.exists() and status.read_text().rpartition(")")[2].split()[0] != "S":
+        pass
+
+
 def test_a_question_at_a_terminal(start, tmp_path):
     argv = ("write", "UOZ", "10", "--port", "sim:?clock=simulated")
     for answer, status in (("n\n", 6), ("y\n", 0), ("\x04", 6), ("\x03", 130)):
@@ -351,6 +362,7 @@ def test_a_question_at_a_terminal(start, tmp_path):
             )  # fmt: skip
             got = read_until(behind, "Do it? [y/N]")
             assert "10.0 ° crank (14)" in got
+            until_it_sleeps(process.pid)
             os.write(behind, answer.encode())
             assert process.wait(PATIENCE) == status
     (journal,) = tmp_path.glob("state/mikas/journal.jsonl")
