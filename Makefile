@@ -34,7 +34,7 @@ test: .venv/with-test web/node_modules/installed ## all tests but those in a bro
 	@$(npm) test
 
 browser: .venv/with-test ## the tests that drive the page in Chromium; pictures of all screens in build/screenshots
-	@$(venv_python) -m pytest tests/browser
+	@$(venv_python) -m pytest -n logical --dist loadfile tests/browser
 
 cable: .venv/with-test build/cable/unpacked ## the program on a cable under Linux' own driver, in QEMU: docs/cable.md
 	@MIKAS_REQUIRE_CABLE=1 $(venv_python) -m pytest -n 2 --dist worksteal tests/cable
