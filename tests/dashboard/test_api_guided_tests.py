@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 
 import pytest
 
@@ -27,12 +26,8 @@ def cold(tmp_path):
 
 
 def finished(it):
-    for _ in range(600):
-        run = it.get("/tests/run")["run"]
-        if run["result"] is not None:
-            return run
-        time.sleep(0.02)
-    raise AssertionError(run)
+    it.until(lambda _: it.get("/tests/run")["run"]["result"] is not None)
+    return it.get("/tests/run")["run"]
 
 
 def test_a_run_finds_the_fault_and_is_kept(cold, tmp_path):
@@ -62,12 +57,12 @@ def test_a_run_finds_the_fault_and_is_kept(cold, tmp_path):
     assert finding["text"]["en"] in page
     assert finding["text"]["en"] in cold.get(f"/recordings/{file.name}/report", lang="en").text
     kept = tmp_path / "state" / "tests"
-    for _ in range(200):
-        stored = [json.loads(each.read_text("utf-8")) for each in kept.glob("*.json")]
-        if stored and stored[0][0]["in_report"]:
-            break
-        time.sleep(0.02)
-    assert stored[0][0]["id"] == result["id"]
+
+    def stored():
+        return [json.loads(each.read_text("utf-8"))[0] for each in kept.glob("*.json")]
+
+    cold.until(lambda _: any(it["in_report"] for it in stored()))
+    assert [it["id"] for it in stored()] == [result["id"]]
     assert cold.post("/tests/run/cancel")["run"] is None
 
 
@@ -81,11 +76,8 @@ def test_skipping_every_step_tells_nothing(cold):
     assert cold.get("/tests")["running"] == "cranking"
     assert cold.post("/tests/sensors/start", status=409)["code"] == "Busy"
     assert cold.post("/tests/run/cancel", status=409, headers=OTHER)["code"] == "NotController"
-    for _ in range(600):
-        run = cold.get("/tests/run")["run"]
-        if run["step"] == 1:
-            break
-        time.sleep(0.02)
+    cold.until(lambda _: cold.get("/tests/run")["run"]["step"] == 1)
+    run = cold.get("/tests/run")["run"]
     assert run["values"].keys() == {"FREQ", "UACC"}
     result = cold.post("/tests/run/skip")["run"]["result"]
     assert (result["outcome"], result["findings"]) == ("unknown", [])

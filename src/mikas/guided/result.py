@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from mikas.cleaning import clean_line, clean_text, is_in_calendar
 from mikas.guided.definition import Confidence, Outcome
-from mikas.i18n import Text
+from mikas.i18n import Language, Text
 
 _LONGEST: Final = 4000  # characters of a text
 _MOST: Final = 60  # steps, numbers, findings
@@ -171,7 +171,7 @@ class TestResult:
         """Return the result as lines of text, for a message or a terminal."""
         return Text("\n".join(self._lines("en")), "\n".join(self._lines("ru")))
 
-    def _lines(self, language: Any) -> list[str]:  # noqa: ANN401  (a Language, as `Text.to` takes)
+    def _lines(self, language: Language) -> list[str]:
         def words(text: Text) -> str:
             return text.to(language)
 

@@ -130,5 +130,6 @@ def frame_from(stored: Any) -> FreezeFrame | None:  # noqa: ANN401  (any JSON)
 
 def _number(value: object) -> float:
     """Return a finite number; NaN for anything else."""
-    known = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
-    return float(value) if known else nan  # type: ignore[arg-type]
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        return nan
+    return float(value)
