@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import mikas
-from mikas.client.polling import Method
+from mikas.client.parameters.polling import Method
 from mikas.i18n import Text
 from mikas.link.base import Direction
 from mikas.recording import CaptureWriter, Coalescer

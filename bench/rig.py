@@ -16,7 +16,7 @@ from typing import Any
 
 from mikas.catalog import shipped
 from mikas.client import Ecu
-from mikas.client.polling import FixedMethod
+from mikas.client.parameters.polling import FixedMethod
 from mikas.link import Chunk, open_link
 from mikas.link.base import Link, LinkWrapper
 from mikas.link.reconnecting import ReconnectingPort

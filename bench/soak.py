@@ -24,7 +24,7 @@ from typing import Final
 from bench.soak_car import Outages, SoakCar
 from mikas.catalog import shipped
 from mikas.client import Ecu
-from mikas.client.polling import FixedMethod
+from mikas.client.parameters.polling import FixedMethod
 from mikas.errors import PortNotFound
 from mikas.link import Chunk
 from mikas.link.reconnecting import ReconnectingPort

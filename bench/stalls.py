@@ -16,7 +16,7 @@ import serial
 
 from bench.rig import Meter, Session, everything, paced, sample, serving
 from bench.rows import Row, Scope, Theme
-from mikas.client.polling import FixedMethod
+from mikas.client.parameters.polling import FixedMethod
 from mikas.link import open_link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.virtual import VirtualLink

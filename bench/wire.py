@@ -10,7 +10,7 @@ from pathlib import Path
 from bench.rig import Port, Session, Watch, connected, everything, paced, sample, simulated
 from bench.rows import Row, Scope, Theme
 from mikas.catalog import shipped
-from mikas.client.polling import FixedMethod
+from mikas.client.parameters.polling import FixedMethod
 from mikas.sampling.plan import Plan, PlannedParameter
 
 _LIMITS = {"single": 5.0, "batch": 17.8, "list": 30.0, "stream": 35.0}  # §5, data not stuffed

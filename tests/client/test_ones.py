@@ -10,7 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mikas.client import Limits
-from mikas.client.data import COMMON
+from mikas.client.parameters.data import COMMON
 from mikas.errors import LineError, NoConnection, NotSupported
 from mikas.virtual.fault_injector import LineFault
 from virtual_harness import DATA

@@ -9,7 +9,7 @@ import numpy as np
 from mikas.catalog import shipped
 from mikas.recording.table.channels import Rows
 from mikas.report.findings import Findings, find
-from mikas.report.measurements import MeasurementCollector
+from mikas.report.measurements.measurements import MeasurementCollector
 from mikas.report.subject import Conditions, ReportSubject, UnitIdentity
 
 GOOD = {

@@ -9,7 +9,7 @@ import pytest
 
 from mikas.catalog import shipped
 from mikas.report.charts import chart
-from mikas.report.statistics import Envelope
+from mikas.report.measurements.statistics import Envelope
 
 
 def drawn(seconds, values, pauses=()):

@@ -15,8 +15,8 @@ from mikas.recording.annotations.events import faults_note
 from mikas.report.findings import Findings, Outcome, find
 from mikas.report.from_recording import find_in_recording
 from mikas.report.page import render
+from mikas.report.sections.summary import summary_sentence
 from mikas.report.subject import ClearedFaults, cleared_faults
-from mikas.report.summary import summary_sentence
 from mikas.sampling.events import FaultReading
 
 IDLE = "sim:?clock=simulated&scenario=warm-idle"

@@ -10,9 +10,9 @@ from report_harness import found, rows
 
 from mikas.catalog import shipped
 from mikas.report.findings import BandPosition, Outcome
-from mikas.report.limitations import unknowns
-from mikas.report.summary import idle_sentence, summary_sentence
-from mikas.report.warm_idle import ENOUGH, SETTLING
+from mikas.report.measurements.warm_idle import ENOUGH, SETTLING
+from mikas.report.sections.limitations import unknowns
+from mikas.report.sections.summary import idle_sentence, summary_sentence
 
 WITH_REFERENCE = ("TWAT", "FREQ", "FREQX", "UOZ", "UACC", "INJ", "JAIR", "THR")
 

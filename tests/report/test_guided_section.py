@@ -12,7 +12,7 @@ from mikas.guided.engine import TestEngine
 from mikas.guided.loading import load
 from mikas.guided.result import TestResult
 from mikas.report.findings import Outcome, find
-from mikas.report.measurements import MeasurementCollector
+from mikas.report.measurements.measurements import MeasurementCollector
 from mikas.report.page import render
 from mikas.report.subject import ReportSubject
 

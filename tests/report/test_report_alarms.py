@@ -15,9 +15,9 @@ from mikas.catalog import Level, load, shipped
 from mikas.i18n import Text
 from mikas.recording.table.channels import Rows
 from mikas.report import page
-from mikas.report.alarms import AlarmCollector, Limit, limits_of, worst
 from mikas.report.findings import Outcome
-from mikas.report.summary import summary_sentence
+from mikas.report.measurements.alarms import AlarmCollector, Limit, limits_of, worst
+from mikas.report.sections.summary import summary_sentence
 from mikas.sampling.alarms import Alarms, Side
 from mikas.sampling.events import AlarmChanged, LineState, StateChanged
 

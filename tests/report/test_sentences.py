@@ -27,12 +27,15 @@ from mikas.guided.result import Finding, TestResult
 from mikas.i18n import Text
 from mikas.report.findings import BandPosition, Findings, Outcome, find
 from mikas.report.page import render
+from mikas.report.sections.summary import summary_sentence
 from mikas.report.subject import ClearedFaults, UnitIdentity
-from mikas.report.summary import summary_sentence
 from mikas.sampling.events import Gap
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "report.md"
-RULED = ("summary", "limitations", "labels", "alarm_texts", "conditions", "formatting")
+RULED = (
+    "sections/summary", "sections/limitations", "sections/alarm_texts", "sections/conditions",
+    "labels", "formatting",
+)  # fmt: skip
 
 WORDS = {
     "", "below", "above", "lowest", "highest", "normal", "low", "high", "not rated", "erased",

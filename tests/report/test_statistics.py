@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.report.statistics import COLUMNS, Envelope, ValueCounts, is_inside
+from mikas.report.measurements.statistics import COLUMNS, Envelope, ValueCounts, is_inside
 
 NAN = float("nan")
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from report_harness import START, rows
 
 from mikas.recording.table.channels import Rows
-from mikas.report.warm_idle import ENOUGH, PAUSE, SETTLING, WarmIdleFinder
+from mikas.report.measurements.warm_idle import ENOUGH, PAUSE, SETTLING, WarmIdleFinder
 
 NAMES = ("TWAT", "FREQ", "FREQX", "THR", "RXX")
 

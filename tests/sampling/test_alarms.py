@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.catalog import AlarmLimits, Level, load, shipped
-from mikas.client.parameters import decode
+from mikas.client.parameters.parameters import decode
 from mikas.errors import UnknownParameter, UsageError
 from mikas.i18n import Text
 from mikas.sampling.alarms import Alarms, AlarmState, Side

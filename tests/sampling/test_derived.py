@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.catalog import Catalog, load, shipped
-from mikas.client.parameters import Reading, decode
+from mikas.client.parameters.parameters import Reading, decode
 from mikas.errors import UnknownParameter, UsageError
 from mikas.sampling.derived import Accumulated, DerivedChannels, DerivedValue
 

@@ -22,12 +22,13 @@ from sampling_harness import (
 )
 
 from mikas.client.limits import LimitsStore, MethodTiming
-from mikas.client.polling import STREAMS
+from mikas.client.parameters.polling import STREAMS
 from mikas.link.virtual import VirtualLink
-from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import MethodChosen, Sampled
 from mikas.sampling.jobs import JobQueue
-from mikas.sampling.method_knowledge import (
+from mikas.sampling.plan import Plan, PlannedParameter, select
+from mikas.sampling.running.context import SamplingContext, SamplingRequest
+from mikas.sampling.running.method_knowledge import (
     CANDIDATES,
     TrialResult,
     best_method,
@@ -35,8 +36,7 @@ from mikas.sampling.method_knowledge import (
     rates_of,
     timing_of,
 )
-from mikas.sampling.method_trial import run_trial
-from mikas.sampling.plan import Plan, PlannedParameter, select
+from mikas.sampling.running.method_trial import run_trial
 from mikas.virtual.bus import AdapterKind, Bus
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown

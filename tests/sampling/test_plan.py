@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.catalog import shipped
-from mikas.client.polling import FIXED_METHODS, STREAMS
+from mikas.client.parameters.polling import FIXED_METHODS, STREAMS
 from mikas.errors import UsageError
 from mikas.sampling.plan import Plan, PlannedParameter
 from protocol_codes import SECTION_4

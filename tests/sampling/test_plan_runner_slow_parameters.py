@@ -23,7 +23,7 @@ from sampling_harness import (
 
 from mikas.sampling.events import CycleFailed, MethodChosen, Sampled, UnitFound
 from mikas.sampling.plan import Plan
-from mikas.sampling.plan_runner import PlanCycles
+from mikas.sampling.running.plan_runner import PlanCycles
 from mikas.virtual.quirks import GROUPS, EcuQuirks
 from virtual_harness import make_bus
 

@@ -17,7 +17,7 @@ from sampling_harness import (
     take,
 )
 
-from mikas.client.polling import FIXED_METHODS
+from mikas.client.parameters.polling import FIXED_METHODS
 from mikas.errors import EchoOnly, LinkLost, NotSupported, UnknownParameter
 from mikas.sampling.events import (
     CycleFailed,

@@ -10,8 +10,8 @@ from mikas.client.gate import Change, Confirm
 from mikas.client.identity import Info, Passport
 from mikas.client.limits import Limits
 from mikas.client.memory import Memory, MemorySpace, Run, Written
-from mikas.client.parameters import Reading, Sample, WrittenParameter
-from mikas.client.polling import METHODS, Method
+from mikas.client.parameters.parameters import Reading, Sample, WrittenParameter
+from mikas.client.parameters.polling import METHODS, Method
 from mikas.client.scanning import Answer, ScannedCode
 from mikas.client.support import Support
 

@@ -17,7 +17,7 @@ from mikas.catalog import Catalog, Model
 from mikas.client.connecting import connect
 from mikas.client.ecu import Ecu
 from mikas.client.memory import Memory, MemorySpace
-from mikas.client.parameters import Reading
+from mikas.client.parameters.parameters import Reading
 from mikas.errors import LinkLost
 from mikas.i18n import Text
 

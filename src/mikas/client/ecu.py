@@ -15,7 +15,6 @@ from typing import Self
 from mikas import commands as c
 from mikas.catalog import Catalog, Fault, Model, Parameter
 from mikas.catalog.model import check_interpretation
-from mikas.client.data import COMMON, DataReader
 from mikas.client.gate import Change, Confirm, Gate, Journal, hex_or_none
 from mikas.client.identity import (
     Info,
@@ -25,12 +24,13 @@ from mikas.client.identity import (
 )
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory import Memory
-from mikas.client.parameters import Parameters, Reading, Sample, WrittenParameter
-from mikas.client.polling import FixedMethod, Method, Poller, create_poller, fixed_method
+from mikas.client.parameters.data import COMMON, DataReader
+from mikas.client.parameters.parameters import Parameters, Reading, Sample, WrittenParameter
+from mikas.client.parameters.polling import FixedMethod, Method, Poller, create_poller, fixed_method
+from mikas.client.parameters.unit_list import KeptLists, UnitList
+from mikas.client.parameters.watching import Watcher
 from mikas.client.scanning import Scan, ScannedCode
 from mikas.client.support import Support, try_commands
-from mikas.client.unit_list import KeptLists, UnitList
-from mikas.client.watching import Watcher
 from mikas.errors import NoResponse, NotSupported, usage_error
 from mikas.i18n import Text, counted
 from mikas.tester import Tester

@@ -14,9 +14,9 @@ from functools import partial
 from typing import Any
 
 from mikas import commands as c
-from mikas.client.data import COMMON
 from mikas.client.identity import count_parameters
-from mikas.client.parameters import Parameters
+from mikas.client.parameters.data import COMMON
+from mikas.client.parameters.parameters import Parameters
 from mikas.errors import EcuRefused, LineError, NoResponse, NotConfirmed, NotSupported, UsageError
 from mikas.i18n import Text
 

@@ -18,7 +18,7 @@ from dataclasses import replace
 from mikas.catalog import Catalog
 from mikas.client import Info, Support
 from mikas.client.cars import CarBook, CarDetails
-from mikas.client.polling import FixedMethod
+from mikas.client.parameters.polling import FixedMethod
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.library.references import References
 from mikas.dashboard.library.service import RecordingService

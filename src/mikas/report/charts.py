@@ -16,8 +16,8 @@ from markupsafe import Markup
 
 from mikas.i18n import Language, Text
 from mikas.report.formatting import clock, number
-from mikas.report.measurements import Channel
-from mikas.report.statistics import Envelope
+from mikas.report.measurements.measurements import Channel
+from mikas.report.measurements.statistics import Envelope
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

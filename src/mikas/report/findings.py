@@ -18,9 +18,9 @@ from mikas.catalog.model import in_order
 from mikas.guided.definition import Outcome as TestOutcome
 from mikas.guided.result import TestResult
 from mikas.i18n import Text
-from mikas.report.alarms import Alarm
-from mikas.report.measurements import Channel, Measurements
-from mikas.report.statistics import ChannelStatistics, is_inside
+from mikas.report.measurements.alarms import Alarm
+from mikas.report.measurements.measurements import Channel, Measurements
+from mikas.report.measurements.statistics import ChannelStatistics, is_inside
 from mikas.report.subject import ClearedFaults, ReportSubject
 
 FEWEST: Final = 5  # values at warm idle needed for a rating

@@ -34,7 +34,7 @@ from mikas.recording.table.derived import Deriver
 from mikas.recording.table.reader import TableReader
 from mikas.report.findings import Findings, find
 from mikas.report.formatting import date_of
-from mikas.report.measurements import MeasurementCollector, Measurements
+from mikas.report.measurements.measurements import MeasurementCollector, Measurements
 from mikas.report.subject import (
     Conditions,
     ReportSubject,

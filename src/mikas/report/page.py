@@ -20,9 +20,7 @@ from mikas.cancellation import check_cancelled
 from mikas.errors import ExportError
 from mikas.i18n import Language, Text
 from mikas.recording.export.exporting import check_free, write_whole
-from mikas.report.alarm_texts import alarm_section
 from mikas.report.charts import chart
-from mikas.report.conditions import rows as how_rows
 from mikas.report.findings import (
     BandPosition,
     ChannelFinding,
@@ -32,12 +30,14 @@ from mikas.report.findings import (
     is_open,
 )
 from mikas.report.formatting import CONFIDENCE, band, date_of, moment, number, percent, with_unit
-from mikas.report.guided_tests import section as guided_section
 from mikas.report.labels import Labels
-from mikas.report.limitations import unknowns
-from mikas.report.sections import Section
+from mikas.report.sections.alarm_texts import alarm_section
+from mikas.report.sections.conditions import rows as how_rows
+from mikas.report.sections.guided_tests import section as guided_section
+from mikas.report.sections.limitations import unknowns
+from mikas.report.sections.section import Section
+from mikas.report.sections.summary import HEADLINES, MARKS, summary_sentence
 from mikas.report.subject import ClearedFaults
-from mikas.report.summary import HEADLINES, MARKS, summary_sentence
 
 if TYPE_CHECKING:
     from jinja2 import Template

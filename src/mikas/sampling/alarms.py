@@ -16,7 +16,7 @@ from math import isfinite, nan
 from typing import TypeAlias
 
 from mikas.catalog import AlarmLimits, Catalog, Derived, Level, Parameter
-from mikas.client.parameters import Reading
+from mikas.client.parameters.parameters import Reading
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.sampling.derived import DerivedValue, number_of

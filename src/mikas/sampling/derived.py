@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 from mikas.catalog import Catalog, Derived
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.model import in_order
-from mikas.client.parameters import Reading
+from mikas.client.parameters.parameters import Reading
 from mikas.errors import usage_error
 
 if TYPE_CHECKING:

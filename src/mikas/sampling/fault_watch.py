@@ -16,7 +16,7 @@ from math import inf, isnan
 from typing import Final
 
 from mikas.client import Ecu
-from mikas.client.polling import STREAMS
+from mikas.client.parameters.polling import STREAMS
 from mikas.commands import ReadFaults
 from mikas.errors import MikasError, NoConnection, NoResponse, NotSupported
 from mikas.sampling.events import Event, FaultReading, PlanChanged, Sampled, UnitFound

@@ -26,8 +26,8 @@ from functools import cached_property
 from math import gcd, lcm
 
 from mikas.catalog import Catalog, Derived, Parameter
-from mikas.client.data import distinct
-from mikas.client.polling import STREAMS, FixedMethod
+from mikas.client.parameters.data import distinct
+from mikas.client.parameters.polling import STREAMS, FixedMethod
 from mikas.commands import Datum
 from mikas.errors import usage_error
 from mikas.framing import encode

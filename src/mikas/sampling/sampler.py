@@ -17,7 +17,7 @@ from typing import TypeVar
 
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client import Ecu
-from mikas.client.polling import FixedMethod, fixed_method
+from mikas.client.parameters.polling import FixedMethod, fixed_method
 from mikas.errors import (
     LineNotQuiet,
     LinkLost,
@@ -29,16 +29,16 @@ from mikas.errors import (
 )
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.sampling import method_trial
-from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import Event, LineState, MethodChosen
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.line_state import LineTrigger
-from mikas.sampling.method_knowledge import CANDIDATES, FALLBACK, best_method
 from mikas.sampling.plan import Plan, Price, select
-from mikas.sampling.plan_runner import PlanRunner
+from mikas.sampling.running import method_trial
+from mikas.sampling.running.context import SamplingContext, SamplingRequest
+from mikas.sampling.running.method_knowledge import CANDIDATES, FALLBACK, best_method
+from mikas.sampling.running.plan_runner import PlanRunner
+from mikas.sampling.running.unsupported import UnsupportedParameters
 from mikas.sampling.supervisor import ConnectionSupervisor, UnitIdentity, is_same_unit
-from mikas.sampling.unsupported import UnsupportedParameters
 
 T = TypeVar("T")
 

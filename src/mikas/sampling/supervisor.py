@@ -27,7 +27,6 @@ from mikas.errors import (
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.urls import parse
-from mikas.sampling.context import SamplingContext
 from mikas.sampling.events import (
     AdapterMoved,
     CycleFailed,
@@ -38,6 +37,7 @@ from mikas.sampling.events import (
 )
 from mikas.sampling.line_state import LineStateMachine, LineTrigger, trigger_of
 from mikas.sampling.plan import Plan
+from mikas.sampling.running.context import SamplingContext
 
 UnitIdentity = tuple[int, Passport]
 

@@ -11,7 +11,7 @@ from mikas.sampling.plan import Plan, PlannedParameter, select
 if TYPE_CHECKING:
     from mikas.catalog import Catalog, Parameter
     from mikas.cli.context import CommandContext
-    from mikas.client.polling import FixedMethod
+    from mikas.client.parameters.polling import FixedMethod
 
 _METHODS: tuple[FixedMethod, ...] = ("single", "batch", "list", "stream")
 

@@ -9,7 +9,7 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog
-from mikas.client.polling import Method
+from mikas.client.parameters.polling import Method
 from mikas.dashboard.api.dependencies import (
     AllowedPorts,
     Controller,

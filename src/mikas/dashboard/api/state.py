@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
-from mikas.client.polling import Method
+from mikas.client.parameters.polling import Method
 from mikas.commands.unit import version_text
 from mikas.dashboard.api.errors import TwoTexts, made_of, two, two_or_none
 from mikas.dashboard.dashboard import Dashboard

@@ -13,7 +13,7 @@ from mikas.client.connecting import ConnectionOptions
 from mikas.client.ecu import erasing
 from mikas.client.gate import hex_or_none as spaced_hex
 from mikas.client.memory import writing
-from mikas.client.parameters import decode
+from mikas.client.parameters.parameters import decode
 from mikas.commands.base import check_range
 from mikas.dashboard.errors import BadRequest, hex_or_none
 from mikas.dashboard.security.confirmations import PendingChange, WriteApproval

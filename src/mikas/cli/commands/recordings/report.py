@@ -24,8 +24,8 @@ from mikas.i18n import Text
 from mikas.sampling.events import UnitFound
 
 if TYPE_CHECKING:
-    from mikas.report.alarms import Alarm
     from mikas.report.findings import ChannelFinding, Findings
+    from mikas.report.measurements.alarms import Alarm
 
 _SECONDS = 30.0
 
@@ -137,7 +137,7 @@ def _progress(current: SamplingRun) -> str:
 
 
 def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
-    from mikas.report.summary import summary_sentence
+    from mikas.report.sections.summary import summary_sentence
 
     verdict = summary_sentence(found)
     if not context.output.json:

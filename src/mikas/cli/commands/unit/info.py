@@ -9,13 +9,13 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, localized, tr
 from mikas.client import Ecu, Info, Support
 from mikas.client.limits import STARTING_LIST
-from mikas.client.polling import FixedMethod
+from mikas.client.parameters.polling import FixedMethod
 from mikas.client.support import each_command
 from mikas.commands.unit import version_text
 from mikas.i18n import Text
 from mikas.link.urls import parse
-from mikas.sampling.method_knowledge import rates_of
 from mikas.sampling.plan import Plan, PlannedParameter
+from mikas.sampling.running.method_knowledge import rates_of
 
 _BAUD = 9600  # §1
 

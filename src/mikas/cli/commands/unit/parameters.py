@@ -16,7 +16,7 @@ from mikas.cli.language import localized, tr
 from mikas.cli.parameter_types import hex_bytes
 from mikas.cli.render.values import reading_json, reference, unit_text, valid_reference, value_text
 from mikas.client import Reading
-from mikas.client.parameters import datum_to_write, decode
+from mikas.client.parameters.parameters import datum_to_write, decode
 from mikas.errors import usage_error
 from mikas.i18n import Text
 

@@ -116,7 +116,7 @@ def _response(page: str, name: str, *, inline: bool) -> Response:
 def _of_connection(dashboard: Dashboard) -> Findings:
     from mikas.report.findings import find
     from mikas.report.formatting import date_of
-    from mikas.report.measurements import MeasurementCollector
+    from mikas.report.measurements.measurements import MeasurementCollector
     from mikas.report.subject import Conditions, ReportSubject, cleared_faults
 
     catalog, monitor, connection = dashboard.catalog, dashboard.monitor, dashboard.connection

@@ -7,11 +7,11 @@ from math import isfinite
 
 from mikas.catalog import Catalog
 from mikas.i18n import Language, Text, counted, joined
-from mikas.report.alarm_texts import alarm_summary
 from mikas.report.findings import BandPosition, Findings, Outcome, Unrated, is_open
 from mikas.report.formatting import duration, moment, number, within
+from mikas.report.measurements.warm_idle import ENOUGH, SETTLING, RuleResult, WarmIdle
+from mikas.report.sections.alarm_texts import alarm_summary
 from mikas.report.subject import ClearedFaults
-from mikas.report.warm_idle import ENOUGH, SETTLING, RuleResult, WarmIdle
 
 HEADLINES = {
     Outcome.GOOD: Text("No problems found", "Отклонений не найдено"),

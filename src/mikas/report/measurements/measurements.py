@@ -13,9 +13,9 @@ from typing import TypeAlias
 import numpy as np
 
 from mikas.catalog import Catalog, Derived, Parameter
-from mikas.report.alarms import Alarm, AlarmCollector, limits_of
-from mikas.report.statistics import ChannelStatistics, Envelope, ValueCounts
-from mikas.report.warm_idle import WarmIdle, WarmIdleFinder
+from mikas.report.measurements.alarms import Alarm, AlarmCollector, limits_of
+from mikas.report.measurements.statistics import ChannelStatistics, Envelope, ValueCounts
+from mikas.report.measurements.warm_idle import WarmIdle, WarmIdleFinder
 from mikas.sampling.derived import SampleRows
 from mikas.sampling.events import Event
 

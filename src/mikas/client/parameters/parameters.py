@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 from mikas import commands as c
 from mikas.catalog import Catalog, Parameter
-from mikas.client.data import DataReader, RawDatum, distinct, refused
 from mikas.client.gate import Change, Gate, hex_or_none
-from mikas.client.unit_list import UnitList, list_of
+from mikas.client.parameters.data import DataReader, RawDatum, distinct, refused
+from mikas.client.parameters.unit_list import UnitList, list_of
 from mikas.errors import (
     MikasError,
     NoList,

@@ -15,7 +15,7 @@ from itertools import islice
 
 from mikas.catalog import Parameter
 from mikas.client.limits import Limits, LimitsCache
-from mikas.client.silence import SilenceCheck
+from mikas.client.parameters.silence import SilenceCheck
 from mikas.commands import Datum, ReadParameters
 from mikas.errors import EcuRefused, LineError, NoResponse, NotSupported, WrongLength, usage_error
 from mikas.i18n import Text

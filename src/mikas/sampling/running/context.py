@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from math import inf
 
 from mikas.client import Ecu, Reading
-from mikas.client.polling import FixedMethod, check_rate, next_due
+from mikas.client.parameters.polling import FixedMethod, check_rate, next_due
 from mikas.commands import Datum
 from mikas.errors import LineNotQuiet
 from mikas.sampling.events import PlanChanged, Sampled
 from mikas.sampling.jobs import JobQueue
-from mikas.sampling.method_knowledge import MethodKnowledge
 from mikas.sampling.plan import Plan, Selection
+from mikas.sampling.running.method_knowledge import MethodKnowledge
 
 _SLICE = 0.1  # s between checks for jobs and new requests during a wait
 

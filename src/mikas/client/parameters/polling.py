@@ -17,7 +17,7 @@ from math import inf
 from typing import Literal, get_args
 
 from mikas.catalog import Parameter
-from mikas.client.parameters import Parameters, Reading
+from mikas.client.parameters.parameters import Parameters, Reading
 from mikas.commands import Availability, StreamAtStroke, StreamCyclic
 from mikas.errors import (
     EcuRefused,

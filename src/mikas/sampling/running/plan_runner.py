@@ -8,7 +8,7 @@ from contextlib import suppress
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
 from mikas.client.ecu import poller_of
-from mikas.client.polling import STREAMS
+from mikas.client.parameters.polling import STREAMS
 from mikas.commands import Datum
 from mikas.errors import (
     EcuRefused,
@@ -19,10 +19,10 @@ from mikas.errors import (
     NoResponse,
     SyncLost,
 )
-from mikas.sampling.context import IdentityCheck, SamplingContext
 from mikas.sampling.events import CycleFailed, Event
 from mikas.sampling.plan import Plan, datum_of
-from mikas.sampling.unsupported import UnsupportedParameters, explained
+from mikas.sampling.running.context import IdentityCheck, SamplingContext
+from mikas.sampling.running.unsupported import UnsupportedParameters, explained
 
 _BAD_LINE = 6  # failed cycles in a row after which another method may do better
 _REFUSALS = 2  # refusals by the unit in a row after which the method is given up

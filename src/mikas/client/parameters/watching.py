@@ -5,9 +5,15 @@ from __future__ import annotations
 from collections.abc import Generator, Sequence
 from contextlib import closing
 
-from mikas.client.data import refused
-from mikas.client.parameters import Parameters, Reading, Sample
-from mikas.client.polling import STREAMS, FixedMethod, check_rate, create_poller, next_due
+from mikas.client.parameters.data import refused
+from mikas.client.parameters.parameters import Parameters, Reading, Sample
+from mikas.client.parameters.polling import (
+    STREAMS,
+    FixedMethod,
+    check_rate,
+    create_poller,
+    next_due,
+)
 from mikas.errors import LineError, LinkLost, MikasError, NoConnection, NotSupported, usage_error
 
 

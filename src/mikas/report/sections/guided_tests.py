@@ -11,7 +11,7 @@ from mikas.guided.result import OUTCOMES, SURE, Curve, Finding, TestResult
 from mikas.i18n import Language, Text
 from mikas.report.findings import Findings
 from mikas.report.formatting import moment, number
-from mikas.report.sections import Section, items, paragraph, table
+from mikas.report.sections.section import Section, items, paragraph, table
 
 _TITLE: Final = Text("Guided tests", "Проверки по шагам")
 _CHECK: Final = Text("Check next:", "Проверьте дальше:")

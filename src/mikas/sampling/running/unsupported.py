@@ -2,8 +2,8 @@
 
 A unit refuses a whole list or stream because of a single code, and may later refuse a parameter
 that it gave before. A refused parameter is dropped with a notice, and the others continue. Silence
-is a refusal only if the line can't have lost the answers (`mikas.client.silence`). Even so dropped
-parameters are requested again (`DroppedParameters`), and come back with a notice.
+is a refusal only if the line can't have lost the answers (`client.parameters.silence`). Even so
+dropped parameters are requested again (`DroppedParameters`), and come back with a notice.
 
 The tester reports a refused command. If the unit has answered the command before, `explained` names
 the refused parameter or list instead (D10).
@@ -17,10 +17,10 @@ from enum import Enum
 from math import inf
 
 from mikas.client import Ecu
-from mikas.client.data import COMMON, refused
 from mikas.client.ecu import poller_of
-from mikas.client.polling import STREAMS
-from mikas.client.silence import SilenceCheck
+from mikas.client.parameters.data import COMMON, refused
+from mikas.client.parameters.polling import STREAMS
+from mikas.client.parameters.silence import SilenceCheck
 from mikas.commands import Datum, ReadParameters
 from mikas.errors import (
     LineError,
@@ -32,9 +32,9 @@ from mikas.errors import (
 )
 from mikas.framing import Decoder, Frame
 from mikas.i18n import Text
-from mikas.sampling.context import SamplingContext, SamplingRequest
 from mikas.sampling.events import CycleFailed, Event, ParameterDropped, ParameterReturned
 from mikas.sampling.plan import Plan, datum_of
+from mikas.sampling.running.context import SamplingContext, SamplingRequest
 
 _MOST_REFUSALS = 6  # before the first datum; with more, the parameters are not the cause
 _ATTEMPTS = 3

@@ -8,7 +8,7 @@ from mikas.catalog import Confidence, Parameter, shipped
 from mikas.i18n import Text, counted, joined
 from mikas.report.findings import Findings
 from mikas.report.formatting import within
-from mikas.report.summary import doubtful_idle
+from mikas.report.sections.summary import doubtful_idle
 
 
 def unknowns(found: Findings) -> tuple[Text, ...]:

@@ -10,11 +10,11 @@ from __future__ import annotations
 from math import isfinite
 
 from mikas.i18n import Language, Text, counted, joined
-from mikas.report.alarms import Alarm, worst
 from mikas.report.findings import Findings
 from mikas.report.formatting import duration, moment, short, with_unit, within
 from mikas.report.labels import Labels
-from mikas.report.sections import Section, items
+from mikas.report.measurements.alarms import Alarm, worst
+from mikas.report.sections.section import Section, items
 from mikas.sampling.alarms import LEVEL_TEXTS, Side
 
 _BEYOND = {Side.LOW: Text("below", "ниже"), Side.HIGH: Text("above", "выше")}

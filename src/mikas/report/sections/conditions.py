@@ -14,7 +14,7 @@ from mikas.link.urls import parse
 from mikas.report.findings import Findings
 from mikas.report.formatting import clock, duration, number
 from mikas.report.labels import Labels
-from mikas.report.summary import idle_sentence
+from mikas.report.sections.summary import idle_sentence
 from mikas.sampling.events import Gap
 from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS
 

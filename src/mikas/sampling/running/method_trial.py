@@ -14,13 +14,13 @@ from itertools import count
 from statistics import median
 
 from mikas.client import Ecu, Reading
-from mikas.client.polling import STREAMS
+from mikas.client.parameters.polling import STREAMS
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, SyncLost
-from mikas.sampling.context import SamplingContext
 from mikas.sampling.events import CycleFailed, Event
-from mikas.sampling.method_knowledge import WITH_OWN_COMMANDS, TrialResult
 from mikas.sampling.plan import Plan, datum_of
-from mikas.sampling.plan_runner import PlanCycles
+from mikas.sampling.running.context import SamplingContext
+from mikas.sampling.running.method_knowledge import WITH_OWN_COMMANDS, TrialResult
+from mikas.sampling.running.plan_runner import PlanCycles
 
 _SECONDS = 1.0
 _CYCLES = 6  # at least; one that sets lists, finds limits or begins a stream is not counted

@@ -16,9 +16,9 @@ from pathlib import Path
 
 from mikas import commands as c
 from mikas.catalog import Parameter
-from mikas.client.data import RawDatum, distinct
 from mikas.client.gate import Change, Gate, hex_or_none
 from mikas.client.limits import unit_file
+from mikas.client.parameters.data import RawDatum, distinct
 from mikas.errors import (
     LineError,
     ListLost,

@@ -19,7 +19,7 @@ from statistics import median
 
 from mikas.client import Ecu
 from mikas.client.limits import STARTING_LIST, MethodTiming
-from mikas.client.polling import STREAMS, FixedMethod
+from mikas.client.parameters.polling import STREAMS, FixedMethod
 from mikas.commands import Availability
 from mikas.errors import LineError
 from mikas.sampling.plan import Plan, Price
