@@ -10,7 +10,7 @@ import Passport from "./passport/Screen.svelte";
 import Recordings from "./recordings/Screen.svelte";
 import Report from "./report/Screen.svelte";
 import Tests from "./tests/Screen.svelte";
-import type { ScreenName } from "../lib/view/router.svelte";
+import type { ScreenName } from "../lib/frame/router.svelte";
 
 export interface ScreenEntry {
   name: ScreenName;

@@ -2,7 +2,7 @@
 import { api } from "../api/api";
 import type { LineEvent } from "../api/types";
 import { player } from "../recording/player.svelte";
-import { attempt } from "../view/toasts.svelte";
+import { attempt } from "../frame/toasts.svelte";
 
 export interface Mark {
   time: number;

@@ -5,8 +5,8 @@ import { catalog } from "../api/catalog.svelte";
 import { naming } from "./markers.svelte";
 import { live } from "../live/live.svelte";
 import { supportedNames, subscriptions } from "./subscriptions.svelte";
-import { carDetails } from "../view/carDetails.svelte";
-import { attempt, toasts } from "../view/toasts.svelte";
+import { carDetails } from "../car/carDetails.svelte";
+import { attempt, toasts } from "../frame/toasts.svelte";
 import type { State } from "../api/types";
 
 const t = dictionary({

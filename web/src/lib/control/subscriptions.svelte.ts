@@ -9,7 +9,7 @@ import { ApiError } from "../api/http";
 import { catalog } from "../api/catalog.svelte";
 import { control } from "./control.svelte";
 import { live } from "../live/live.svelte";
-import { attempt, toasts } from "../view/toasts.svelte";
+import { attempt, toasts } from "../frame/toasts.svelte";
 import type { State, Wanted } from "../api/types";
 
 class Subscriptions {

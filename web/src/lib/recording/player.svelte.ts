@@ -3,7 +3,7 @@ import { frameClock } from "../platform/frameClock.svelte";
 import { comparison } from "./comparison.svelte";
 import type { Latest } from "../live/live.svelte";
 import { RecordingData } from "./recordingData.svelte";
-import { display, type Source } from "../view/source.svelte";
+import { display, type Source } from "../display/source.svelte";
 
 /** Seconds: an older value is not shown at the player's position. */
 const REACH = 30;

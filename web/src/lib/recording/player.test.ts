@@ -1,7 +1,7 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { api } from "../api/api";
 import { advance, player } from "./player.svelte";
-import { display } from "../view/source.svelte";
+import { display } from "../display/source.svelte";
 import type { RecordingDetail } from "../api/types";
 
 const RATE = 50;

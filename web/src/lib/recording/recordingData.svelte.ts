@@ -3,7 +3,7 @@ import { api } from "../api/api";
 import { ApiError } from "../api/http";
 import { frameClock } from "../platform/frameClock.svelte";
 import { Columns } from "../series/columns";
-import type { Extremes } from "../view/source.svelte";
+import type { Extremes } from "../display/source.svelte";
 import type { LineEvent, RecordingDetail } from "../api/types";
 
 /** Rows of a part, and of the overview. */

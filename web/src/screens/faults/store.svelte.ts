@@ -4,7 +4,7 @@ import { ApiRequest } from "../../lib/api/request.svelte";
 import { live } from "../../lib/live/live.svelte";
 import { ecuKey } from "../../lib/live/capabilities.svelte";
 import type { Faults, FreezeFrames } from "../../lib/api/types";
-import { attempt } from "../../lib/view/toasts.svelte";
+import { attempt } from "../../lib/frame/toasts.svelte";
 import { mergeEntries, type Entry, type RawEntry } from "./journal";
 
 class FaultStore {

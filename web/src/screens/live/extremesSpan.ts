@@ -2,7 +2,7 @@
 import { untrack } from "svelte";
 import { hourMinute } from "../../lib/i18n";
 import { live } from "../../lib/live/live.svelte";
-import { display } from "../../lib/view/source.svelte";
+import { display } from "../../lib/display/source.svelte";
 import { t } from "./messages";
 
 /** "since 12:05", or "of the whole recording"; empty before the first value. */

@@ -1,7 +1,7 @@
 // The list of recordings; kept while another screen is shown, refreshed when it is opened.
 import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
-import { attempt } from "../../lib/view/toasts.svelte";
+import { attempt } from "../../lib/frame/toasts.svelte";
 import type { About, LeftOutFile, Recording, References, Text } from "../../lib/api/types";
 
 class RecordingStore {

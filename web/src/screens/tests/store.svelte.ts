@@ -1,7 +1,7 @@
 // The tests, the running one and the results of this unit. The run is asked for while the screen is shown.
 import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
-import { attempt } from "../../lib/view/toasts.svelte";
+import { attempt } from "../../lib/frame/toasts.svelte";
 import type { TestList, TestRun, TestVerdict } from "../../lib/api/types";
 
 /** Milliseconds between two questions while a test runs, and while none does: another page may start one. */

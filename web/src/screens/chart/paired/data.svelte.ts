@@ -1,12 +1,12 @@
 // The rows that Scatter and Table use: of the displayed source, or of the second recording, with what cannot be used and why.
-import { cursors } from "../../../lib/view/cursors.svelte";
+import { cursors } from "../../../lib/display/cursors.svelte";
 import { live } from "../../../lib/live/live.svelte";
 import type { LineEvent } from "../../../lib/api/types";
 import type { Columns } from "../../../lib/series/columns";
 import type { RecordingData } from "../../../lib/recording/recordingData.svelte";
 import { comparison } from "../../../lib/recording/comparison.svelte";
 import { player } from "../../../lib/recording/player.svelte";
-import { display } from "../../../lib/view/source.svelte";
+import { display } from "../../../lib/display/source.svelte";
 
 export interface Data {
   columns: Columns;

@@ -2,7 +2,7 @@
 import { catalog } from "../../../lib/api/catalog.svelte";
 import { Cloud, type Frame } from "../../../lib/pairs/cloud";
 import type { PairPlan } from "../../../lib/pairs/pairs";
-import { display } from "../../../lib/view/source.svelte";
+import { display } from "../../../lib/display/source.svelte";
 import type { Data } from "../paired/data.svelte";
 import { Paired } from "../paired/paired.svelte";
 import { moved, roomy, zoomed } from "./picture";

@@ -1,10 +1,10 @@
 // Keyboard shortcuts of the chart: moving the cursor, zoom, fit.
 import { comparison } from "../../../lib/recording/comparison.svelte";
-import { cursors } from "../../../lib/view/cursors.svelte";
-import type { Binding } from "../../../lib/view/shortcuts.svelte";
+import { cursors } from "../../../lib/display/cursors.svelte";
+import type { Binding } from "../../../lib/frame/shortcuts.svelte";
 import { markersOf, nextMark } from "../../../lib/control/markers.svelte";
 import { player } from "../../../lib/recording/player.svelte";
-import { display } from "../../../lib/view/source.svelte";
+import { display } from "../../../lib/display/source.svelte";
 import { nextGap } from "./data/flags";
 import { everyGap, moment } from "./data/sources";
 import { find } from "./find/find.svelte";

@@ -1,9 +1,9 @@
 // The view of the chart: panes with their traces (stored in this browser), time window, value zoom, stacking. It outlives the screen.
 import { comparison } from "../../../lib/recording/comparison.svelte";
-import { cursors } from "../../../lib/view/cursors.svelte";
-import { moments } from "../../../lib/view/moments.svelte";
+import { cursors } from "../../../lib/display/cursors.svelte";
+import { moments } from "../../../lib/display/moments.svelte";
 import { loadSetting, saveSetting } from "../../../lib/platform/storage";
-import { display } from "../../../lib/view/source.svelte";
+import { display } from "../../../lib/display/source.svelte";
 import { around, SHORTEST, within, zoomed, type Window } from "./window";
 
 export interface Trace {

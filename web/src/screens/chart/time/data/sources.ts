@@ -1,7 +1,7 @@
 // The data that the chart draws: the displayed source and, beside a recording, a second one to compare with.
 import { comparison } from "../../../../lib/recording/comparison.svelte";
 import { player } from "../../../../lib/recording/player.svelte";
-import { display } from "../../../../lib/view/source.svelte";
+import { display } from "../../../../lib/display/source.svelte";
 import type { Later } from "../plot/drawing";
 import { gapsOf, shiftedBy, type GapBand } from "./flags";
 import { valueAt } from "./value";

@@ -3,9 +3,9 @@ import { api } from "../../../../lib/api/api";
 import { ApiError } from "../../../../lib/api/http";
 import { number } from "../../../../lib/i18n";
 import { player } from "../../../../lib/recording/player.svelte";
-import { moments } from "../../../../lib/view/moments.svelte";
-import { display } from "../../../../lib/view/source.svelte";
-import { attempt } from "../../../../lib/view/toasts.svelte";
+import { moments } from "../../../../lib/display/moments.svelte";
+import { display } from "../../../../lib/display/source.svelte";
+import { attempt } from "../../../../lib/frame/toasts.svelte";
 import type { Found, KeptSearch } from "../../../../lib/api/types";
 import { t } from "./messages";
 

@@ -1,0 +1,78 @@
+// The current value of a channel as tiles show it: text, age, extremes, and whether it is beyond a limit.
+import { frameClock } from "../platform/frameClock.svelte";
+import { catalog } from "../api/catalog.svelte";
+import { currentValue, type DisplayValue } from "./displayValue";
+import { dictionary, number, localized } from "../i18n";
+import { live } from "../live/live.svelte";
+import { display, type Extremes } from "../display/source.svelte";
+import { widestText } from "./textWidth";
+import type { Channel, Level } from "../api/types";
+
+const t = dictionary({ on: { en: "on", ru: "вкл." }, off: { en: "off", ru: "выкл." } });
+
+export interface LimitState {
+  level: Level;
+  side: "low" | "high";
+}
+
+export class ChannelValue {
+  readonly channel = $derived.by(() => catalog.get(this.name()));
+  readonly now = $derived.by<DisplayValue>(() => {
+    void frameClock.fast;
+    return currentValue(this.name());
+  });
+  readonly kind = $derived(this.now.kind);
+  readonly value = $derived(this.now.kind === "none" ? null : this.now.value);
+  readonly age = $derived(this.now.kind === "stale" ? number(this.now.age, this.now.age < 10 ? 1 : 0) : "");
+  readonly text = $derived(number(this.value, this.channel?.decimals ?? 0));
+  /** The two words of a flag. */
+  readonly words = $derived(wordsOf(this.channel));
+  /** The value as it is read: a word for a flag, else the number. */
+  readonly shown = $derived(this.value !== null && this.words.length > 0 ? this.words[this.value ? 1 : 0]! : this.text);
+  /** The widest that `shown` becomes, in em. */
+  readonly em = $derived(widestText(this.channel, this.words, this.shown));
+  readonly title = $derived.by(() => (this.channel ? localized(this.channel.text) : this.name()));
+  /** The title where there is little room: tiles and legends. */
+  readonly short = $derived.by(() => (this.channel ? localized(this.channel.short) : this.name()));
+  readonly unit = $derived(localized(this.channel?.unit));
+  readonly extremes = $derived.by<Extremes | undefined>(() => {
+    void frameClock.slow;
+    const extremes = display.source.extremes(this.name());
+    return extremes && { ...extremes };
+  });
+  readonly min = $derived(this.extremes ? number(this.extremes.min, this.channel?.decimals) : "");
+  readonly max = $derived(this.extremes ? number(this.extremes.max, this.channel?.decimals) : "");
+  readonly limitState = $derived.by<LimitState | null>(() => {
+    if (this.value === null || !this.channel) return null;
+    // Live, the program decides, with hysteresis; for a recording the page compares with the limits.
+    if (display.source.kind === "live") {
+      const alarm = live.state?.alarms.find(({ name }) => name === this.name());
+      return alarm ? { level: alarm.level, side: alarm.side } : null;
+    }
+    return limitState(this.value, this.channel);
+  });
+  readonly level = $derived(this.limitState?.level ?? null);
+
+  constructor(private readonly name: () => string) {}
+}
+
+/** The words of a flag, off and on; none for a number. */
+export function wordsOf(channel: Channel | undefined): string[] {
+  if (!channel?.flag) return [];
+  return channel.lamp ? [localized(channel.lamp.off), localized(channel.lamp.on)] : [t("off"), t("on")];
+}
+
+/** Which limit the value is beyond, if any. */
+export function limitState(value: number, channel: Channel): LimitState | null {
+  if (channel.flag) {
+    if (channel.alarm_when_true === "none" || !value) return null;
+    return { level: channel.alarm_when_true, side: "high" };
+  }
+  const limits = channel.limits;
+  if (!limits) return null;
+  if (limits.danger_low !== null && value < limits.danger_low) return { level: "danger", side: "low" };
+  if (limits.danger_high !== null && value > limits.danger_high) return { level: "danger", side: "high" };
+  if (limits.warning_low !== null && value < limits.warning_low) return { level: "warning", side: "low" };
+  if (limits.warning_high !== null && value > limits.warning_high) return { level: "warning", side: "high" };
+  return null;
+}

@@ -1,0 +1,72 @@
+// The scale of a gauge, which stands still, and its bands. The arc has 240° and is open at the bottom.
+import type { Channel } from "../../../../lib/api/types";
+
+export interface Range {
+  low: number;
+  high: number;
+}
+
+/** The range of a gauge: the catalog's `gauge`; null: the channel has none. Values seen do not change it. */
+export function rangeOf(channel: Pick<Channel, "gauge"> | undefined): Range | null {
+  const gauge = channel?.gauge;
+  return gauge && gauge[1] > gauge[0] ? { low: gauge[0], high: gauge[1] } : null;
+}
+
+/** On which side of the scale a value lies that it cannot show. */
+export function beyond(value: number, range: Range): "low" | "high" | null {
+  if (value < range.low) return "low";
+  return value > range.high ? "high" : null;
+}
+
+export const share = (value: number, range: Range): number =>
+  Math.min(1, Math.max(0, (value - range.low) / (range.high - range.low)));
+
+export interface Band {
+  from: number;
+  to: number;
+  level: "danger" | "warning";
+}
+
+/** The parts of the arc beyond the limits, as shares. */
+export function bandsOf(channel: Pick<Channel, "limits"> | undefined, range: Range): Band[] {
+  const limits = channel?.limits;
+  if (!limits) return [];
+  const at = (value: number | null, without: number) => (value === null ? without : share(value, range));
+  const dangerLow = at(limits.danger_low, 0);
+  const warningLow = at(limits.warning_low, dangerLow);
+  const dangerHigh = at(limits.danger_high, 1);
+  const warningHigh = at(limits.warning_high, dangerHigh);
+  const bands: Band[] = [
+    { from: 0, to: dangerLow, level: "danger" },
+    { from: dangerLow, to: warningLow, level: "warning" },
+    { from: warningHigh, to: dangerHigh, level: "warning" },
+    { from: dangerHigh, to: 1, level: "danger" },
+  ];
+  return bands.filter(({ from, to }) => to > from);
+}
+
+const START = 150;
+const SWEEP = 240;
+
+const point = (at: number, radius: number, x: number, y: number): string => {
+  const angle = ((START + SWEEP * at) * Math.PI) / 180;
+  return `${(x + radius * Math.cos(angle)).toFixed(2)} ${(y + radius * Math.sin(angle)).toFixed(2)}`;
+};
+
+/** A part of the arc as an SVG path, between two shares. */
+export function arc(from: number, to: number, radius: number, x = 100, y = 92): string {
+  const large = (to - from) * SWEEP > 180 ? 1 : 0;
+  return `M${point(from, radius, x, y)}A${radius} ${radius} 0 ${large} 1 ${point(to, radius, x, y)}`;
+}
+
+/** A mark across the arc. */
+export const tick = (at: number, inner: number, outer: number, x = 100, y = 92): string =>
+  `M${point(at, inner, x, y)}L${point(at, outer, x, y)}`;
+
+/** An arrow at an end of the arc that points beyond it. */
+export function endArrow(side: "low" | "high"): string {
+  // 240° and −60° of direction: where a needle would go on.
+  const out = side === "low" ? -0.045 : 1.045;
+  const end = side === "low" ? 0.012 : 0.988;
+  return `M${point(end, 64, 100, 92)}L${point(out, 80, 100, 92)}L${point(end, 96, 100, 92)}Z`;
+}

@@ -1,0 +1,44 @@
+// Selecting a second recording to compare with: for the one being played, or for one of the list, which is opened first.
+import { ApiError } from "../../../lib/api/http";
+import { comparison } from "../../../lib/recording/comparison.svelte";
+import { player } from "../../../lib/recording/player.svelte";
+import type { Text } from "../../../lib/api/types";
+import { route } from "../../../lib/frame/router.svelte";
+
+class Comparing {
+  /** The recording for which a second one is being selected. */
+  first = $state<string | null>(null);
+  /** The second recording while it is being opened. */
+  busy = $state<string | null>(null);
+  error = $state.raw<ApiError | null>(null);
+
+  choose(first: string): void {
+    this.error = null;
+    this.first = first;
+  }
+
+  stop(): void {
+    this.first = null;
+    this.error = null;
+  }
+
+  /** Open the comparison. If a recording can't be read, the dialog shows the error and stays open. */
+  async begin(first: string, second: string, named: Text | null = null): Promise<void> {
+    this.busy = second;
+    this.error = null;
+    try {
+      if (player.detail?.id !== first) await player.open(first);
+      if (player.detail?.id !== first || !(await comparison.start(second, player.first, named))) return;
+      this.first = null;
+      if (route.screen !== "chart") route.go("chart");
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      this.error = error;
+      this.first = first;
+    } finally {
+      if (this.busy === second) this.busy = null;
+    }
+  }
+}
+
+export const comparing = new Comparing();
