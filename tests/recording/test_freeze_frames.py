@@ -27,14 +27,14 @@ def test_the_moment_lies_between_two_values_of_minerr_and_ten_seconds_are_kept()
     assert (frame.without, frame.seen) == (49.0, 50.0)
     assert frame.times == tuple(TIMES[44:56])
     assert "UOZ" not in frame.values
-    then = frame.then()
+    then = frame.then
     assert (then["TWAT"].value, then["TWAT"].low, then["TWAT"].high) == (50.0, 50.0, 50.0)
 
 
 def test_a_fault_hidden_by_a_lower_one_is_known_as_well_as_it_was_read():
     frame = frame_of(71, 40.0, 45.0, rows(MINERR=[13.0] * 100, FREQ=TIMES))
     assert (frame.without, frame.seen) == (40.0, 45.0)
-    then = frame.then()["FREQ"]
+    then = frame.then["FREQ"]
     assert (then.value, then.low, then.high) == (45.0, 40.0, 45.0)
 
 
@@ -56,7 +56,7 @@ def test_what_was_erased_and_comes_back_is_new():
 def test_a_frame_survives_its_file():
     frame = frame_of(13, 40.0, 45.0, rows(FREQ=[nan, *TIMES[1:]], TWAT=[nan] * 44 + [1.0] * 56))
     again = frame_from(json.loads(json.dumps(frame.as_json(), allow_nan=False)))
-    assert (again.id, again.then()) == (frame.id, frame.then())
+    assert (again.id, again.then) == (frame.id, frame.then)
     assert [isnan(value) for value in again.values["TWAT"]].count(True) == 9
 
 
@@ -72,4 +72,4 @@ KEYS = ("code", "without", "seen", "times", "values")
 @given(st.dictionaries(st.sampled_from(KEYS), JSON) | JSON)
 def test_any_file_is_a_frame_or_none(stored):
     frame = frame_from(stored)
-    assert frame is None or frame.then() is not None
+    assert frame is None or frame.then is not None

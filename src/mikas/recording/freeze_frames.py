@@ -4,19 +4,22 @@ The unit gives the numbers of its faults, not their times. So a fault appeared b
 reading without it and the first with it (`sampling/fault_watch.py`), and a frame has both times,
 and the values from five seconds before the one to five seconds after the other. A fault that was
 stored before anything was read has no frame; nor has one whose moment is unknown by more than a
-minute.
+minute. The frames of a recording are in `recorded_faults.py`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from array import array
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite, isnan, nan
 from typing import Any, Final
 
+from mikas.catalog import Fault
 from mikas.cleaning import clean_line
 from mikas.recording.table.channels import Rows
+from mikas.recording.table.decimation import decimated
 from mikas.sampling.events import FaultReading
 from mikas.sampling.fault_watch import MINERR, appeared
 
@@ -25,6 +28,8 @@ LONGEST: Final = 60.0  # s between the two readings
 _MOST_ROWS: Final = 600
 _MOST_COLUMNS: Final = 300
 _NAME: Final = 40
+_USUAL: Final = ("FREQ", "TWAT", "JAIR", "UACC", "THR")
+"""Shown beside the channels of the fault, up to five in all: what the engine was doing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +45,8 @@ class ValueThen:
 class FreezeFrame:
     """The rows around a fault: `values` by channel, as long as `times`; NaN is missing.
 
-    The fault was not stored at `without`, and was at `seen`.
+    The fault was not stored at `without`, and was at `seen`. `then`: the values of that moment, by
+    channel, those of all rows; of many rows a channel's extremes are kept (`table/decimation.py`).
     """
 
     code: int
@@ -48,25 +54,12 @@ class FreezeFrame:
     seen: float
     times: tuple[float, ...]
     values: Mapping[str, tuple[float, ...]]
+    then: Mapping[str, ValueThen]
 
     @property
     def id(self) -> str:
         """The name of the frame among those of its unit."""
         return f"{self.seen:.3f}-{self.code}"
-
-    def then(self) -> dict[str, ValueThen]:
-        """Return the values of the moment, by channel; one without any before it is left out."""
-        found: dict[str, ValueThen] = {}
-        for name, column in self.values.items():
-            pairs = zip(self.times, column, strict=True)
-            known = [
-                (time, value) for time, value in pairs if time <= self.seen and not isnan(value)
-            ]
-            if known:
-                last = known[-1][1]
-                within = [value for time, value in known if time >= self.without] or [last]
-                found[name] = ValueThen(last, min(within), max(within))
-        return found
 
     def as_json(self) -> dict[str, Any]:
         """Return the frame as it is kept in a file."""
@@ -75,7 +68,18 @@ class FreezeFrame:
             for name, column in self.values.items()
         }
         about = {"schema": 1, "code": self.code, "without": self.without, "seen": self.seen}
-        return {**about, "times": list(self.times), "values": columns}
+        then = {name: [it.value, it.low, it.high] for name, it in self.then.items()}
+        return {**about, "times": list(self.times), "values": columns, "then": then}
+
+
+@dataclass(frozen=True, slots=True)
+class AppearedFault:
+    """A fault that a reading at `read` has and the one at `before` has not; None: no `frame`."""
+
+    code: int
+    before: float
+    read: float
+    frame: FreezeFrame | None
 
 
 def frame_of(code: int, before: float, read: float, rows: Rows) -> FreezeFrame | None:
@@ -89,14 +93,42 @@ def frame_of(code: int, before: float, read: float, rows: Rows) -> FreezeFrame |
     if not 0 <= seen - without <= LONGEST:
         return None
     chosen = [at for at, time in enumerate(times) if without - AROUND <= time <= seen + AROUND]
-    chosen = chosen[:: -(-len(chosen) // _MOST_ROWS) or 1]
     if not any(times[at] <= seen for at in chosen):
         return None
-    values = {
-        name: tuple(float(column[at]) for at in chosen) for name, column in rows.values.items()
-    }
-    kept = {name: column for name, column in values.items() if not all(map(isnan, column))}
-    return FreezeFrame(code, without, seen, tuple(times[at] for at in chosen), kept)
+    around = [times[at] for at in chosen]
+    columns = {name: [float(column[at]) for at in chosen] for name, column in rows.values.items()}
+    kept = {name: column for name, column in columns.items() if not all(map(isnan, column))}
+    fewer = decimated(Rows(array("d", around), kept), _MOST_ROWS)  # type: ignore[arg-type]
+    return FreezeFrame(
+        code,
+        without,
+        seen,
+        tuple(map(float, fewer.times)),
+        {name: tuple(map(float, column)) for name, column in fewer.values.items()},
+        _values_then(without, seen, around, kept),
+    )
+
+
+def _values_then(
+    without: float, seen: float, times: Sequence[float], values: Mapping[str, Sequence[float]]
+) -> dict[str, ValueThen]:
+    """Return the values of the moment; a channel without any before it is left out."""
+    found: dict[str, ValueThen] = {}
+    for name, column in values.items():
+        pairs = zip(times, column, strict=True)
+        known = [(time, value) for time, value in pairs if time <= seen and not isnan(value)]
+        if known:
+            last = known[-1][1]
+            within = [value for time, value in known if time >= without] or [last]
+            found[name] = ValueThen(last, min(within), max(within))
+    return found
+
+
+def shown_first(fault: Fault, names: Collection[str]) -> list[str]:
+    """Return the channels of a frame to show first: those of the fault, then the usual ones."""
+    wanted = dict.fromkeys((*fault.parameters, *_USUAL))
+    count = max(len(fault.parameters), len(_USUAL))
+    return [name for name in wanted if name in names][:count]
 
 
 def new_faults(readings: Sequence[FaultReading]) -> Iterator[tuple[int, float, float]]:
@@ -125,7 +157,21 @@ def frame_from(stored: Any) -> FreezeFrame | None:  # noqa: ANN401  (any JSON)
         for name, column in values.items()
         if isinstance(column, list) and len(column) == len(instants)
     }
-    return FreezeFrame(code, without, seen, instants, columns)
+    then = _values_then(without, seen, instants, columns) | _stored_then(stored.get("then"))
+    return FreezeFrame(code, without, seen, instants, columns, then)
+
+
+def _stored_then(stored: object) -> dict[str, ValueThen]:
+    """Return the values of the moment in a file; older files have none."""
+    items = list(stored.items())[:_MOST_COLUMNS] if isinstance(stored, dict) else []
+    found = {
+        clean_line(name, _NAME): ValueThen(*map(_number, numbers))
+        for name, numbers in items
+        if isinstance(numbers, list) and len(numbers) == 3
+    }
+    return {
+        name: it for name, it in found.items() if not any(map(isnan, (it.value, it.low, it.high)))
+    }
 
 
 def _number(value: object) -> float:

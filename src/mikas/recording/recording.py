@@ -102,7 +102,7 @@ class Recording:
             "unit": unit.model.en if unit.model else "",
             "passport": " · ".join(filter(None, unit.passport or ())),
             "method": (self.unit and ", ".join(dict.fromkeys(chosen))) or unit.method,
-            "recorded with catalog": ", ".join(catalogs_of(self._notes)),
+            "recorded with catalog": ", ".join(catalogs_of(self.notes)),
             "catalog": self.catalog.version,
             "reading": self.interpretation,
         }
@@ -111,13 +111,13 @@ class Recording:
     @cached_property
     def unit(self) -> RecordedUnit | None:
         """The unit of the file's first recording with a note of one; else None."""
-        first = next((note.recording for note in self._notes if note.kind == Kind.UNIT), 0)
-        return unit_of((note for note in self._notes if note.recording == first), self.catalog)
+        first = next((note.recording for note in self.notes if note.kind == Kind.UNIT), 0)
+        return unit_of((note for note in self.notes if note.recording == first), self.catalog)
 
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """The noted events: markers, gaps, states, alarms …, in the file's order."""
-        return tuple(events_of(self._notes, self.catalog))
+        return tuple(events_of(self.notes, self.catalog))
 
     def window(
         self, begin: float, end: float, points: int = 2000, names: Iterable[str] | None = None
@@ -145,7 +145,8 @@ class Recording:
         return (float(times[0]), float(times[-1])) if times.size else None
 
     @cached_property
-    def _notes(self) -> list[Note]:
+    def notes(self) -> list[Note]:
+        """The notes of all its sessions."""
         return list(self._capture.notes())
 
     @cached_property
@@ -177,18 +178,23 @@ class Recording:
         one); a missing value is NaN, flags are 0 and 1. Times rise within a stretch. They may run
         back between two stretches: another port, another session.
         """
+        for _, rows in self.stretches():
+            yield rows
+
+    def stretches(self) -> Iterator[tuple[Source, Rows]]:
+        """Yield the rows, each stretch with the port and the session that it comes from."""
         if not self._derived:
-            for _, rows in self._reader.stretches():
-                yield self._chosen(rows)
+            for source, rows in self._reader.stretches():
+                yield source, self._chosen(rows)
             return
         from mikas.recording.table.derived import Deriver
 
         derivers: dict[Source, Deriver] = {}
-        for source, rows, corrected in self._stretches():
+        for source, rows, corrected in self._with_corrected():
             if source not in derivers:
                 derivers[source] = Deriver(self.catalog, self._derived)
             derived = derivers[source].columns(corrected)
-            yield self._chosen(Rows(rows.times, {**rows.values, **derived}))
+            yield source, self._chosen(Rows(rows.times, {**rows.values, **derived}))
 
     def to_pandas(self) -> Any:  # noqa: ANN401  (pandas may not be installed)
         """Return a `pandas.DataFrame`; its index: seconds since the start; units are in `attrs`."""
@@ -202,7 +208,7 @@ class Recording:
         """Return a `pyarrow.Table`; units and texts are in the metadata of its fields."""
         return self._frame("pyarrow")
 
-    def _stretches(self) -> Iterator[tuple[Source, Rows, Rows]]:
+    def _with_corrected(self) -> Iterator[tuple[Source, Rows, Rows]]:
         """Yield each stretch with its corrected values, for the derived channels."""
         if self._corrected is self._reader:
             for source, rows in self._reader.stretches():

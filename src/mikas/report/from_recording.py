@@ -7,34 +7,29 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
 from mikas.client.cars import NO_CAR, CarDetails
-from mikas.commands import ERASE_FAULTS, ReadFaults
-from mikas.errors import MikasError
 from mikas.guided.recorded import results_of
 from mikas.recording.annotations.car import car_of
 from mikas.recording.annotations.events import (
     RecordedUnit,
     comment_of,
     events_of,
-    recorded_faults,
     unit_of,
 )
-from mikas.recording.capture.reader import CaptureReader, Problem, Source
-from mikas.recording.exchanges import read_exchanges
+from mikas.recording.capture.reader import CaptureReader, Source
+from mikas.recording.recorded_faults import FaultReadings, FrameCollector
 from mikas.recording.table.channels import Rows, joined_rows
 from mikas.recording.table.derived import Deriver
 from mikas.recording.table.reader import TableReader
 from mikas.report.findings import Findings, find
 from mikas.report.formatting import date_of
-from mikas.report.measurements.measurements import MeasurementCollector, Measurements
+from mikas.report.measurements.measurements import MeasurementCollector
 from mikas.report.subject import (
     Conditions,
     ReportSubject,
@@ -42,7 +37,7 @@ from mikas.report.subject import (
     cleared_faults,
 )
 from mikas.sampling.derived import DerivedChannels
-from mikas.sampling.events import Event, FaultReading, Gap, MethodChosen, TextNote
+from mikas.sampling.events import Event, Gap, MethodChosen, TextNote
 
 
 def find_in_recording(
@@ -62,12 +57,15 @@ def find_in_recording(
     capture = CaptureReader(path)
     table = TableReader(path, catalog)
     notes = list(capture.notes())
-    sessions = _sessions(table, catalog, events_of(notes, catalog))
-    noted = max((note.recording for note in notes), default=0)
-    last = max((source.recording for source in sessions), default=noted)
+    readings = FaultReadings(capture.path, notes)
+    sessions = _sessions(table, catalog, events_of(notes, catalog), readings)
+    by_port = {source: session.measuring.measured for source, session in sessions.items()}
+    no_rows = readings.port_without_rows()
+    source = max(by_port, key=lambda port: by_port[port].rows, default=no_rows)
+    measured = by_port.get(source) or MeasurementCollector(catalog, ()).measured
+    last, heard = source.recording, readings.of(source)
+    frames = sessions[source].frames if source in sessions else FrameCollector(heard)
     mine = [note for note in notes if note.recording == last]
-    source, measured = _fullest(sessions, last, catalog)
-    heard = [*recorded_faults(mine), *fault_readings(capture.path).get(source, ())]
     recorded, events = unit_of(mine, catalog), events_of(mine, catalog)
     methods = [event.method for event in events if isinstance(event, MethodChosen)]
     gaps = tuple(event for event in events if isinstance(event, Gap))
@@ -78,6 +76,7 @@ def find_in_recording(
         faults=tuple(map(catalog.fault, dict.fromkeys(heard[-1].codes))) if heard else None,
         faults_read=heard[-1].time if heard else None,
         cleared=cleared_faults(heard, catalog),
+        appeared=frames.appeared,
         conditions=Conditions(
             file=clean_line(capture.path.name if name is None else name),
             date=date_of(measured.began),
@@ -108,10 +107,11 @@ class _Session:
 
     measuring: MeasurementCollector
     deriver: Deriver
+    frames: FrameCollector
 
 
 def _sessions(
-    table: TableReader, catalog: Catalog, events: Iterable[Event]
+    table: TableReader, catalog: Catalog, events: Iterable[Event], readings: FaultReadings
 ) -> dict[Source, _Session]:
     """Return the ports of the last recording that has rows."""
     by_recording: dict[int, list[Event]] = defaultdict(list)
@@ -126,9 +126,13 @@ def _sessions(
         if source not in sessions:
             mine = by_recording[source.recording]
             measuring = MeasurementCollector(catalog, [*recorded, *derived], mine)
-            sessions[source] = _Session(measuring, Deriver(catalog, derived))
-        made = sessions[source].deriver.columns(rows) if derived else {}
-        sessions[source].measuring.add(Rows(rows.times, {**rows.values, **made}))
+            frames = FrameCollector(readings.of(source), mine)
+            sessions[source] = _Session(measuring, Deriver(catalog, derived), frames)
+        session = sessions[source]
+        made = session.deriver.columns(rows) if derived else {}
+        full = Rows(rows.times, {**rows.values, **made})
+        session.measuring.add(full)
+        session.frames.add(full)
     return sessions
 
 
@@ -154,43 +158,9 @@ def _follows(name: str, recorded: Iterable[str], catalog: Catalog) -> bool:
     return set(DerivedChannels(catalog, [name]).requires) <= set(recorded)
 
 
-def _fullest(
-    sessions: Mapping[Source, _Session], last: int, catalog: Catalog
-) -> tuple[Source, Measurements]:
-    """Return the port with most rows in the last session; a new source if none has rows."""
-    found = [
-        (source, session.measuring.measured)
-        for source, session in sessions.items()
-        if source.recording == last
-    ]
-    if not found:
-        return Source(last), MeasurementCollector(catalog, ()).measured
-    return max(found, key=lambda each: each[1].rows)
-
-
 def _unit(recorded: RecordedUnit | None, catalog: Catalog) -> UnitIdentity | None:
     code = recorded.version_code if recorded else None
     if recorded is None or code is None or not 0 <= code <= 0xFF:
         return None
     passport = recorded.passport or ()
     return UnitIdentity(catalog.model(code), passport[:3], passport[3:8])
-
-
-def fault_readings(path: Path) -> Mapping[Source, Sequence[FaultReading]]:
-    """Return the fault readings by session and port; one without readings is missing."""
-    heard: dict[Source, list[FaultReading]] = defaultdict(list)
-    erased: set[Source] = set()  # since the last reading
-    command, erasing = ReadFaults(), ERASE_FAULTS[-1].body()
-    wanted = frozenset((command.body(), erasing))
-    for item in read_exchanges(path):
-        if isinstance(item, Problem):
-            continue
-        for time, request, body in item.answers(wanted):
-            if request == erasing:
-                erased.add(item.source)
-                continue
-            with suppress(MikasError):
-                reading = FaultReading(time, command.read(body), item.source in erased)
-                heard[item.source].append(reading)
-                erased.discard(item.source)
-    return heard

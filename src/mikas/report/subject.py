@@ -15,6 +15,7 @@ from typing import Final
 from mikas.catalog import Catalog, Fault, Model
 from mikas.client.cars import NO_CAR, CarDetails
 from mikas.guided.result import TestResult
+from mikas.recording.freeze_frames import AppearedFault
 from mikas.sampling.events import FaultReading, Gap
 
 _MOST_CLEARED: Final = 20
@@ -70,8 +71,8 @@ class ClearedFaults:
 @dataclass(frozen=True, slots=True)
 class ReportSubject:
     """All of these. `faults` None: not read; else those stored at `faults_read`; `gone`: those
-    stored before. `notes`: the user's notes, in order. `tests`: the guided tests to show. `car`: as
-    the user names it.
+    stored before; `appeared`: those that came between two readings, the latest first. `notes`: the
+    user's notes, in order. `tests`: the guided tests to show. `car`: as the user names it.
     """
 
     catalog: Catalog
@@ -83,6 +84,7 @@ class ReportSubject:
     cleared: tuple[ClearedFaults, ...] = ()
     tests: tuple[TestResult, ...] = ()
     car: CarDetails = NO_CAR
+    appeared: tuple[AppearedFault, ...] = ()
 
 
 def cleared_faults(heard: Sequence[FaultReading], catalog: Catalog) -> tuple[ClearedFaults, ...]:

@@ -76,7 +76,7 @@ def delete_freeze_frame(
 def _info(frame: FreezeFrame) -> FreezeFrameInfo:
     values = [
         FrameValue(name=name, value=it.value, low=it.low, high=it.high)
-        for name, it in frame.then().items()
+        for name, it in frame.then.items()
     ]
     return FreezeFrameInfo(
         id=frame.id, code=frame.code, without=frame.without, seen=frame.seen, values=values

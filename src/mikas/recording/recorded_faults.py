@@ -1,0 +1,197 @@
+"""The stored faults of a recording: their readings, and the freeze frame of each that appeared.
+
+    exchanges ──► readings of 02 by port ──► faults that appeared, between which readings
+    rows ───────────────────────────────────► FrameCollector ──► the rows around each
+
+Of a long file only the rows around those moments are held: a minute and ten seconds of a fault at
+most, and thirty faults. The readings are those on the wire, and those from before the recording,
+which its notes have. They are of the port with most rows in the last session, as in the report.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from mikas.commands import ERASE_FAULTS, ReadFaults
+from mikas.errors import MikasError
+from mikas.recording.annotations.events import recorded_faults
+from mikas.recording.capture.notes import Note
+from mikas.recording.capture.reader import Problem, Source
+from mikas.recording.exchanges import read_exchanges
+from mikas.recording.freeze_frames import AROUND, LONGEST, AppearedFault, frame_of, new_faults
+from mikas.recording.recording import Recording
+from mikas.recording.table.channels import Rows, joined_rows
+from mikas.sampling.events import Event, FaultReading, UnitFound
+from mikas.sampling.fault_watch import MINERR, appeared
+
+_MOST: Final = 30  # frames of a recording
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedFaults:
+    """The readings in their order; none: the faults were not read. `appeared`: the latest first."""
+
+    readings: tuple[FaultReading, ...]
+    appeared: tuple[AppearedFault, ...]
+
+
+class FaultReadings:
+    """The readings of the faults in a file, by session and port.
+
+    `notes`: of the file. `ports`: those with responses. Raises `CaptureError`.
+    """
+
+    def __init__(self, path: Path, notes: Iterable[Note]) -> None:
+        self.ports: set[Source] = set()
+        self._before: dict[int, list[Note]] = defaultdict(list)
+        for note in notes:
+            self._before[note.recording].append(note)
+        self._heard: dict[Source, list[FaultReading]] = defaultdict(list)
+        erased: set[Source] = set()  # since the last reading
+        command, erasing = ReadFaults(), ERASE_FAULTS[-1].body()
+        wanted = frozenset((command.body(), erasing))
+        for item in read_exchanges(path):
+            if isinstance(item, Problem):
+                continue
+            if len(item.responses.times):
+                self.ports.add(item.source)
+            for time, request, body in item.answers(wanted):
+                if request == erasing:
+                    erased.add(item.source)
+                    continue
+                with suppress(MikasError):
+                    reading = FaultReading(time, command.read(body), item.source in erased)
+                    self._heard[item.source].append(reading)
+                    erased.discard(item.source)
+
+    def of(self, source: Source) -> tuple[FaultReading, ...]:
+        """Return the readings of a port, after those from before its recording began."""
+        before = recorded_faults(self._before.get(source.recording, ()))
+        return *before, *self._heard.get(source, ())
+
+    def port_without_rows(self) -> Source:
+        """Return the port with most readings in the last session, where no port has rows."""
+        last = max((*self._before, *(port.recording for port in self._heard)), default=0)
+        ports = [port for port in self._heard if port.recording == last]
+        return max(ports, key=lambda port: len(self._heard[port]), default=Source(last))
+
+
+class FrameCollector:
+    """Collects the rows around the faults that appear in `readings`, at most thirty: the latest
+    appearance of each number first. `events`: of the same session; a fault that another unit has is
+    not a new one.
+    """
+
+    def __init__(self, readings: Sequence[FaultReading], events: Iterable[Event] = ()) -> None:
+        changes = [it.time for it in events if isinstance(it, UnitFound) and it.another]
+        new = [
+            each
+            for each in new_faults(readings)
+            if not any(each[1] < change <= each[2] for change in changes)
+        ]
+        latest = {code: at for at, (code, _, _) in enumerate(new)}
+        ranked = sorted(range(len(new)), key=lambda at: (latest[new[at][0]] == at, at))
+        self._windows = [_Window(*new[at]) for at in sorted(ranked[-_MOST:], reverse=True)]
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no fault appeared, so that no rows are needed."""
+        return not self._windows
+
+    def add(self, rows: Rows) -> None:
+        """Take the next rows of the same port and session."""
+        if len(rows.times):
+            span = float(rows.times.min()), float(rows.times.max())
+            for window in self._windows:
+                window.add(rows, *span)
+
+    @property
+    def appeared(self) -> tuple[AppearedFault, ...]:
+        """The faults that appeared, the latest first."""
+        return tuple(window.result() for window in self._windows)
+
+
+class _Window:
+    """The rows around one fault; those that can't be in its frame are dropped as others come."""
+
+    def __init__(self, code: int, before: float, read: float) -> None:
+        self._code, self._before, self._read = code, before, read
+        self._begin, self._end = before - AROUND, read + AROUND
+        self._pieces: list[Rows] = []
+        self._last = -inf
+        self._is_doubtful = False  # its times came twice: a clock was set back
+
+    def add(self, rows: Rows, first: float, last: float) -> None:
+        if last < self._begin or first > self._end:
+            return
+        inside = (rows.times >= self._begin) & (rows.times <= self._end)
+        times = rows.times[inside]
+        if not times.size:
+            return
+        self._is_doubtful |= bool(times[0] < self._last or (np.diff(times) < 0).any())
+        if self._is_doubtful:
+            self._pieces = []
+            return
+        self._last = float(times[-1])
+        values = {name: column[inside] for name, column in rows.values.items()}
+        self._pieces.append(Rows(times, values))
+        self._narrow()
+
+    def _narrow(self) -> None:
+        """Drop rows before and after the moment, as far as it is known by now."""
+        rows = joined_rows(self._pieces)
+        lowest = rows.values.get(MINERR, np.full(len(rows.times), np.nan))
+        without, seen = appeared(
+            self._code, self._before, self._read, rows.times.tolist(), lowest.tolist()
+        )
+        if seen < self._read:
+            self._end = seen + AROUND
+        self._begin = max(without, min(seen, self._last) - LONGEST) - AROUND
+        kept = (rows.times >= self._begin) & (rows.times <= self._end)
+        values = {name: column[kept] for name, column in rows.values.items()}
+        self._pieces = [Rows(rows.times[kept], values)]
+
+    def result(self) -> AppearedFault:
+        frame = None
+        if self._pieces:
+            frame = frame_of(self._code, self._before, self._read, joined_rows(self._pieces))
+        return AppearedFault(self._code, self._before, self._read, frame)
+
+
+def faults_in(recording: Recording) -> RecordedFaults:
+    """Return the faults of a recording's last session, in the recording's interpretation.
+
+    Its rows are read again only if a fault appeared or there are several ports. Raises
+    `CaptureError`.
+    """
+    readings = FaultReadings(recording.path, recording.notes)
+    if len(readings.ports) == 1:
+        heard = readings.of(*readings.ports)
+        if FrameCollector(heard).is_empty:
+            return RecordedFaults(heard, ())
+    collectors: dict[Source, FrameCollector] = {}
+    counts: dict[Source, int] = defaultdict(int)
+    for source, rows in recording.stretches():
+        if any(other.recording != source.recording for other in collectors):
+            collectors.clear()
+        if source not in collectors:
+            events = _of(recording.events, source)
+            collectors[source] = FrameCollector(readings.of(source), events)
+        collectors[source].add(rows)
+        counts[source] += len(rows.times)
+    if not collectors:
+        return RecordedFaults(readings.of(readings.port_without_rows()), ())
+    fullest = max(collectors, key=lambda source: counts[source])
+    return RecordedFaults(readings.of(fullest), collectors[fullest].appeared)
+
+
+def _of(events: Iterable[Event], source: Source) -> Iterator[Event]:
+    return (event for event in events if event.recording == source.recording)
