@@ -144,7 +144,7 @@ def too_few(f: Findings) -> bool:
 def related(f: Findings) -> bool:
     shown = set(referenced(f)) & set(values_at(f))
     names = {n for e in f.subject.faults or () for n in e.parameters if n not in e.sensor}
-    return idle(f) and bool(names & shown - {n for e in f.subject.faults or () for n in e.sensor})
+    return idle(f) and bool(names & shown)
 
 
 def substitutes(f: Findings) -> bool:

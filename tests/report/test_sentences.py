@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from report_harness import GOOD, START, found, measured, rows
 from sentence_rules import ALWAYS, RULES
@@ -222,6 +222,7 @@ VALUES = {
     st.none() | st.lists(st.sampled_from([12, 13, 17, 21, 23, 41, 53, 71, 99, 195]), max_size=3),
     st.sampled_from([5.0, 15.0, 40.0]),
 )
+@example(dict.fromkeys(VALUES) | {"TWAT": 88.0}, [53, 71], 15.0)  # 71 concerns what 53 suspends
 def test_whatever_was_measured(values, faults, seconds) -> None:
     codes = None if faults is None else tuple(dict.fromkeys(faults))
     f = found(rows(seconds, 5, **values), faults=codes)

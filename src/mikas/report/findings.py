@@ -248,9 +248,10 @@ def _real(cleared: Iterable[ClearedFaults]) -> tuple[ClearedFaults, ...]:
 
 
 def _outcome(found: Findings) -> Outcome:
-    """Attention: a fault, a value outside its reference, an alarm, or a finding of a guided test.
-    Good: none of these, the
-    faults were read, none is open, and some value was rated.
+    """Return the overall result.
+
+    Attention: a fault, a value outside its reference, an alarm, or a finding of a guided test.
+    Good: none of these, the faults were read, none is open, and some value was rated.
     """
     if found.real_faults or found.abnormal or found.alarms or found.failed_tests:
         return Outcome.ATTENTION
