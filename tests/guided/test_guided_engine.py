@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from mikas.catalog import shipped
 from mikas.catalog.loading.source import parse_source
-from mikas.guided.definition import Confidence, GuidedTest, Outcome
-from mikas.guided.engine import Phase, TestEngine
+from mikas.guided.definition import Certainty, GuidedTest, VerdictKind
+from mikas.guided.engine import ProgressPhase, TestEngine
 from mikas.guided.loading import from_source
 from mikas.guided.result import TestResult, read
 
@@ -81,16 +81,20 @@ def test_phases() -> None:
     engine = TestEngine(made(), shipped())
     assert engine.progress().lacking == ("FREQ",)
     feed(engine, 0, 1, UACC=11, FREQ=800)
-    assert (engine.progress().phase, engine.progress().step) == (Phase.START, None)
+    assert (engine.progress().phase, engine.progress().step) == (ProgressPhase.START, None)
     feed(engine, 1, 3, UACC=11, FREQ=0)
     progress = engine.progress()
-    assert (progress.phase, progress.step, progress.values) == (Phase.UNTIL, 0, {"UACC": 11})
+    assert (progress.phase, progress.step, progress.values) == (
+        ProgressPhase.UNTIL,
+        0,
+        {"UACC": 11},
+    )
     assert not progress.late
     feed(engine, 3, 14, UACC=11, FREQ=0)
     assert engine.progress().late
     feed(engine, 14, 15.5, UACC=12.6, FREQ=0)
     progress = engine.progress()
-    assert (progress.phase, progress.hold) == (Phase.HOLD, 2)
+    assert (progress.phase, progress.hold) == (ProgressPhase.HOLD, 2)
     assert progress.held == pytest.approx(1.4)
     assert engine.progress(18.0).lacking == ("UACC",)
     feed(engine, 15.5, 17, UACC=12.6, FREQ=0)
@@ -98,8 +102,11 @@ def test_phases() -> None:
     engine.take(17.0, {"UACC": 12.6, "FREQ": 800})
     result = engine.result
     assert result is not None
-    assert (result.outcome, [step.name for step in result.steps]) == (Outcome.GOOD, ["one", "two"])
-    assert engine.progress().phase is Phase.DONE
+    assert (result.outcome, [step.name for step in result.steps]) == (
+        VerdictKind.GOOD,
+        ["one", "two"],
+    )
+    assert engine.progress().phase is ProgressPhase.DONE
     assert (result.began, result.ended) == (1.5, 17.0)
 
 
@@ -121,7 +128,7 @@ def test_one_channel_a_row_is_enough() -> None:
         time = number / 10
         engine.take(time, {"UACC": 12.8} if number % 2 else {"FREQ": 0.0 if time < 4 else 800.0})
     assert engine.result is not None
-    assert engine.result.outcome is Outcome.GOOD
+    assert engine.result.outcome is VerdictKind.GOOD
 
 
 def test_a_clock_that_runs_back_ends_no_step() -> None:
@@ -129,7 +136,7 @@ def test_a_clock_that_runs_back_ends_no_step() -> None:
     feed(engine, 100, 102, UACC=12.8, FREQ=0)
     feed(engine, 50, 51.5, UACC=12.8, FREQ=0)
     progress = engine.progress()
-    assert (progress.step, progress.phase) == (0, Phase.HOLD)
+    assert (progress.step, progress.phase) == (0, ProgressPhase.HOLD)
     assert progress.held <= 1.5
 
 
@@ -142,7 +149,7 @@ def test_a_skipped_step_can_not_be_good() -> None:
     assert engine.progress().step == 1
     engine.skip()
     assert engine.result is not None
-    assert engine.result.outcome is Outcome.UNKNOWN
+    assert engine.result.outcome is VerdictKind.UNKNOWN
     assert [text.en for text in engine.result.missing] == ["low: the step was skipped"]
     assert engine.result.verdict.en.startswith("Can't tell")
 
@@ -151,13 +158,13 @@ def test_a_skipped_step_can_not_be_good() -> None:
     ("voltage", "outcome", "confidence"),
     [
         (12.0, None, None),
-        (12.2, Outcome.BAD, Confidence.HIGH),
-        (12.5, Outcome.GOOD, Confidence.MEDIUM),
-        (12.8, Outcome.GOOD, Confidence.HIGH),
+        (12.2, VerdictKind.BAD, Certainty.HIGH),
+        (12.5, VerdictKind.GOOD, Certainty.MEDIUM),
+        (12.8, VerdictKind.GOOD, Certainty.HIGH),
     ],
 )
 def test_a_value_beside_the_limit_is_less_sure(
-    voltage: float, outcome: Outcome | None, confidence: Confidence | None
+    voltage: float, outcome: VerdictKind | None, confidence: Certainty | None
 ) -> None:
     if outcome is None:
         engine = TestEngine(made(), shipped())
@@ -168,7 +175,7 @@ def test_a_value_beside_the_limit_is_less_sure(
     (finding,) = result.findings
     assert (result.outcome, finding.confidence) == (outcome, confidence)
     assert ("within one step of its channel (0.1 V)" in finding.doubt.en) is (voltage == 12.5)
-    assert outcome is Outcome.GOOD or finding.text == ("only 12.2 V", "only 12,2 В")
+    assert outcome is VerdictKind.GOOD or finding.text == ("only 12.2 V", "only 12,2 В")
 
 
 @pytest.mark.parametrize(
@@ -221,5 +228,5 @@ def test_any_rows_end_in_no_wrong_state(voltages: list[float], step: float) -> N
         assert 0 <= progress.held <= progress.hold
     if engine.result is not None:
         assert read(engine.result.as_json()) == engine.result
-        if engine.result.outcome is Outcome.GOOD:
+        if engine.result.outcome is VerdictKind.GOOD:
             assert step <= 1.0

@@ -9,7 +9,7 @@ import pytest
 from guided_rig import Row, car_rows, run
 
 from mikas.catalog import shipped
-from mikas.guided.definition import Outcome, parameters_of
+from mikas.guided.definition import VerdictKind, parameters_of
 from mikas.guided.loading import load
 from mikas.guided.measuring import formulas_inputs
 from mikas.guided.result import TestResult, read
@@ -114,7 +114,7 @@ def test_every_test_is_proven_here() -> None:
 @pytest.mark.parametrize("test", DRIVES)
 def test_a_sound_car_is_good(test: str) -> None:
     result = judged(test, rows_of(test, "", ""))
-    assert result.outcome is Outcome.GOOD, result.as_text().en
+    assert result.outcome is VerdictKind.GOOD, result.as_text().en
     assert rules(result) == {"good"}
     assert all(number.value is not None for number in result.numbers)
     assert read(result.as_json()) == result
@@ -125,30 +125,30 @@ def test_a_sound_car_is_good(test: str) -> None:
 @pytest.mark.parametrize(
     ("test", "start", "condition", "outcome", "found"),
     [
-        ("charging", "", "alternator = 0.3", Outcome.BAD, {"no_charge"}),
-        ("charging", "", "regulator = 15.6", Outcome.BAD, {"overcharge"}),
-        ("charging", "battery = 0.7", "", Outcome.BAD, {"weak_battery"}),
-        ("charging", "", "coolant_sensor = 15", Outcome.GOOD, {"good"}),
-        ("cranking", "", "starter = 0.8", Outcome.BAD, {"slow_starter"}),
-        ("cranking", "battery = 0.5", "", Outcome.BAD, {"slow_battery"}),
-        ("cranking", "", "leak = 4", Outcome.GOOD, {"good"}),
-        ("idle", "", "idle_valve = 12", Outcome.BAD, {"hunting"}),
-        ("idle", "", "leak = 4", Outcome.BAD, {"leak"}),
-        ("idle", "", "air_meter = 0.8", Outcome.BAD, {"meter"}),
-        ("idle", "", "alternator = 0", Outcome.GOOD, {"good"}),
-        ("knock", "", "knock = 6", Outcome.BAD, {"knock"}),
-        ("knock", "", "knock = 3", Outcome.ATTENTION, {"some_knock"}),
-        ("throttle", "", "throttle_dead = [30, 45]", Outcome.BAD, {"dead_spot"}),
-        ("throttle", "", "leak = 4", Outcome.GOOD, {"good"}),
-        ("warmup", "", "thermostat = 1", Outcome.BAD, {"open"}),
-        ("sensors", "", "coolant_sensor = 15", Outcome.ATTENTION, {"apart"}),
-        ("sensors", "", "coolant_sensor = -12", Outcome.ATTENTION, {"apart"}),
-        ("sensors", "coolant = 60", "", Outcome.UNKNOWN, set()),
-        ("sensors", "battery = 0.7", "alternator = 0", Outcome.GOOD, {"good"}),
+        ("charging", "", "alternator = 0.3", VerdictKind.BAD, {"no_charge"}),
+        ("charging", "", "regulator = 15.6", VerdictKind.BAD, {"overcharge"}),
+        ("charging", "battery = 0.7", "", VerdictKind.BAD, {"weak_battery"}),
+        ("charging", "", "coolant_sensor = 15", VerdictKind.GOOD, {"good"}),
+        ("cranking", "", "starter = 0.8", VerdictKind.BAD, {"slow_starter"}),
+        ("cranking", "battery = 0.5", "", VerdictKind.BAD, {"slow_battery"}),
+        ("cranking", "", "leak = 4", VerdictKind.GOOD, {"good"}),
+        ("idle", "", "idle_valve = 12", VerdictKind.BAD, {"hunting"}),
+        ("idle", "", "leak = 4", VerdictKind.BAD, {"leak"}),
+        ("idle", "", "air_meter = 0.8", VerdictKind.BAD, {"meter"}),
+        ("idle", "", "alternator = 0", VerdictKind.GOOD, {"good"}),
+        ("knock", "", "knock = 6", VerdictKind.BAD, {"knock"}),
+        ("knock", "", "knock = 3", VerdictKind.ATTENTION, {"some_knock"}),
+        ("throttle", "", "throttle_dead = [30, 45]", VerdictKind.BAD, {"dead_spot"}),
+        ("throttle", "", "leak = 4", VerdictKind.GOOD, {"good"}),
+        ("warmup", "", "thermostat = 1", VerdictKind.BAD, {"open"}),
+        ("sensors", "", "coolant_sensor = 15", VerdictKind.ATTENTION, {"apart"}),
+        ("sensors", "", "coolant_sensor = -12", VerdictKind.ATTENTION, {"apart"}),
+        ("sensors", "coolant = 60", "", VerdictKind.UNKNOWN, set()),
+        ("sensors", "battery = 0.7", "alternator = 0", VerdictKind.GOOD, {"good"}),
     ],
 )
 def test_a_fault_is_found_and_no_other(
-    test: str, start: str, condition: str, outcome: Outcome, found: set[str]
+    test: str, start: str, condition: str, outcome: VerdictKind, found: set[str]
 ) -> None:
     result = judged(test, rows_of(test, start, condition))
     assert (result.outcome, rules(result)) == (outcome, found), result.as_text().en
@@ -181,7 +181,7 @@ def lacking(rows: Iterable[Row], name: str) -> Iterator[Row]:
 def test_a_gap_while_the_starter_turns_decides_nothing() -> None:
     rows = rows_of("charging", "battery = 0.7", "")
     result = judged("charging", without(rows, 12.2, 13.6))
-    assert (result.outcome, result.findings) == (Outcome.UNKNOWN, ())
+    assert (result.outcome, result.findings) == (VerdictKind.UNKNOWN, ())
     assert "no values of UACC came for 1.5 s" in result.missing[0].en
 
 
@@ -199,7 +199,7 @@ def test_a_gap_while_the_starter_turns_decides_nothing() -> None:
 )
 def test_slow_sampling_decides_nothing(test: str, every: int) -> None:
     result = run(TESTS[test], rows_of(test, "", "")[::every])
-    assert result is None or (result.outcome, result.findings) == (Outcome.UNKNOWN, ())
+    assert result is None or (result.outcome, result.findings) == (VerdictKind.UNKNOWN, ())
 
 
 @pytest.mark.parametrize("test", DRIVES)
@@ -210,4 +210,4 @@ def test_a_missing_channel_never_makes_a_verdict(test: str) -> None:
     formulas += [each for name in judging for each in known.measures[name].formulas]
     for name in parameters_of(shipped(), formulas_inputs(formulas)):
         result = run(known, lacking(rows_of(test, "", ""), name))
-        assert result is None or result.outcome is Outcome.UNKNOWN, name
+        assert result is None or result.outcome is VerdictKind.UNKNOWN, name

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from mikas.catalog import shipped
-from mikas.guided.definition import Outcome as OfTest
+from mikas.guided.definition import VerdictKind as OfTest
 from mikas.guided.engine import TestEngine
 from mikas.guided.loading import load
 from mikas.guided.result import TestResult

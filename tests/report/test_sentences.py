@@ -21,8 +21,8 @@ from test_report_alarms import event
 
 import mikas.report
 from mikas.catalog import Level, load, shipped
-from mikas.guided.definition import Confidence as GuidedConfidence
-from mikas.guided.definition import Outcome as GuidedOutcome
+from mikas.guided.definition import Certainty as GuidedConfidence
+from mikas.guided.definition import VerdictKind
 from mikas.guided.result import Finding, TestResult
 from mikas.i18n import Text
 from mikas.report.findings import BandPosition, Findings, Outcome, find
@@ -125,7 +125,7 @@ def of_unit(unit: UnitIdentity | None) -> Findings:
 
 
 def after_a_test(outcome: str) -> Findings:
-    verdict = Finding("a", "b", GuidedOutcome(outcome), Text("bad.", "плохо."), *_NO_TEXTS)
+    verdict = Finding("a", "b", VerdictKind(outcome), Text("bad.", "плохо."), *_NO_TEXTS)
     it, title = found(), Text("Charging", "Зарядка")
     result = TestResult(
         "charging", title, START, START + 9, verdict.outcome, (verdict,), (), (), (), ()

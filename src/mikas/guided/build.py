@@ -30,13 +30,13 @@ from mikas.catalog.loading.source import CatalogFile, KeyPath
 from mikas.errors import CatalogError, MikasError, UsageError, usage_error
 from mikas.guided.definition import (
     SECONDS,
-    Confidence,
+    Certainty,
+    GuidedStep,
     GuidedTest,
     Measure,
-    Outcome,
     Rule,
     Statistic,
-    Step,
+    VerdictKind,
     parameters_of,
 )
 from mikas.i18n import Text
@@ -89,11 +89,11 @@ _MEASURE: Schema = {
 }
 _RULE: Schema = {
     "when": string,
-    "verdict": choice(Outcome, *Outcome),
+    "verdict": choice(VerdictKind, *VerdictKind),
     "text": TEXT,
     "check": TEXT,
     "doubt": TEXT,
-    "confidence": choice(Confidence, *Confidence),
+    "confidence": choice(Certainty, *Certainty),
 }
 _FORM: Schema = {
     "title": TEXT,
@@ -174,7 +174,7 @@ class Builder:
                 raise self._source.wrong((kind, name), Text("is there twice", "есть дважды"))
             seen.add(name.upper())
 
-    def _step(self, name: str) -> Step:
+    def _step(self, name: str) -> GuidedStep:
         path, keys = ("step", name), self._form["step"][name]
         until = self._formula((*path, "until"), keys.get("until"))
         hold = keys.get("hold", 0.0)
@@ -187,7 +187,7 @@ class Builder:
         }
         watch = self._channels((*path, "watch"), keys.get("watch", ()))
         timeout = keys.get("timeout", 120.0)
-        return Step(
+        return GuidedStep(
             name=name,
             text=self._text(*path, "text"),
             until=until,
@@ -271,7 +271,7 @@ class Builder:
             when=when,
             formula=keys["when"],
             outcome=keys["verdict"],
-            confidence=keys.get("confidence", Confidence.MEDIUM),
+            confidence=keys.get("confidence", Certainty.MEDIUM),
             **texts,
         )
 

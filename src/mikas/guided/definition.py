@@ -15,8 +15,8 @@ SECONDS = "SECONDS"
 """In the formulas of a step: seconds since it began."""
 
 
-class Outcome(StrEnum):
-    """A verdict. In this order, the later one outweighs the earlier."""
+class VerdictKind(StrEnum):
+    """The kind of a verdict, in order of weight: a later one outweighs an earlier."""
 
     GOOD = "good"
     UNKNOWN = "unknown"
@@ -24,7 +24,7 @@ class Outcome(StrEnum):
     BAD = "bad"
 
 
-class Confidence(StrEnum):
+class Certainty(StrEnum):
     """How sure a finding is, from least to most."""
 
     LOW = "low"
@@ -32,9 +32,9 @@ class Confidence(StrEnum):
     HIGH = "high"
 
     @property
-    def less(self) -> Confidence:
+    def less(self) -> Certainty:
         """The next lower one."""
-        return Confidence.MEDIUM if self is Confidence.HIGH else Confidence.LOW
+        return Certainty.MEDIUM if self is Certainty.HIGH else Certainty.LOW
 
 
 class Statistic(StrEnum):
@@ -61,7 +61,7 @@ class Statistic(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class GuidedStep:
     """One instruction, and when it is done.
 
     After `prepare` seconds the step is done once `until` has held for `hold` seconds without a gap.
@@ -121,11 +121,11 @@ class Rule:
     name: str
     when: Parsed
     formula: str
-    outcome: Outcome
+    outcome: VerdictKind
     text: Text
     check: Text
     doubt: Text
-    confidence: Confidence
+    confidence: Certainty
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +143,7 @@ class GuidedTest:
     needs: Text
     start: Parsed | None
     chart: tuple[str, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[GuidedStep, ...]
     measures: Mapping[str, Measure]
     rules: tuple[Rule, ...]
     channels: tuple[str, ...]

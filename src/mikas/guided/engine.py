@@ -15,7 +15,7 @@ from typing import Final
 
 from mikas.catalog import Catalog
 from mikas.catalog.formulas import Calculation
-from mikas.guided.definition import GuidedTest, Measure, Step, parameters_of
+from mikas.guided.definition import GuidedStep, GuidedTest, Measure, parameters_of
 from mikas.guided.measuring import Measured, StepRows, Values, formulas_inputs, holds
 from mikas.guided.result import MOST_POINTS, Curve, StepDone, TestResult
 from mikas.guided.verdict import judge, number_of
@@ -26,7 +26,7 @@ _START_GAP: Final = 2.0  # s that values of the start condition may be old
 _START_HOLD: Final = 0.5
 
 
-class Phase(StrEnum):
+class ProgressPhase(StrEnum):
     """What the test waits for."""
 
     START = "start"  # the start condition
@@ -45,7 +45,7 @@ class Progress:
     without a value just now.
     """
 
-    phase: Phase
+    phase: ProgressPhase
     step: int | None
     seconds: float
     held: float
@@ -108,7 +108,7 @@ class TestEngine:
         now = last if now is None else max(now, last)
         run = self._step
         if self.result is not None or run is None:
-            phase = Phase.START if self.result is None else Phase.DONE
+            phase = ProgressPhase.START if self.result is None else ProgressPhase.DONE
             names = formulas_inputs([self.test.start]) or self.test.steps[0].watch
             needed = parameters_of(self._catalog, names)
             gap, seconds = _START_GAP, 0.0
@@ -116,7 +116,7 @@ class TestEngine:
             phase, names, needed = run.phase(now), run.step.watch, run.needed
             gap, seconds = max(_START_GAP, run.step.longest_gap), now - run.began
         values = self._values.at(now, names, gap)
-        lacking = () if phase is Phase.DONE else self._lacking(now, needed, gap)
+        lacking = () if phase is ProgressPhase.DONE else self._lacking(now, needed, gap)
         return Progress(
             phase=phase,
             step=None if run is None else len(self._done),
@@ -197,7 +197,7 @@ class _StepRun:
 
     def __init__(
         self,
-        step: Step,
+        step: GuidedStep,
         measures: list[Measure],
         catalog: Catalog,
         values: Values,
@@ -258,11 +258,11 @@ class _StepRun:
             for each in self._measures
         }
 
-    def phase(self, now: float) -> Phase:
+    def phase(self, now: float) -> ProgressPhase:
         """Return what the step waits for."""
         if now < self._ready_at:
-            return Phase.PREPARE
-        return Phase.UNTIL if self._held_since is None else Phase.HOLD
+            return ProgressPhase.PREPARE
+        return ProgressPhase.UNTIL if self._held_since is None else ProgressPhase.HOLD
 
     def held(self, now: float) -> float:
         """Return how long the condition has held; while it waits, the seconds of preparation."""

@@ -20,7 +20,7 @@ from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.formula_syntax import Parsed
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.model import in_order
-from mikas.guided.definition import SECONDS, Measure, Statistic, Step, parameters_of
+from mikas.guided.definition import SECONDS, GuidedStep, Measure, Statistic, parameters_of
 from mikas.i18n import Text
 
 Column = NDArray[np.float64]
@@ -122,7 +122,9 @@ class StepRows:
             self._values[name].append(latest.get(name, nan))
             self._fresh[name].append(name in fresh)
 
-    def measured(self, measure: Measure, step: Step, ended: float, catalog: Catalog) -> Measured:
+    def measured(
+        self, measure: Measure, step: GuidedStep, ended: float, catalog: Catalog
+    ) -> Measured:
         """Return the measure's value at the end of the part."""
         if self.started is None or not self._times:
             return Measured(measure, None, why=_NO_ROWS)
@@ -162,7 +164,7 @@ class StepRows:
         return Measured(measure, value, count, rate)
 
     def _hole(
-        self, needed: tuple[str, ...], step: Step, times: Column, since: float, ended: float
+        self, needed: tuple[str, ...], step: GuidedStep, times: Column, since: float, ended: float
     ) -> Text | None:
         """Return what is missing in the data of the part; None: nothing."""
         for name in needed:
@@ -197,7 +199,7 @@ class _Sample:
     values: Column
     by: Column
     measure: Measure
-    step: Step
+    step: GuidedStep
 
     @property
     def joined(self) -> Mask:

@@ -12,7 +12,7 @@ from math import isfinite
 from typing import Any, Final
 
 from mikas.cleaning import clean_line, clean_text, is_in_calendar
-from mikas.guided.definition import Confidence, Outcome
+from mikas.guided.definition import Certainty, VerdictKind
 from mikas.i18n import Language, Text
 
 _LONGEST: Final = 4000  # characters of a text
@@ -53,11 +53,11 @@ class Finding:
 
     rule: str
     formula: str
-    outcome: Outcome
+    outcome: VerdictKind
     text: Text
     check: Text
     doubt: Text
-    confidence: Confidence
+    confidence: Certainty
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +93,7 @@ class TestResult:
     title: Text
     began: float
     ended: float
-    outcome: Outcome
+    outcome: VerdictKind
     findings: tuple[Finding, ...]
     missing: tuple[Text, ...]
     numbers: tuple[Number, ...]
@@ -179,7 +179,7 @@ class TestResult:
         lines += [
             words(each.text)
             for each in self.findings
-            if each.text != self.verdict and each.outcome is not Outcome.GOOD
+            if each.text != self.verdict and each.outcome is not VerdictKind.GOOD
         ]
         for each in self.findings:
             if each.check.en:
@@ -196,16 +196,16 @@ class TestResult:
         return lines
 
 
-OUTCOMES: Final[Mapping[Outcome, Text]] = {
-    Outcome.GOOD: Text("good", "в порядке"),
-    Outcome.ATTENTION: Text("attention", "обратите внимание"),
-    Outcome.BAD: Text("bad", "неисправно"),
-    Outcome.UNKNOWN: Text("can't tell", "нельзя сказать"),
+OUTCOMES: Final[Mapping[VerdictKind, Text]] = {
+    VerdictKind.GOOD: Text("good", "в порядке"),
+    VerdictKind.ATTENTION: Text("attention", "обратите внимание"),
+    VerdictKind.BAD: Text("bad", "неисправно"),
+    VerdictKind.UNKNOWN: Text("can't tell", "нельзя сказать"),
 }
-SURE: Final[Mapping[Confidence, Text]] = {
-    Confidence.HIGH: Text("confidence: high", "уверенность: высокая"),
-    Confidence.MEDIUM: Text("confidence: medium", "уверенность: средняя"),
-    Confidence.LOW: Text("confidence: low", "уверенность: низкая"),
+SURE: Final[Mapping[Certainty, Text]] = {
+    Certainty.HIGH: Text("confidence: high", "уверенность: высокая"),
+    Certainty.MEDIUM: Text("confidence: medium", "уверенность: средняя"),
+    Certainty.LOW: Text("confidence: low", "уверенность: низкая"),
 }
 _CHECK: Final = Text("Check next:", "Проверьте дальше:")
 _MISSING: Final = Text("Not decided:", "Не решено:")
@@ -230,16 +230,16 @@ def _read(data: Any) -> TestResult:  # noqa: ANN401  (any JSON)
         title=_both(data["title"]),
         began=_time(data["began"]),
         ended=_time(data["ended"]),
-        outcome=Outcome(data["outcome"]),
+        outcome=VerdictKind(data["outcome"]),
         findings=tuple(
             Finding(
                 _line(it["rule"]),
                 _line(it["formula"]),
-                Outcome(it["outcome"]),
+                VerdictKind(it["outcome"]),
                 _both(it["text"]),
                 _both(it["check"]),
                 _both(it["doubt"]),
-                Confidence(it["confidence"]),
+                Certainty(it["confidence"]),
             )
             for it in _list(data["findings"])
         ),

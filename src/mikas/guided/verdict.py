@@ -12,18 +12,18 @@ from math import nan
 from typing import Final, NamedTuple
 
 from mikas.catalog.formulas import Calculation
-from mikas.guided.definition import GuidedTest, Outcome, Rule
+from mikas.guided.definition import GuidedTest, Rule, VerdictKind
 from mikas.guided.measuring import Measured, holds
 from mikas.guided.result import Finding, Number
 from mikas.i18n import Text, joined
 
-_ORDER: Final = tuple(Outcome)
+_ORDER: Final = tuple(VerdictKind)
 
 
 class Verdict(NamedTuple):
     """The outcome, the rules that hold, and why others could not be decided."""
 
-    outcome: Outcome
+    outcome: VerdictKind
     findings: tuple[Finding, ...]
     missing: tuple[Text, ...]
 
@@ -42,23 +42,23 @@ def judge(test: GuidedTest, measured: Mapping[str, Measured]) -> Verdict:
             missing |= {_why(measured[name]): None for name in lacking}
             continue
         near = list(_near(rule, values, measured))
-        if rule.outcome is not Outcome.GOOD:
+        if rule.outcome is not VerdictKind.GOOD:
             near_limit |= dict.fromkeys(near)
         if not holds(calculation, values):
             continue
-        if rule.outcome is Outcome.UNKNOWN:
+        if rule.outcome is VerdictKind.UNKNOWN:
             missing |= {_finding(rule, measured, []).text: None}
         else:
-            kept = good if rule.outcome is Outcome.GOOD else found
+            kept = good if rule.outcome is VerdictKind.GOOD else found
             kept.append(_finding(rule, measured, near))
     if found:
         worst = max((it.outcome for it in found), key=_ORDER.index)
         return Verdict(worst, tuple(found), tuple(missing))
     if missing:
-        return Verdict(Outcome.UNKNOWN, (), tuple(missing))
+        return Verdict(VerdictKind.UNKNOWN, (), tuple(missing))
     if good:
-        return Verdict(Outcome.GOOD, (_doubted(good[0], near_limit),), ())
-    return Verdict(Outcome.UNKNOWN, (), (_NO_RULE,))
+        return Verdict(VerdictKind.GOOD, (_doubted(good[0], near_limit),), ())
+    return Verdict(VerdictKind.UNKNOWN, (), (_NO_RULE,))
 
 
 def number_of(measured: Measured) -> Number:

@@ -15,7 +15,7 @@ from typing import Final
 from mikas.catalog import Catalog, Derived, Fault, Parameter
 from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.model import in_order
-from mikas.guided.definition import Outcome as TestOutcome
+from mikas.guided.definition import VerdictKind
 from mikas.guided.result import TestResult
 from mikas.i18n import Text
 from mikas.report.measurements.alarms import Alarm
@@ -122,7 +122,7 @@ class Findings:
     def failed_tests(self) -> tuple[TestResult, ...]:
         """The guided tests that found something, the latest of each."""
         latest = {test.test: test for test in sorted(self.subject.tests, key=lambda it: it.ended)}
-        bad = (TestOutcome.ATTENTION, TestOutcome.BAD)
+        bad = (VerdictKind.ATTENTION, VerdictKind.BAD)
         return tuple(test for test in latest.values() if test.outcome in bad)
 
     @property

@@ -35,7 +35,7 @@ from mikas.report.sections.alarm_texts import alarm_section
 from mikas.report.sections.conditions import rows as how_rows
 from mikas.report.sections.guided_tests import section as guided_section
 from mikas.report.sections.limitations import unknowns
-from mikas.report.sections.section import Section
+from mikas.report.sections.section import PageSection
 from mikas.report.sections.summary import HEADLINES, MARKS, summary_sentence
 from mikas.report.subject import ClearedFaults
 
@@ -46,7 +46,7 @@ CHARTS: Final = 3
 SUFFIXES: Final = (".html", ".htm")
 _FIRST: Final = ("FREQ", "JAIR", "TWAT", "INJ", "UACC", "UOZ", "FREQX", "THR")
 """The charts if all values are normal."""
-SECTIONS: Final[tuple[Callable[[Findings, Language], Section | None], ...]] = (
+SECTIONS: Final[tuple[Callable[[Findings, Language], PageSection | None], ...]] = (
     alarm_section,
     guided_section,
 )

@@ -5,7 +5,7 @@ The page asks for `/tests/run` some times a second; the watched values come with
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import APIRouter, Path
 from pydantic import BaseModel, ConfigDict, Field
@@ -14,10 +14,11 @@ from mikas.dashboard.api.dependencies import Controller, KnownClient, TheDashboa
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.session.guided_tests import KeptResult
+from mikas.guided.definition import Certainty, VerdictKind
+from mikas.guided.engine import ProgressPhase
 
 router = APIRouter(prefix="/tests", tags=["tests"])
 
-Outcome = Literal["good", "unknown", "attention", "bad"]
 Name = Annotated[str, Path(max_length=80)]
 
 
@@ -37,7 +38,7 @@ class LastOutcome(BaseModel):
     """The latest result of a test on this unit."""
 
     id: str
-    outcome: Outcome
+    outcome: VerdictKind
     ended: float
 
 
@@ -100,11 +101,11 @@ class TestFinding(BaseModel):
 
     rule: str
     formula: str
-    outcome: Outcome
+    outcome: VerdictKind
     text: TwoTexts
     check: TwoTexts
     doubt: TwoTexts
-    confidence: Literal["low", "medium", "high"]
+    confidence: Certainty
 
 
 class TestCurve(BaseModel):
@@ -144,7 +145,7 @@ class TestVerdict(BaseModel):
     title: TwoTexts
     began: float
     ended: float
-    outcome: Outcome
+    outcome: VerdictKind
     verdict: TwoTexts
     findings: list[TestFinding]
     missing: list[TwoTexts]
@@ -167,7 +168,7 @@ class TestRun(BaseModel):
     name: str
     title: TwoTexts
     needs: TwoTexts | None
-    phase: Literal["start", "prepare", "until", "hold", "done"]
+    phase: ProgressPhase
     step: int | None
     steps: list[TestStep]
     seconds: float
@@ -197,7 +198,7 @@ class TestResults(BaseModel):
     results: list[TestVerdict]
 
 
-class ReportWish(BaseModel):
+class InReportRequest(BaseModel):
     """Whether the result is shown in the report on the connected car."""
 
     in_report: bool = Field(strict=True)
@@ -211,9 +212,7 @@ def tests(dashboard: TheDashboard) -> TestList:
     last: dict[str, LastOutcome] = {}
     for kept in guided.results:
         it = kept.result
-        last.setdefault(
-            it.test, LastOutcome(id=kept.identity, outcome=it.outcome.value, ended=it.ended)
-        )
+        last.setdefault(it.test, LastOutcome(id=kept.identity, outcome=it.outcome, ended=it.ended))
     running = state is not None and state[0].result is None
     folder = dashboard.settings.tests
     return TestList(
@@ -272,7 +271,9 @@ def results(dashboard: TheDashboard) -> TestResults:
 
 
 @router.put("/results/{name}", responses=errors(404))
-def wish(dashboard: TheDashboard, _: KnownClient, name: Name, body: ReportWish) -> TestVerdict:
+def put_in_report(
+    dashboard: TheDashboard, _: KnownClient, name: Name, body: InReportRequest
+) -> TestVerdict:
     """Put a result into the report on the connected car, or take it out."""
     return _verdict(dashboard.guided.put_in_report(name, wanted=body.in_report))
 
@@ -291,7 +292,6 @@ def _state(dashboard: Dashboard) -> TestRunState:
             name=test.name,
             title=two(test.title),
             needs=two_or_none(test.needs),
-            phase=progress.phase.value,
             steps=[made_of(TestStep, it, text=two(it.text)) for it in test.steps],
             prepare=step.prepare if step else 0.0,
             advice=two_or_none(step.advice) if step else None,
@@ -309,7 +309,7 @@ def _verdict(kept: KeptResult) -> TestVerdict:
         title=two(result.title),
         began=result.began,
         ended=result.ended,
-        outcome=result.outcome.value,
+        outcome=result.outcome,
         verdict=two(result.verdict),
         findings=[TestFinding.model_validate(it) for it in result.findings],
         missing=[two(text) for text in result.missing],

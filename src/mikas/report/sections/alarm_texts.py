@@ -14,7 +14,7 @@ from mikas.report.findings import Findings
 from mikas.report.formatting import duration, moment, short, with_unit, within
 from mikas.report.labels import Labels
 from mikas.report.measurements.alarms import Alarm, worst
-from mikas.report.sections.section import Section, items
+from mikas.report.sections.section import PageSection, items
 from mikas.sampling.alarms import LEVEL_TEXTS, Side
 
 _BEYOND = {Side.LOW: Text("below", "ниже"), Side.HIGH: Text("above", "выше")}
@@ -30,12 +30,12 @@ def alarm_summary(found: Findings) -> Text:
     return Text(f"alarms were on: {listed.en}", f"были тревоги: {listed.ru}")
 
 
-def alarm_section(found: Findings, language: Language) -> Section | None:
+def alarm_section(found: Findings, language: Language) -> PageSection | None:
     """Return the section; None without an alarm."""
     if not found.alarms:
         return None
     texts = [_in_full(alarm, found).to(language) for alarm in found.alarms]
-    return Section(Labels(language)("alarms"), items(texts))
+    return PageSection(Labels(language)("alarms"), items(texts))
 
 
 def _briefly(alarm: Alarm) -> Text:

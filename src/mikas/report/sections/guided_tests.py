@@ -6,12 +6,12 @@ from typing import Final
 
 from markupsafe import Markup
 
-from mikas.guided.definition import Outcome
+from mikas.guided.definition import VerdictKind
 from mikas.guided.result import OUTCOMES, SURE, Curve, Finding, TestResult
 from mikas.i18n import Language, Text
 from mikas.report.findings import Findings
 from mikas.report.formatting import moment, number
-from mikas.report.sections.section import Section, items, paragraph, table
+from mikas.report.sections.section import PageSection, items, paragraph, table
 
 _TITLE: Final = Text("Guided tests", "Проверки по шагам")
 _CHECK: Final = Text("Check next:", "Проверьте дальше:")
@@ -25,13 +25,13 @@ _HEAD: Final = (
 _WIDTH, _HEIGHT, _CURVES = 320, 120, 3
 
 
-def section(found: Findings, language: Language) -> Section | None:
+def section(found: Findings, language: Language) -> PageSection | None:
     """Return the section of the tests that belong to this report; None without one."""
     results = found.subject.tests
     if not results:
         return None
     bodies = (_test(result, found, language) for result in results)
-    return Section(_TITLE.to(language), Markup("").join(bodies))
+    return PageSection(_TITLE.to(language), Markup("").join(bodies))
 
 
 def _test(result: TestResult, found: Findings, language: Language) -> Markup:
@@ -41,7 +41,7 @@ def _test(result: TestResult, found: Findings, language: Language) -> Markup:
             result.title.to(language), OUTCOMES[result.outcome].to(language), when
         )
     ]
-    if result.outcome is Outcome.UNKNOWN:
+    if result.outcome is VerdictKind.UNKNOWN:
         parts.append(paragraph(result.verdict.to(language)))
     parts += [_finding(finding, language) for finding in result.findings]
     if result.missing:

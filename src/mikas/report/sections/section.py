@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class PageSection:
     """A title, and the contents as safe markup: of the functions below, or of an own template."""
 
     title: str

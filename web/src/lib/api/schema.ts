@@ -116,6 +116,11 @@ export interface components {
             /** @description why the user's own catalog is left out; null: it is in use, or there is none */
             problem: components["schemas"]["TwoTexts"] | null;
         };
+        /**
+         * @description How sure a finding is, from least to most.
+         * @enum {string}
+         */
+        Certainty: "low" | "medium" | "high";
         /** @description The effect of a change, to be shown to a person, who then confirms it by the nonce. */
         ChangeProposal: {
             nonce: string;
@@ -508,6 +513,10 @@ export interface components {
             peak: number | null;
             peak_time: number | null;
         };
+        /** @description Whether the result is shown in the report on the connected car. */
+        InReportRequest: {
+            in_report: boolean;
+        };
         /** @description A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure. */
         JournalEntry: {
             time: number;
@@ -564,8 +573,7 @@ export interface components {
         /** @description The latest result of a test on this unit. */
         LastOutcome: {
             id: string;
-            /** @enum {string} */
-            outcome: "good" | "unknown" | "attention" | "bad";
+            outcome: components["schemas"]["VerdictKind"];
             ended: number;
         };
         /** @description A file of the folder that is not listed, and why. `name` empty: several files. */
@@ -789,6 +797,11 @@ export interface components {
         PriorityRequest: {
             names: string[];
         };
+        /**
+         * @description What the test waits for.
+         * @enum {string}
+         */
+        ProgressPhase: "start" | "prepare" | "until" | "hold" | "done";
         /** @description One recording with its channels and events. `first`, `last`: the times of its rows. */
         RecordingDetail: {
             /** @description the file's name */
@@ -895,10 +908,6 @@ export interface components {
         ReferencesResponse: {
             marked: string[];
             virtual: components["schemas"]["VirtualReferenceInfo"][];
-        };
-        /** @description Whether the result is shown in the report on the connected car. */
-        ReportWish: {
-            in_report: boolean;
         };
         /** @description The unit answers the dropped parameter `name` again; it is sampled from now on. */
         ReturnedEvent: {
@@ -1065,13 +1074,11 @@ export interface components {
         TestFinding: {
             rule: string;
             formula: string;
-            /** @enum {string} */
-            outcome: "good" | "unknown" | "attention" | "bad";
+            outcome: components["schemas"]["VerdictKind"];
             text: components["schemas"]["TwoTexts"];
             check: components["schemas"]["TwoTexts"];
             doubt: components["schemas"]["TwoTexts"];
-            /** @enum {string} */
-            confidence: "low" | "medium" | "high";
+            confidence: components["schemas"]["Certainty"];
         };
         /** @description A test. `own`: from the user's folder; `needs`: what must be so before its first step. */
         TestInfo: {
@@ -1115,8 +1122,7 @@ export interface components {
             name: string;
             title: components["schemas"]["TwoTexts"];
             needs: components["schemas"]["TwoTexts"] | null;
-            /** @enum {string} */
-            phase: "start" | "prepare" | "until" | "hold" | "done";
+            phase: components["schemas"]["ProgressPhase"];
             step: number | null;
             steps: components["schemas"]["TestStep"][];
             seconds: number;
@@ -1163,8 +1169,7 @@ export interface components {
             title: components["schemas"]["TwoTexts"];
             began: number;
             ended: number;
-            /** @enum {string} */
-            outcome: "good" | "unknown" | "attention" | "bad";
+            outcome: components["schemas"]["VerdictKind"];
             verdict: components["schemas"]["TwoTexts"];
             findings: components["schemas"]["TestFinding"][];
             missing: components["schemas"]["TwoTexts"][];
@@ -1267,6 +1272,11 @@ export interface components {
             unit: string;
             raw: string;
         };
+        /**
+         * @description The kind of a verdict, in order of weight: a later one outweighs an earlier.
+         * @enum {string}
+         */
+        VerdictKind: "good" | "unknown" | "attention" | "bad";
         /** @description A recording of the virtual car, not measured on an engine. `model`: 7.1, 5.4. */
         VirtualReferenceInfo: {
             id: string;
