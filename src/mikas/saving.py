@@ -18,8 +18,8 @@ from mikas.files import open_regular
 def save(path: Path, text: str, *, follow: bool = False, private: bool = False) -> None:
     """Replace the content of `path` by `text`, in UTF-8, all or nothing. Raises `OSError`.
 
-    What is no file is replaced too: nothing is written through a link, or to a pipe. `follow`: the
-    user named it, so a pipe or a device is written to as it is. `private`: only its owner can read
+    A link or a pipe is replaced by a file; nothing is written through it. `follow`: the user named
+    the path, so a pipe or a device is written to. `private`: only its owner can read
     the file, from its first byte on (POSIX).
     """
     if follow and path.exists() and not path.is_file():

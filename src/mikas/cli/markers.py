@@ -5,7 +5,7 @@ recording is being closed. It reads the descriptor, because a thread blocked in 
 keep the process from ending.
 
 Where the typed text can be drawn (`on_typing`), the terminal's own echo is off meanwhile: it would
-write behind the status line, which is redrawn every second and takes the text with it.
+write into the status line, which is redrawn every second and would erase the text.
 """
 
 from __future__ import annotations

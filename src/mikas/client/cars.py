@@ -78,7 +78,7 @@ def _line(value: object) -> str:
 class CarBook:
     """The details of all cars, in a file; any thread may call.
 
-    A unit with empty passports can't be told from another one: it has only the workshop, and so has
+    Units with empty passports can't be distinguished: such a unit has only the workshop, and so has
     a virtual unit without `virtual_units`.
     """
 

@@ -89,7 +89,7 @@ class Entrance:
                 ssl_shutdown_timeout=_GOODBYE,
             )
             self._network.add(transport)
-            if self._context is not context:  # closed, or opened anew, during the handshake
+            if self._context is not context:  # closed, or opened again, during the handshake
                 transport.abort()
 
 

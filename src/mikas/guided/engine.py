@@ -184,7 +184,7 @@ class TestEngine:
                 curve.add(time, latest[name])
 
     def _restart_clock(self, time: float) -> None:
-        """Begin the present step anew: no time passes between a clock's two lives."""
+        """Restart the present step: the time between the clock's two settings is unknown."""
         self._time = time
         self._values.clear()
         self._ready_since = None
@@ -193,7 +193,7 @@ class TestEngine:
 
 
 class _StepRun:
-    """One step in progress, begun at `began`."""
+    """One step in progress since `began`."""
 
     def __init__(
         self,

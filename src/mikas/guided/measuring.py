@@ -100,7 +100,7 @@ class StepRows:
         self.clear()
 
     def clear(self) -> None:
-        """Drop all rows: the measured part begins anew."""
+        """Drop all rows: the measured part starts again."""
         self.started = None
         self._times: list[float] = []
         self._values: dict[str, list[float]] = {name: [] for name in self._names}
@@ -166,7 +166,7 @@ class StepRows:
     def _hole(
         self, needed: tuple[str, ...], step: GuidedStep, times: Column, since: float, ended: float
     ) -> Text | None:
-        """Return what is missing in the data of the part; None: nothing."""
+        """Return the reason why the data of the part are incomplete, or None."""
         for name in needed:
             came = times[np.array(self._fresh[name])]
             came = came[came >= since]

@@ -1,7 +1,7 @@
 """The result of a test: its verdict with rules, numbers and doubt. Also as JSON, and as text.
 
 The JSON is a note of a recording and a file of the state folder, so anything may be in it: `read`
-bounds every part, and returns None for what is no result.
+bounds every part, and returns None if the JSON is not a result.
 """
 
 from __future__ import annotations

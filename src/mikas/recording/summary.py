@@ -181,7 +181,7 @@ def _spans(sections: _Sections) -> Iterator[tuple[float, float]]:
                 begin = max(first.offset, stop - size)
                 packets = sections.packets(number, begin, stop - begin)
                 tail += (packet.time for packet in packets)
-                size *= _WIDEN  # a long comment may stand behind the last packet
+                size *= _WIDEN  # a long comment may follow the last packet
             yield first.time, max(tail)
 
 

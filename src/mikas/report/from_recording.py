@@ -139,8 +139,8 @@ def _sessions(
 def _last_recording(table: TableReader) -> Iterator[tuple[Source, Rows]]:
     """Yield the rows of the last recording, at best many at a time.
 
-    Where a clock runs to and fro a stretch may be a single row. An earlier recording of many rows
-    is begun, but not one of the thousands that a file can have.
+    Where a clock runs to and fro a stretch may be a single row. Rows of an earlier recording are
+    yielded only if it has very many; a file can hold thousands of short ones.
     """
     held: dict[Source, list[Rows]] = {}
     for source, rows in table.stretches():

@@ -6,7 +6,7 @@ it, so while any is stored the faults are read every few seconds as well. 02 cos
 (some 15 ms); a running stream has to be ended and started again for it (0.3 s without values, 0.5 s
 with a latency timer of 16 ms), so there it is read less often, or not at all.
 
-A unit that refuses 02, or is silent to it, is not asked again before it is connected anew.
+A unit that refuses 02, or is silent to it, is not asked again until the next connection.
 """
 
 from __future__ import annotations

@@ -3,10 +3,9 @@
     with_keys(text, "parameter", "TWAT", {"limits": {"danger_high": 115}, "reference": None})
     without(text, "derived", "LOAD")
 
-A table's new keys stand behind its last one, a new table behind the last one of its entry, or at
-the end of the file. An existing key is replaced where it stands, by tomlkit, which keeps the
-comment behind it. A removed table leaves the comments below its last key: they may belong to the
-next one.
+New keys follow the last key of their table; a new table follows the last table of its entry, or
+ends the file. tomlkit replaces an existing key in its place and keeps the comment on its line. A
+removed table leaves the comments below its last key: they may belong to the next one.
 
 The result is compared with the change made on the parsed tables: a text that means anything else
 is not returned (`CatalogError`), as tomlkit does not master all that TOML allows.

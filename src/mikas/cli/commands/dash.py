@@ -144,10 +144,12 @@ dashboard_options = grouped(
     Text(
         "Opens the dashboard in the browser: live values, charts, faults, memory, recordings. "
         "With --port it connects at once, otherwise on request. No data leave this computer "
-        "unless --lan allows viewing.",
+        "unless you allow phones and other computers to look on: with --lan, or with the switch "
+        "on the screen Connection.",
         "Открывает панель в браузере: живые значения, графики, ошибки, память, записи. С ключом "
-        "--port соединяется сразу, иначе — по нажатию. Данные не покидают этот компьютер, если "
-        "просмотр не разрешён ключом --lan.",
+        "--port соединяется сразу, иначе — по нажатию. Данные не покидают этот компьютер, пока "
+        "вы не пустите телефоны и другие компьютеры: ключом --lan или переключателем на экране "
+        "«Связь».",
     ),
     examples=("mikas dash", "mikas dash --port /dev/ttyUSB0", "mikas dash --lan --no-browser"),
 )
@@ -289,7 +291,7 @@ def _show_address(
 
 
 def _note_encryption(context: CommandContext, access: Access) -> None:
-    """Say by what a phone recognises this computer, or that nothing is encrypted."""
+    """Show the certificate's fingerprint, or warn that nothing is encrypted."""
     if access.fingerprint is None:
         context.say(
             "Warning: --no-tls sends the key of the link and all data in the clear. Whoever is in "

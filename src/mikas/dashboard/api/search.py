@@ -49,9 +49,9 @@ class HitInfo(BaseModel):
 
 
 class FoundResponse(BaseModel):
-    """The first hits, and the `count` of all. `begin`, `end`: the times of what was searched.
+    """The first hits, and the `count` of all. `begin`, `end`: the limits of the searched time.
 
-    `peak_of`: the formula of the peak, of which `lowest` tells the kind; null: nothing is compared.
+    `peak_of`: the formula of the peak, null: nothing is compared; `lowest`: the peak is a minimum.
     """
 
     hits: list[HitInfo]

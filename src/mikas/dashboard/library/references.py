@@ -34,7 +34,7 @@ MODELS: Final = ("7.1", "5.4")
 
 @dataclass(frozen=True, slots=True)
 class _Drive:
-    """What is recorded: `seconds` of a scenario, `rate` sets a second."""
+    """A drive to record: `seconds` of a scenario, `rate` sets of values per second."""
 
     scenario: str
     seconds: float

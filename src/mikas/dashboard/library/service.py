@@ -97,7 +97,7 @@ class RecordingService:
         self._changing = threading.Lock()  # of `_open`
 
     def use_catalog(self, catalog: Catalog) -> None:
-        """Decode by another catalog from here on; what is being read now keeps its own."""
+        """Decode by another catalog; a recording that is being read keeps its own."""
         before, self.catalog = self.catalog, catalog
         if (before.codes, before.models) != (catalog.codes, catalog.models):
             self._summaries.clear()  # they count samples by sizes, and name the unit

@@ -41,7 +41,7 @@ def _digest(text: str) -> str:
 class Client:
     """The sender of a request. `may_control`: whether it may take the lease at all.
 
-    `id` tells clients apart and is never shown; empty: a client without one.
+    `id` distinguishes clients and is never shown; empty: a client without one.
     """
 
     id: str = field(repr=False)

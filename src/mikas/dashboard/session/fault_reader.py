@@ -42,7 +42,7 @@ class FaultReader:
             thread.call(self._read)
 
     def read_first(self, thread: SamplingThread) -> None:
-        """Read soon: a recording has begun."""
+        """Read the faults soon, as a recording has started."""
         if not self._watch.refused:
             thread.call(lambda ecu: self._read(ecu, routine=False))
 

@@ -188,7 +188,7 @@ class Plant:
     def _breathe(self, rpm: float, demand: float) -> tuple[float, float]:
         """Set the manifold's pressure; return mg into a cylinder, kg/h through the air meter.
 
-        A leak joins behind the throttle: the engine gets that air, the meter does not see it.
+        Air from a leak enters downstream of the throttle: the engine gets it, the meter does not.
         """
         before = self.manifold
         if demand <= 0.05:

@@ -44,7 +44,7 @@ class Condition:
     regulator: float = 14.15  # V that it aims at
     starter: float = 1.0  # share of its torque
     thermostat: float = 0.0  # share that it stays open, cold or not
-    leak: float = 0.0  # kg/h of air behind the throttle, past the meter, at full suction
+    leak: float = 0.0  # kg/h of air downstream of the throttle, past the meter, at full suction
     idle_valve: float = 0.0  # steps by which its set position must differ before it moves
     air_meter: float = 1.0  # what it shows, against the true flow
     coolant_sensor: float = 0.0  # °C that it shows too much

@@ -58,7 +58,7 @@ class CarResponse(CarInfo):
 
     @classmethod
     def of(cls, dashboard: Dashboard) -> Self:
-        """Return what is kept of the connected unit."""
+        """Return the kept details of the connected unit's car."""
         version_code, pieces = _unit(dashboard)
         kept = dashboard.cars.of(version_code, pieces)
         shown = kept or CarDetails(workshop=dashboard.cars.workshop)
