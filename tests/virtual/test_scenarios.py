@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from mikas.catalog.loading.source import parse_source
 from mikas.errors import CatalogError, UsageError
 from mikas.virtual.model.engine import Engine
+from mikas.virtual.scenarios.form import CONDITION, START, TIMELINE
 from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS, Scenario, find, from_source, load
 from mikas.virtual.scenarios.timeline import ScenarioTimeline, Track
 
@@ -122,6 +123,11 @@ def test_everything_a_file_can_say() -> None:
         ("duration = 9\n[timeline]\ngear = 2.5", 3, "must be a whole number from 0 to 5"),
         ("duration = 9\n[timeline]\nspeed = [[0, nan]]", 3, "must be a number or points"),
         ("duration = 9\ntimeline = 3", 2, "`timeline` must be a table, as [timeline]"),
+        (
+            "duration = 9\n[condition]\nthrottle_stops = [0, 101]",
+            3,
+            "must be two openings",
+        ),
         ("duration = 9\nfaults = [13, 256]", 2, "must be a list of fault numbers"),
         ("duration = 9\nfaults = 13", 2, "must be a list of fault numbers"),
         ("duration = 9\npassports = ['12345678901234567']", 2, "at most 16 characters"),
@@ -177,7 +183,7 @@ def test_key_changes_are_met_one_after_the_other(
     times = (0.0, *(point * unit for point in points))
     key = Track(times, tuple(float(i % 2) for i in range(len(times))), smooth=False)
     never = Track((0.0,), (0.0,))
-    line = ScenarioTimeline(1000 * unit, loops, loop_from * unit, key, never, never)
+    line = ScenarioTimeline(1000 * unit, loops, loop_from * unit, key, never, never, never)
     now, changes = 0.0, 0
     while (change := line.next_key_change(now)) < inf and changes < 30:
         assert change > now
@@ -219,5 +225,5 @@ def test_the_example_in_the_documentation_works() -> None:
 
 def test_the_documentation_names_every_scenario_and_key() -> None:
     text = DOCS.read_text(encoding="utf-8")
-    for word in (*SCENARIOS, "after_end", "loop_from", "coolant_at_start", "battery", "passports"):
+    for word in (*SCENARIOS, "after_end", "loop_from", "passports", *START, *TIMELINE, *CONDITION):
         assert f"`{word}`" in text

@@ -71,11 +71,11 @@ class Plant:
         self._condition = condition
         self._timeline = timeline
         self._noise = noise_table(seed)
-        self.heat = Heat(start, condition.thermostat)
+        self.heat = Heat(start, condition)
         self.board = Board(start, condition)
-        self.vehicle = Vehicle(timeline.at(0.0), running=start.running)
+        self.vehicle = Vehicle(timeline.at(0.0), condition, running=start.running)
         shown = start.coolant + condition.coolant_sensor
-        self.program = Program(NOTHING, shown, self.heat.intake_air, condition.idle_valve)
+        self.program = Program(NOTHING, shown, self.heat.intake_air, condition)
         self._signals = Signals(shown, self.heat.intake_air)
         self._viscosity = ph.VISCOSITY(start.coolant)
         self._burning = self.key = start.running
@@ -145,7 +145,7 @@ class Plant:
             signals.rpm = rpm
             signals.throttle = self._shown_throttle()
             heard = flow * (1 + 0.006 * table[(number * 3 + 991) % NOISE])
-            signals.air = max(0.0, heard * self._condition.air_meter)
+            signals.air = self._shown_air(heard)
             signals.coolant = self._shown_coolant
             signals.intake_air = self.heat.intake_air
             ripple = 0.02 if rpm > 500 else 0.12 if self.vehicle.starter else 0.005
@@ -185,6 +185,13 @@ class Plant:
         opening, dead = self.vehicle.throttle, self._condition.throttle_dead
         return 0.0 if dead is not None and dead[0] <= opening <= dead[1] else opening
 
+    def _shown_air(self, flow: float) -> float:
+        """Return what the air meter shows: 0 while its connector has no contact."""
+        condition, loose = self._condition, self._condition.air_meter_loose
+        if loose is not None and loose[0] <= self.vehicle.throttle <= loose[1]:
+            return 0.0
+        return max(0.0, flow * condition.air_meter + condition.air_meter_zero)
+
     def _breathe(self, rpm: float, demand: float) -> tuple[float, float]:
         """Set the manifold's pressure; return mg into a cylinder, kg/h through the air meter.
 
@@ -194,8 +201,10 @@ class Plant:
         if demand <= 0.05:
             self.manifold += (1.0 - before) * 0.2
             return 0.0, 0.0
-        metered = ph.throttle_air(self.vehicle.throttle) + self.program.idle.valve * ph.VALVE_FLOW
-        inlet = metered + self._condition.leak
+        condition = self._condition
+        bypass = self.program.idle.valve * ph.VALVE_FLOW * condition.idle_passage
+        metered = ph.throttle_air(self.vehicle.throttle) + bypass
+        inlet = metered + condition.leak
         delay = EMPTYING * 120 / (rpm * ph.FILLING(rpm))
         self.manifold += (ph.manifold(inlet, demand) - before) * STEP / (delay + STEP)
         thick = demand * ph.density(self.heat.intake_air)
@@ -208,7 +217,8 @@ class Plant:
         phase = self.program.phase
         if phase.running or self._burning:
             return True
-        return phase.turned > 1.2 + max(0.0, 60.0 - self.heat.coolant) * 0.03
+        cold = max(0.0, 60.0 - self.heat.coolant) * 0.03
+        return phase.turned > 1.2 + cold + self._condition.fuel_drained / 2
 
     def _turn(self, rpm: float, charge: float, chance: float) -> None:
         """Apply the torques to crankshaft and wheels."""
@@ -225,7 +235,12 @@ class Plant:
             pull = 75.0 * (self.board.voltage / 9.5) * self._condition.starter
             torque += max(0.0, pull - 0.22 * rpm)
         torque -= self.board.step(
-            rpm, key=self.key, starter=car.starter, burning=burning, fan=program.fan
+            rpm,
+            car.consumers,
+            key=self.key,
+            starter=car.starter,
+            burning=burning,
+            fan=program.fan,
         )
         torque -= ph.friction(rpm) * self._viscosity + ph.pumping(self.manifold)
         self.crank = car.turn(self.crank, torque)

@@ -13,6 +13,7 @@ from copy import copy
 from mikas.virtual.model import physics as ph
 from mikas.virtual.model.physics import STEP, LookupTable
 from mikas.virtual.model.sensors import SAFE_RETARD, Lost, Sensors, Signals
+from mikas.virtual.scenarios.scenario import Condition
 
 # Over coolant °C. The speeds are those of the facts about the car: 850 warm, 1100 to 1500 cold.
 TARGET_SPEED = LookupTable(
@@ -221,7 +222,6 @@ class MixtureControl:
 
 
 CRANKING = 6.0  # °
-IDLE = 13.0
 LATEST = -12.0  # most retard by knock
 KNOCK_STEP, KNOCK_BACK = -3.0, 0.8  # ° at once; ° a second
 KNOCK_SHOWN = 0.125  # s that the flag is set
@@ -234,9 +234,10 @@ class SparkControl:
     `advance` contains `correction` (negative, after knock).
     """
 
-    __slots__ = ("_shown", "advance", "correction", "knock", "knock_corrected")
+    __slots__ = ("_idle", "_shown", "advance", "correction", "knock", "knock_corrected")
 
-    def __init__(self) -> None:
+    def __init__(self, idle: float) -> None:
+        self._idle = idle  # ° at the set speed
         self._reset()
 
     def _reset(self) -> None:
@@ -254,7 +255,7 @@ class SparkControl:
         self._control_knock(sensors, limit if firing else 90.0, filling)
         if sensors.throttle < 1.0:
             error = phase.target_speed - sensors.rpm
-            goal = IDLE + max(-2.8, min(2.8, 0.05 * error))
+            goal = self._idle + max(-2.8, min(2.8, 0.05 * error))
             goal += max(0.0, min(16.0, -0.015 * (error + 150)))  # coasting
         else:
             goal = min(42.0, ph.base_advance(sensors.rpm, filling))
@@ -282,19 +283,19 @@ PARKED = 40.0  # position of the idle valve before it is first driven
 class Program:
     """One control unit."""
 
-    __slots__ = ("_sticks", "fan", "idle", "mixture", "phase", "sensors", "spark")
+    __slots__ = ("_condition", "fan", "idle", "mixture", "phase", "sensors", "spark")
 
-    def __init__(self, lost: Lost, coolant: float, intake_air: float, sticks: float = 0.0) -> None:
-        self._sticks = sticks  # of the idle valve
+    def __init__(self, lost: Lost, coolant: float, intake_air: float, condition: Condition) -> None:
+        self._condition = condition
         self._begin(lost, coolant, intake_air, PARKED)
 
     def _begin(self, lost: Lost, coolant: float, intake_air: float, valve: float) -> None:
         self.fan = False
         self.sensors = Sensors(lost, coolant, intake_air)
         self.phase = Phase(coolant, intake_air)
-        self.idle = IdleControl(self.phase, valve, self._sticks)
+        self.idle = IdleControl(self.phase, valve, self._condition.idle_valve)
         self.mixture = MixtureControl(self.phase)
-        self.spark = SparkControl()
+        self.spark = SparkControl(self._condition.idle_advance)
 
     def fork(self) -> Program:
         """Return an independent copy."""

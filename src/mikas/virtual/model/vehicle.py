@@ -27,10 +27,10 @@ THERMOSTAT = (80.0, 92.0)  # °C: begins to open, fully open
 class Heat:
     """Temperatures: `coolant`, and `intake_air` at its sensor."""
 
-    __slots__ = ("_least_open", "ambient", "coolant", "intake_air")
+    __slots__ = ("_condition", "ambient", "coolant", "intake_air")
 
-    def __init__(self, start: Start, least_open: float = 0.0) -> None:
-        self._least_open = least_open  # the thermostat's share that never closes
+    def __init__(self, start: Start, condition: Condition) -> None:
+        self._condition = condition
         self.ambient = start.ambient
         self.coolant = start.coolant
         self.intake_air = self._steady_air(14.0, 0.0) if start.running else start.ambient
@@ -39,9 +39,10 @@ class Heat:
         """Advance by `seconds` with `fuel` in l/h, `air` in kg/h, `speed` in m/s."""
         burnt = fuel * ph.PETROL / 3600 * ph.PETROL_HEAT * 1e6  # W
         open_share = (self.coolant - THERMOSTAT[0]) / (THERMOSTAT[1] - THERMOSTAT[0])
-        radiator = max(self._least_open, min(1.0, open_share)) * (
+        radiator = max(self._condition.thermostat, min(1.0, open_share)) * (
             12 + (110 if fan else 0) + 28 * speed
         )
+        radiator *= self._condition.radiator
         lost = (self.coolant - self.ambient) * (16 + 1.2 * speed + radiator)
         lost += max(0.0, self.coolant - BOILING) * 4000
         self.coolant += (burnt * TO_COOLANT - lost) / HEAT_CAPACITY * seconds
@@ -64,12 +65,17 @@ class Board:
         cold = max(0.0, 20.0 - start.ambient)
         self._resistance = 0.0125 * (1 + 0.006 * cold) / start.battery  # Ohm
         self._rest = 12.75 - 0.006 * cold - 0.8 * (1 - start.battery)
+        self._rest -= EMPTYING * start.discharged
         self._deficit = 0.0 if start.running else 1.0  # Ah to recharge
+        self._deficit += start.discharged
         self.voltage = 14.0 if start.running else self._rest
 
-    def step(self, rpm: float, *, key: bool, starter: bool, burning: bool, fan: bool) -> float:
+    def step(
+        self, rpm: float, consumers: float, *, key: bool, starter: bool, burning: bool, fan: bool
+    ) -> float:
         """Advance one step; return the alternator's torque on the crankshaft, Nm."""
         used = (9.0 if key else 0.1) + (14.0 if burning else 0.0) + (13.0 if fan else 0.0)
+        used += consumers
         torque = 0.0
         if rpm > 500 and key and not starter:
             supply = min(65.0, 34.0 + (rpm - 850) * 0.018)
@@ -111,7 +117,7 @@ def resistance(speed: float) -> float:
 
 
 class Vehicle:
-    """Body, gearbox and driver. `throttle`, `starter` and `load` act on the engine."""
+    """Body, gearbox and driver. `throttle`, `starter`, `load`, `consumers` act on the engine."""
 
     __slots__ = (
         "_foot",
@@ -120,8 +126,10 @@ class Vehicle:
         "_shifting",
         "_stalled",
         "_starting",
+        "_stops",
         "_was_running",
         "brake",
+        "consumers",
         "gear",
         "load",
         "speed",
@@ -129,12 +137,14 @@ class Vehicle:
         "throttle",
     )  # fmt: skip
 
-    def __init__(self, first: Inputs, *, running: bool) -> None:
+    def __init__(self, first: Inputs, condition: Condition, *, running: bool) -> None:
+        self._stops = condition.throttle_stops  # % between which the throttle can move
         self.speed = (first.speed or 0.0) / 3.6
         self.gear = 0
         self.throttle = 0.0
         self.starter = False
         self.load = 0.0
+        self.consumers = 0.0  # A
         self.brake = 0.0  # N
         self._foot = 0.0
         self._hill = 0.0  # m/s², the road's ups and downs
@@ -148,7 +158,7 @@ class Vehicle:
         self, inputs: Inputs, rpm: float, coolant: float, *, alive: bool, road: float
     ) -> None:
         """Advance the driver one step. `alive`: the engine can run; `road`: a random number."""
-        self.load = inputs.load
+        self.load, self.consumers = inputs.load, inputs.consumers
         restart = self._restart(inputs, rpm, alive)
         self.starter = inputs.key and rpm < START_DONE and (inputs.starter or restart)
         self._rolling_road = inputs.speed is not None and inputs.throttle is not None
@@ -166,7 +176,8 @@ class Vehicle:
         if inputs.throttle is not None:
             goal = inputs.throttle
         self._foot += (goal - self._foot) * (STEP / (0.15 + STEP))
-        self.throttle = self._foot if self._foot > 0.3 else 0.0
+        closed, widest = self._stops
+        self.throttle = max(closed, min(widest, self._foot if self._foot > 0.3 else 0.0))
 
     def turn(self, omega: float, torque: float) -> float:
         """Advance crankshaft and wheels one step under `torque`; return the crank speed."""

@@ -47,6 +47,17 @@ def number(low: float, high: float, *, whole: bool = False) -> Callable[[object]
     return read
 
 
+def openings(value: object) -> tuple[float, float]:
+    """Return two openings of the throttle in %, the smaller first."""
+    low, high = span(value)
+    if not 0 <= low <= high <= 100:
+        raise usage_error(
+            "must be two openings from 0 to 100 %, [from, to]",
+            "нужны два открытия от 0 до 100 %: [от, до]",
+        )
+    return low, high
+
+
 def track(low: float, high: float, *, smooth: bool = True) -> Reader:
     """Return a reader of one number, or of points `[second, value]` in the order of time."""
     in_range = number(low, high, whole=not smooth)
@@ -135,11 +146,13 @@ START: Schema = {
     "coolant_at_start": number(-40, 120),
     "running": boolean,
     "battery": number(0.3, 1),
+    "discharged": number(0, 45),
 }
 TIMELINE: Schema = {
     "key": track(0, 1, smooth=False),
     "starter": track(0, 1, smooth=False),
     "load": track(0, 100),
+    "consumers": track(0, 60),
     "throttle": track(0, 100),
     "gear": track(0, 5, smooth=False),
     "speed": track(0, 200),
@@ -148,12 +161,19 @@ CONDITION: Schema = {
     "alternator": number(0, 1),
     "regulator": number(12, 18),
     "starter": number(0.2, 1),
+    "fuel_drained": number(0, 60),
     "thermostat": number(0, 1),
+    "radiator": number(0, 1),
     "leak": number(0, 30),
     "idle_valve": number(0, 60),
+    "idle_passage": number(0.1, 1),
+    "idle_advance": number(-5, 40),
     "air_meter": number(0.3, 2),
+    "air_meter_zero": number(0, 20),
+    "air_meter_loose": openings,
     "coolant_sensor": number(-40, 40),
-    "throttle_dead": span,
+    "throttle_dead": openings,
+    "throttle_stops": openings,
     "knock": number(0, 20),
 }
 FORM: Schema = {

@@ -31,6 +31,7 @@ class Start:
     coolant_at_start: float = ROOM
     running: bool = False
     battery: float = 1.0  # health: the lower, the deeper the dip while the starter turns
+    discharged: float = 0.0  # Ah taken from the battery
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,12 +44,19 @@ class Condition:
     alternator: float = 1.0  # share of its current; 0: it gives nothing
     regulator: float = 14.15  # V that it aims at
     starter: float = 1.0  # share of its torque
+    fuel_drained: float = 0.0  # turns of the crankshaft until the petrol has its pressure again
     thermostat: float = 0.0  # share that it stays open, cold or not
+    radiator: float = 1.0  # share of its cooling
     leak: float = 0.0  # kg/h of air downstream of the throttle, past the meter, at full suction
     idle_valve: float = 0.0  # steps by which its set position must differ before it moves
+    idle_passage: float = 1.0  # share of the air that the idle valve lets through: deposits
+    idle_advance: float = 13.0  # ° that the program aims at while the engine idles
     air_meter: float = 1.0  # what it shows, against the true flow
+    air_meter_zero: float = 0.0  # kg/h that it shows too much, as with a bad ground
+    air_meter_loose: tuple[float, float] | None = None  # % of throttle between which it shows 0
     coolant_sensor: float = 0.0  # °C that it shows too much
     throttle_dead: tuple[float, float] | None = None  # % between which its sensor shows 0
+    throttle_stops: tuple[float, float] = (0.0, 100.0)  # % between which its plate can move
     knock: float = 0.0  # ° by which the engine knocks earlier: bad petrol, deposits
 
 
@@ -110,7 +118,7 @@ def find(name: str) -> Scenario:
 
 
 def _timeline(form: dict[str, Any]) -> ScenarioTimeline:
-    tracks = {"key": _always(1), "starter": _always(0), "load": _always(0)}
+    tracks = {"key": _always(1)} | dict.fromkeys(("starter", "load", "consumers"), _always(0))
     return ScenarioTimeline(
         duration=form["duration"],
         loops=form.get("after_end") == "loop",

@@ -24,7 +24,9 @@ class Track:
 
     def at(self, time: float) -> float:
         """Return the value at `time`; outside the points that of the nearest."""
-        index = bisect_right(self.times, time) if len(self.times) > 1 else 1
+        if len(self.times) == 1:
+            return self.values[0]
+        index = bisect_right(self.times, time)
         if index == 0:
             return self.values[0]
         before = self.values[index - 1]
@@ -44,6 +46,7 @@ class Inputs(NamedTuple):
     speed: float | None  # km/h: the driver's goal, or that of the rolling road
     soon: float  # `speed` a second later
     load: float  # Nm taken from the crankshaft
+    consumers: float  # A of lights, heater and radio
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +59,7 @@ class ScenarioTimeline:
     key: Track
     starter: Track
     load: Track
+    consumers: Track
     throttle: Track | None = None
     gear: Track | None = None
     speed: Track | None = None
@@ -81,6 +85,7 @@ class ScenarioTimeline:
             None if speed is None else speed.at(place),
             0.0 if speed is None else speed.at(self.place(time + 1.0)),
             self.load.at(place),
+            self.consumers.at(place),
         )
 
     def key_on(self, time: float) -> bool:
