@@ -222,7 +222,9 @@ def test_a_sound_car_is_good(test: str) -> None:
         assert "{" not in language
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.test}-{'-'.join(case.found)}")
+@pytest.mark.parametrize(
+    "case", CASES, ids=lambda case: f"{case.test}-{'-'.join(sorted(case.found))}"
+)
 def test_a_fault_is_found_and_no_other(case: Case) -> None:
     result = judged(case.test, rows_of(case.test, *case[3:]))
     assert (result.outcome, rules(result)) == (case.outcome, case.found), result.as_text().en
