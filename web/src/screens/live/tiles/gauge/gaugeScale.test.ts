@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Channel } from "../../../../lib/api/types";
-import { arc, bandsOf, beyond, rangeOf, share } from "./gaugeScale";
+import { arc, bandsOf, beyond, dash, rangeOf, share, turned } from "./gaugeScale";
 
 const channel = (about: Partial<Channel>): Channel => about as Channel;
 
@@ -48,5 +48,10 @@ describe("its bands", () => {
     expect(share(-3, range)).toBe(0);
     expect(arc(0, 1, 80)).toContain("A80 80 0 1 1");
     expect(arc(0, 0.5, 80)).toContain("A80 80 0 0 1");
+  });
+
+  it("show a part of the arc as a dash, and turn the needle", () => {
+    expect(dash(0.25, 0.75)).toBe("0 0.2500 0.5000 1");
+    expect([0, 0.5, 1].map((at) => turned(at))).toEqual(["rotate(0.00 100 92)", "rotate(120.00 100 92)", "rotate(240.00 100 92)"]);
   });
 });

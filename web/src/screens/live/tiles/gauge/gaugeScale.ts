@@ -59,6 +59,12 @@ export function arc(from: number, to: number, radius: number, x = 100, y = 92): 
   return `M${point(from, radius, x, y)}A${radius} ${radius} 0 ${large} 1 ${point(to, radius, x, y)}`;
 }
 
+/** The dash pattern that shows only this part of the whole arc, if its `pathLength` is 1. */
+export const dash = (from: number, to: number): string => `0 ${from.toFixed(4)} ${(to - from).toFixed(4)} 1`;
+
+/** The transform that turns what stands at the arc's start to this share. */
+export const turned = (at: number, x = 100, y = 92): string => `rotate(${(SWEEP * at).toFixed(2)} ${x} ${y})`;
+
 /** A mark across the arc. */
 export const tick = (at: number, inner: number, outer: number, x = 100, y = 92): string =>
   `M${point(at, inner, x, y)}L${point(at, outer, x, y)}`;
