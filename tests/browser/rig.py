@@ -318,6 +318,13 @@ class Tab:
     def says(self, text: str) -> None:
         expect(self.page.get_by_text(text).first).to_be_visible()
 
+    def comes_first(self, name: str) -> None:
+        """Waits until the channel comes first. The page asks: whoever waits on the live line is
+        one more viewer, and beside another viewer a page requests only what a person selects.
+        """
+        asked = "async name => (await (await fetch('/api/state')).json()).plan.first.includes(name)"
+        self.until(asked, name)
+
     def until(self, function: str, given: object = None):
         """Waits for what the function gives to be true in the page; gives that.
 

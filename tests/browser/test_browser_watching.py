@@ -33,7 +33,7 @@ def record(dash):
 def test_an_alarm_stays_when_another_preset_is_chosen(car, visitor):
     tab = visitor(car.url).show("live")
     alarm = tab.find("header[data-line]").get_by_role("button", name="1 alarm")
-    car.until(lambda: "TWAT" in first(car))
+    tab.comes_first("TWAT")
     car.garage.set("TWAT", HOT)
     expect(alarm).to_be_visible()
     tab.page.get_by_role("tab", name="Fuel").click()

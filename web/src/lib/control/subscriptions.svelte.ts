@@ -15,6 +15,8 @@ import type { State, Wanted } from "../api/types";
 class Subscriptions {
   private preset = $state.raw<readonly string[]>([]);
   private chart = $state.raw<readonly string[]>([]);
+  /** A person's selection waits for the connection or for the catalog: it still may take free control beside other pages. */
+  private waiting = false;
 
   /** A preset is on the screen; `chosen`: a person has just selected it. */
   setPreset(names: readonly string[], chosen: boolean): void {
@@ -52,10 +54,13 @@ class Subscriptions {
 
   private async update(chosen: boolean): Promise<void> {
     const state = live.state;
-    if (!state || live.link !== "open" || !control.allowed || this.names.length === 0) return;
+    const open = live.link === "open" && state !== null;
+    this.waiting = (this.waiting || chosen) && (!open || control.allowed);
+    if (!open || !control.allowed || this.names.length === 0) return;
     // A channel was added or deleted just now: the page's catalog or its state is not the present one yet.
     if (catalog.loaded?.version !== state.catalog) return;
-    if (!chosen && !control.mine && (state.viewers > 1 || state.line === "off")) return;
+    if (!this.waiting && !control.mine && (state.viewers > 1 || state.line === "off")) return;
+    this.waiting = false;
     const { names } = this;
     const wanted = planWith(names, state);
     try {

@@ -1,6 +1,9 @@
-import { describe, expect, it } from "vitest";
-import { isSame, planWith, supportedNames } from "./subscriptions.svelte";
-import type { State } from "../api/types";
+import { afterEach, beforeEach, describe, expect, it, vi, type MockInstance } from "vitest";
+import { isSame, planWith, subscriptions, supportedNames } from "./subscriptions.svelte";
+import { api } from "../api/api";
+import { catalog } from "../api/catalog.svelte";
+import { live } from "../live/live.svelte";
+import type { Catalog, State } from "../api/types";
 
 const state = (names: string[]): State =>
   ({ plan: { wanted: names.map((name) => ({ name, every: name === "TWAT" ? 10 : 1, cycles: 5 })) } }) as unknown as State;
@@ -26,4 +29,57 @@ it("isSame compares names in any order", () => {
 
 it("supportedNames leaves out unsupported channels", () => {
   expect(supportedNames([{ name: "FREQ" }, { name: "UOZ" }], { dropped_parameters: ["UOZ"] })).toEqual(["FREQ"]);
+});
+
+describe("a selection beside another page", () => {
+  const free = { line: "sampling", viewers: 2, catalog: "2", rights: "control", controller: null, dropped_parameters: [] };
+  const now = (change: Partial<State> = {}): State =>
+    ({ ...free, plan: { wanted: [{ name: "UGB" }, { name: "TWAT" }], first: ["UGB"] }, ...change }) as unknown as State;
+  const loaded = (version: string): Catalog =>
+    ({ version, parameters: [{ name: "UGB" }, { name: "TWAT" }], derived: [], presets: [] }) as unknown as Catalog;
+  let first: MockInstance<typeof api.first>;
+
+  beforeEach(() => {
+    first = vi.spyOn(api, "first").mockResolvedValue(now());
+    live.link = "open";
+    live.state = now();
+    catalog.loaded = loaded("2");
+  });
+  afterEach(() => {
+    subscriptions.setPreset([], false);
+    live.link = "connecting";
+    live.state = catalog.loaded = null;
+  });
+
+  it("is requested at once, and what the page shows by itself is not", () => {
+    subscriptions.setPreset(["TWAT"], false);
+    expect(first).not.toHaveBeenCalled();
+    subscriptions.setPreset(["TWAT"], true);
+    expect(first.mock.calls).toEqual([[["TWAT"]]]);
+  });
+
+  it.each([
+    ["the connection", () => (live.link = "lost"), () => (live.link = "open")],
+    ["the state", () => (live.state = null), () => (live.state = now())],
+    ["the catalog", () => (catalog.loaded = null), () => (catalog.loaded = loaded("2"))],
+    ["the catalog of the state", () => (catalog.loaded = loaded("1")), () => (catalog.loaded = loaded("2"))],
+  ])("waits for %s, and is requested once", (_, before, after) => {
+    before();
+    subscriptions.setPreset(["TWAT"], true);
+    subscriptions.setPreset(["TWAT"], false); // the screen shows it
+    subscriptions.watch();
+    expect(first).not.toHaveBeenCalled();
+    after();
+    subscriptions.watch();
+    subscriptions.watch();
+    expect(first.mock.calls).toEqual([[["TWAT"]]]);
+  });
+
+  it("does not wait for another client to give control back", () => {
+    live.state = now({ controller: { you: false } as State["controller"] });
+    subscriptions.setPreset(["TWAT"], true);
+    live.state = now();
+    subscriptions.watch();
+    expect(first).not.toHaveBeenCalled();
+  });
 });
