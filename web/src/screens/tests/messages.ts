@@ -66,6 +66,15 @@ export const t = dictionary({
     en: "Tests of your own: .toml files in {folder}",
     ru: "Свои проверки: файлы .toml в папке {folder}",
   },
+  measures_live: {
+    en: "A test measures the car on the line, not the open recording",
+    ru: "Проверка измеряет машину на линии, а не открытую запись",
+  },
+  over_recording: {
+    en: "To test a recording, on a terminal: mikas test idle --recording FILE",
+    ru: "Проверка по записи – в терминале: mikas test idle --recording ФАЙЛ",
+  },
+  to_live: { en: "Back to live", ru: "К текущим данным" },
   without: { en: "A test needs values of the car.", ru: "Для проверки нужны данные машины." },
   gone: { en: "This result is no longer kept.", ru: "Этот результат больше не хранится." },
 });
