@@ -13,7 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from fastapi import FastAPI
+from fastapi import APIRouter, FastAPI
 
 from mikas.dashboard import page
 from mikas.dashboard.api import (
@@ -52,6 +52,13 @@ Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 _PARTS = (catalog, editing, values, connection, diagnosis, live, network, unit,
           freeze_frames, guided_tests, memory, dumps, changes, recordings,
           references, cars, exports, report, search)  # fmt: skip
+
+# Of all applications of the process: FastAPI analyses the routes of a router when it is first asked
+# for one, which takes longer than any request.
+_API = APIRouter(prefix="/api")
+for _part in _PARTS:
+    _API.include_router(_part.router)
+_API.include_router(page.docs_router)
 
 
 class _Application(FastAPI):
@@ -98,15 +105,13 @@ def create_app(
         redoc_url=None,
         openapi_url="/api/openapi.json",
         lifespan=lifespan,
+        routes=_API.routes,
     )
     app.state.dashboard = dashboard
     app.state.access = access
     app.state.sharing = Sharing(dashboard, access, certificate)
     app.state.broadcaster = live.Broadcaster(dashboard)
     errors.install(app)
-    for part in _PARTS:
-        app.include_router(part.router, prefix="/api")
-    app.include_router(page.docs_router, prefix="/api")
     app.include_router(page.router(folder, dashboard.settings.language))
     app.add_middleware(AccessMiddleware, access=access)
     return app
